@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import Numbers, Row, of_robot

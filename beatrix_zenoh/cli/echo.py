@@ -20,8 +20,8 @@ from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
 from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.camera import START_S, CameraImage, images
 from beatrix_zenoh.client.readings import reading
-from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.subscription import Arrival
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer

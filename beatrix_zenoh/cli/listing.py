@@ -13,9 +13,9 @@ from beatrix_zenoh.cli.output import columns, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.readings import RobotInfo
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.request import infos as answered_infos
 from beatrix_zenoh.client.robot_state import Presence
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.silence import title
 from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, FollowState, Info, Status
 from beatrix_zenoh.settings import resolve
@@ -75,7 +75,7 @@ def look_up(client: Client) -> list[ListedRobot]:
 
 def listed(client: Client, monitor: Monitor) -> list[ListedRobot]:
     """Return the robots that a monitor reports, with their replies, in the order of `look_up`."""
-    infos = client.infos()
+    infos = answered_infos(client)
     monitor.settle()
     robots = [robot for robot in monitor.robots() if robot.status or robot.presence is not Presence.ABSENT]
     return [

@@ -13,8 +13,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.client.request import Place
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import ProgramInfo

@@ -13,9 +13,8 @@ from beatrix_zenoh.cli.options import Connect, Json, Who
 from beatrix_zenoh.cli.output import STDOUT, columns, print_json, say
 from beatrix_zenoh.client.monitor import Monitor, Seats, SeatStops, stops_by_seat
 from beatrix_zenoh.client.readings import HeadAngles
-from beatrix_zenoh.client.request import Place
 from beatrix_zenoh.client.robot_state import Presence, RobotState
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.settings import Settings, resolve
 
 if TYPE_CHECKING:

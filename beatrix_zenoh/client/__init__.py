@@ -9,11 +9,11 @@ from beatrix_zenoh.client.clocks import clock_offset as clock_offset
 from beatrix_zenoh.client.clocks import clock_offsets as clock_offsets
 from beatrix_zenoh.client.monitor import Monitor as Monitor
 from beatrix_zenoh.client.motion import Motion as Motion
-from beatrix_zenoh.client.request import Place as Place
 from beatrix_zenoh.client.robot import Robot as Robot
 from beatrix_zenoh.client.robot_state import Presence as Presence
 from beatrix_zenoh.client.robot_state import RobotState as RobotState
 from beatrix_zenoh.client.session import Client as Client
+from beatrix_zenoh.client.session import Place as Place
 from beatrix_zenoh.client.subscription import Arrival as Arrival
 from beatrix_zenoh.client.subscription import Subscription as Subscription
 from beatrix_zenoh.client.twin.plan import Plan as Plan

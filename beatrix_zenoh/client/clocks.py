@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from typing import NamedTuple
 
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Clock
@@ -75,7 +76,7 @@ def _round_trip(client: Client, robot: str, twin: str, timeout_s: float) -> Offs
     """Return the offsets from one query, assuming that the robot reads its clocks half-way between query and reply."""
     key = keys.clock(robot, twin)
     asked_wall, asked_mono = time.time_ns(), time.monotonic_ns()
-    clock = client.ask(robot, twin, key, None, Clock, timeout_s)
+    clock = ask(client, (robot, twin), key, None, Clock, timeout_s)
     heard_mono, heard_wall = time.monotonic_ns(), time.time_ns()
     bound = (heard_mono - asked_mono) / 2e9
     wall = Offset((2 * clock.t_wall_ns - asked_wall - heard_wall) / 2e9, bound)

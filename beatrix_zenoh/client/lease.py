@@ -7,20 +7,18 @@ import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.queries import checked_number
-from beatrix_zenoh.client.request import Place, Request
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.request import Request
+from beatrix_zenoh.client.request import ask as ask_robot
+from beatrix_zenoh.client.robot_base import RobotBase
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage
-
-if TYPE_CHECKING:
-    from beatrix_zenoh.client.robot import Robot
-
 
 ANSWER_S = 2.0
 """Time limit (s) of the reply of each robot."""
@@ -38,7 +36,7 @@ class Lease(ProcessBound):
     Motions carry the number of the lease, so that the robot refuses those of a lease that has ended.
     """
 
-    def __init__(self, robot: Robot, wait_s: float) -> None:
+    def __init__(self, robot: RobotBase, wait_s: float) -> None:
         self._robot = robot
         self.number = take(robot, wait_s)
         robot.lease_number = self.number
@@ -58,7 +56,7 @@ class Lease(ProcessBound):
         self.close()
 
 
-def take(robot: Robot, wait_s: float) -> int:
+def take(robot: RobotBase, wait_s: float) -> int:
     """Take a robot, wait for it up to `wait_s` (s) if necessary, and return the number of the lease; raises Refused."""
     reply = ask(robot, LeaseAction.WAIT if wait_s > 0 else LeaseAction.TAKE)
     if reply.lease:
@@ -75,7 +73,7 @@ def take(robot: Robot, wait_s: float) -> int:
     return ask(robot, LeaseAction.TAKE).lease
 
 
-def _wait_for_turn(robot: Robot, holder: str, deadline_s: float) -> str:
+def _wait_for_turn(robot: RobotBase, holder: str, deadline_s: float) -> str:
     """Wait for the lease; return "", or the seat that still holds the robot at `deadline_s` (monotonic clock, s).
 
     The robot removes the seat from its queue when its node restarts, the session is disconnected, or another program
@@ -98,27 +96,27 @@ def _wait_for_turn(robot: Robot, holder: str, deadline_s: float) -> str:
     return holder
 
 
-def freeze(robot: Robot) -> LeaseReply:
+def freeze(robot: RobotBase) -> LeaseReply:
     """Stop a robot and let only the teacher move it; raises Refused (TEACHER_ONLY) for other seats."""
     return ask(robot, LeaseAction.FREEZE)
 
 
-def unfreeze(robot: Robot) -> LeaseReply:
+def unfreeze(robot: RobotBase) -> LeaseReply:
     """Let every seat move a robot again; raises the errors of `freeze`."""
     return ask(robot, LeaseAction.UNFREEZE)
 
 
-def limit_speed(robot: Robot, speed: float | None) -> LeaseReply:
+def limit_speed(robot: RobotBase, speed: float | None) -> LeaseReply:
     """Limit the speed of every arm to `speed` (deg/s; None ends the limit); raises Refused, or WrongUsage for 0."""
     return ask(robot, LeaseAction.LIMIT, 0.0 if speed is None else limit_of(speed))
 
 
-def mute(robot: Robot, seat: str) -> LeaseReply:
+def mute(robot: RobotBase, seat: str) -> LeaseReply:
     """Let a seat only watch a robot: its motion and its lease end, and its requests are refused; raises as `freeze`."""
     return ask(robot, LeaseAction.MUTE, seat=seat)
 
 
-def unmute(robot: Robot, seat: str) -> LeaseReply:
+def unmute(robot: RobotBase, seat: str) -> LeaseReply:
     """End the mute of a seat; raises the errors of `freeze`."""
     return ask(robot, LeaseAction.UNMUTE, seat=seat)
 
@@ -134,11 +132,11 @@ def limit_of(speed: float) -> float:
     return math.radians(speed)
 
 
-def ask(robot: Robot, action: LeaseAction, speed: float = 0.0, seat: str = "") -> LeaseReply:
+def ask(robot: RobotBase, action: LeaseAction, speed: float = 0.0, seat: str = "") -> LeaseReply:
     """Send a lease query; `speed` (rad/s) is for LIMIT, `seat` for MUTE and UNMUTE. Raises Refused or NoAnswer."""
     key = keys.lease(robot.name, robot.twin, robot.client.settings.who)
     query = LeaseQuery(action=action, speed=speed, seat=seat)
-    reply = robot.client.ask(*robot.place, key, query, LeaseReply, robot.timeout_s)
+    reply = ask_robot(robot.client, robot.place, key, query, LeaseReply, robot.timeout_s)
     if not reply.result:
         raise Refused(reply.reason, reply.message, reply.detail)
     return reply

@@ -8,9 +8,9 @@ from typing import NamedTuple, Self
 
 from beatrix_zenoh.bus import ProcessBound, Received, Reply
 from beatrix_zenoh.client.clocks import Offsets, clock_offsets
-from beatrix_zenoh.client.request import Place, own_place
+from beatrix_zenoh.client.request import own_place
 from beatrix_zenoh.client.robot_state import Record, RobotState
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.subscription import Wakeup
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys

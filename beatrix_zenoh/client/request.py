@@ -7,19 +7,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import Generic, TypeVar
 
 import msgspec
 
 from beatrix_zenoh.bus import Query, Reply
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.silence import Unanswered
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply
+from beatrix_zenoh.contract._generated.messages import CommandReply, Info, MotionReply
 from beatrix_zenoh.contract.errors import NoAnswer
-
-if TYPE_CHECKING:
-    from beatrix_zenoh.client.session import Client
 
 STALE_S = 0.02
 """Time (s) after the restart of a node in which queries of an open session may reach no queryable (zenoh#2767)."""
@@ -28,8 +26,6 @@ LATE_S = 2.0
 LOSS_CHECK_S = 0.5
 """Period (s) of the check for a lost router: Zenoh does not end a query sent just before it notices the loss."""
 M = TypeVar("M", bound=msgspec.Struct)
-Place = tuple[str, str]
-"""Name and twin of a robot."""
 
 
 def own_place(asked: str, answered: str) -> Place | None:
@@ -180,3 +176,24 @@ class GroupRequest(Generic[M]):
     def close(self) -> None:
         """Receive no more replies."""
         self._query.close()
+
+
+def ask(
+    client: Client, place: Place, key: str, request: msgspec.Struct | None, kind: type[M], timeout_s: float
+) -> M:
+    """Query one robot and return its reply.
+
+    Raises:
+        NoAnswer: the reason that `silence` finds; if the robot is not on line, the message names those that are.
+        WrongUsage: SHUTDOWN, the client was closed.
+    """
+    query = Request(client, place, key, request, timeout_s)
+    try:
+        return query.next(kind, timeout_s)
+    finally:
+        query.close()
+
+
+def infos(client: Client, timeout_s: float = 1.0) -> dict[Place, Info]:
+    """Return the info of every robot that answers within `timeout_s` (s)."""
+    return dict(GroupRequest(client, keys.info("*", "*"), None, Info, timeout_s).replies(timeout_s))

@@ -18,7 +18,7 @@ from beatrix_zenoh.client.queries import (
     pose_query,
     true_or_false,
 )
-from beatrix_zenoh.client.request import Request
+from beatrix_zenoh.client.request import Request, ask
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.slips import value_method
 from beatrix_zenoh.client.stopping import SentStop, publish_stop
@@ -120,7 +120,7 @@ class Robot(RobotBase):
             command=command.value, value=true_or_false("value", value), source=self.client.source
         )
         timeout_s = self.timeout_s if timeout_s is None else checked_seconds("timeout_s", timeout_s)
-        return checked(self.client.ask(*self.place, key, query, CommandReply, timeout_s))
+        return checked(ask(self.client, self.place, key, query, CommandReply, timeout_s))
 
     @value_method
     def lease(self, wait_s: float = 0.0) -> Lease:
@@ -141,7 +141,7 @@ class Robot(RobotBase):
         """
         query = FollowQuery(follow=true_or_false("on", on), source=self.client.source)
         key = keys.follow(self.name, self.client.settings.who)
-        return checked(self.client.ask(self.name, "sim", key, query, CommandReply, self.timeout_s))
+        return checked(ask(self.client, (self.name, "sim"), key, query, CommandReply, self.timeout_s))
 
     # -- scene of the simulation ----------------------------------------------------------------
 
@@ -166,7 +166,9 @@ class Robot(RobotBase):
 
     def _ask_target(self, query: TargetQuery | None) -> TargetReply:
         """Query the simulation of this name, because hardware has no scene."""
-        return self.client.ask(self.name, "sim", keys.target(self.name), query, TargetReply, self.timeout_s)
+        return ask(
+            self.client, (self.name, "sim"), keys.target(self.name), query, TargetReply, self.timeout_s
+        )
 
     # -- motions --------------------------------------------------------------------------------
 

@@ -9,8 +9,8 @@ from beatrix_zenoh.client import camera, subscription
 from beatrix_zenoh.client.camera import CameraImage
 from beatrix_zenoh.client.queries import checked_seconds
 from beatrix_zenoh.client.readings import Reading, RobotInfo, reading, robot_info
-from beatrix_zenoh.client.request import Place
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.request import ask
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.subscription import SILENCE_S, Subscription, message
 from beatrix_zenoh.contract import names
@@ -58,19 +58,19 @@ class RobotBase(ProcessBound, Suggesting):
     def positions(self) -> Reading:
         """Query the current position, in degrees; raises NoAnswer with the cause if the robot does not answer."""
         key = keys.positions(self.name, self.twin)
-        return reading(self.client.ask(*self.place, key, None, Positions, self.timeout_s))
+        return reading(ask(self.client, self.place, key, None, Positions, self.timeout_s))
 
     @value_method
     def status(self) -> Status:
         """Query the status: enabled, calibrated, holder, faults and more; raises the errors of `positions`."""
         key = keys.status(self.name, self.twin)
-        return self.client.ask(*self.place, key, None, Status, self.timeout_s)
+        return ask(self.client, self.place, key, None, Status, self.timeout_s)
 
     @value_method
     def info(self) -> RobotInfo:
         """Query versions, limits and geometry (deg) and keys of the robot; raises the errors of `positions`."""
         key = keys.info(self.name, self.twin)
-        return robot_info(self.client.ask(*self.place, key, None, Info, self.timeout_s))
+        return robot_info(ask(self.client, self.place, key, None, Info, self.timeout_s))
 
     @value_method
     def stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Reading]:
@@ -109,7 +109,7 @@ class RobotBase(ProcessBound, Suggesting):
     def past_events(self) -> list[Event]:
         """Query the newest events of the robot, at most 200, oldest first; raises the errors of `positions`."""
         key = keys.events(self.name, self.twin)
-        return self.client.ask(*self.place, key, None, Events, self.timeout_s).events
+        return ask(self.client, self.place, key, None, Events, self.timeout_s).events
 
     def close(self) -> None:
         """Close the session, so that the robot stops a running motion of this object; a shared session stays open."""

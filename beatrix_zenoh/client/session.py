@@ -17,14 +17,15 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import CLOSED, Bus, Incoming, ProcessBound, Reply
 from beatrix_zenoh.client import tolerance
-from beatrix_zenoh.client.request import GroupRequest, Place, Request
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Info, Reason, Source
+from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.settings import Settings
 
 LOG = logging.getLogger("beatrix_zenoh.client")
 M = TypeVar("M", bound=msgspec.Struct)
+Place = tuple[str, str]
+"""Name and twin of a robot."""
 
 
 class Client(ProcessBound):
@@ -89,21 +90,6 @@ class Client(ProcessBound):
         incoming.reply(self._description, *incoming.raw.answer(zbus.describe(sessions)))
         incoming.finish()
 
-    def ask(
-        self, robot: str, twin: str, key: str, request: msgspec.Struct | None, kind: type[M], timeout_s: float
-    ) -> M:
-        """Query one robot and return its reply.
-
-        Raises:
-            NoAnswer: the reason that `silence` finds; if the robot is not on line, the message names those that are.
-            WrongUsage: SHUTDOWN, the client was closed.
-        """
-        query = Request(self, (robot, twin), key, request, timeout_s)
-        try:
-            return query.next(kind, timeout_s)
-        finally:
-            query.close()
-
     def robots(self) -> list[Place]:
         """Return name and twin of every robot on line.
 
@@ -115,14 +101,6 @@ class Client(ProcessBound):
             raise refused
         self.seen.update(present)
         return present
-
-    def ask_all(self, key: str, kind: type[M], timeout_s: float) -> dict[Place, M]:
-        """Return the replies that arrive within `timeout_s` (s) from all robots that match a key with wildcards."""
-        return dict(GroupRequest(self, key, None, kind, timeout_s).replies(timeout_s))
-
-    def infos(self, timeout_s: float = 1.0) -> dict[Place, Info]:
-        """Return the info of every robot that answers within `timeout_s` (s)."""
-        return self.ask_all(keys.info("*", "*"), Info, timeout_s)
 
     def read(self, answer: Reply, kind: type[M]) -> M | None:
         """Decode a reply or publication; log errors once for each sender.

@@ -10,18 +10,14 @@ import threading
 import time
 from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Bus, Received
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract import sentences
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-
-if TYPE_CHECKING:
-    from beatrix_zenoh.client.request import Place
-    from beatrix_zenoh.client.session import Client
 
 ROUTER_S = 1.0
 """A router that needs longer than this (s) for a query about tokens counts as unresponsive."""

@@ -19,9 +19,9 @@ from typing import Final, TypeVar
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Bus
-from beatrix_zenoh.client.request import GroupRequest, Place, Request
+from beatrix_zenoh.client.request import GroupRequest, Request
 from beatrix_zenoh.client.robot_base import RobotBase
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.silence import publishing, title
 from beatrix_zenoh.client.subscription import Wakeup
 from beatrix_zenoh.contract import codec

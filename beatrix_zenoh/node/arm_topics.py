@@ -12,7 +12,8 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply,
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import ARM_TOPICS
 from beatrix_zenoh.node import motions, replies
-from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.component import Component
+from beatrix_zenoh.node.context import Context
 from beatrix_zenoh.node.lease import Caller
 from beatrix_zenoh.node.request_handle import RequestHandle, check_own_key
 from beatrix_zenoh.node.request_queue import Task

@@ -32,7 +32,8 @@ from beatrix_zenoh.bus import Publication, Sessions
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CameraStatus, EventKind, FrameHeader, Reason
-from beatrix_zenoh.node.component import Context, StatusFields
+from beatrix_zenoh.node.component import StatusFields
+from beatrix_zenoh.node.context import Context
 
 JPEG: Final = "image/jpeg"
 WINDOW_S: Final = 2.0

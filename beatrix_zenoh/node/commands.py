@@ -22,7 +22,8 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.node import lifecycle, replies
 from beatrix_zenoh.node.access import Action
-from beatrix_zenoh.node.component import Component, Context, StatusFields
+from beatrix_zenoh.node.component import Component, StatusFields
+from beatrix_zenoh.node.context import Context
 from beatrix_zenoh.node.request_handle import RequestHandle, check_own_key, request_handle
 from beatrix_zenoh.node.request_queue import Task
 from beatrix_zenoh.node.stop import FRAMES, StopHandler

@@ -1,23 +1,12 @@
-"""The interface of the node's components, and the context that they share."""
+"""The interface of the node's components."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import CameraStatus
-
-if TYPE_CHECKING:
-    from beatrix_zenoh.node.access import Access
-    from beatrix_zenoh.node.board_watch import BoardWatch
-    from beatrix_zenoh.node.controller import MotionController
-    from beatrix_zenoh.node.diagnostics import Diagnostics
-    from beatrix_zenoh.node.events import EventLog
-    from beatrix_zenoh.node.hardware import HardwareInterface
-    from beatrix_zenoh.node.planner import Planner
-    from beatrix_zenoh.node.request_queue import RequestQueue
-    from beatrix_zenoh.node.snapshot import Snapshot
 
 
 @dataclass
@@ -50,20 +39,3 @@ class Component(Protocol):
         The node undeclares the keys later.
         """
         return
-
-
-@dataclass(frozen=True)
-class Context:
-    """Objects that the components of one node share."""
-
-    name: str
-    twin: str
-    hardware: HardwareInterface
-    planner: Planner
-    access: Access
-    events: EventLog
-    diagnostics: Diagnostics
-    queue: RequestQueue
-    board_watch: BoardWatch
-    controller: MotionController
-    snapshot: Snapshot

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from beatrix_zenoh.board.state import Port
 from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Arms
-
-if TYPE_CHECKING:
-    from beatrix_zenoh.node.component import Component, Context
 
 PREVIEW_MAX_S = 60.0
 """Longest duration (s) of a motion in a preview."""
@@ -61,9 +58,6 @@ class HardwareInterface(Protocol):
 
     def straighten(self) -> None:
         """Set a simulated head upright before calibration; on hardware a person does this."""
-
-    def components(self, context: Context) -> list[Component]:
-        """Return the components that only this kind of robot has: previews, cameras."""
 
     def plant(self) -> PlantStatus | None:
         """Return the state of the simulated physics; None for hardware."""

@@ -20,7 +20,8 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.node.access import Access, Action
-from beatrix_zenoh.node.component import Component, Context, StatusFields
+from beatrix_zenoh.node.component import Component, StatusFields
+from beatrix_zenoh.node.context import Context
 from beatrix_zenoh.node.lease import Caller
 from beatrix_zenoh.node.replies import StopCause
 from beatrix_zenoh.node.request_handle import RequestHandle, check_own_key, request_handle

@@ -11,7 +11,8 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import MotionQuery, Phase, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.node import replies
-from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.component import Component
+from beatrix_zenoh.node.context import Context
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.planner import Goal
 from beatrix_zenoh.node.request_handle import RequestHandle, check_own_key, request_handle

@@ -17,12 +17,12 @@ from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.arm_topics import ArmTopics
 from beatrix_zenoh.node.board_watch import BoardWatch, Observer
 from beatrix_zenoh.node.commands import CommandHandler
-from beatrix_zenoh.node.component import Component, Context, StatusFields
+from beatrix_zenoh.node.component import Component, StatusFields
+from beatrix_zenoh.node.context import Body, Context
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.decisions import TeacherDecisions
 from beatrix_zenoh.node.diagnostics import Diagnostics
 from beatrix_zenoh.node.events import EventLog
-from beatrix_zenoh.node.hardware import HardwareInterface
 from beatrix_zenoh.node.lease_queries import LeaseHandler
 from beatrix_zenoh.node.legacy_port import LegacyPort
 from beatrix_zenoh.node.logs import LogEvents
@@ -96,7 +96,7 @@ class Node:
         self,
         sessions: Sessions,
         name: str,
-        hardware: HardwareInterface,
+        hardware: Body,
         robot: RobotData = ROBOT,
         terminal: Terminal | None = None,
         kept: Path | None = None,
@@ -148,7 +148,7 @@ class Node:
                 later.callback(component.close)
 
 
-def build_context(sessions: Sessions, name: str, hardware: HardwareInterface, robot: RobotData) -> Context:
+def build_context(sessions: Sessions, name: str, hardware: Body, robot: RobotData) -> Context:
     """Return the context of a node's components."""
     planner, access, events, queue = Planner(robot), Access(), EventLog(), RequestQueue()
     diagnostics = Diagnostics(events)

@@ -8,7 +8,8 @@ from beatrix_zenoh.bus import Bus, Sessions, SessionWatchdog
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
-from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.component import Component
+from beatrix_zenoh.node.context import Context
 from beatrix_zenoh.node.known_sessions import RETURN_S, SETTLE_S
 from beatrix_zenoh.node.lease import Caller
 

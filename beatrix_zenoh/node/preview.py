@@ -15,7 +15,8 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Head, PreviewReply, Reason
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight
 from beatrix_zenoh.contract.errors import BeatrixError
-from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.component import Component
+from beatrix_zenoh.node.context import Context
 from beatrix_zenoh.node.hardware import PREVIEW_MAX_S, Preview
 from beatrix_zenoh.node.planner import vector
 from beatrix_zenoh.node.readiness import ready_telemetry

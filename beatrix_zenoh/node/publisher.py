@@ -12,7 +12,8 @@ from beatrix_zenoh.bus import Publication, Sessions
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import NOT_ON_CHANGE, EventKind, Fault, Reason, Status
-from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.component import Component
+from beatrix_zenoh.node.context import Context
 from beatrix_zenoh.node.events import EventLog
 from beatrix_zenoh.node.lease import Caller
 

@@ -18,7 +18,8 @@ from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Detail, ErrorReply
 from beatrix_zenoh.contract.errors import quoted
-from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.component import Component
+from beatrix_zenoh.node.context import Context
 
 SIMILAR = 3
 """Largest number of similar keys that a sentence names."""

@@ -17,7 +17,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.legacy import Terminal
-from beatrix_zenoh.node.hardware import HardwareInterface
+from beatrix_zenoh.node.context import Body
 from beatrix_zenoh.node.logs import log_to
 from beatrix_zenoh.node.node import Node
 from beatrix_zenoh.settings import Settings
@@ -32,7 +32,7 @@ SWITCH_S = 0.0005
 
 
 def serve(
-    build: Callable[[], HardwareInterface],
+    build: Callable[[], Body],
     settings: Settings,
     *,
     robot: RobotData = ROBOT,
@@ -93,7 +93,7 @@ def _announce(node: Node, legacy: Path | None) -> None:
 
 
 def _open(
-    sessions: Sessions, hardware: HardwareInterface, settings: Settings, robot: RobotData, legacy: Path | None
+    sessions: Sessions, hardware: Body, settings: Settings, robot: RobotData, legacy: Path | None
 ) -> Node:
     """Return a started node; if it cannot start, close `sessions`, `hardware` and the terminal."""
     with ExitStack() as undo:

@@ -26,7 +26,8 @@ from beatrix_zenoh.contract._generated.serial import FrameType, State
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.board_watch import Observer
-from beatrix_zenoh.node.component import Component, Context
+from beatrix_zenoh.node.component import Component
+from beatrix_zenoh.node.context import Context
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.events import EventLog
 from beatrix_zenoh.node.lease import Caller

@@ -7,7 +7,7 @@ from importlib import metadata
 
 import msgspec
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated import messages
 from beatrix_zenoh.contract._generated.messages import Info
 

@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.difference import GAP_NS, GRID_NS

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rows import Row

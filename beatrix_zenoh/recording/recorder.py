@@ -6,8 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Self
 
-from beatrix_zenoh.client.request import Place
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.recording.about import about
 from beatrix_zenoh.recording.losses import Count, Stream
 from beatrix_zenoh.recording.notes import NoteInbox

@@ -10,8 +10,8 @@ from typing import Final
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.client.clocks import Offset, clock_offsets
-from beatrix_zenoh.client.request import Place
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.request import ask
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Info
 from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry
@@ -83,7 +83,7 @@ class RobotQueries:
         info = None
         try:
             offset = clock_offsets(self._client, *place, timeout_s=ANSWER_S).mono
-            info = self._client.ask(*place, keys.info(*place), None, Info, ANSWER_S)
+            info = ask(self._client, place, keys.info(*place), None, Info, ANSWER_S)
             if info.geometry is not None:
                 self._geometries.setdefault(place, geometry_of(info.geometry))
         except BeatrixError:

@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Event
 from beatrix_zenoh.contract.publishers import NUMBERS, TIMES, WITHIN
 from beatrix_zenoh.recording.about import About

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum, auto
 from typing import Final
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 
 LATE_NS: Final = 2_000_000_000
 """A publication that arrives so long after its time (ns) is late, or the clock of the robot has jumped."""

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterator
 from typing import Final, NamedTuple
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.subscription import Arrival
 from beatrix_zenoh.contract._generated.messages import Positions
 from beatrix_zenoh.recording.losses import Losses, seq_of, stream_of

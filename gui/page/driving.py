@@ -13,7 +13,7 @@ from typing import Final
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.client import Client, Motion, Robot
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source, Vector3
 from beatrix_zenoh.contract.errors import BeatrixError, Refused

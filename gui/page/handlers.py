@@ -9,7 +9,7 @@ from typing import Final
 import msgspec
 from tornado import web, websocket
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract import names
 from gui.page import messages, protection
 from gui.page.driving import Driver, home_query

@@ -15,7 +15,7 @@ import msgspec
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.client import Client, Monitor, Presence
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.stopping import GROUP_S, OFF_LINE, Answers, StopSender, sentence
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract.errors import BeatrixError

@@ -15,6 +15,7 @@ from published import at_once, published_positions, published_statuses, regular,
 from stage import ask_raw
 
 from beatrix_zenoh import Refused, Robot
+from beatrix_zenoh.client.request import infos
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys, serial
 from beatrix_zenoh.contract._generated.messages import (
@@ -184,7 +185,7 @@ def test_info_has_name_and_versions(body: Body, robot: Robot) -> None:
 
 
 def test_info_has_limits_and_geometry_in_radians_on_the_wire(robot: Robot) -> None:
-    info, limits, shape = robot.client.infos()[robot.place], ROBOT.limits, ROBOT.geometry
+    info, limits, shape = infos(robot.client)[robot.place], ROBOT.limits, ROBOT.geometry
     expected = LimitInfo(
         tilt_max=math.radians(limits.tilt_max),
         gap_min=math.radians(limits.gap_min),

@@ -9,6 +9,7 @@ from excuses import in_time
 from stage import ask_raw, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, suggestion
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import MotionReply, Phase, PoseQuery, Positions, Reason
@@ -22,7 +23,7 @@ MEASURED_DEG = 0.25
 def raw_positions(robot: Robot) -> Positions:
     """Return the positions in rad, with steps."""
     key = keys.positions(robot.name, robot.twin)
-    return robot.client.ask(robot.name, robot.twin, key, None, Positions, 2.0)
+    return ask(robot.client, robot.place, key, None, Positions, 2.0)
 
 
 def near(angles: tuple[float, ...], wanted: tuple[float, ...], tolerance: float) -> bool:

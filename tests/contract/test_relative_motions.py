@@ -8,6 +8,7 @@ import pytest
 from stage import ask_raw, until
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import PoseQuery, PreviewReply
 from beatrix_zenoh.motion.gear import Gear
@@ -109,7 +110,7 @@ def test_a_relative_motion_without_wait_counts_from_the_set_point_and_not_from_t
 def test_a_preview_counts_from_the_same_angles_as_the_robot(robot: Robot) -> None:
     robot.look(yaw=0.04, relative=True)
     query = PoseQuery(absolute=False, yaw=math.radians(0.04))
-    reply = robot.client.ask(robot.name, "sim", keys.preview(robot.name, "ana"), query, PreviewReply, 10.0)
+    reply = ask(robot.client, (robot.name, "sim"), keys.preview(robot.name, "ana"), query, PreviewReply, 10.0)
     assert math.degrees(reply.arms[-1].x - reply.arms[0].x) > HALF_DEG, "one microstep, with friction"
     robot.look(yaw=0.04, relative=True)
     assert_stands_at(robot, STEP_DEG)

@@ -12,6 +12,7 @@ from shell import Shell
 from stage import END_S, free_endpoint, until
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Positions, Steps
 
@@ -31,7 +32,7 @@ def mine(tmp_path: Path) -> str:
 
 def steps(robot: Robot) -> Steps:
     key = keys.positions(robot.name, robot.twin)
-    return robot.client.ask(*robot.place, key, None, Positions, robot.timeout_s).steps
+    return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s).steps
 
 
 # A seat that was stopped by Ctrl-C must pause, so each of these tests has its own seat.

@@ -12,6 +12,7 @@ from old_program import Program
 from stage import Stage, until, wait_status
 from statuses import READY
 
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import (
@@ -30,7 +31,7 @@ def govern(stage: Stage, name: str, action: LeaseAction) -> None:
     """Send a lease query of the teacher to a simulation."""
     key = keys.lease(name, "sim", "teacher")
     client = stage.client("teacher")
-    assert client.ask(name, "sim", key, LeaseQuery(action=action), LeaseReply, 10.0).result
+    assert ask(client, (name, "sim"), key, LeaseQuery(action=action), LeaseReply, 10.0).result
 
 
 class FakeHardware:

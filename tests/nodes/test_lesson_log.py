@@ -16,6 +16,7 @@ from stage import Stage, ask_raw, ready, until
 from beatrix_zenoh import Refused, Robot, Twin
 from beatrix_zenoh.client.choreography import Choreography, Pose
 from beatrix_zenoh.client.play import play
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Phase, Positions, Source
 from beatrix_zenoh.motion.gear import Arms, Gear
@@ -150,7 +151,7 @@ def test_both_robots_record_the_same_request_with_its_lead(stage: Stage) -> None
         assert alone.lead is None
         done = [event for event in events_of(twin.hw) if event.phase is Phase.DONE]
         place = keys.positions("bea", "hw")
-        assert done[-1].position == twin.client.ask("bea", "hw", place, None, Positions, 2.0).commanded
+        assert done[-1].position == ask(twin.client, ("bea", "hw"), place, None, Positions, 2.0).commanded
 
 
 def asked(robot: Robot) -> list[Event]:

@@ -12,6 +12,7 @@ from stage import Process, Stage, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, CommandReply, Reason
 from beatrix_zenoh.contract._generated.serial import FrameType, Move
@@ -122,7 +123,7 @@ def test_a_board_that_is_lost_during_a_motion_is_reported_and_found_again(
 def test_a_board_that_was_just_reset_is_enabled_without_a_home(mega_robot: MegaRobot) -> None:
     mega_robot.say("reset")
     query, key = CommandQuery(command=Command.ENABLE, value=True), keys.command("bea", "hw", "ana")
-    reply = mega_robot.robot.client.ask("bea", "hw", key, query, CommandReply, 3.0)
+    reply = ask(mega_robot.robot.client, ("bea", "hw"), key, query, CommandReply, 3.0)
     assert "home is known" not in reply.message
     wait_status(
         mega_robot.robot, lambda status: status.board.connected and not status.calibrated, "reset detected"

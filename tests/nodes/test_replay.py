@@ -15,6 +15,7 @@ from stage import Stage, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
 from beatrix_zenoh.client import motion_file
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Positions, Source, Steps
 from beatrix_zenoh.contract._generated.robot import ROBOT
@@ -66,7 +67,7 @@ def following(text: str) -> Following:
 
 def steps(robot: Robot) -> Steps:
     key = keys.positions(robot.name, robot.twin)
-    return robot.client.ask(*robot.place, key, None, Positions, robot.timeout_s).steps
+    return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s).steps
 
 
 def recorded_during(

@@ -16,6 +16,7 @@ from stage import Stage, until
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
 from beatrix_zenoh.client.queries import pose_query
 from beatrix_zenoh.client.readings import Reading
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.client.twin.motion import TwinMotion
 from beatrix_zenoh.contract._generated import keys
@@ -26,7 +27,7 @@ from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 def steps(robot: Robot) -> Steps:
     """Return the set points of a robot, in steps."""
     key = keys.positions(robot.name, robot.twin)
-    return robot.client.ask(*robot.place, key, None, Positions, robot.timeout_s).steps
+    return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s).steps
 
 
 def number_of_a_motion(twin: Twin) -> int:

@@ -11,7 +11,7 @@ import typer
 
 from beatrix_zenoh.cli.compare import compare, recorded
 from beatrix_zenoh.cli.replay import recorded_path
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.figure import Figure

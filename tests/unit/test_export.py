@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording import difference
 from beatrix_zenoh.recording.export import Span, Table, at, table

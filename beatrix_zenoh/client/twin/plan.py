@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.queries import checked_wait, true_or_false
@@ -10,14 +10,12 @@ from beatrix_zenoh.client.readings import Path, RobotInfo, arm_angles, head_angl
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin.lag import furthest
 from beatrix_zenoh.client.twin.motion import TwinMotion
-from beatrix_zenoh.client.twin.state import PlanPosition, query_plan_position
+from beatrix_zenoh.client.twin.state import PlanPosition, TwinState, query_plan_position
 from beatrix_zenoh.contract._generated.messages import Info, MotionQuery, PoseQuery, PreviewReply, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from beatrix_zenoh.client.twin.twin import Twin
 
 SAME_DEG = 0.1
 """Largest distance of two positions that count as equal; a microstep is 0.086 deg."""
@@ -31,12 +29,27 @@ Start = tuple[PlanPosition, PlanPosition | None]
 """Positions of simulation and hardware at the preview; None: no hardware was on line."""
 
 
+class Robots(Protocol):
+    """The twin that carries a plan out."""
+
+    sim: Robot
+    hw: Robot
+    name: str
+    state: TwinState
+
+    def check_ready(self) -> None:
+        """Raise an error if a robot cannot move now."""
+
+    def start(self, motion: TwinMotion, *, wait: bool) -> None:
+        """Begin a motion of both robots."""
+
+
 class Plan(ProcessBound):
     """A previewed motion, to be committed or aborted."""
 
     def __init__(
         self,
-        twin: Twin,
+        twin: Robots,
         query: MotionQuery | PoseQuery,
         preview: PreviewReply,
         start: Start,

@@ -10,6 +10,7 @@ from typing import NamedTuple, Self
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.queries import Speed, motion_query, pose_query, true_or_false
 from beatrix_zenoh.client.readings import Reading
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.slips import Suggesting, value_method
@@ -130,7 +131,7 @@ class Twin(ProcessBound, Suggesting):
                 "the same position first, with home or with a motion that is not relative.",
             )
         key = keys.preview(self.name, self.client.settings.who)
-        reply = self.client.ask(*self.sim.place, key, query, PreviewReply, PREVIEW_S)
+        reply = ask(self.client, self.sim.place, key, query, PreviewReply, PREVIEW_S)
         if not reply.result:
             raise Refused(reply.reason, f"{self.sim}: {reply.message}", reply.detail)
         plan = Plan(self, query, reply, start, alike=start[1] is None or alike(self), during=during)

@@ -10,7 +10,7 @@ from pathlib import Path
 from rerun.chunk import RrdReader
 from rerun.error_utils import RerunWarning
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.names import EYES
 from beatrix_zenoh.recording.film import EyePictures, Picture
 from beatrix_zenoh.recording.rows import of_robot

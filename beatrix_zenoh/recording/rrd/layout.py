@@ -8,7 +8,7 @@ from typing import Final
 import rerun.blueprint as rrb
 from rerun.blueprint.encodings import TextLogColumn, TimelineColumn
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.colours import STYLES
 from beatrix_zenoh.contract.names import TWIN_TITLES
 from beatrix_zenoh.recording.output import RobotSet

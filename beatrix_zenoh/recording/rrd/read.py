@@ -14,7 +14,7 @@ import numpy.typing as npt
 from rerun.chunk import Chunk, RrdReader
 from rerun.error_utils import RerunWarning
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Event, Reason
 from beatrix_zenoh.contract.codec import decode_json
 from beatrix_zenoh.contract.errors import Refused

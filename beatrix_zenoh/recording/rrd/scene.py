@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import rerun as rr
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.colours import ARMS, AXES, Colour, pale
 from beatrix_zenoh.contract.names import TWIN_TITLES
 from beatrix_zenoh.recording.figure import Body, Figure, Form, Solid

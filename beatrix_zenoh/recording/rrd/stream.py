@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import rerun as rr
 
-from beatrix_zenoh.client.request import Place
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.output import RobotSet

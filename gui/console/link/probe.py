@@ -11,8 +11,8 @@ from typing import TypeVar
 import msgspec
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.client.request import Place, Request
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.request import Request
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Clock, Info, LimitInfo
 from beatrix_zenoh.contract.errors import BeatrixError
