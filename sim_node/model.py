@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from beatrix_zenoh.contract._generated.robot import ROBOT, Drive, Geometry, RobotData
+from beatrix_zenoh.contract.names import ARMS
 from sim_node.visuals import (
-    ARMS,
     COLLISION,
     EYE_FORWARD,
     EYE_UP,

@@ -17,12 +17,12 @@ import numpy.typing as npt
 
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Rotation, ypr_of
 from sim_node.drive import Counts, StepperDrive
 from sim_node.model import build, chains
-from sim_node.visuals import ARMS
 
 _log = logging.getLogger(__name__)
 

@@ -15,11 +15,11 @@ import numpy as np
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.contract._generated.robot import RobotData
+from beatrix_zenoh.contract.names import ARMS
 from sim_node.shapes import Shape, Vector, internal_gear, superellipsoid, twisted_rod
 
 Point = Sequence[float] | Vector
 
-ARMS: Final = ("short", "middle", "long")
 VISUAL: Final = 2
 """Geom group of all visible geoms."""
 COLLISION: Final = 3

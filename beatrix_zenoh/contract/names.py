@@ -18,6 +18,8 @@ LATIN = str.maketrans(
 PATTERN = keys.NAME
 TWINS = ("sim", "hw")
 TWIN_TITLES = {"sim": "simulation", "hw": "hardware"}
+ARMS = ("short", "middle", "long")
+"""Names of the arms in the order x, y, z."""
 EYES = ("left", "right")
 OUTSIDE = "outside"
 """The camera that sees the simulated head from outside; only simulations have it."""

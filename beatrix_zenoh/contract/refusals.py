@@ -7,9 +7,10 @@ from collections.abc import Iterable, Sequence
 
 from beatrix_zenoh.contract._generated.messages import Command, Detail, Limit, Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.names import ARMS
 
-ARMS = ("short", "middle", "long")
-"""Names of the arms x, y and z."""
+LINGER_S = 2.0
+"""Time (s) for which the seat of a motion keeps the robot after the motion."""
 COMMANDS = [f"{command.value} {command.name}" for command in Command]
 """Number and name of every command."""
 

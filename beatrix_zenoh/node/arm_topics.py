@@ -10,7 +10,7 @@ from beatrix_zenoh.contract import codec, refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply, Reason, Source, Vector3
 from beatrix_zenoh.contract.errors import BeatrixError
-from beatrix_zenoh.contract.names import ARM_TOPICS
+from beatrix_zenoh.contract.names import ARM_TOPICS, ARMS
 from beatrix_zenoh.node import motions, replies
 from beatrix_zenoh.node.component import Component
 from beatrix_zenoh.node.context import Context
@@ -18,7 +18,6 @@ from beatrix_zenoh.node.lease import Caller
 from beatrix_zenoh.node.request_handle import RequestHandle, check_own_key
 from beatrix_zenoh.node.request_queue import Task
 
-ARMS: Final = ("short", "middle", "long")
 CALLER: Final = Caller(ARM_TOPICS, "")
 
 

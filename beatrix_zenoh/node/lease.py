@@ -15,9 +15,8 @@ from typing import NamedTuple
 
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract.names import TEACHER
+from beatrix_zenoh.contract.refusals import LINGER_S
 
-LINGER_S = 2.0
-"""Time for which a seat holds the robot after its motion."""
 QUIET_S = 3.0
 """Time without motion requests after which a stopped seat may move again. It is longer than a program usually pauses
 between motions."""

@@ -21,7 +21,7 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.contract.refusals import ARMS
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import SLOWEST_LIMIT_DEG, Limits, with_alternative

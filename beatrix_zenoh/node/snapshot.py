@@ -16,6 +16,7 @@ from beatrix_zenoh.contract._generated import messages as msg
 from beatrix_zenoh.contract._generated.messages import Head, Info, Positions, Status, Steps
 from beatrix_zenoh.contract._generated.robot import Geometry
 from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.robot_file import fingerprint
 from beatrix_zenoh.node.component import Component, StatusFields
 from beatrix_zenoh.node.hardware import HardwareInterface
@@ -110,7 +111,7 @@ class Snapshot:
             contract=msg.CONTRACT,
             firmware=self._board.link.version,
             steps_per_turn=self._planner.gear.steps_per_turn,
-            arms=["short", "middle", "long"],
+            arms=list(ARMS),
             limits=msg.LimitInfo(
                 tilt_max=limits.tilt_max,
                 gap_min=limits.gap_min,

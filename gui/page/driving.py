@@ -17,8 +17,9 @@ from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source, Vector3
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.settings import Settings
-from gui.page.messages import ARMS, ROTATIONS, Hold, Outcome, refused
+from gui.page.messages import ROTATIONS, Hold, Outcome, refused
 
 DEAD_MAN_S: Final = 0.4
 """Longest time without a heartbeat of the page; then a moving robot is stopped. Pages send ten heartbeats a second."""

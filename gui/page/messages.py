@@ -8,7 +8,6 @@ import msgspec
 from msgspec import Meta
 
 ROTATIONS: Final = ("yaw", "pitch", "roll")
-ARMS: Final = ("short", "middle", "long")
 SLOWEST_DEG_S, FASTEST_DEG_S = 2.0, 40.0
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]

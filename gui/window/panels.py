@@ -7,7 +7,8 @@ from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QTabWidget, QVBoxLayout, QWidget
 
 from beatrix_zenoh.client import CameraImage
-from gui.console.state.intents import ALL_ARMS, ARMS, Page, ShowTab, Tab, Theme
+from beatrix_zenoh.contract.names import ARMS
+from gui.console.state.intents import ALL_ARMS, Page, ShowTab, Tab, Theme
 from gui.console.state.views import HistoryRowView, RefusalView, View
 from gui.console.state.world import World
 from gui.console.texts import Texts

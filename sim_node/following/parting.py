@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
-from beatrix_zenoh.contract.refusals import ARMS
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Arms
 
 ARM_APART: Final = math.radians(0.5)

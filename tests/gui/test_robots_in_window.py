@@ -12,7 +12,7 @@ from windowed import HOME, Windowed, near
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.readings import arm_angles
 from beatrix_zenoh.contract._generated.messages import Fault
-from gui.console.state.intents import ARMS
+from beatrix_zenoh.contract.names import ARMS
 
 pytestmark = [
     pytest.mark.qt_log_ignore("This plugin does not support"),  # popups without a display

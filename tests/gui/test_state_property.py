@@ -27,6 +27,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Phase,
     Reason,
 )
+from beatrix_zenoh.contract.names import ARMS
 from gui.console.state import intents
 from gui.console.state.actions import (
     Action,
@@ -40,7 +41,7 @@ from gui.console.state.actions import (
     StopAll,
     StopBoth,
 )
-from gui.console.state.intents import ALL_ARMS, ARMS, Intent, Page, Tab, Theme
+from gui.console.state.intents import ALL_ARMS, Intent, Page, Tab, Theme
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, World
 

@@ -7,9 +7,10 @@ from callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, begin_motion, fi
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Action
 from beatrix_zenoh.node.known_sessions import ENDED_SESSIONS
-from beatrix_zenoh.node.lease import LINGER_S, Caller
+from beatrix_zenoh.node.lease import Caller
 
 
 @pytest.fixture

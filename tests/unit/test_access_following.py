@@ -6,8 +6,9 @@ import pytest
 from callers import ANA, BEN, BOSS, OLD, begin_motion, finish_motion, refusal, stop
 
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Action
-from beatrix_zenoh.node.lease import LINGER_S, Caller
+from beatrix_zenoh.node.lease import Caller
 from sim_node.following.arms import follows
 
 

@@ -7,8 +7,9 @@ from callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, begin_motion, fi
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Action
-from beatrix_zenoh.node.lease import LINGER_S, NO_CALLER, QUIET_S, Caller
+from beatrix_zenoh.node.lease import NO_CALLER, QUIET_S, Caller
 from beatrix_zenoh.node.pauses import LOOP_S, QUIET_OLD_PROGRAM_S
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.names import ARMS
 from gui.page import connections, messages, protection
 from gui.page.driving import AHEAD_S, BRAKE_S, DEAD_MAN_S, jog_query
 from gui.page.handlers import FULL
@@ -181,5 +182,5 @@ def test_texts_contrast_with_their_background(text: str, ground: str) -> None:
 def test_every_refusal_has_a_place_beside_its_control() -> None:
     places = " ".join(re.findall(r'data-for="([^"]+)"', PAGE)).split()
     commands = re.findall(r'data-command="([^"]+)"', PAGE)
-    assert {*messages.ROTATIONS, *messages.ARMS, *commands, "home", "drive", "robot"} == set(places)
+    assert {*messages.ROTATIONS, *ARMS, *commands, "home", "drive", "robot"} == set(places)
     assert Fault.EMERGENCY.name.lower() in TEXTS["state.emergency"].lower().replace(" stop", "")

@@ -26,8 +26,6 @@ reply to a request, and the status that arrived before them, therefore show the 
 WAIT_S = 0.15
 """Longest wait (s) for a new state before the robot is queried."""
 POLL_S = 0.004
-HOLD_S = 2.0
-"""Longest time (s) for which the seat of a motion holds the robot after the motion."""
 
 
 class PlanPosition(NamedTuple):
@@ -181,4 +179,4 @@ def check_board(status: Status) -> None:
 def check_holder(status: Status, seat: str) -> None:
     """Raise Refused if another seat holds the robot, unless this seat is the teacher."""
     if status.holder not in ("", seat) and seat != TEACHER:
-        raise refusals.driven_by(status.holder, None if status.moving else HOLD_S)
+        raise refusals.driven_by(status.holder, None if status.moving else refusals.LINGER_S)

@@ -10,6 +10,7 @@ from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Limit, Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits.alternatives import in_single, typed_speed
@@ -86,7 +87,7 @@ class Limits:
             raise refusals.bad_field("speed", "Every speed must be a finite number.")
         wrong = [i for i, value in enumerate(speed) if not low <= value <= high]
         value = speed[wrong[0]]
-        arms = [refusals.ARMS[i] for i in wrong if speed[i] == value]
+        arms = [ARMS[i] for i in wrong if speed[i] == value]
         detail = Detail(
             limit=Limit.SPEED, value=value, low=self.speed_min, high=self.speed_max, unit="rad/s", arms=arms
         )

@@ -9,10 +9,11 @@ from beatrix_zenoh.client.readings import ArmAngles, arm_angles
 from beatrix_zenoh.client.twin.lag import furthest
 from beatrix_zenoh.contract._generated.messages import MotionQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import refusals
 from gui.console.state.actions import Action, Send
-from gui.console.state.intents import ALL_ARMS, ARMS, Jog
+from gui.console.state.intents import ALL_ARMS, Jog
 from gui.console.state.memory import Memory
 from gui.console.state.motions import send_arms
 from gui.console.state.presence import commanded, reading, unreachable

@@ -9,7 +9,6 @@ from pathlib import Path
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
 
-ARMS = ("short", "middle", "long")
 ALL_ARMS = "all"
 
 

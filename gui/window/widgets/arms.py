@@ -6,7 +6,8 @@ from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from beatrix_zenoh import colours
-from gui.console.state.intents import ALL_ARMS, ARMS, SetIncrement, SetRelative, SetSpeed
+from beatrix_zenoh.contract.names import ARMS
+from gui.console.state.intents import ALL_ARMS, SetIncrement, SetRelative, SetSpeed
 from gui.console.state.views import ArmRowView, ArmsView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import IntentButton, Radio, SliderBox, label, set_text

@@ -16,7 +16,8 @@ from PyQt5.QtWidgets import QLabel, QStackedLayout, QVBoxLayout, QWidget
 
 from beatrix_zenoh import colours as table
 from beatrix_zenoh.client import RobotState
-from gui.console.state.intents import ARMS, Theme
+from beatrix_zenoh.contract.names import ARMS
+from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
