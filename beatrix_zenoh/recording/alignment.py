@@ -194,7 +194,19 @@ def of_requests(ways: Sequence[Interval], matched: Sequence[Shared]) -> list[Exp
 
 def of_group(begin_s: float, end_s: float, group: Sequence[Shared]) -> Expected:
     """Return the motion of requests with almost equal shifts."""
-    return Expected(begin_s, end_s, float(np.median([shift(motion) for motion in group])), group[0].lead_s)
+    shift_s = float(np.median([shift(motion) for motion in group]))
+    return Expected(begin_s, end_s, shift_s, group[0].lead_s, separate(group, shift_s))
+
+
+def separate(group: Sequence[Shared], pause_s: float) -> str:
+    """Return a sentence if a person or a program asked one robot after the other; empty if both were asked together.
+
+    Requests to both carry a lead, 0 included, so that the pause between two requests without it is no lag.
+    """
+    together = all(None not in (motion.lead_s, motion.hw.lead_s) for motion in group)
+    if together or abs(pause_s) <= CHANGED_S:
+        return ""
+    return f"the robots were asked separately, {abs(pause_s):.1f} s apart"
 
 
 def shift(motion: Shared) -> float:

@@ -52,6 +52,23 @@ def test_a_motion_that_began_before_the_recording_has_its_lead_only_from_its_req
     assert max(axis.rms_after for axis in found.axes) < 0.3
 
 
+@pytest.mark.parametrize("pause_s", [0.8, -0.7])
+def test_the_pause_between_requests_to_each_robot_is_no_lag(pause_s: float) -> None:
+    usual = acts(period_s=2.8)
+    third = usual[3]
+    requested = [act for act in usual if act is not third]
+    requested += [
+        replace(third, on="sim", lead_s=None),
+        replace(third, on="hw", t=third.t + pause_s, lead_s=None),
+    ]
+    found = compare(*as_recordings((Known("sim"), Known("hw")), requested, 24.5, events=True))
+    (separate,) = (part for part in found.moved if part.why)
+    assert separate.why == f"the robots were asked separately, {abs(pause_s):.1f} s apart"
+    assert separate.shift_s == pytest.approx(pause_s, abs=0.02)
+    assert (found.lag_s, max(axis.rms_after for axis in found.axes)) == pytest.approx((0.0, 0.0), abs=0.3)
+    assert findings(found) == []
+
+
 @pytest.mark.parametrize("seconds", [1.6, 2.0])
 def test_a_recording_that_ends_before_the_robots_rest_has_no_cause(seconds: float) -> None:
     sim = Known("sim", start=(15.0, 15.0, 15.0))
