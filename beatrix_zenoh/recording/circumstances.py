@@ -34,6 +34,24 @@ def lost_samples(found: Comparison) -> Iterator[Finding]:
                 f"{regular.lost} samples of the {name} are missing ({share:.1%}): the network, or a busy computer, lost them.",
                 value=share,
             )
+        if regular.without_numbers:
+            yield Finding(
+                Cause.LOSS,
+                f"{count(regular.without_numbers, 'sample')} of the {name} had angles that are no numbers, and are left out.",
+                value=regular.without_numbers / (regular.without_numbers + regular.samples),
+            )
+
+
+def new_homes(found: Comparison) -> Iterator[Finding]:
+    """Yield a finding for each robot that got another home during the recording."""
+    for name, times in zip(("simulation", "hardware"), found.homes, strict=True):
+        if times:
+            yield Finding(
+                Cause.NEW_HOME,
+                f"The {name} got another home {count(times, 'time')} (CALIBRATE), and its angles count from the newest; the "
+                f"figures are of the longest part between, {found.seconds:.1f} s.",
+                value=times,
+            )
 
 
 def not_asked(found: Comparison) -> Iterator[Finding]:

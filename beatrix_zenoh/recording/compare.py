@@ -20,6 +20,7 @@ from beatrix_zenoh.recording.series import (
     Regularity,
     common_grid,
     heads_apart,
+    new_homes,
     regularity,
     resample,
     resting,
@@ -87,6 +88,8 @@ class Comparison:
     """for each robot, the largest distance of an arm from its set point while both robots rest (deg); NaN: unknown. A
     lost full step is 0.69 deg."""
     regularity: tuple[Regularity, Regularity]
+    homes: tuple[int, int]
+    """for each robot, how often CALIBRATE gave it another home; the recordings are cut there"""
 
     @property
     def seconds(self) -> float:
@@ -144,6 +147,7 @@ def compare(first: Recording, second: Recording) -> Comparison:
         ),
         off_set_points=(off_set_points(first, t[rest]), off_set_points(second, seconds[rest])),
         regularity=(regularity(whole[0]), regularity(whole[1])),
+        homes=(len(new_homes(whole[0])), len(new_homes(whole[1]))),
     )
 
 

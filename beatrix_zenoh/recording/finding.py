@@ -22,6 +22,7 @@ class Cause(StrEnum):
     DRIFT = "drift"
     CLOCK = "clock"
     LOSS = "loss"
+    NEW_HOME = "new home"
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,8 @@ FAR_S: Final = 5.0
 STREAM_S: Final = 1.5
 """A node counts the requests of a stream for a second; requests this close (s) to counted ones belong to the stream."""
 HOME: Final = "HOME"
+SETS_HOME: Final = ("CALIBRATE", "@CALNOW")
+"""The command, and the line of an old program, after which angles count from another home."""
 
 Content = MotionQuery | PoseQuery | str
 """What was requested, without lease, lead and source; HOME for the command of this name."""
@@ -77,6 +79,15 @@ def requests(events: Iterable[tuple[float, Event]]) -> tuple[Request, ...]:
                 )
             )
     return tuple(sorted(found, key=lambda request: request.t))
+
+
+def homes_set(events: Iterable[tuple[float, Event]]) -> tuple[float, ...]:
+    """Return the times (s) at which the present position was declared home, by events of one robot with their times."""
+    return tuple(
+        t
+        for t, event in events
+        if event.kind is EventKind.COMMAND and event.action in SETS_HOME and event.reason is Reason.OK
+    )
 
 
 def ended(found: list[Request], t: float, event: Event) -> list[Request]:

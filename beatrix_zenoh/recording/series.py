@@ -12,7 +12,7 @@ import numpy.typing as npt
 from beatrix_zenoh.client.readings import reading
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Event, Positions
-from beatrix_zenoh.recording.requests import Request, requests
+from beatrix_zenoh.recording.requests import Request, homes_set, requests
 from beatrix_zenoh.recording.samples import Samples, TimedEvent, lost
 
 Floats = npt.NDArray[np.float64]
@@ -28,6 +28,10 @@ SHARED_S = 1.0
 REST_S = 0.1
 """A robot is at rest if no arm turns by more than REST_DEG within this time (s) before and after."""
 REST_DEG = 0.3
+BEFORE_HOME_S, AFTER_HOME_S = 0.5, 0.1
+"""CALIBRATE is sent to a robot at rest, and reported up to this long (s) after it has acted."""
+HOME_DEG = 0.5
+"""A smaller change of home is none: a microstep is 0.09 deg."""
 SMOOTH_S = 0.04
 """Angles are averaged over this time (s) before and after, so that noise of 0.1 deg is no movement."""
 HOLE_S = 1.0
@@ -51,6 +55,10 @@ class Recording:
     """number of published samples that are missing; None: not known"""
     requests: tuple[Request, ...] | None = None
     """the requests of motions, with times as in `t`; None: not recorded, a file of an earlier version"""
+    homes_s: tuple[float, ...] = ()
+    """times (s) at which the present position was declared home"""
+    without_numbers: int = 0
+    """number of samples that were left out because an angle is not a number"""
 
     @property
     def arms(self) -> Recording:
@@ -73,6 +81,8 @@ class Regularity:
     gaps: int
     """number of periods longer than 1.6 times `period_ms`"""
     longest_ms: float
+    without_numbers: int
+    """samples that were left out because an angle is not a number"""
 
 
 def recording(
@@ -90,14 +100,9 @@ def recording(
     times, kept = np.unique([each.t_mono_ns for each in positions], return_index=True)
     readings = [reading(positions[i]) for i in kept]
     angles = np.array([(*r.arms, *r.head) for r in readings], dtype=np.float64)
-    asked = None if events is None else requests((event.t_mono_ns / 1e9 - clock_s, event) for event in events)
-    return Recording(
-        times / 1e9 - clock_s,
-        np.unwrap(angles, period=360, axis=0),
-        np.array([r.commanded for r in readings], dtype=np.float64),
-        lost([each.seq for each in positions]),
-        asked,
-    )
+    timed = None if events is None else [(event.t_mono_ns / 1e9 - clock_s, event) for event in events]
+    commanded = np.array([r.commanded for r in readings], dtype=np.float64)
+    return _recording(times / 1e9 - clock_s, angles, commanded, lost([each.seq for each in positions]), timed)
 
 
 def of_samples(samples: Samples, begin_ns: int, events: Sequence[TimedEvent] | None = None) -> Recording:
@@ -107,15 +112,27 @@ def of_samples(samples: Samples, begin_ns: int, events: Sequence[TimedEvent] | N
     """
     times, kept = np.unique(samples.time_ns, return_index=True)
     angles = np.hstack([samples.arms, samples.head])[kept]
-    asked = (
-        None if events is None else requests(((each.time_ns - begin_ns) / 1e9, each.event) for each in events)
-    )
+    timed = None if events is None else [((each.time_ns - begin_ns) / 1e9, each.event) for each in events]
+    return _recording((times - begin_ns) / 1e9, angles, samples.commanded[kept], samples.lost, timed)
+
+
+def _recording(
+    t: Floats,
+    angles: Floats,
+    commanded: Floats,
+    missing: int | None,
+    events: Sequence[tuple[float, Event]] | None,
+) -> Recording:
+    """Return the recording of the samples whose angles are numbers; arguments as the fields of `Recording`."""
+    known = np.isfinite(angles).all(axis=1) & np.isfinite(commanded).all(axis=1)
     return Recording(
-        (times - begin_ns) / 1e9,
-        np.unwrap(angles, period=360, axis=0),
-        samples.commanded[kept],
-        samples.lost,
-        asked,
+        t[known],
+        np.unwrap(angles[known], period=360, axis=0),
+        commanded[known],
+        missing,
+        None if events is None else requests(events),
+        homes_set(events or ()),
+        int(np.count_nonzero(~known)),
     )
 
 
@@ -130,25 +147,39 @@ def regularity(recorded: Recording) -> Regularity:
         jitter_ms=float(np.std(periods)) * 1e3,
         gaps=int(np.count_nonzero(periods > GAP * usual)),
         longest_ms=float(np.max(periods)) * 1e3,
+        without_numbers=recorded.without_numbers,
     )
 
 
 def unbroken(first: Recording, second: Recording) -> tuple[Recording, Recording]:
-    """Return the longest common part without a hole in either recording; both whole recordings if there is none."""
+    """Return the longest common part without a hole, or a new home, in either recording; if there is none, both whole."""
     if min(len(first.t), len(second.t)) < 2:
         return first, second
     edges = [max(first.t[0], second.t[0]), min(first.t[-1], second.t[-1])]
     for recorded in (first, second):
         before = np.flatnonzero(np.diff(recorded.t) > HOLE_S)
         edges += [*recorded.t[before], *recorded.t[before + 1]]
+    homes = [home_s for recorded in (first, second) for home_s in new_homes(recorded)]
+    edges += [edge for home_s in homes for edge in (home_s - BEFORE_HOME_S, home_s + AFTER_HOME_S)]
     cuts = sorted(float(edge) for edge in edges if edges[0] <= edge <= edges[1])
     whole = [
-        (b - a, a, b) for a, b in itertools.pairwise(cuts) if not (hole(first, a, b) or hole(second, a, b))
+        (b - a, a, b)
+        for a, b in itertools.pairwise(cuts)
+        if not (hole(first, a, b) or hole(second, a, b) or any(a <= home_s < b for home_s in homes))
     ]
     if not whole:
         return first, second
     _, begin_s, end_s = max(whole)
     return part_of(first, begin_s, end_s), part_of(second, begin_s, end_s)
+
+
+def new_homes(recorded: Recording) -> list[float]:
+    """Return the times (s) at which home was set and the arms were elsewhere, so that their angles changed at rest."""
+    times = np.array(recorded.homes_s)
+    moved = resample(recorded, times + AFTER_HOME_S) - resample(recorded, times - BEFORE_HOME_S)
+    return [
+        float(t) for t, jump in zip(times, moved, strict=True) if np.abs(jump[: len(ARMS)]).max() > HOME_DEG
+    ]
 
 
 def hole(recorded: Recording, begin_s: float, end_s: float) -> bool:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.recording.compare import Comparison
+from beatrix_zenoh.recording.finding import count
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Thresholds:
 
     def exceeded(self, found: Comparison, slipped: int | None) -> list[str]:
         """Return a sentence for each threshold that is exceeded or cannot be checked."""
-        return [*self._lag(found), *self._axes(found), *self._missed(slipped)]
+        return [*self._lag(found), *self._numbers(found), *self._axes(found), *self._missed(slipped)]
 
     def _lag(self, found: Comparison) -> Iterator[str]:
         if self.lag_s is None:
@@ -47,6 +48,11 @@ class Thresholds:
             lag = distinct(found.lag_s, self.lag_s, "+")
             yield f"The lag is {lag} s; at most {self.lag_s:g} s in either direction is allowed."
 
+    def _numbers(self, found: Comparison) -> Iterator[str]:
+        unknown = sum(regular.without_numbers for regular in found.regularity)
+        if unknown and not (self.rms_deg is self.largest_deg is self.rest_deg is None):
+            yield f"{count(unknown, 'sample')} had angles that are no numbers, so the differences there are not known."
+
     def _axes(self, found: Comparison) -> Iterator[str]:
         checks = (
             ("rms difference after removal of lead and lag", "rms_after", self.rms_deg),
@@ -58,10 +64,12 @@ class Thresholds:
                 continue
             values = {axis.axis: float(getattr(axis, field)) for axis in found.axes}
             if all(math.isnan(value) for value in values.values()):
-                yield (
-                    f"At most {allowed:g}° of {what} is allowed, but the robots never rested at the same time: "
-                    "let both rest for a second."
+                why = (
+                    "the robots never rested at the same time: let both rest for a second."
+                    if field == "at_rest"
+                    else "at no time were both robots asked for the same movement and recorded."
                 )
+                yield f"At most {allowed:g}° of {what} is allowed, but {why}"
                 continue
             above = sorted(
                 (name for name in values if not values[name] <= allowed), key=lambda name: -values[name]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,11 +12,14 @@ import pytest
 from known_cases import Case
 from known_errors import VARIANTS, Variant, compared, wrong
 from known_robots import Act, Known, acts, as_recordings
+from msgspec import structs
 
+from beatrix_zenoh.contract._generated.messages import EventKind, Vector3
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.diagnosis import findings
-from beatrix_zenoh.recording.requests import Request, why_alone
-from beatrix_zenoh.recording.series import Recording, part_of
+from beatrix_zenoh.recording.finding import Cause
+from beatrix_zenoh.recording.requests import Request, homes_set, why_alone
+from beatrix_zenoh.recording.series import Recording, part_of, recording
 from beatrix_zenoh.recording.thresholds import Thresholds, why_no_lag
 
 CASES = {case.name: case for case in known_cases.cases()}
@@ -67,6 +71,44 @@ def test_the_pause_between_requests_to_each_robot_is_no_lag(pause_s: float) -> N
     assert separate.shift_s == pytest.approx(pause_s, abs=0.02)
     assert (found.lag_s, max(axis.rms_after for axis in found.axes)) == pytest.approx((0.0, 0.0), abs=0.3)
     assert findings(found) == []
+
+
+@pytest.mark.parametrize(("action", "seen"), [("CALIBRATE", True), ("@CALNOW", True), ("ENABLE", False)])
+def test_another_home_is_no_lost_step(action: str, seen: bool) -> None:
+    at_s = 12.7  # both rest
+    hw = Known("hw", change=lambda t, angles: angles - np.outer(t >= at_s, (20.0, 10.0, 0.0)))
+    both = as_recordings((Known("sim"), hw), acts(), 24.5, events=True)
+    event = structs.replace(
+        hw.events[0], kind=EventKind.COMMAND, action=action, t_mono_ns=round(at_s * 1e9) + 30_000_000
+    )
+    homes_s = homes_set([(event.t_mono_ns / 1e9, event)])
+    found = compare(both[0], replace(both[1], homes_s=homes_s))
+    causes = [finding.cause for finding in findings(found)]
+    assert causes == [Cause.NEW_HOME] if seen else Cause.NEW_HOME not in causes
+    assert (max(axis.rms_after for axis in found.axes) < 0.3) is seen
+    assert found.seconds < 13.0 or not seen
+
+
+def test_calibrations_at_home_and_before_the_recording_cut_nothing() -> None:
+    both = as_recordings((Known("sim"), Known("hw")), acts(), 24.5, events=True)
+    found = compare(*(replace(each, homes_s=(-1.0, 0.4, 30.0)) for each in both))
+    assert found.seconds > 24.0
+    assert findings(found) == []
+
+
+def test_samples_without_numbers_are_left_out_and_counted() -> None:
+    hw = Known("hw")
+    positions = hw.positions(acts(), 24.5)
+    nan = Vector3(math.nan, 0.0, 0.0)
+    spoilt = [
+        structs.replace(each, position=nan) if i % 50 == 7 else each for i, each in enumerate(positions)
+    ]
+    sim, _ = as_recordings((Known("sim"), Known("hw")), acts(), 24.5, events=True)
+    found = compare(sim, recording(spoilt, 0.0, hw.events))
+    assert found.lag_s == pytest.approx(0.0, abs=0.005)
+    assert max(axis.rms_after for axis in found.axes) < 0.3
+    (finding,) = findings(found)
+    assert finding.sentence.startswith("25 samples of the hardware had angles that are no numbers")
 
 
 @pytest.mark.parametrize("seconds", [1.6, 2.0])
