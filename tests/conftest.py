@@ -13,10 +13,10 @@ from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
-from excuses import Excuses
+from file_locks import Turns
 from hypothesis import settings
-from turns import Turns
-from witness import Witness
+from late_tests import Excuses
+from stall_monitor import Witness
 from xdist.remote import Producer  # type: ignore[import-untyped]
 from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped]
 from xdist.workermanage import WorkerController  # type: ignore[import-untyped]
@@ -44,7 +44,11 @@ LONGEST = (
     "tests/docs/test_code_in_docs.py",
 )
 """The scopes that take longest, 45 to 105 s on two cores."""
-LONG_LIVED = ("tests/witness.py", "multiprocessing.resource_tracker", "multiprocessing.forkserver")
+LONG_LIVED = (
+    "tests/support/stall_monitor.py",
+    "multiprocessing.resource_tracker",
+    "multiprocessing.forkserver",
+)
 """Processes that outlive a test: the witness, and those of Python's multiprocessing."""
 EXCUSES = pytest.StashKey[Excuses]()
 TURNS = pytest.StashKey[Turns]()

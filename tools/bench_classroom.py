@@ -240,7 +240,7 @@ def lost(school: School, following: Robot, what: str, number: int) -> tuple[floa
     with Cable("127.0.0.1", school.classroom.port) as cable:
         path = school.folder / "seat03-relayed.toml"
         path.write_text(msgspec.structs.replace(account, connect=f"tls/127.0.0.1:{cable.port}").text())
-        with program(str(ROOT / "tests/at_seat.py"), account=path) as holder:
+        with program(str(ROOT / "tests/support/student_program.py"), account=path) as holder:
             assert holder.stdin is not None
             assert holder.stdout is not None
             goal = 150 if number % 2 else -150

@@ -26,7 +26,7 @@ sys.path.insert(0, str(ROOT / "tests"))
 
 from avr.bench import BUDGETS, CYCLES_PER_MS, VECTORS  # noqa: E402 - the bench belongs to the tests
 from avr.mega import HEX, Mega  # noqa: E402
-from rig import Steps  # noqa: E402
+from firmware_host import Steps  # noqa: E402
 
 from beatrix_zenoh.board.link import Decoder, encode  # noqa: E402
 from beatrix_zenoh.contract._generated import serial  # noqa: E402

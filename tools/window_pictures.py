@@ -10,8 +10,8 @@ from pathlib import Path
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests"))
 
+from gui_views import STATES, example
 from PyQt5.QtWidgets import QApplication, QMainWindow
-from window_views import STATES, example
 
 from gui.console.state.intents import Theme
 from gui.console.state.views import View

@@ -22,6 +22,6 @@ from beatrix_zenoh.bus.session import QUERYABLE as QUERYABLE
 from beatrix_zenoh.bus.session import SUBSCRIBER as SUBSCRIBER
 from beatrix_zenoh.bus.session import Bus as Bus
 from beatrix_zenoh.bus.session import connect as connect
-from beatrix_zenoh.bus.session import frozen_router as frozen_router
+from beatrix_zenoh.bus.session import hanging_router as hanging_router
 from beatrix_zenoh.bus.sessions import Sessions as Sessions
 from beatrix_zenoh.bus.watchdog import SessionWatchdog as SessionWatchdog

@@ -314,7 +314,7 @@ class Bus(ProcessBound):
         return None
 
     def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
-        """Return name and twin of every robot on line."""
+        """Return name and twin of every robot online."""
         return _places(self.tokens(keys.alive(robot="*", twin="*"), timeout_s))
 
     def claims(self) -> list[tuple[str, str]]:
@@ -332,7 +332,7 @@ class Bus(ProcessBound):
         self.close()
 
 
-def frozen_router(endpoint: str) -> str:
+def hanging_router(endpoint: str) -> str:
     """Return the message about a router that accepts connections and does not answer."""
     return (
         f"The router at {endpoint} does not answer: it hangs or is very busy. Robots stop by themselves within 3 s "
@@ -392,7 +392,7 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
             check_listening()  # a router that is absent or shuts down did not refuse the account
             if slow:
                 other = "" if account is None else OTHER_CAUSES
-                raise NoAnswer(Reason.NO_ROUTER, frozen_router(endpoint) + other) from error
+                raise NoAnswer(Reason.NO_ROUTER, hanging_router(endpoint) + other) from error
             raise NoAnswer(error.reason, credentials.refusal(endpoint, account) + error.message) from error
 
     return Bus(open_session, endpoint, account)

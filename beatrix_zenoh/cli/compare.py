@@ -55,7 +55,7 @@ MaxMissed = Annotated[
 
 def compare(
     source: Annotated[
-        str, typer.Argument(metavar="[FILE.rrd|live]", help="A recording, or `live`: the robots on line.")
+        str, typer.Argument(metavar="[FILE.rrd|live]", help="A recording, or `live`: the robots online.")
     ] = LIVE,
     seconds: Seconds = 10.0,
     max_lag: MaxLag = None,
@@ -106,7 +106,7 @@ def compared(source: str, sim: LiveRecording, hw: LiveRecording) -> Comparison:
 
 
 def live(selection: Selection, seconds: float) -> tuple[LiveRecording, LiveRecording]:
-    """Measure both robots of a name; raises NoAnswer if one is not on line."""
+    """Measure both robots of a name; raises NoAnswer if one is not online."""
     from beatrix_zenoh.recording.record_robots import record_robots
 
     title = "Measuring: move both robots"

@@ -61,7 +61,7 @@ def echo(
     with open_targets(Selection(name, connect, who), on, both=stream is Stream.EVENTS) as targets:
         robots = {robot.place: robot for robot in targets.robots()}
         for robot in robots.values():
-            robot.status()  # raises NoAnswer for a robot that is not on line
+            robot.status()  # raises NoAnswer for a robot that is not online
         if stream is Stream.EVENTS:
             past = count or PAST
             for place, event in limited(follow_events(list(robots.values()), past), count):
@@ -143,7 +143,7 @@ def follow_events(robots: Sequence[Robot], past: int) -> Iterator[tuple[Place, E
         past: number of earlier events to begin with.
 
     Raises:
-        NoAnswer: a robot is not on line, or is lost meanwhile.
+        NoAnswer: a robot is not online, or is lost meanwhile.
     """
     first = robots[0]
     twin = first.twin if len(robots) == 1 else "*"

@@ -159,10 +159,10 @@ def _govern(
         places = [place for place in present if not wanted or place[0] in wanted]
         if not places:
             named = f" of the name {', '.join(wanted)}" if wanted else ""
-            others = f" On line: {', '.join(map(title, present))}." if present else ""
+            others = f" Online: {', '.join(map(title, present))}." if present else ""
             raise NoAnswer(
                 Reason.NO_SUCH_ROBOT if present else Reason.NO_ANSWER,
-                f"No robot{named} is on line at {client.bus.endpoint}.{others}",
+                f"No robot{named} is online at {client.bus.endpoint}.{others}",
             )
         results = {}
         for place, result in govern(client, places, query):

@@ -37,7 +37,7 @@ FOLLOWING = {
 
 
 def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
-    """List the robots on line. Shows state, driver, warnings and versions."""
+    """List the robots online. Shows state, driver, warnings and versions."""
     with Client(resolve(None, connect, who)) as client:
         endpoint = client.bus.endpoint
         found = look_up(client)
@@ -53,11 +53,11 @@ def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
                     f"{robot}: {serving} nodes serve this robot and all of them execute its commands: end all but one."
                 )
     else:
-        say(f"The router at {endpoint} answers, but no robot is on line. Start a simulation: beatrix sim")
+        say(f"The router at {endpoint} answers, but no robot is online. Start a simulation: beatrix sim")
 
 
 class ListedRobot(NamedTuple):
-    """A robot on line, and its replies, each None if it did not arrive."""
+    """A robot online, and its replies, each None if it did not arrive."""
 
     place: Place
     status: Status | None
@@ -68,7 +68,7 @@ class ListedRobot(NamedTuple):
 
 
 def look_up(client: Client) -> list[ListedRobot]:
-    """Return all robots on line, sorted by name; of each name the simulation comes first."""
+    """Return all robots online, sorted by name; of each name the simulation comes first."""
     with Monitor(client) as monitor:
         return listed(client, monitor)
 
@@ -134,7 +134,7 @@ def state(status: Status) -> str:
 def problems(status: Status | None) -> list[str]:
     """Return sentences about fault, warnings and lease of a robot; `status` is None if it did not answer."""
     if status is None:
-        return ["is on line but does not answer: its node hangs, or its connection is interrupted."]
+        return ["is online but does not answer: its node hangs, or its connection is interrupted."]
     found = [*status.warnings[:WARNINGS], *lease_notes(status)]
     if len(status.warnings) > WARNINGS:
         found.append(f"It has {len(status.warnings) - WARNINGS} more warnings.")
@@ -166,7 +166,7 @@ def lease_notes(status: Status) -> list[str]:
 def unfrozen_note(frozen: Mapping[Place, bool]) -> list[str]:
     """Return a sentence that names the robots that are not frozen while others are, or no sentence if all are alike.
 
-    A robot that was not on line when the teacher froze the others was not frozen with them.
+    A robot that was not online when the teacher froze the others was not frozen with them.
     """
     free = [title(place) for place, is_frozen in frozen.items() if not is_frozen]
     if not free or len(free) == len(frozen):

@@ -30,7 +30,7 @@ Name = Annotated[
     typer.Option(
         "--name",
         metavar="ROBOT",
-        help="Name of the robot; default: BEATRIX_ROBOT, beatrix.toml, the only robot on line.",
+        help="Name of the robot; default: BEATRIX_ROBOT, beatrix.toml, the only robot online.",
     ),
 ]
 Names = Annotated[
@@ -66,7 +66,7 @@ Who = Annotated[
 On = Annotated[
     Which | None,
     typer.Option(
-        "--on", help="sim, hw or both; default: the simulation if it is on line, otherwise the hardware."
+        "--on", help="sim, hw or both; default: the simulation if it is online, otherwise the hardware."
     ),
 ]
 Legacy = Annotated[

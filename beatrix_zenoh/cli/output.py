@@ -19,7 +19,7 @@ CODES = {
     Reason.ACCOUNT_REFUSED: 7,
     Reason.ACCESS_DENIED: 8,
     Reason.NODE_LOST: 9,
-    Reason.NODE_FROZEN: 10,
+    Reason.NODE_HANGS: 10,
 }
 """Exit codes of requests without an answer, one for each cause; docs/reference/exit-codes.md explains the codes."""
 STDOUT = 1

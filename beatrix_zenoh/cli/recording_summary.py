@@ -40,7 +40,7 @@ def summarise(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_jso
             f"{output.bytes / 1e6:.1f} MB. To view it: beatrix view {output.files[-1]}"
         )
     else:
-        note("No robot was on line: the recording is empty. `beatrix ls` shows the robots on line.")
+        note("No robot was online: the recording is empty. `beatrix ls` shows the robots online.")
     if not robots:
         return exit_code(Reason.NO_ANSWER)
     return 0 if good else FAILED

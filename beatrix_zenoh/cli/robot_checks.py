@@ -29,7 +29,7 @@ SLOW = 0.9
 def network(settings: Settings, name: str | None = None) -> Iterator[Finding]:
     """Yield findings about router, account and robots; stop after the first step that fails.
 
-    If no robot of the name `name` is on line, one of the findings says so.
+    If no robot of the name `name` is online, one of the findings says so.
     """
     try:
         client = Client(settings)
@@ -64,14 +64,14 @@ def accepted(client: Client) -> Finding:
 
 
 def robots(client: Client, name: str | None) -> Iterator[Finding]:
-    """Yield findings about every robot on line, and about the robot `name` if it is not on line."""
+    """Yield findings about every robot online, and about the robot `name` if it is not online."""
     with Monitor(client) as monitor:
         began_s = time.monotonic()
         found = listed(client, monitor)
         if name is not None and all(robot.place[0] != name for robot in found):
             yield missing(name, [str(robot) for robot in found])
         elif not found:
-            yield Finding("robots", "none on line", advice="to start one: beatrix sim, or beatrix up")
+            yield Finding("robots", "none online", advice="to start one: beatrix sim, or beatrix up")
         if not found:
             return
         time.sleep(max(0.0, began_s + RATE_S - time.monotonic()))
@@ -83,8 +83,8 @@ def robots(client: Client, name: str | None) -> Iterator[Finding]:
 
 
 def missing(name: str, others: list[str]) -> Finding:
-    """Return the finding about a robot that is not on line; `others` are on line."""
-    found = f"not on line; on line: {', '.join(others) or 'no robot'}"
+    """Return the finding about a robot that is not online; `others` are online."""
+    found = f"not online; online: {', '.join(others) or 'no robot'}"
     return Finding(name, found, "look at the output of its node, or start it: beatrix sim or beatrix hw")
 
 
@@ -94,7 +94,7 @@ def one_robot(client: Client, listed_robot: ListedRobot, hz: float, nodes: int) 
     try:
         status = robot.status()
     except BeatrixError as error:
-        yield Finding(name, "on line, but does not answer", error.message)
+        yield Finding(name, "online, but does not answer", error.message)
         return
     if nodes > 1:
         yield Finding(name, f"{nodes} nodes serve it, and all execute its commands", "end all but one")

@@ -44,7 +44,7 @@ class Outcome(NamedTuple):
 
     robot: str
     twin: str
-    """Empty if the name is invalid, or no robot of this name is on line."""
+    """Empty if the name is invalid, or no robot of this name is online."""
     reason: Reason
     message: str
     code: int
@@ -63,7 +63,7 @@ def stop(
 ) -> None:
     """Stop robots at once, even if another seat drives them. Stops simulation and robot of a name, by default all.
 
-    If a name is invalid or no robot of this name is on line, the other robots are still stopped.
+    If a name is invalid or no robot of this name is online, the other robots are still stopped.
     """
     settings, wrong_settings = resolve_valid(connect=connect, who=who)
     asked, wrong_names = check_names(name or ())
@@ -121,13 +121,13 @@ def check_names(robots: Sequence[str]) -> tuple[list[str], list[Outcome]]:
 
 
 def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place]) -> NoAnswer:
-    """Return the error to raise if no robot of the names in `asked` is on line."""
+    """Return the error to raise if no robot of the names in `asked` is online."""
     found = ", ".join(f"{robot} ({twin})" for robot, twin in present)
     hint = "" if ALL in asked or not found else " `beatrix stop --all` stops every robot."
     reasons = [absent_reason(robot, present) for robot in asked]
     return NoAnswer(
         Reason.NO_ANSWER if Reason.NO_ANSWER in reasons else Reason.NO_SUCH_ROBOT,
-        f"Nothing to stop: no such robot at {endpoint}. On line: {found or 'no robot'}.{hint} " + OFF_LINE,
+        f"Nothing to stop: no such robot at {endpoint}. Online: {found or 'no robot'}.{hint} " + OFF_LINE,
     )
 
 
@@ -143,9 +143,7 @@ def absent(
     """Return an outcome for each name in `asked` that no robot in `places` has."""
     stopped = {robot for robot, _ in places}
     side = "" if twin == ALL else f" ({twin})"
-    text = (
-        f"{side} is not on line at {endpoint}, so it was not stopped. `beatrix ls` shows the robots on line."
-    )
+    text = f"{side} is not online at {endpoint}, so it was not stopped. `beatrix ls` shows the robots online."
     return [
         Outcome(robot, "", reason, robot + text, exit_code(reason))
         for robot in asked

@@ -18,7 +18,7 @@ from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.settings import Settings, resolve
 
 Present = Sequence[tuple[str, str]]
-"""Name and twin of every robot on line."""
+"""Name and twin of every robot online."""
 
 
 @dataclass(frozen=True)
@@ -52,13 +52,13 @@ def open_targets(
     Args:
         selection: from the command line.
         which: the value of --on.
-        acts: the verb moves or changes the robots; print a note if, without --on, only the hardware is on line. Not in
+        acts: the verb moves or changes the robots; print a note if, without --on, only the hardware is online. Not in
             a class, whose robots usually have no simulation.
-        both: without --on select both robots of the name if both are on line.
+        both: without --on select both robots of the name if both are online.
 
     Raises:
-        NoAnswer: no router answers, no robot is on line and no name was given, or a robot of --on both is not on line.
-        Refused: several robots are on line, and no name was given.
+        NoAnswer: no router answers, no robot is online and no name was given, or a robot of --on both is not online.
+        Refused: several robots are online, and no name was given.
     """
     settings = resolve(selection.name, selection.connect, selection.who)
     with Client(settings, source=Source.CLI) as client:
@@ -70,12 +70,12 @@ def open_targets(
         free = not is_named(selection, settings) and not (acts and own)
         if free and not any(robot == name for robot, _ in present):
             name = only_name(present, client.bus.endpoint)
-            note(f"Using robot {name}, the only one on line.")
+            note(f"Using robot {name}, the only one online.")
         if both and which is None and {(name, twin) for twin in names.TWINS} <= {*present}:
             which = Which.BOTH
         twins = select_twins(name, which, present, client.bus.endpoint)
         if acts and which is None and twins == ("hw",) and settings.account is None:
-            note(f"No simulation of {name} is on line: using the hardware.")
+            note(f"No simulation of {name} is online: using the hardware.")
         yield Targets(client, name, twins)
 
 
@@ -88,34 +88,34 @@ def is_named(selection: Selection, settings: Settings) -> bool:
 
 
 def only_name(present: Present, endpoint: str) -> str:
-    """Return the name of the only robot on line; raises the errors of `open_targets`."""
+    """Return the name of the only robot online; raises the errors of `open_targets`."""
     found = sorted({robot for robot, _ in present})
     if not found:
         raise NoAnswer(
             Reason.NO_ANSWER,
-            f"No robot is on line at {endpoint}. Start a simulation with `beatrix sim` or `beatrix up`.",
+            f"No robot is online at {endpoint}. Start a simulation with `beatrix sim` or `beatrix up`.",
         )
     if len(found) > 1:
         raise Refused(
             Reason.BAD_VALUE,
-            f"Several robots are on line: {', '.join(found)}. Choose one with --name or BEATRIX_ROBOT.",
+            f"Several robots are online: {', '.join(found)}. Choose one with --name or BEATRIX_ROBOT.",
         )
     return found[0]
 
 
 def select_twins(name: str, which: Which | None, present: Present, endpoint: str) -> tuple[str, ...]:
-    """Return the twins of --on; without it the hardware if only that is on line, otherwise the simulation.
+    """Return the twins of --on; without it the hardware if only that is online, otherwise the simulation.
 
     Raises:
-        NoAnswer: --on both was given, and one robot is not on line, so that neither may move.
+        NoAnswer: --on both was given, and one robot is not online, so that neither may move.
     """
     if which is Which.BOTH:
         missing = [f"{name} ({twin})" for twin in names.TWINS if (name, twin) not in present]
         if missing:
             raise NoAnswer(
                 absent_reason(name, present),
-                f"--on both needs both robots. Not on line at {endpoint}: {', '.join(missing)}. "
-                "`beatrix ls` shows the robots on line.",
+                f"--on both needs both robots. Not online at {endpoint}: {', '.join(missing)}. "
+                "`beatrix ls` shows the robots online.",
             )
         return names.TWINS
     if which is not None:

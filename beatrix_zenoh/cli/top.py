@@ -20,7 +20,7 @@ from beatrix_zenoh.settings import Settings, resolve
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-NO_ROBOT = "No robot is on line. Start a simulation: beatrix sim"
+NO_ROBOT = "No robot is online. Start a simulation: beatrix sim"
 LOST = "The router at {} is lost, or this computer has lost the network. The table returns when the router answers."
 HEADS = ("robot", "on", "state", "yaw°", "pitch°", "roll°", "per s", "silent", "driver")
 TABLE_S = 1.2
@@ -77,7 +77,7 @@ def top(
 
 
 def rows_of(monitor: Monitor) -> list[Row]:
-    """Return the rows of all robots on line now."""
+    """Return the rows of all robots online now."""
     return [row_of(robot) for robot in monitor.robots() if robot.presence is not Presence.ABSENT]
 
 

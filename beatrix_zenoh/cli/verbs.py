@@ -62,7 +62,7 @@ SETTINGS: dict[str, dict[str, object]] = {
 HELP = """Control BEATRIX, the humanoid head: the simulation, the robot, or both. All angles are in degrees.
 
 `beatrix VERB --help` explains a verb. Exit codes: 0 done, 1 refused or failed, 2 wrong usage, 3 no router, 4 timed out,
-5 robot not on line, 6 no such robot, 7 account refused, 8 request denied by the router, 9 robot lost, 10 node hangs,
+5 robot not online, 6 no such robot, 7 account refused, 8 request denied by the router, 9 robot lost, 10 node hangs,
 130 ended by Ctrl-C, 141 pipe closed by the reader of the output.
 """
 

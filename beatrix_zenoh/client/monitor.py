@@ -37,7 +37,7 @@ class Monitor(ProcessBound):
     """
 
     def __init__(self, client: Client, robot: str = "*", twin: str = "*", *, events: int = 0) -> None:
-        """Query the robots on line and begin to monitor.
+        """Query the robots online and begin to monitor.
 
         Args:
             client: the session.
@@ -140,14 +140,14 @@ class Monitor(ProcessBound):
         return changed
 
     def settle(self, timeout_s: float = ASK_S) -> None:
-        """Wait until the status of every robot on line has arrived, at most `timeout_s` (s)."""
+        """Wait until the status of every robot online has arrived, at most `timeout_s` (s)."""
         self._wakeup.wait_for(self._settled, timeout_s)
 
     def _settled(self) -> bool:
         return not any(record.alive and record.status.empty for record in list(self._records.values()))
 
     def robots(self) -> list[RobotState]:
-        """Return the states of all robots that have been on line since the monitor began, by name, simulation first."""
+        """Return the states of all robots that have been online since the monitor began, by name, simulation first."""
         places = sorted(self._records, key=lambda place: (place[0], place[1] != "sim"))
         return [self.robot(*place) for place in places]
 

@@ -17,7 +17,7 @@ from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer
 MARGIN_S = 3.0
 """Time (s) from the announced end of a motion until its final reply counts as lost."""
 NO_END = (
-    "{} did not report that the motion has ended, although it is on line: it or this computer is very busy."
+    "{} did not report that the motion has ended, although it is online: it or this computer is very busy."
 )
 
 

@@ -184,7 +184,7 @@ def ask(
     """Query one robot and return its reply.
 
     Raises:
-        NoAnswer: the reason that `silence` finds; if the robot is not on line, the message names those that are.
+        NoAnswer: the reason that `silence` finds; if the robot is not online, the message names those that are.
         WrongUsage: SHUTDOWN, the client was closed.
     """
     query = Request(client, place, key, request, timeout_s)

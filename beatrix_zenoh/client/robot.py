@@ -52,7 +52,7 @@ class Robot(RobotBase):
 
     Args:
         name: the robot; default BEATRIX_ROBOT, beatrix.toml, the account's robot, then `user-host`. The first query or
-            motion shows whether it is on line.
+            motion shows whether it is online.
         twin: `sim` or `hw`.
         connect: the router's endpoint; default BEATRIX_CONNECT, beatrix.toml, the account, then tcp/127.0.0.1:7447.
         who: your seat; default BEATRIX_WHO, beatrix.toml, the account's seat, then the user's name.
@@ -194,7 +194,7 @@ class Robot(RobotBase):
 
         Raises:
             Refused: the robot refused the motion; the error has the reason and, if there is one, an alternative.
-            NoAnswer: the robot or the router is not on line, or does not answer.
+            NoAnswer: the robot or the router is not online, or does not answer.
             Interrupted: the motion was stopped or replaced, or the robot ended it for another reason.
         """
         return self._begin(pose_query(yaw, pitch, roll, relative=relative, speed=speed), wait=wait)

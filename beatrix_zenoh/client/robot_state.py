@@ -31,7 +31,7 @@ M = TypeVar("M", bound=msgspec.Struct)
 class Presence(StrEnum):
     """Presence of a robot."""
 
-    ON_LINE = "on line"
+    ON_LINE = "online"
     """The robot has a liveliness token, and positions arrive."""
     LOST = "lost"
     """The robot has a token, but no positions have arrived for 0.5 s: the node or its connection does not respond."""

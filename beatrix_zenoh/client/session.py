@@ -44,7 +44,7 @@ class Client(ProcessBound):
         self.losses = 0
         """Number of losses of the router so far; a query that was sent before a loss is lost too."""
         self.seen: set[Place] = set()
-        """Robots that were on line or have answered since the session began."""
+        """Robots that were online or have answered since the session began."""
         self.token = ""
         """Liveliness token of the seat; empty: not announced."""
         self.replied_s: dict[Place, float] = {}
@@ -91,7 +91,7 @@ class Client(ProcessBound):
         incoming.finish()
 
     def robots(self) -> list[Place]:
-        """Return name and twin of every robot on line.
+        """Return name and twin of every robot online.
 
         Raises:
             NoAnswer: ACCOUNT_REFUSED, there seems to be none because the router drops all messages of this account.

@@ -29,7 +29,7 @@ POLL_S = 0.02
 ABSENT_S = 1.5
 """A query that reaches no node ends within this time (s). If one ends later without a reply, its node has ended."""
 POSITIONS_S = 1.0
-"""A node that publishes no positions for this long (s) counts as NODE_FROZEN; it publishes them every 20 ms."""
+"""A node that publishes no positions for this long (s) counts as NODE_HANGS; it publishes them every 20 ms."""
 CLOCK_S = 1.0
 """Time limit (s) of the query for the clock, which every account may send."""
 
@@ -85,7 +85,7 @@ class Unanswered:
             time.sleep(NOTICE_S)
         if self._lost():
             return self._interrupted() if zbus.is_listening(bus.endpoint) else self._no_router()
-        return None if answers else NoAnswer(Reason.NO_ROUTER, zbus.frozen_router(bus.endpoint))
+        return None if answers else NoAnswer(Reason.NO_ROUTER, zbus.hanging_router(bus.endpoint))
 
     def _lost(self) -> bool:
         """Return whether the connection is lost now, or was lost since the query was sent."""
@@ -117,17 +117,17 @@ class Unanswered:
         """Return the error of a connection that is not restored: a restarted router may have other accounts."""
         bus = self.client.bus
         error = None if self.client.settings.account is None else bus.connection_error()
-        return error or NoAnswer(Reason.NO_ROUTER, zbus.frozen_router(bus.endpoint))
+        return error or NoAnswer(Reason.NO_ROUTER, zbus.hanging_router(bus.endpoint))
 
     # -- the robot ----------------------------------------------------------------------------------
 
     def _lost_node(self, *, back: bool = False) -> NoAnswer:
-        """Return the error of a node that received the query and did not answer; `back`: it is on line again."""
+        """Return the error of a node that received the query and did not answer; `back`: it is online again."""
         name = title(self.place)
         return NoAnswer(Reason.NODE_LOST, detail=Detail(field=name, known=[name] if back else []))
 
     def _refused(self) -> NoAnswer:
-        """Return the error of a query that ended without a reply although the robot is on line."""
+        """Return the error of a query that ended without a reply although the robot is online."""
         account = self.client.settings.account
         if account is not None and self._reads_clock():
             detail = Detail(field=title(self.place), holder=account.name)
@@ -148,7 +148,7 @@ class Unanswered:
     def _late(self, limit_s: float) -> NoAnswer:
         publishes = publishing(self.client.bus, [self.place])
         detail = Detail(field=title(self.place), value=limit_s, unit="s")
-        return NoAnswer(Reason.TIMED_OUT if publishes else Reason.NODE_FROZEN, detail=detail)
+        return NoAnswer(Reason.TIMED_OUT if publishes else Reason.NODE_HANGS, detail=detail)
 
 
 def publishing(bus: Bus, places: Collection[Place]) -> set[Place]:
@@ -175,13 +175,13 @@ def title(place: Place) -> str:
 
 
 def absent_reason(name: str, present: Collection[Place]) -> Reason:
-    """Return NO_SUCH_ROBOT if only robots of other names are on line; NO_ANSWER if none is, or only the other twin."""
+    """Return NO_SUCH_ROBOT if only robots of other names are online; NO_ANSWER if none is, or only the other twin."""
     other = present and all(robot != name for robot, _ in present)
     return Reason.NO_SUCH_ROBOT if other else Reason.NO_ANSWER
 
 
 def absence(client: Client, place: Place, present: Collection[Place]) -> NoAnswer:
-    """Return the error of a robot that is not on line, with the robots that are."""
+    """Return the error of a robot that is not online, with the robots that are."""
     reason, account = absent_reason(place[0], present), client.settings.account
     holder = "" if account is None or account.may_serve(place[0]) else account.name
     detail = Detail(field=title(place), known=[title(other) for other in present], holder=holder)

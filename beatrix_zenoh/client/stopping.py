@@ -45,7 +45,7 @@ PLACES_MAX: Final = 16
 REPORTS_MAX: Final = 256
 """Largest number of presses that one answer is reported for; STOP is sent for further ones, too."""
 OFF_LINE: Final = (
-    "A robot whose node hangs or has crashed is not on line: if it moves, switch its motor power off."
+    "A robot whose node hangs or has crashed is not online: if it moves, switch its motor power off."
 )
 """Advice if no robot was expected to answer."""
 
@@ -126,7 +126,7 @@ class StopEvents:
     """A subscription to one robot's events since `since_s` (s, the robot's monotonic clock), by default from now on."""
 
     def __init__(self, robot: RobotBase, since_s: float | None = None) -> None:
-        """Subscribe; without `since_s` raises NoAnswer if the robot is not on line."""
+        """Subscribe; without `since_s` raises NoAnswer if the robot is not online."""
         self._robot = robot
         self._events = robot.events()
         self._since_s = robot.positions().t if since_s is None else since_s
@@ -166,8 +166,8 @@ def silences(bus: Bus, places: Collection[Place]) -> Answers:
 
 
 def no_answer(place: Place, limit_s: float, *, publishes: bool) -> NoAnswer:
-    """Return the error of a robot that is on line and did not answer STOP within `limit_s` (s)."""
-    reason = Reason.TIMED_OUT if publishes else Reason.NODE_FROZEN
+    """Return the error of a robot that is online and did not answer STOP within `limit_s` (s)."""
+    reason = Reason.TIMED_OUT if publishes else Reason.NODE_HANGS
     return NoAnswer(reason, detail=Detail(field=title(place), value=limit_s, unit="s", needs=["STOP"]))
 
 
@@ -245,7 +245,7 @@ class StopSender:
             clients: sessions for sending: the first that is connected is used, else the last.
             places: robots, or groups of robots with `*`.
             report: called for each place.
-            expected: robots on line; those of a group should answer.
+            expected: robots online; those of a group should answer.
             yield_s: longest time (s) that this thread yields to the thread for sending: otherwise Python may run this
                 thread for 5 ms before it switches. Only one thread may use it.
         """

@@ -278,7 +278,7 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
             return NoAnswer(Reason.TIMED_OUT, text)
         return NoAnswer(
             Reason.TIMED_OUT,
-            f"{name}: no message for {timeout_s:g} s. The robot does not respond, or is no longer on line.",
+            f"{name}: no message for {timeout_s:g} s. The robot does not respond, or is no longer online.",
         )
 
     def close(self) -> None:

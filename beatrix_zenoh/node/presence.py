@@ -130,6 +130,6 @@ def taken(bus: Bus, name: str, twin: str) -> Refused:
     """Return the refusal of a second node with the same name."""
     return Refused(
         Reason.NAME_TAKEN,
-        f"A {twin} robot named {name!r} is already on line at {bus.endpoint}. Start this robot under another "
+        f"A {twin} robot named {name!r} is already online at {bus.endpoint}. Start this robot under another "
         "name (--name), or end the other robot; `beatrix ls` lists the robots.",
     )

@@ -112,7 +112,7 @@ def record_motion(
 
     Raises:
         WrongUsage: the file cannot be written.
-        NoAnswer: the robot is not on line, or its positions have ended; the file contains the motion until then.
+        NoAnswer: the robot is not online, or its positions have ended; the file contains the motion until then.
     """
     with naming(str(robot)):
         info = robot.info()

@@ -36,7 +36,7 @@ def record_robots(
     """Record robots for some seconds; call `passed` with the elapsed seconds four times a second.
 
     Raises:
-        NoAnswer: a robot is not on line or publishes nothing.
+        NoAnswer: a robot is not online or publishes nothing.
     """
     before = [(offset_of(robot), robot.status()) for robot in robots]
     streams = [robot.positions_stream() for robot in robots]

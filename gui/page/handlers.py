@@ -258,7 +258,7 @@ class Pictures(Socket):
     """The pictures of both eyes: each message is the number of the eye, 0 or 1, and a JPEG file."""
 
     def open(self, *_: str, **__: str) -> None:
-        """Begin to send pictures of the robot and twin in the URL; close the web socket if that is not on line."""
+        """Begin to send pictures of the robot and twin in the URL; close the web socket if that is not online."""
         robot, twin = self.get_query_argument("robot", ""), self.get_query_argument("twin", "")
         self._sent: dict[Camera, int] = {}
         self._ready = [True, True]

@@ -7,8 +7,8 @@ from typing import Final, Self
 
 import numpy as np
 from avr.bench import EEPROM_SIZE, SIGNALS, Avr
+from firmware_host import ROOT, Rig, Steps
 from numpy.typing import NDArray
-from rig import ROOT, Rig, Steps
 
 from beatrix_zenoh.board.link import Decoder
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import msgspec
 import pytest
 from class_router import CLI, ClassRouter, certified, settled
+from robots import Process, free_endpoint
 from shell import beatrix
-from stage import Process, free_endpoint
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus

@@ -13,9 +13,9 @@ import msgspec
 import pytest
 from cable import Cable
 from class_router import ClassRouter
-from patience import PATIENCE_S, patiently
-from seat import PROGRAM, Seat, use_account
-from stage import Process, until
+from patient_connections import PATIENCE_S, patiently
+from robots import Process, until
+from students import PROGRAM, Seat, use_account
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh import bus as zbus
@@ -31,7 +31,7 @@ SEATS = 30
 
 @pytest.fixture(scope="module")
 def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    """A class with one of its robots on line."""
+    """A class with one of its robots online."""
     with ClassRouter(tmp_path_factory.mktemp("class"), seats=str(SEATS)) as made:
         account = made.account("bea1")
         node = Node(

@@ -10,9 +10,9 @@ import msgspec
 import pytest
 from cable import Cable
 from class_router import CLI, ClassRouter
-from patience import PATIENCE_S, patiently
-from seat import use_account
-from stage import ROOT, Process, ready, until
+from patient_connections import PATIENCE_S, patiently
+from robots import ROOT, Process, ready, until
+from students import use_account
 
 from beatrix_zenoh import Interrupted, Robot
 from beatrix_zenoh.client import Client
@@ -25,7 +25,7 @@ STOPS = 3
 
 @pytest.fixture(scope="module")
 def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    """A class with one of its robots on line."""
+    """A class with one of its robots online."""
     with ClassRouter(tmp_path_factory.mktemp("class")) as made:
         node = start(tmp_path_factory.mktemp("bea1"), made.path("bea1"), *CLI, "hw", "--port", "virtual:")
         yield made

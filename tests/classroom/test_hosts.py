@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 from class_router import CLI, ClassRouter
-from hosts import LISTENING, Host, School, permits_namespaces, sockets
-from seat import PROGRAM, Seat, use_account
-from stage import Process
+from robots import Process
+from school_network import LISTENING, Host, School, permits_namespaces, sockets
+from students import PROGRAM, Seat, use_account
 
 CONNECT = "__import__('socket').create_connection(('{}', {}), 5)"
 MULTICAST = "__import__('socket').socket(2, 2).sendto(b'x', ('224.0.0.224', 7446))"

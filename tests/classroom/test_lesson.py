@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 from class_router import ClassRouter, start_node
+from robots import ready, until
 from shell import beatrix
-from stage import ready, until
 from web_client import WebClient, serving
 
 from beatrix_zenoh import Robot
@@ -19,7 +19,7 @@ from beatrix_zenoh.settings import Settings
 
 @pytest.fixture(scope="module")
 def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    """A class in which the robot bea1 and the seat ana's own robot are on line."""
+    """A class in which the robot bea1 and the seat ana's own robot are online."""
     with ClassRouter(tmp_path_factory.mktemp("class"), seats='{ana = "Ána Ruiz", ben = "Ben"}') as made:
         folders = {name: tmp_path_factory.mktemp(name) for name in ("bea1", "ana")}
         nodes = [start_node(folder, made.path(name)) for name, folder in folders.items()]

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from class_router import CLI
+from robots import ROOT, Process
 from shell import beatrix
-from stage import ROOT, Process
 
 from beatrix_zenoh.classroom import class_file
 from beatrix_zenoh.recording.viewer import free_port

@@ -11,7 +11,7 @@ import msgspec
 import pytest
 from cable import Cable
 from class_router import Answering, ClassRouter, replies, settled
-from patience import PATIENCE_S, patiently
+from patient_connections import PATIENCE_S, patiently
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.contract._generated import keys

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 from class_router import Answering, ClassRouter, replies, settled, start_node
-from linked import Linked
+from gui_links import Linked
+from robots import until
 from shell import beatrix
-from stage import until
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account

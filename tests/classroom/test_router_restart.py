@@ -8,8 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from class_router import ClassRouter, start_node
-from patience import PATIENCE_S, patiently
-from stage import ready, until
+from patient_connections import PATIENCE_S, patiently
+from robots import ready, until
 
 from beatrix_zenoh import Robot, Subscription
 from beatrix_zenoh.client import Client, lease

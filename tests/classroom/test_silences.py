@@ -14,9 +14,9 @@ from pathlib import Path
 import msgspec
 import pytest
 from class_router import Answering, ClassRouter, settled, start_node
-from linked import Linked
+from gui_links import Linked
+from robots import PATIENCE_S, Process, free_endpoint, until
 from shell import beatrix
-from stage import PATIENCE_S, Process, free_endpoint, until
 
 from beatrix_zenoh import NoAnswer, Robot
 from beatrix_zenoh.account import Account
@@ -36,7 +36,7 @@ HW = "hw"
 
 
 class Lesson:
-    """A class with the robot bea1 on line; other robots are started by the tests."""
+    """A class with the robot bea1 online; other robots are started by the tests."""
 
     def __init__(self, router: ClassRouter, folder: Path) -> None:
         self.router, self.folder = router, folder
@@ -90,7 +90,7 @@ def denied(lesson: Lesson) -> Iterator[Case]:
 
 @contextlib.contextmanager
 def absent(lesson: Lesson) -> Iterator[Case]:
-    """A request to the absent simulation of a robot whose hardware is on line."""
+    """A request to the absent simulation of a robot whose hardware is online."""
     yield Case(lesson.router.account("ana"), twin="sim")
 
 
@@ -187,20 +187,20 @@ TABLE = [
     (
         denied,
         Reason.ACCESS_DENIED,
-        "ana (hw) is on line, but the router refuses this request: account ben",
+        "ana (hw) is online, but the router refuses this request: account ben",
     ),
     (
         absent,
         Reason.NO_ANSWER,
-        "bea1 (sim) is not on line. On line: bea1 (hw). Account ana may not start it",
+        "bea1 (sim) is not online. Online: bea1 (hw). Account ana may not start it",
     ),
     (
         unknown,
         Reason.NO_SUCH_ROBOT,
-        "bea7 (hw) is not on line, and no robot has this name. On line: bea1 (hw)",
+        "bea7 (hw) is not online, and no robot has this name. Online: bea1 (hw)",
     ),
-    (crashed, Reason.NODE_LOST, "bea2 (hw) is no longer on line: its node has crashed"),
-    (frozen, Reason.NODE_FROZEN, "bea2 (hw) is on line but did not answer within"),
+    (crashed, Reason.NODE_LOST, "bea2 (hw) is no longer online: its node has crashed"),
+    (frozen, Reason.NODE_HANGS, "bea2 (hw) is online but did not answer within"),
     (busy, Reason.TIMED_OUT, "bea2 (hw) did not answer within"),
 ]
 Provoke = Callable[[Lesson], "contextlib.AbstractContextManager[Case]"]
@@ -210,7 +210,7 @@ def enable(case: Case, timeout_s: float) -> None:
     """Send the request of a case with the SDK."""
     account = case.account
     with Client(Settings("", account.connect, account.name, account=account)) as client:
-        client.robots()  # a node counts as lost only if this client has seen it on line before
+        client.robots()  # a node counts as lost only if this client has seen it online before
         Robot(case.name, case.twin, client=client, timeout_s=timeout_s).enable()
 
 
@@ -235,7 +235,7 @@ def test_the_command_line_ends_with_the_exit_code_of_each_missing_answer(
     assert done.stdout == ""
 
 
-def test_the_error_reports_a_robot_that_was_lost_and_is_on_line_again(lesson: Lesson) -> None:
+def test_the_error_reports_a_robot_that_was_lost_and_is_online_again(lesson: Lesson) -> None:
     received: list[threading.Timer] = []
 
     def lose(incoming: Incoming) -> None:
@@ -246,7 +246,7 @@ def test_the_error_reports_a_robot_that_was_lost_and_is_on_line_again(lesson: Le
         bus.serve(keys.command("bea2", HW, "*"), lose)
         bus.declare_token(keys.alive("bea2", HW))
         settled(bus)
-        with pytest.raises(NoAnswer, match="was lost during this request and is on line again") as caught:
+        with pytest.raises(NoAnswer, match="was lost during this request and is online again") as caught:
             enable(Case(lesson.router.account("ana"), "bea2"), PATIENCE_S)
         for timer in received:
             timer.join()
@@ -260,8 +260,8 @@ def test_a_command_of_a_seat_without_its_simulation_goes_to_no_other_robot(
     monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(lesson.router.account("ana"))))
     done = beatrix("enable")
     assert done.returncode == exit_code(Reason.NO_SUCH_ROBOT), done.stderr
-    assert "ana (sim) is not on line" in done.stderr
-    assert "On line: bea1 (hw)" in done.stderr
+    assert "ana (sim) is not online" in done.stderr
+    assert "Online: bea1 (hw)" in done.stderr
 
 
 def test_each_cause_of_a_missing_answer_has_an_exit_code_of_its_own() -> None:
@@ -296,7 +296,7 @@ def test_doctor_names_the_robot_that_does_not_answer(lesson: Lesson, monkeypatch
     assert found["account"][0]["found"].startswith("ana of class 8b, accepted, valid until")
     assert [row["state"] for row in found["bea2 (hw)"]] == ["todo"]
     todo = found["bea2 (hw)"][0]["todo"]
-    assert "restart it" in todo or "is not on line" in todo, (
+    assert "restart it" in todo or "is not online" in todo, (
         "the router drops the node after 2 s, and doctor may take longer"
     )
     assert found["bea1 (hw)"][0]["found"].startswith("answers")

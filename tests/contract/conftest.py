@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from body import Body, run_on_bodies
-from stage import Stage, ready
+from bodies import Body, run_on_bodies
+from robots import Stage, ready
 
 from beatrix_zenoh import Robot
 

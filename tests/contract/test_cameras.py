@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 import simplejpeg
-from body import Body
-from stage import until, wait_status
+from bodies import Body
+from robots import until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract.names import EYES

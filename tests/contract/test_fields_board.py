@@ -10,7 +10,7 @@ from pathlib import Path
 import msgspec
 import pytest
 from published import at_once, published_statuses, regular, without_clocks
-from stage import Process, Stage, ready
+from robots import Process, Stage, ready
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.board.link import Decoder

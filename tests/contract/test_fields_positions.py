@@ -8,10 +8,10 @@ import statistics
 import time
 
 import pytest
-from body import Body
-from excuses import in_time
+from bodies import Body
+from late_tests import in_time
 from published import Published, published_positions
-from stage import ask_raw, until
+from robots import ask_raw, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.readings import Reading

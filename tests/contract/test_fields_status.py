@@ -9,10 +9,10 @@ from importlib import metadata
 
 import msgspec
 import pytest
-from body import Body
-from excuses import in_time
+from bodies import Body
+from late_tests import in_time
 from published import at_once, published_positions, published_statuses, regular, without_clocks
-from stage import ask_raw
+from robots import ask_raw
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh.client.request import infos

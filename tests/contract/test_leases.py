@@ -6,8 +6,8 @@ import threading
 from collections.abc import Iterator
 
 import pytest
-from body import Body
-from stage import ask_raw, until
+from bodies import Body
+from robots import ask_raw, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.client import lease

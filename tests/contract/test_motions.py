@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import pytest
-from excuses import in_time
-from stage import ask_raw, until
+from late_tests import in_time
+from robots import ask_raw, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, suggestion
 from beatrix_zenoh.client.request import ask

@@ -7,7 +7,7 @@ import math
 
 import msgpack
 import pytest
-from stage import ask_raw, until
+from robots import ask_raw, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract import codec

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from stage import ask_raw, until
+from robots import ask_raw, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.request import ask

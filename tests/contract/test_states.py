@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from stage import ask_raw, ready, until
+from robots import ask_raw, ready, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.contract import codec

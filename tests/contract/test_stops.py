@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 import zenoh
-from body import Body
-from excuses import within
-from stage import ready, until
+from bodies import Body
+from late_tests import within
+from robots import ready, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.bus import Query

@@ -8,8 +8,8 @@ import shlex
 from pathlib import Path
 
 import pytest
-from lesson_file import BEGAN_NS, STEP_NS, times, write_lesson
 from PIL import Image
+from written_recordings import BEGAN_NS, STEP_NS, times, write_lesson
 
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.recording.export import every_quantity

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from stage import Stage
+from robots import Stage
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = (

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from avr.mega import MegaPort
-from rig import ROOT, Core, Rig
+from firmware_host import ROOT, Core, Rig
 
 from beatrix_zenoh.board.virtual import Firmware
 

@@ -8,9 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from firmware_host import ARM_SPACING, GAP_MIN, ROOT, SPEED_MAX, YAW_SUM_MAX, Rig, Steps, least_gap
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rig import ARM_SPACING, GAP_MIN, ROOT, SPEED_MAX, YAW_SUM_MAX, Rig, Steps, least_gap
 
 from beatrix_zenoh.contract._generated.serial import Error, FrameType, Outcome, State
 

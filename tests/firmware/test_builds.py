@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 from avr.mega import HEX, Mega, MegaPort
-from dialogue import DIALOGUES, expected_replies, read
-from program import BYTE_MS, Program
-from rig import ROOT, SPEED_MAX, Core, HostFirmware
+from dialogues import DIALOGUES, expected_replies, read
+from firmware_host import ROOT, SPEED_MAX, Core, HostFirmware
+from text_port_programs import BYTE_MS, Program
 
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware

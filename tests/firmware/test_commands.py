@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from rig import SPEED_MAX, Rig
+from firmware_host import SPEED_MAX, Rig
 
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware

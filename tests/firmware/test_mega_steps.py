@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from avr.bench import BUDGETS, VECTORS
 from avr.mega import HEX, Mega
-from rig import KEEP_ALIVE_MS, SPEED_MAX, Steps
+from firmware_host import KEEP_ALIVE_MS, SPEED_MAX, Steps
 
 from beatrix_zenoh.contract._generated.serial import Error, FrameType, Outcome, State
 

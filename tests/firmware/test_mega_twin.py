@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from avr.bench import CYCLES_PER_MS, TICK
 from avr.mega import Mega
+from firmware_host import SPEED_MAX, Rig, Steps
 from numpy.typing import NDArray
-from rig import SPEED_MAX, Rig, Steps
 
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware

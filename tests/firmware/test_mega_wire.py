@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 from avr.bench import CYCLES_PER_MS, TICK
 from avr.mega import Mega
-from rig import damaged
+from firmware_host import damaged
 
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.contract._generated.serial import Error, FrameType, Move, Outcome, State

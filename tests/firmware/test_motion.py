@@ -6,9 +6,9 @@ import itertools
 import math
 
 import pytest
+from firmware_host import ACCELERATION, SPEED_MAX, Rig, Steps
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from rig import ACCELERATION, SPEED_MAX, Rig, Steps
 
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import Error, FrameType, Outcome, State

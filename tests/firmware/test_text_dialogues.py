@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from dialogue import DIALOGUES, Entry, expected_replies, read
-from program import BYTE_MS, LAST, Program
-from rig import Core
+from dialogues import DIALOGUES, Entry, expected_replies, read
+from firmware_host import Core
+from text_port_programs import BYTE_MS, LAST, Program
 
 
 def played(dialogue: list[Entry], program: Program) -> list[Entry]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import random
 
 import pytest
-from program import Program
-from rig import Rig
+from firmware_host import Rig
+from text_port_programs import Program
 
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable
 
 import pytest
+from firmware_host import ARM_SPACING, ARM_TURN, GAP_MIN, Steps, least_gap
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from program import Program
-from rig import ARM_SPACING, ARM_TURN, GAP_MIN, Steps, least_gap
+from text_port_programs import Program
 
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract._generated.serial import FrameType, MoveStraight, Outcome, WarningCode

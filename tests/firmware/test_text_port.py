@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from program import Program
+from text_port_programs import Program
 
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import (

@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 
 import pytest
-from program import Program
-from rig import Core
+from firmware_host import Core
+from text_port_programs import Program
 
 from beatrix_zenoh.contract._generated.serial import Outcome, State, WarningCode
 

@@ -6,10 +6,10 @@ import re
 from pathlib import Path
 
 import pytest
+from firmware_host import Steps
 from hypothesis import given
 from hypothesis import strategies as st
-from program import Program
-from rig import Steps
+from text_port_programs import Program
 
 from beatrix_zenoh.legacy.outcomes import misread
 

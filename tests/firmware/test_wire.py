@@ -7,9 +7,9 @@ import random
 from itertools import pairwise
 
 import pytest
+from firmware_host import ROOT, Rig, damaged
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rig import ROOT, Rig, damaged
 
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware

@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterator
 os.environ["QT_QPA_PLATFORM"] = "offscreen"
 
 import pytest
+from gui_windows import HOME, Windowed, windowed
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, WatchedState
-from stage import Stage, ready, until
-from windowed import HOME, Windowed, windowed
+from robots import Stage, ready, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import EventKind

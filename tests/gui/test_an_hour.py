@@ -6,11 +6,11 @@ import os
 import subprocess
 import sys
 
-import hour
+import hour_of_work
 import msgspec
-from hour import HOUR_S, ROUNDS, at
-from stage import ROOT, untraced
-from window_views import ready
+from gui_views import ready
+from hour_of_work import HOUR_S, ROUNDS, at
+from robots import ROOT, untraced
 
 from gui.console.state.history import SHOWN
 from gui.console.state.memory import KEPT
@@ -25,7 +25,7 @@ GROWTH = 50_000
 
 def test_an_hour_of_work_needs_bounded_memory_and_no_more_threads() -> None:
     done = subprocess.run(
-        [sys.executable, hour.__file__],
+        [sys.executable, hour_of_work.__file__],
         env={**untraced(), "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])},
         capture_output=True,
         text=True,
@@ -33,7 +33,7 @@ def test_an_hour_of_work_needs_bounded_memory_and_no_more_threads() -> None:
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    kept = msgspec.json.decode(done.stdout, type=hour.Kept)
+    kept = msgspec.json.decode(done.stdout, type=hour_of_work.Kept)
     assert kept.rows == KEPT < ROUNDS
     assert kept.undo < KEPT
     assert kept.listed == SHOWN

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from worlds import world
+from gui_worlds import world
 
 from gui.console.state import intents, saved
 from gui.console.state.intents import Theme

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from stage import Stage, until
-from windowed import Windowed, windowed
+from gui_windows import Windowed, windowed
+from robots import Stage, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import lease

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from gui_views import class_world
+from gui_worlds import robot, status, world
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, WatchedState
-from window_views import class_world
-from worlds import robot, status, world
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from gui.console.state.actions import Govern, SendLease, StopAll, WatchClass

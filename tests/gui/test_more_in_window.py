@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from gui_windows import HOME, Windowed, near
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLineEdit
-from stage import Stage, until
-from windowed import HOME, Windowed, near
+from robots import Stage, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.recording.rrd.read import read
@@ -144,7 +144,7 @@ def test_the_window_shows_and_commands_the_chosen_robot(user: Windowed, stage: S
     user.key(Qt.Key.Key_Down)
     user.until(lambda: "other" in user.window.windowTitle(), "its name in the title")
     user.until(lambda: "motors off" in header.pills["hw"].state.text(), "its state")
-    user.until(lambda: "not on line" in header.pills["sim"].state.text(), "it has no simulation")
+    user.until(lambda: "not online" in header.pills["sim"].state.text(), "it has no simulation")
     user.press(header.pills["hw"].next_step)
     other = stage.robot("other", "hw")
     until(lambda: other.status().enabled, "it was enabled")

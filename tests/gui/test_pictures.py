@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 
 import pytest
-from stage import Process, Stage, until, wait_status
+from robots import Process, Stage, until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import CameraImage, Client

@@ -7,10 +7,10 @@ import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
 
+import gui_worlds
 import msgspec
 import numpy as np
 import pytest
-import worlds
 from PyQt5.QtGui import QColor
 from pyqtgraph import PlotDataItem
 from pytestqt.qtbot import QtBot
@@ -38,14 +38,14 @@ def plots(qtbot: QtBot, monkeypatch: pytest.MonkeyPatch) -> Plots:
 
 
 def robot_at(twin: str, time_s: float, arms: Arms) -> RobotState:
-    state = worlds.robot(twin, arms=arms, age_s=0.01)
+    state = gui_worlds.robot(twin, arms=arms, age_s=0.01)
     assert state.positions is not None
     stamped = msgspec.structs.replace(state.positions, t_mono_ns=round(time_s * 1e9))
     return replace(state, positions=stamped)
 
 
 def world_at(now_s: float, sim: Arms = (0, 0, 0), hw: Arms = (0, 0, 0)) -> World:
-    made = worlds.world(robot_at("sim", now_s - 0.01, sim), robot_at("hw", now_s - 0.01, hw))
+    made = gui_worlds.world(robot_at("sim", now_s - 0.01, sim), robot_at("hw", now_s - 0.01, hw))
     return replace(made, now_s=now_s)
 
 
@@ -184,7 +184,7 @@ def test_another_robot_begins_with_empty_plots(plots: Plots) -> None:
 def test_plots_without_samples_show_a_hint(plots: Plots) -> None:
     plots.show()
     assert plots.empty.isVisible()
-    plots.append(worlds.world(worlds.absent("sim"), worlds.absent("hw")))
+    plots.append(gui_worlds.world(gui_worlds.absent("sim"), gui_worlds.absent("hw")))
     assert plots.empty.isVisible()
     plots.append(world_at(100.0))
     assert not plots.empty.isVisible()

@@ -6,14 +6,14 @@ import re
 from dataclasses import replace
 
 import pytest
+from gui_views import class_world, example
 from PyQt5.QtCore import QPointF, Qt
 from PyQt5.QtGui import QColor
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink
-from stage import ROOT
-from window_views import class_world, example
+from robots import ROOT
 
 from gui.console.state.intents import Theme
 from gui.console.state.views import Orientation

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
-from stage import START_S, Process, Stage, ready, until
+from robots import START_S, Process, Stage, ready, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.recording.rrd.read import read

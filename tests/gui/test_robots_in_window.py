@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from gui_windows import HOME, Windowed, near
 from PyQt5.QtCore import QPointF, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLabel
-from stage import Stage
-from windowed import HOME, Windowed, near
+from robots import Stage
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.readings import arm_angles

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from worlds import (
+from gui_worlds import (
     BOTH,
     NOT_SIM,
     NOWHERE,
@@ -167,7 +167,7 @@ def test_without_a_checked_box_motion_buttons_are_disabled_with_a_reason() -> No
     ("now", "text"),
     [
         (world(phase=LinkPhase.NO_ROUTER), "no router answers at tcp/127.0.0.1:7447"),
-        (NOWHERE, "the simulation of bea1 is not on line"),
+        (NOWHERE, "the simulation of bea1 is not online"),
     ],
 )
 def test_a_request_that_cannot_be_sent_is_refused_beside_its_control(now: World, text: str) -> None:
@@ -267,7 +267,7 @@ def test_a_missing_picture_has_a_reason(cameras: tuple[CameraStatus, ...], left:
     assert bool(found["sim", "left"]) is bool(left)
     assert found["sim", "outside"].startswith(outside)
     assert bool(found["sim", "outside"]) is bool(outside)
-    assert found["hw", "left"].startswith("The hardware is not on line.")
+    assert found["hw", "left"].startswith("The hardware is not online.")
     assert {eye.text for eye in State().view(world()).eyes if eye.eye != "outside"} == {
         "The eye cameras are off. Check Eye cameras."
     }
@@ -277,7 +277,7 @@ def test_the_failure_of_a_child_program_is_shown_in_banner_and_last_line() -> No
     failed = replace(world(absent("sim"), absent("hw"), names=()), child_trouble="There is no mujoco.")
     banner = State().view(failed).banner
     assert banner is not None
-    assert banner.text.startswith("There is no mujoco. No robot is on line.")
+    assert banner.text.startswith("There is no mujoco. No robot is online.")
     assert State().view(failed).last == "A program of this window has failed: There is no mujoco."
 
 

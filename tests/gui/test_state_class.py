@@ -6,8 +6,8 @@ import math
 from dataclasses import replace
 
 import pytest
-from window_views import class_world
-from worlds import status, world
+from gui_views import class_world
+from gui_worlds import status, world
 
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason
 from gui.console.state import intents
@@ -65,7 +65,7 @@ def test_a_row_shows_state_driver_queue_rate_and_age() -> None:
 
 def test_the_page_shows_a_summary_and_the_speed_limit() -> None:
     view = page(opened())
-    assert view.summary == "Robots: 8. Seats on line: 5 (ana, ben, cleo, dora, teacher). Frozen: 2 of 8."
+    assert view.summary == "Robots: 8. Seats online: 5 (ana, ben, cleo, dora, teacher). Frozen: 2 of 8."
     assert view.limit_now == "Speed limit: 20 °/s."
 
 
@@ -122,7 +122,7 @@ def test_the_summary_counts_the_stops_of_each_seat() -> None:
     assert mixed.rows[2].cells[-1] == "limit 20 °/s"
     empty = page(opened(), replace(TEACHER, robots=()))
     assert (empty.limit_now, empty.rows) == ("No speed limit.", ())
-    assert empty.empty.startswith("No robot is on line.")
+    assert empty.empty.startswith("No robot is online.")
 
 
 @pytest.mark.parametrize(

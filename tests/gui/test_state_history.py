@@ -11,7 +11,7 @@ from unittest.mock import MagicMock, create_autospec
 
 import pytest
 import typer.main
-from worlds import robot, status, world
+from gui_worlds import robot, status, world
 
 from beatrix_zenoh.cli.verbs import application
 from beatrix_zenoh.client import Plan, Robot, Twin
@@ -200,7 +200,7 @@ def test_the_command_line_sends_the_same_request() -> None:
     assert found["on"] == "both"
 
 
-def test_the_command_line_names_the_robot_if_several_are_on_line() -> None:
+def test_the_command_line_names_the_robot_if_several_are_online() -> None:
     assert (
         newest(intents.Stop(), now=world(names=("bea1", "bea2"))).command_line == "beatrix stop --name bea1"
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from worlds import (
+from gui_worlds import (
     BOTH,
     arms_of,
     plan,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from worlds import ENDPOINT, absent, refused, robot, state_after, status, world
+from gui_worlds import ENDPOINT, absent, refused, robot, state_after, status, world
 
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from functools import partial
 
 import pytest
-from linked import Linked
-from stage import Stage, until
+from gui_links import Linked
+from robots import Stage, until
 
 from beatrix_zenoh.client.readings import ArmAngles
 from beatrix_zenoh.client.twin.twin import Twin
@@ -23,7 +23,7 @@ def linked() -> Iterator[Linked]:
         stage.simulation("bea")
         stage.hardware("bea")
         with Linked(stage.endpoint) as made:
-            made.on_line("sim", "hw")
+            made.online("sim", "hw")
             yield made
 
 

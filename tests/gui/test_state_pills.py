@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from worlds import absent, robot, status, world
+from gui_worlds import absent, robot, status, world
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Command, Fault, FollowState
@@ -38,7 +38,7 @@ def pill(now: World, twin: str = "sim") -> PillView:
 @pytest.mark.parametrize(
     ("sim", "condition", "text", "next_step"),
     [
-        (absent("sim"), Condition.ABSENT, "not on line", StartSimulation()),
+        (absent("sim"), Condition.ABSENT, "not online", StartSimulation()),
         (robot("sim", presence=Presence.SILENT, arms=None), Condition.SILENT, "silent", None),
         (robot("sim", presence=Presence.LOST, age_s=3.0), Condition.SILENT, "silent", None),
         (robot("sim", age_s=0.41), Condition.SILENT, "silent", None),
@@ -101,11 +101,11 @@ def test_the_hardware_is_enabled_before_it_is_calibrated() -> None:
     ("phase", "text"),
     [
         (LinkPhase.CONNECTING, "connecting"),
-        (LinkPhase.NO_ROUTER, "not on line"),
-        (LinkPhase.REFUSED, "not on line"),
+        (LinkPhase.NO_ROUTER, "not online"),
+        (LinkPhase.REFUSED, "not online"),
     ],
 )
-def test_without_a_router_no_robot_is_on_line(phase: LinkPhase, text: str) -> None:
+def test_without_a_router_no_robot_is_online(phase: LinkPhase, text: str) -> None:
     found = pill(world(phase=phase))
     assert (found.condition, found.text) == (Condition.ABSENT, text)
     assert "tcp/127.0.0.1:7447" in found.reason
@@ -137,12 +137,12 @@ def test_a_window_whose_account_is_refused_only_offers_to_try_again() -> None:
         assert [button.intent for button in banner.buttons] == [Retry()]
 
 
-def test_a_robot_that_was_on_line_is_lost_and_one_that_was_not_is_absent() -> None:
+def test_a_robot_that_was_online_is_lost_and_one_that_was_not_is_absent() -> None:
     lost = replace(absent("hw"), status=status("hw"))
     found = pill(world(hw=lost), "hw")
     assert (found.condition, found.text) == (Condition.ABSENT, "lost")
-    assert "is no longer on line" in found.reason
-    assert pill(world(hw=absent("hw")), "hw").text == "not on line"
+    assert "is no longer online" in found.reason
+    assert pill(world(hw=absent("hw")), "hw").text == "not online"
 
 
 def test_a_simulation_that_starts_is_not_started_again() -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from gui_views import class_world
+from gui_worlds import absent, robot, status, vector, world
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
-from window_views import class_world
-from worlds import absent, robot, status, vector, world
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.readings import ArmAngles, HeadAngles

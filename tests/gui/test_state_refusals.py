@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 import pytest
-from worlds import (
+from gui_worlds import (
     BOTH,
     accept,
     arms_of,

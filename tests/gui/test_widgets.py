@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable
 
 import pytest
+from gui_views import example
 from PyQt5.QtCore import QEvent, QPoint, QPointF, Qt
 from PyQt5.QtGui import QGuiApplication, QMouseEvent
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QApplication, QSlider, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
-from window_views import example
 
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state.intents import (

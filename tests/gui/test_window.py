@@ -9,13 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from gui_views import posed
+from gui_worlds import absent
 from PyQt5.QtCore import QSize, Qt, QTimer
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, WatchedState
-from window_views import posed
-from worlds import absent
 
 from beatrix_zenoh.client.readings import HeadAngles
 from beatrix_zenoh.contract._generated.messages import Command

@@ -13,9 +13,9 @@ from typing import Self
 import numpy as np
 import pytest
 import simplejpeg
+from gui_windows import Windowed, windowed
 from PyQt5.QtCore import Qt
-from stage import Stage, free_endpoint
-from windowed import Windowed, windowed
+from robots import Stage, free_endpoint
 
 from gui.console.state.saved import Saved
 from gui.window.window import PERIOD_MS
@@ -97,7 +97,7 @@ def test_the_window_shows_the_loss_and_the_return_of_a_robot(stage: Stage) -> No
         assert user.window.panels.arms.rows["short"].hw.text() == "–", "an old angle is not shown"
         user.send_to("hw")
         user.press(user.window.panels.arms.rows["short"].plus)
-        assert "not on line" in user.window.panels.refusal.text.text()
+        assert "not online" in user.window.panels.refusal.text.text()
         stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
         user.until(shows(user, "hw", "motors off"), "it is back")
         user.press(user.window.panels.commands.buttons["enable"])

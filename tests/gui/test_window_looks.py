@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
+from gui_views import STATES, example
 from PyQt5.QtCore import QRect, Qt
 from PyQt5.QtGui import QFontMetrics, QTextDocumentFragment
 from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
-from window_views import STATES, example
 
 from gui.console.state.intents import Theme
 from gui.console.state.views import Condition

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from stage import START_S, Process, free_endpoint
+from robots import START_S, Process, free_endpoint
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from body import run_on_bodies
-from old_program import Place
+from bodies import run_on_bodies
+from old_programs import Place
+from robots import Stage
 from shell import Shell, both, wait_until_free
-from stage import Stage
 
 from beatrix_zenoh import Twin
 

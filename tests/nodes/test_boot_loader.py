@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from avr.mega import HEX, LOADER
-from stage import Stage, ready, until, wait_status
+from robots import Stage, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh.contract._generated.messages import Reason

@@ -10,7 +10,7 @@ from pathlib import Path
 from signal import SIGKILL, SIGSTOP
 
 import pytest
-from stage import Stage, until
+from robots import Stage, until
 
 from beatrix_zenoh import NoAnswer, Robot
 from beatrix_zenoh import bus as zbus

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from itertools import islice
 
 import pytest
-from stage import Stage, ready, until, wait_status
+from robots import Stage, ready, until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 from PIL import Image
+from robots import END_S, free_endpoint, until
 from shell import Shell
-from stage import END_S, free_endpoint, until
 
 from beatrix_zenoh.client import motion_file
 

@@ -9,9 +9,9 @@ from xml.etree import ElementTree as ET
 
 import pytest
 from class_router import Answering, replies
+from robots import until
+from router_storm import SEATS, storm
 from shell import NAME, Shell
-from stage import until
-from storm import SEATS, storm
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus.description import program_name

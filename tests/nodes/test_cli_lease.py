@@ -5,8 +5,8 @@ from __future__ import annotations
 import signal
 import time
 
+from robots import Stage, until
 from shell import NAME, Shell
-from stage import Stage, until
 
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.client.lease import govern
@@ -120,7 +120,7 @@ def test_mute_robots_do_not_hold_up_those_that_answer() -> None:
             mute.declare_token(keys.alive(name, twin))
             if name != "zoe":  # its node has lost its queryables
                 mute.serve(keys.lease(name, twin, "*"), waiting.append)
-        until(lambda: {("bea1", "hw"), *silent} <= {*teacher.robots()}, "all robots are on line")
+        until(lambda: {("bea1", "hw"), *silent} <= {*teacher.robots()}, "all robots are online")
         begin = time.monotonic()
         results = govern(teacher, teacher.robots(), LeaseQuery(action=LeaseAction.FREEZE))
         place, reply = next(results)

@@ -8,8 +8,8 @@ import signal
 from pathlib import Path
 
 import pytest
+from robots import END_S, free_endpoint, until
 from shell import Shell
-from stage import END_S, free_endpoint, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.request import ask

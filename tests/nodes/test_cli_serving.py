@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from old_program import Program
+from old_programs import Program
 from pty_board import PtyBoard
-from stage import Process, free_endpoint, routing, start_router, until
+from robots import Process, free_endpoint, routing, start_router, until
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh import bus as zbus
@@ -303,7 +303,7 @@ def test_up_reports_that_there_is_no_board_at_the_port(endpoint: str, tmp_path: 
 def test_up_reports_a_name_that_is_in_use(up: Process, endpoint: str) -> None:
     second = Process(*CLI, "up", "--connect", endpoint, "--name", "bea")
     assert second.wait() == 1
-    assert any("on line at" in line and "already" in line for line in second.lines)
+    assert any("online at" in line and "already" in line for line in second.lines)
     assert alive(up.pid)
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from robots import END_S, until
 from shell import NAME, Shell, another
-from stage import END_S, until
 
 from beatrix_zenoh import Refused
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -80,10 +80,10 @@ def test_stop_with_a_wrong_name_stops_the_others_and_then_fails(free: Shell) -> 
     assert (done.returncode, document["result"]) == (2, False)
 
 
-def test_stop_with_a_name_that_is_not_on_line_stops_the_others_and_then_fails(shell: Shell) -> None:
+def test_stop_with_a_name_that_is_not_online_stops_the_others_and_then_fails(shell: Shell) -> None:
     done = shell.run("stop", "--name", "bea7", "--name", NAME)
     assert (done.returncode, done.stdout.count("the arms rest")) == (6, 2)
-    assert "bea7 is not on line" in done.stderr
+    assert "bea7 is not online" in done.stderr
 
 
 def test_stop_with_only_invalid_names_is_wrong_usage(shell: Shell) -> None:
@@ -109,5 +109,5 @@ def test_the_choice_of_hardware_without_a_simulation_is_reported(shell: Shell) -
         printed = shell.run("enable", "--name", "bea2").stderr
         asked = shell.run("enable", "--name", "bea2", "--on", "hw").stderr
         shown = shell.run("info", "--name", "bea2").stderr
-    assert printed == "No simulation of bea2 is on line: using the hardware.\n"
+    assert printed == "No simulation of bea2 is online: using the hardware.\n"
     assert asked == shown == ""

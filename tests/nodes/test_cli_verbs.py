@@ -10,8 +10,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from robots import END_S, free_endpoint, until
 from shell import NAME, Shell, another
-from stage import END_S, free_endpoint, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
@@ -71,7 +71,7 @@ def test_info_gives_limits_in_degrees(shell: Shell) -> None:
     assert "35°" in shell.good("info")
 
 
-def test_the_only_robot_on_line_needs_no_name_and_is_named_on_stderr(shell: Shell) -> None:
+def test_the_only_robot_online_needs_no_name_and_is_named_on_stderr(shell: Shell) -> None:
     done = shell.run("info")
     assert NAME in done.stderr
 
@@ -133,7 +133,7 @@ def test_echo_of_events_ends_when_the_robot_is_lost(shell: Shell) -> None:
         wait_for(echo, "stop STOP")
         node.end()
         output, _ = echo.communicate(timeout=END_S)
-    assert (echo.returncode, "bea5 (hw) is no longer on line" in output) == (9, True)
+    assert (echo.returncode, "bea5 (hw) is no longer online" in output) == (9, True)
 
 
 def test_echo_into_a_closed_pipe_ends(shell: Shell) -> None:
@@ -202,10 +202,10 @@ def test_doctor_checks_each_step_from_the_router_to_the_cameras(shell: Shell) ->
     assert (own["hidden modules"], "OpenGL" in own["graphics"]) == ("none", True)
 
 
-def test_doctor_reports_a_named_robot_that_is_not_on_line(shell: Shell) -> None:
+def test_doctor_reports_a_named_robot_that_is_not_online(shell: Shell) -> None:
     done = shell.run("doctor", "--json", "--name", "bea9")
     rows = [row for row in json.loads(done.stdout)["findings"] if row["what"] == "bea9"]
-    found = f"not on line; on line: {NAME} (sim), {NAME} (hw)"
+    found = f"not online; online: {NAME} (sim), {NAME} (hw)"
     assert (done.returncode, [(row["state"], row["found"]) for row in rows]) == (1, [("todo", found)])
 
 
@@ -350,7 +350,7 @@ def test_stop_names_a_robot_that_does_not_answer_and_has_its_exit_code(shell: Sh
         done = shell.run("stop", "--name", "bea3")
         for incoming in unanswered:
             incoming.finish()
-    assert (done.returncode, "bea3 (hw) is on line but did not answer" in done.stderr) == (10, True)
+    assert (done.returncode, "bea3 (hw) is online but did not answer" in done.stderr) == (10, True)
 
 
 def test_a_request_without_a_name_is_refused_with_the_names_of_all_robots(shell: Shell) -> None:

@@ -10,7 +10,7 @@ import urllib.request
 from pathlib import Path
 
 import pytest
-from stage import Stage
+from robots import Stage
 
 from beatrix_zenoh import Refused
 from beatrix_zenoh.recording.rrd.stream import Stream

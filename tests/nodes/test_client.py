@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from stage import Stage, free_endpoint, ready, until
+from robots import Stage, free_endpoint, ready, until
 from statuses import READY
 
 from beatrix_zenoh import Interrupted, Monitor, Motion, Refused, Robot

@@ -8,8 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from excuses import Late
-from stage import Stage, until
+from late_tests import Late
+from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, Twin
 from beatrix_zenoh.recording.alignment import MovedPart

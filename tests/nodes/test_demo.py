@@ -11,9 +11,9 @@ import time
 from pathlib import Path
 
 import pytest
-from excuses import in_time
+from late_tests import in_time
 from PIL import Image
-from stage import ROOT, Process
+from robots import ROOT, Process
 
 from beatrix_zenoh.cli.demo_report import BUSY_FACTOR
 from beatrix_zenoh.recording.rrd.read import read

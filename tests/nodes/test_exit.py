@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
-from stage import ROOT, Process, Stage, free_endpoint, start_router, untraced
+from robots import ROOT, Process, Stage, free_endpoint, start_router, untraced
 
 END_S = 6.0
 """Time limit (s) of a program that needs less than one second on a quiet machine."""

@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 import rerun as rr
 import zenoh
-from stage import Stage, ready, until
+from robots import Stage, ready, until
 
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.recording.difference import GAP_NS

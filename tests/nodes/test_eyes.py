@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import simplejpeg
-from drawn import FIRST_S, fresh
-from stage import Process, Stage, ask_raw, until
+from robots import Process, Stage, ask_raw, until
+from simulated_pictures import FIRST_S, fresh
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus

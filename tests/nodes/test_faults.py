@@ -11,9 +11,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from excuses import within
+from late_tests import within
 from pty_board import PtyBoard
-from stage import Stage, free_endpoint, ready, until, wait_status
+from robots import Stage, free_endpoint, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
@@ -38,7 +38,7 @@ def test_a_second_node_under_a_name_is_refused_and_the_first_continues(stage: St
     robot = ready(stage.robot("bea", "hw"))
     second = stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
     assert second.wait() == 1
-    assert any("on line" in line and "--name" in line for line in second.lines)
+    assert any("online" in line and "--name" in line for line in second.lines)
     robot.look(yaw=2, speed=60)
 
 
@@ -90,9 +90,9 @@ def test_two_robots_do_not_affect_each_other(stage: Stage) -> None:
     assert two.positions().commanded.short < 5
 
 
-def test_a_missing_robot_is_reported_with_the_robots_on_line(stage: Stage) -> None:
+def test_a_missing_robot_is_reported_with_the_robots_online(stage: Stage) -> None:
     stage.node("bea1")
-    with pytest.raises(NoAnswer, match=r"On line: bea1 \(hw\)") as silence:
+    with pytest.raises(NoAnswer, match=r"Online: bea1 \(hw\)") as silence:
         stage.robot("bea7", "hw").status()
     assert silence.value.reason is Reason.NO_SUCH_ROBOT
 
@@ -127,12 +127,10 @@ def test_a_request_to_a_suspended_node_times_out_and_the_node_answers_when_it_co
     with pytest.raises(NoAnswer) as silence:
         robot.look(yaw=2)
     held_up = time.monotonic() - frozen_s > 1.5  # then the session of the node may be lost
-    assert silence.value.reason is Reason.NODE_FROZEN or (
-        held_up and silence.value.reason is Reason.NODE_LOST
-    )
+    assert silence.value.reason is Reason.NODE_HANGS or (held_up and silence.value.reason is Reason.NODE_LOST)
     process.send(signal.SIGCONT)
     robot.timeout_s = 5.0
-    until(lambda: robot.client.bus.robots() == [("bea", "hw")], "back on line", 10.0)
+    until(lambda: robot.client.bus.robots() == [("bea", "hw")], "back online", 10.0)
     assert robot.status().robot == "bea"
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import pytest
-from stage import Stage, ready, until
+from robots import Stage, ready, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh import bus as zbus

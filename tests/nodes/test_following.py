@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from excuses import in_time
 from following_lag import lag_s, largest_step_deg, series
-from old_program import Program
+from late_tests import in_time
+from old_programs import Program
 from published import published_positions
+from robots import Stage, ask_raw, until, wait_status
 from shell import Shell
-from stage import Stage, ask_raw, until, wait_status
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh.contract._generated import keys

@@ -8,8 +8,8 @@ import time
 from pathlib import Path
 
 from msgspec.structs import replace
-from old_program import Program
-from stage import Stage, until, wait_status
+from old_programs import Program
+from robots import Stage, until, wait_status
 from statuses import READY
 
 from beatrix_zenoh.client.request import ask

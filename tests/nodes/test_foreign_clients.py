@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from stage import Stage, free_endpoint, ready, until
+from robots import Stage, free_endpoint, ready, until
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions

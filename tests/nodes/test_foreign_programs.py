@@ -13,8 +13,8 @@ from typing import Any
 import msgspec
 import pytest
 import zenoh
+from robots import Stage, ready, until
 from shell import Shell, is_free
-from stage import Stage, ready, until
 from statuses import READY
 from zenoh.handlers import Callback
 
@@ -103,7 +103,7 @@ def test_a_foreign_queryable_does_not_disturb_the_command_line(stage: Stage, rob
 
 @contextmanager
 def robot_of_another_version(stage: Stage) -> Iterator[zenoh.Session]:
-    """A robot `odd` on line, with unknown fields and undecodable replies."""
+    """A robot `odd` online, with unknown fields and undecodable replies."""
     status = msgspec.to_builtins(READY) | {"robot": "odd", "fault": "OVERHEATED", "mood": "sad"}
     del status["calibrations"]
     odd = "beatrix/odd/hw"
@@ -171,7 +171,7 @@ def test_an_undecodable_stop_reply_does_not_end_the_stop(stage: Stage, robot: Ro
         assert "beatrix/odd/hw/stop/ana" in done.stderr
         assert isinstance(motion.exception(5.0), Interrupted)
         odd = stage.robot("odd", "hw")
-        with pytest.raises(NoAnswer, match=r"odd \(hw\) is on line but did not answer"):
+        with pytest.raises(NoAnswer, match=r"odd \(hw\) is online but did not answer"):
             odd.stop()
         with odd.status_stream() as stream:
             assert str(stream.next().fault) == "OVERHEATED"

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from stage import Stage
+from robots import Stage
 
 from beatrix_zenoh.bus.forks import CURE
 

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from robots import END_S, ROOT, Stage, ready, until, untraced
 from shell import CLI, beatrix
-from stage import END_S, ROOT, Stage, ready, until, untraced
 
 SHORT_RIGHT = "short\nccw\n"
 RIGHT = SHORT_RIGHT + "middle\ncounter\nlong\nanticlockwise\n"

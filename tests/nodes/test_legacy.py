@@ -8,9 +8,9 @@ from itertools import groupby
 from pathlib import Path
 
 import pytest
-from dialogue import DIALOGUES, expected_replies, read
-from old_program import Place, Program
-from stage import Stage, until, wait_status
+from dialogues import DIALOGUES, expected_replies, read
+from old_programs import Place, Program
+from robots import Stage, until, wait_status
 
 from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh.contract._generated.messages import Command, EventKind, Phase, Reason

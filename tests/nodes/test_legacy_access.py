@@ -7,8 +7,8 @@ import math
 from collections.abc import Iterator
 
 import pytest
-from old_program import Place, Program
-from stage import until, wait_status
+from old_programs import Place, Program
+from robots import until, wait_status
 
 from beatrix_zenoh.contract._generated.messages import Command, Event, EventKind, Phase, Reason, Source
 from beatrix_zenoh.motion.gear import Gear

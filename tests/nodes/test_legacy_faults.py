@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 import serial
-from old_program import PATIENCE_S, Place, Program
+from old_programs import PATIENCE_S, Place, Program
 from pty_board import PtyBoard
-from stage import Stage, free_endpoint, ready, until, wait_status
+from robots import Stage, free_endpoint, ready, until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus

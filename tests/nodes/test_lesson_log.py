@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import msgspec
 import pytest
+from robots import Stage, ask_raw, ready, until
 from shell import Shell
-from stage import Stage, ask_raw, ready, until
 
 from beatrix_zenoh import Refused, Robot, Twin
 from beatrix_zenoh.client.choreography import Choreography, Pose

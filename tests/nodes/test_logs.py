@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from stage import ROOT, Stage, ready, until, untraced
+from robots import ROOT, Stage, ready, until, untraced
 
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind

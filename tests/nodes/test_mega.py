@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from stage import Process, Stage, ready, until, wait_status
+from robots import Process, Stage, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.board.board import Board

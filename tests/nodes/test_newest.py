@@ -6,8 +6,8 @@ import threading
 from collections.abc import Iterator
 
 import pytest
-from patience import PATIENCE_S
-from stage import Stage, until
+from patient_connections import PATIENCE_S
+from robots import Stage, until
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from fake_opencv import FakeOpenCv
-from stage import Stage, until
+from robots import Stage, until
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions

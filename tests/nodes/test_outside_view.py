@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 import pytest
-from drawn import FIRST_S, fresh
-from stage import Process, Stage, until
+from robots import Process, Stage, until
+from simulated_pictures import FIRST_S, fresh
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus

@@ -7,8 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import pytest
-from excuses import in_time
-from stage import Stage, until
+from late_tests import in_time
+from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, Robot, Twin
 from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose

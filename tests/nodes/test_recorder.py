@@ -12,9 +12,9 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
-from blueprint import tabs_of
+from recording_views import tabs_of
 from rerun.chunk import RrdReader
-from stage import Process, Stage, ready, until
+from robots import Process, Stage, ready, until
 
 from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh import bus as zbus
@@ -302,4 +302,4 @@ def test_a_robot_may_leave_and_return_during_a_recording(stage: Stage, tmp_path:
 
 def test_a_recording_without_robots_is_reported(stage: Stage, tmp_path: Path) -> None:
     words = ("record", str(tmp_path / "none.rrd"), "--name", "absent", "--seconds", "0.2")
-    assert "No robot was on line" in run(stage, *words, "--connect", stage.endpoint, code=5)
+    assert "No robot was online" in run(stage, *words, "--connect", stage.endpoint, code=5)

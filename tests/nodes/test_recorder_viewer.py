@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from stage import Stage, until
+from robots import Stage, until
 
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.figure import Figure

@@ -6,8 +6,8 @@ import json
 import signal
 from pathlib import Path
 
+from robots import Process, Stage, ask_raw
 from shell import Shell
-from stage import Process, Stage, ask_raw
 
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.recording.rrd.read import read, read_about

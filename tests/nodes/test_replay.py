@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from excuses import Late
-from stage import Stage, until
+from late_tests import Late
+from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
 from beatrix_zenoh.client import motion_file

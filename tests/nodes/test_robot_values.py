@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from robots import Process, Stage, free_endpoint, ready
 from shell import beatrix
-from stage import Process, Stage, free_endpoint, ready
 
 from beatrix_zenoh import Robot, Twin
 

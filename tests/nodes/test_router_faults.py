@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 import zenoh
+from robots import Stage, free_endpoint, ready, routing, start_router, until
 from shell import Shell
-from stage import Stage, free_endpoint, ready, routing, start_router, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
@@ -59,7 +59,7 @@ def test_all_sessions_return_after_a_restart_of_the_router(tmp_path: Path) -> No
             3.0,
         )
         router = start_router(endpoint)
-        until(lambda: client.bus.robots(0.3) == [("bea", "hw")], "back on line", 10.0)
+        until(lambda: client.bus.robots(0.3) == [("bea", "hw")], "back online", 10.0)
         assert robot.status().calibrated, "the robot kept its state"
         until(lambda: not refused(robot), "the seat is connected again", 5.0)
     finally:
@@ -82,7 +82,7 @@ def test_all_processes_return_after_a_restart_of_the_router_process(stage: Stage
         with pytest.raises(NoAnswer, match="is lost, so the robots stop their motions"):
             robot.look(yaw=4)
         with routing(endpoint):
-            until(lambda: robot.client.bus.robots(0.3) == [("bea", "sim")], "back on line", 10.0)
+            until(lambda: robot.client.bus.robots(0.3) == [("bea", "sim")], "back online", 10.0)
             node.expect(f"The router at {endpoint} is connected again.")
             until(lambda: not refused(robot), "the seat is connected again", 5.0)
             node.end()
@@ -158,7 +158,7 @@ def test_top_reports_the_loss_of_the_router(stage: Stage) -> None:
     top = Shell(endpoint).start("top")
     assert top.stdout is not None
     try:
-        assert top.stdout.readline().startswith("No robot is on line.")
+        assert top.stdout.readline().startswith("No robot is online.")
         router.end(signal.SIGKILL)
         lost = f"The router at {endpoint} is lost"
         assert any(top.stdout.readline().startswith(lost) for _ in range(10))

@@ -6,13 +6,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-from stage import ROOT, free_endpoint, until
+from robots import ROOT, free_endpoint, until
 
 PROGRAM = """
 import os, signal, sys
 sys.path.insert(0, "tests")
-import stage
-print(stage.start_router(sys.argv[1]).pid, flush=True)
+import robots
+print(robots.start_router(sys.argv[1]).pid, flush=True)
 os.kill(os.getpid(), signal.SIGKILL)
 """
 

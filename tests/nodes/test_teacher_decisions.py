@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from stage import Stage, ready, until
+from robots import Stage, ready, until
 
 from beatrix_zenoh import Interrupted, Refused, files
 from beatrix_zenoh import bus as zbus

@@ -16,8 +16,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from robots import Stage, until
 from serial.tools import list_ports
-from stage import Stage, until
 
 from beatrix_zenoh import Refused
 from beatrix_zenoh.legacy import Terminal

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from stage import Stage, ready, until
+from robots import Stage, ready, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Positions

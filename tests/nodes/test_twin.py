@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from stage import Stage, until
+from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot, Twin
 from beatrix_zenoh.client.motion import Motion
@@ -115,7 +115,7 @@ def test_hardware_that_starts_after_the_preview_is_not_moved() -> None:
         stage.hardware("late")
         late.hw.enable()
         late.hw.calibrate()
-        with pytest.raises(Refused, match=r"late \(hw\) was not on line"):
+        with pytest.raises(Refused, match=r"late \(hw\) was not online"):
             plan.commit()
 
 
@@ -283,6 +283,6 @@ def test_a_missing_simulation_is_named() -> None:
         stage.node("lonely")
         with (
             Twin("lonely", connect=stage.endpoint) as twin,
-            pytest.raises(NoAnswer, match=r"lonely \(sim\) is not on line"),
+            pytest.raises(NoAnswer, match=r"lonely \(sim\) is not online"),
         ):
             twin.preview(yaw=5)

@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from types import FrameType
 
 import pytest
-from stage import Stage, until
+from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
 from beatrix_zenoh.client.queries import pose_query
@@ -351,6 +351,6 @@ def test_hardware_that_is_replaced_during_the_lead_is_not_moved() -> None:
             first.send(signal.SIGKILL)
             first.wait()
             stage.hardware("bea")
-            with pytest.raises(NoAnswer, match="is no longer on line"):
+            with pytest.raises(NoAnswer, match="is no longer online"):
                 motion.result(10)
             assert twin.hw.positions().commanded.short == 0

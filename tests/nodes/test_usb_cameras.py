@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import simplejpeg
 from fake_camera import FakeCamera, library
-from stage import Stage, ready, until, wait_status
+from robots import Stage, ready, until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import Subscription

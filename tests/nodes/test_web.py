@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from stage import Stage, ready, until
+from robots import Stage, ready, until
 from web_client import WebClient, WebSocket, serving
 
 from beatrix_zenoh import Robot
@@ -233,7 +233,7 @@ def test_pages_show_that_a_robot_or_the_router_is_lost() -> None:
         with serving(stage.endpoint) as port, WebClient(port) as browser:
             browser.load()
             page = browser.connect()
-            page.state(lambda state: state["robot"] and state["robot"]["presence"] == "on line", "on line")
+            page.state(lambda state: state["robot"] and state["robot"]["presence"] == "online", "online")
             stage.end_nodes()
             page.state(lambda state: state["robot"]["presence"] == "absent", "absent")
             stage.end_router()
@@ -260,7 +260,7 @@ def test_every_page_can_stop_the_robot(driver: WebSocket, port: int, robot: Robo
     assert abs(robot.positions().head.yaw) > 1.0
 
 
-def test_stop_of_a_robot_that_is_not_on_line_tells_what_to_do(browser: WebClient) -> None:
+def test_stop_of_a_robot_that_is_not_online_tells_what_to_do(browser: WebClient) -> None:
     page = browser.connect()
     page.send("stop", robot="bea9", stop="9")
     outcome = page.outcome("stop")

@@ -10,8 +10,8 @@ import socket
 from collections.abc import Iterator
 
 import pytest
+from robots import EVENT_S, Process, Stage, until
 from shell import CLI, beatrix
-from stage import EVENT_S, Process, Stage, until
 from tornado.websocket import WebSocketClosedError
 from web_client import PIN, WebClient, serving
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from browser import Browser
-from stage import Stage, until
+from robots import Stage, until
 from web_client import PIN, serving
 
 from beatrix_zenoh import Robot

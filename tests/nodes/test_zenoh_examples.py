@@ -10,7 +10,7 @@ import os
 from pathlib import Path
 
 import zenoh_programs
-from stage import Process
+from robots import Process
 
 
 def test_both_robots_are_read_driven_and_stopped_by_zenohs_programs(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from callers import ANA, BEN, BOSS, OLD, begin_motion, finish_motion, refusal, stop
+from access_callers import ANA, BEN, BOSS, OLD, begin_motion, finish_motion, refusal, stop
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.refusals import LINGER_S

@@ -3,7 +3,18 @@
 from __future__ import annotations
 
 import pytest
-from callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, begin_motion, finish_motion, refusal, stop
+from access_callers import (
+    ANA,
+    ANA_AGAIN,
+    BEN,
+    BOSS,
+    NO_SESSION,
+    OLD,
+    begin_motion,
+    finish_motion,
+    refusal,
+    stop,
+)
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused

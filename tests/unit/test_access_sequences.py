@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from callers import ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, NO_SESSION, OLD
+from access_callers import ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, NO_SESSION, OLD
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 

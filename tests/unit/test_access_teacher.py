@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from callers import ANA, ANA_AGAIN, BEN, BOSS, begin_motion, refusal
+from access_callers import ANA, ANA_AGAIN, BEN, BOSS, begin_motion, refusal
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 from lossy_board import LossyPort, Rig
-from stage import until
+from robots import until
 
 from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh.board.board import Board

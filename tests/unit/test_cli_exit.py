@@ -50,7 +50,7 @@ def run_failing_verb(error: BaseException, *words: str) -> int:
         (NoAnswer(Reason.ACCOUNT_REFUSED), 7),
         (NoAnswer(Reason.ACCESS_DENIED), 8),
         (NoAnswer(Reason.NODE_LOST), 9),
-        (NoAnswer(Reason.NODE_FROZEN), 10),
+        (NoAnswer(Reason.NODE_HANGS), 10),
         (typer.BadParameter("nonsense"), 2),
         (typer.Exit(4), 4),
         (KeyboardInterrupt(), 130),
@@ -166,7 +166,7 @@ def test_the_help_of_stop_states_that_it_stops_every_robot(capsys: pytest.Captur
     text = " ".join(capsys.readouterr().out.split())
     assert "beatrix.toml, every robot. --connect" in text
     assert "sim or hw; default: both." in text
-    assert "only robot on line" not in text
+    assert "only robot online" not in text
 
 
 def test_version_prints_the_installed_version(capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,12 +7,12 @@ import signal
 from dataclasses import replace
 from pathlib import Path
 
-import lesson_file
 import numpy as np
 import pandas as pd
 import pytest
-from lesson_file import BEGAN_NS, write_lesson
+import written_recordings
 from shell import settings_of_this_process
+from written_recordings import BEGAN_NS, write_lesson
 
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.recording import table_files
@@ -109,7 +109,7 @@ def test_the_pauses_between_files_are_named(
     lesson: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     later, csv = lesson.with_name("later.rrd"), lesson.with_suffix(".csv")
-    monkeypatch.setattr(lesson_file, "BEGAN_NS", BEGAN_NS + 10_500_000_000)
+    monkeypatch.setattr(written_recordings, "BEGAN_NS", BEGAN_NS + 10_500_000_000)
     write_lesson(later, PLACES, rows=50)
     assert app.run(["export", str(lesson), str(later), str(csv)]) == 0
     assert capsys.readouterr().out.splitlines() == [

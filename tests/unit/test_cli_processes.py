@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from stage import free_endpoint, until
+from robots import free_endpoint, until
 
 from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh.cli import processes

@@ -1,4 +1,4 @@
-"""The robots that a verb selects, if several are on line."""
+"""The robots that a verb selects, if several are online."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ ENDPOINT = "tcp/127.0.0.1:7447"
         (Which.BOTH, [HW, SIM], ("sim", "hw")),
     ],
 )
-def test_the_simulation_is_selected_unless_only_the_hardware_is_on_line_or_requested(
+def test_the_simulation_is_selected_unless_only_the_hardware_is_online_or_requested(
     which: Which | None, present: list[tuple[str, str]], twins: tuple[str, ...]
 ) -> None:
     assert select_twins("bea", which, present, ENDPOINT) == twins
 
 
-def test_on_both_needs_simulation_and_hardware_on_line() -> None:
-    with pytest.raises(NoAnswer, match=rf"Not on line at {ENDPOINT}: bea \(hw\)\."):
+def test_on_both_needs_simulation_and_hardware_online() -> None:
+    with pytest.raises(NoAnswer, match=rf"Not online at {ENDPOINT}: bea \(hw\)\."):
         select_twins("bea", Which.BOTH, [SIM, OTHER], ENDPOINT)
 
 
@@ -41,12 +41,12 @@ def test_simulation_and_hardware_of_one_name_are_one_robot() -> None:
     assert only_name([SIM, HW], ENDPOINT) == "bea"
 
 
-def test_several_robots_on_line_are_listed_in_the_error() -> None:
+def test_several_robots_online_are_listed_in_the_error() -> None:
     with pytest.raises(Refused, match="bea, bob"):
         only_name([OTHER, SIM], ENDPOINT)
 
 
-def test_the_error_for_no_robot_on_line_suggests_starting_one() -> None:
+def test_the_error_for_no_robot_online_suggests_starting_one() -> None:
     with pytest.raises(NoAnswer, match="beatrix sim") as error:
         only_name([], ENDPOINT)
     assert error.value.reason is Reason.NO_ANSWER

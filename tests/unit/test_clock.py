@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 
 import pytest
-from stage import until
+from robots import until
 
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.virtual import VirtualBoard

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from rerun import SeriesLines
-from stage import ROOT
+from robots import ROOT
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.client.readings import ArmAngles, HeadAngles, Path

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from stage import ROOT, untraced
+from robots import ROOT, untraced
 
 CRASH = (
     "import ctypes, threading; threading.Thread(target=threading.Event().wait).start(); ctypes.string_at(0)"

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-TESTS = Path(__file__).resolve().parent.parent
+SUPPORT = Path(__file__).resolve().parents[1] / "support"
 CONFTEST = """
 import os
 import pytest
-from excuses import Excuses
+from late_tests import Excuses
 
 class Pauses:
     def paused_s(self, since_s): return 0.4
@@ -26,7 +26,7 @@ def pytest_configure(config):
 """
 BEGINNING = """
 import pytest
-from excuses import in_time, within
+from late_tests import in_time, within
 """
 LATE = """
 @pytest.mark.measures_time
@@ -50,7 +50,7 @@ def run(folder: Path, tests: str, *options: str) -> subprocess.CompletedProcess[
     (folder / "test_these.py").write_text(BEGINNING + tests)
     command = [sys.executable, "-m", "pytest", "-c", "/dev/null", "-p", "no:cacheprovider", "-q", *options]
     return subprocess.run(
-        [*command, f"--rootdir={folder}", f"--override-ini=pythonpath={TESTS}", str(folder)],
+        [*command, f"--rootdir={folder}", f"--override-ini=pythonpath={SUPPORT}", str(folder)],
         capture_output=True, text=True, check=False, timeout=120,
     )  # fmt: skip
 

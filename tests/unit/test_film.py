@@ -13,8 +13,8 @@ import av
 import numpy as np
 import pytest
 from av.video.reformatter import ColorRange, Colorspace
-from lesson_file import BEGAN_NS, write_lesson
 from PIL import Image
+from written_recordings import BEGAN_NS, write_lesson
 
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.recording.drawing import BACKGROUND, Drawing, Pixels

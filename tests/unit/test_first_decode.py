@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
-from stage import ROOT, untraced
+from robots import ROOT, untraced
 
 PROGRAM = """
 import json, sys, threading

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
-from callers import ANA
+from access_callers import ANA
 from msgspec.structs import replace
 from statuses import READY
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from stage import free_endpoint, untraced
+from robots import free_endpoint, untraced
 
 from beatrix_zenoh import hiding
 from beatrix_zenoh.cli import app, checks, doctor

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from callers import ANA, ANA_AGAIN, BEN, BOSS, CLEO, refusal
+from access_callers import ANA, ANA_AGAIN, BEN, BOSS, CLEO, refusal
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import simplejpeg
 from fake_opencv import PLUM, FakeOpenCv, plain
-from stage import until
+from robots import until
 
 from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.node import Frame

@@ -6,9 +6,9 @@ import re
 from pathlib import Path
 
 import pytest
-from blueprint import Box, View, solids, table, tabs_of
+from recording_views import Box, View, solids, table, tabs_of
 from rerun.chunk import RrdReader
-from stage import ROOT
+from robots import ROOT
 
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.recording.figure import Figure

@@ -10,7 +10,7 @@ from typing import cast
 
 import msgspec
 import pytest
-from stage import until
+from robots import until
 from statuses import READY
 
 from beatrix_zenoh.client.clocks import Offset

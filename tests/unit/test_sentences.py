@@ -135,7 +135,7 @@ REFUSALS: list[BeatrixError] = [
     NoAnswer(Reason.NO_ANSWER, detail=Detail(field="ana (hw)", known=["ana (sim)"], holder="ben")),
     NoAnswer(Reason.NODE_LOST, detail=Detail(field="ana (hw)")),
     NoAnswer(Reason.NODE_LOST, detail=Detail(field="ana (hw)", known=["ana (hw)"])),
-    NoAnswer(Reason.NODE_FROZEN, detail=Detail(field="ana (hw)", value=2.0, unit="s")),
+    NoAnswer(Reason.NODE_HANGS, detail=Detail(field="ana (hw)", value=2.0, unit="s")),
     NoAnswer(Reason.TIMED_OUT, detail=Detail(field="ana (hw)", value=0.5, unit="s")),
     NoAnswer(Reason.TIMED_OUT, detail=Detail(field="ana (hw)", value=2.0, unit="s", needs=["STOP"])),
     NoAnswer(Reason.ACCESS_DENIED, detail=Detail(field="ana (hw)", holder="ben")),

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from stage import Stage
+from robots import Stage
 
 from beatrix_zenoh import Robot, Twin
 

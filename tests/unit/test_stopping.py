@@ -10,8 +10,8 @@ from types import SimpleNamespace
 from typing import cast
 
 import pytest
-from patience import PATIENCE_S
-from stage import until
+from patient_connections import PATIENCE_S
+from robots import until
 
 from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.client import Place, stopping
@@ -153,7 +153,7 @@ def test_robots_of_a_group_that_do_not_answer_are_named_with_what_to_do(position
     assert [answer.reason for answer in answers.values()] == [
         Reason.OK,
         Reason.TIMED_OUT,
-        Reason.NODE_FROZEN,
+        Reason.NODE_HANGS,
     ]
     for place in (("busy", "hw"), ("hangs", "hw")):
         assert answers[place].message.startswith(f"{place[0]} (hw)")
@@ -161,7 +161,7 @@ def test_robots_of_a_group_that_do_not_answer_are_named_with_what_to_do(position
     assert "Send STOP again" in answers["busy", "hw"].message
 
 
-@pytest.mark.parametrize("reason", [Reason.TIMED_OUT, Reason.NODE_FROZEN, Reason.NO_ROUTER])
+@pytest.mark.parametrize("reason", [Reason.TIMED_OUT, Reason.NODE_HANGS, Reason.NO_ROUTER])
 def test_one_robot_that_does_not_answer_is_explained_by_the_same_sentence(
     monkeypatch: pytest.MonkeyPatch, reason: Reason
 ) -> None:
@@ -176,7 +176,7 @@ def test_one_robot_that_does_not_answer_is_explained_by_the_same_sentence(
 
 def test_a_sentence_names_its_robot_once() -> None:
     assert sentence(HW, "The arms rest.") == "bea (hw): The arms rest."
-    assert sentence(HW, "bea (hw) is on line.") == "bea (hw) is on line."
+    assert sentence(HW, "bea (hw) is online.") == "bea (hw) is online."
 
 
 # -- the threads of StopSender ------------------------------------------------------------------------

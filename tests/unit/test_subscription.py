@@ -123,7 +123,7 @@ def test_an_iteration_without_publications_ends_with_an_error(client: FakeClient
     client.bus.publish(status("a"))
     values = iter(subscription)
     assert next(values) == "a"
-    with pytest.raises(NoAnswer, match="does not respond, or is no longer on line"):
+    with pytest.raises(NoAnswer, match="does not respond, or is no longer online"):
         next(values)
 
 

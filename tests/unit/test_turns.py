@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from pathlib import Path
 
-from turns import Turns
+from file_locks import Turns
 
 
 def test_a_test_that_runs_alone_waits_for_running_tests_and_later_tests_wait_for_it(tmp_path: Path) -> None:

@@ -7,8 +7,8 @@ import signal
 import threading
 import time
 
-from stage import until
-from witness import STALL_S, Witness
+from robots import until
+from stall_monitor import STALL_S, Witness
 
 
 def test_a_suspended_process_reports_its_delay() -> None:

@@ -55,7 +55,7 @@ class Lead:
 
         Args:
             check_both: called just before the motion is sent to the hardware.
-            check_present: called continuously, because a robot that was not on line may have been replaced.
+            check_present: called continuously, because a robot that was not online may have been replaced.
             stops: STOP events of both robots since the simulation and the hardware were at rest.
         """
         self._check_both, self._check_present, self._stops = check_both, check_present, stops

@@ -26,7 +26,7 @@ UNLIKE = (
     "Start both with the same --robot-file."
 )
 Start = tuple[PlanPosition, PlanPosition | None]
-"""Positions of simulation and hardware at the preview; None: no hardware was on line."""
+"""Positions of simulation and hardware at the preview; None: no hardware was online."""
 
 
 class Robots(Protocol):
@@ -89,7 +89,7 @@ class Plan(ProcessBound):
             WrongUsage: `lead_s` is not a number from 0 to a day.
             Refused: one robot refused, may not move now, or has moved since the preview; or the plan was committed or
                 aborted before.
-            NoAnswer: one robot is not on line, or has lost its board.
+            NoAnswer: one robot is not online, or has lost its board.
             Interrupted: the motion of one robot was stopped, or this one was aborted or replaced.
         """
         lead_s, waits = checked_wait("lead_s", lead_s), true_or_false("wait", wait)
@@ -129,7 +129,7 @@ class Plan(ProcessBound):
         if not self._holds(robot, was, now):
             now = query_plan_position(robot)
         if not self._holds(robot, was, now):
-            what = "was not on line at" if was is None else "has moved, or was calibrated, since"
+            what = "was not online at" if was is None else "has moved, or was calibrated, since"
             raise Refused(
                 Reason.REPLACED, f"{robot} {what} this preview, so its path would differ: preview again."
             )

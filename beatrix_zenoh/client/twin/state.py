@@ -103,7 +103,7 @@ class TwinState(ProcessBound):
             if (self._name, twin) not in present:
                 raise NoAnswer(
                     Reason.NODE_LOST,
-                    f"{self._name} ({twin}) is no longer on line. Start it, make it ready, and preview again.",
+                    f"{self._name} ({twin}) is no longer online. Start it, make it ready, and preview again.",
                 )
 
     def _published(self, robot: Robot) -> RobotState | None:

@@ -103,7 +103,7 @@ class Twin(ProcessBound, Suggesting):
 
         Raises:
             Refused: the motion would be refused; the error has the reason.
-            NoAnswer: the simulation is not on line, or does not answer.
+            NoAnswer: the simulation is not online, or does not answer.
         """
         return self.preview_query(pose_query(yaw, pitch, roll, relative=relative, speed=speed))
 
@@ -173,7 +173,7 @@ class Twin(ProcessBound, Suggesting):
 
         Raises:
             Refused: one robot refused; the other is stopped.
-            NoAnswer: one robot is not on line, or has lost its board; the other is stopped.
+            NoAnswer: one robot is not online, or has lost its board; the other is stopped.
             Interrupted: one motion was stopped or replaced; if it was stopped, the other is stopped, too.
         """
         return self._begin(pose_query(yaw, pitch, roll, relative=relative, speed=speed), wait=wait)
@@ -222,7 +222,7 @@ class Twin(ProcessBound, Suggesting):
 
         Raises:
             Refused: motors off, not calibrated, or another seat drives.
-            NoAnswer: one robot is not on line, or has lost its board.
+            NoAnswer: one robot is not online, or has lost its board.
         """
         for robot in (self.sim, self.hw):
             self.state.check_may_move(robot)
@@ -279,7 +279,7 @@ def check_reachable(robots: Iterable[Robot], seat: str) -> None:
 
     Raises:
         Refused: another seat drives.
-        NoAnswer: one robot is not on line, or has lost its board.
+        NoAnswer: one robot is not online, or has lost its board.
     """
     each(robots, lambda robot: may_switch(robot.status(), seat))
 

@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "d69871a1"
+CONTRACT: Final = "5a98469c"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -81,15 +81,15 @@ class Reason(StrEnum):
     CONTRACT_MISMATCH = "CONTRACT_MISMATCH"
     """The firmware is of another version than the node, or was built for another robot."""
     NO_ANSWER = "NO_ANSWER"
-    """No answer: the robot is not on line."""
+    """No answer: the robot is not online."""
     NO_SUCH_ROBOT = "NO_SUCH_ROBOT"
-    """No robot of this name is on line, but others are."""
+    """No robot of this name is online, but others are."""
     NODE_LOST = "NODE_LOST"
-    """The robot is no longer on line: its node has crashed, ended or frozen, or has lost its router."""
-    NODE_FROZEN = "NODE_FROZEN"
-    """The robot is on line, but its node neither answers nor publishes."""
+    """The robot is no longer online: its node has crashed or ended, or hangs, or has lost its router."""
+    NODE_HANGS = "NODE_HANGS"
+    """The robot is online, but its node neither answers nor publishes."""
     TIMED_OUT = "TIMED_OUT"
-    """The robot is on line, but did not answer in time."""
+    """The robot is online, but did not answer in time."""
     ACCESS_DENIED = "ACCESS_DENIED"
     """The router's access rules refuse this request from this account."""
     ACCOUNT_REFUSED = "ACCOUNT_REFUSED"
@@ -97,7 +97,7 @@ class Reason(StrEnum):
     NO_ROUTER = "NO_ROUTER"
     """There is no Zenoh router at this endpoint."""
     NAME_TAKEN = "NAME_TAKEN"
-    """A robot of this name is already on line."""
+    """A robot of this name is already online."""
     SHUTDOWN = "SHUTDOWN"
     """The node is closing."""
 
@@ -128,15 +128,15 @@ REASON_TEXT: Final[dict[Reason, str]] = {
     Reason.UNKNOWN_COMMAND: "There is no command with this number.",
     Reason.EMERGENCY: "EMERGENCY_STOP is latched; send RESET first.",
     Reason.CONTRACT_MISMATCH: "The firmware is of another version than the node, or was built for another robot.",
-    Reason.NO_ANSWER: "No answer: the robot is not on line.",
-    Reason.NO_SUCH_ROBOT: "No robot of this name is on line, but others are.",
-    Reason.NODE_LOST: "The robot is no longer on line: its node has crashed, ended or frozen, or has lost its router.",
-    Reason.NODE_FROZEN: "The robot is on line, but its node neither answers nor publishes.",
-    Reason.TIMED_OUT: "The robot is on line, but did not answer in time.",
+    Reason.NO_ANSWER: "No answer: the robot is not online.",
+    Reason.NO_SUCH_ROBOT: "No robot of this name is online, but others are.",
+    Reason.NODE_LOST: "The robot is no longer online: its node has crashed or ended, or hangs, or has lost its router.",
+    Reason.NODE_HANGS: "The robot is online, but its node neither answers nor publishes.",
+    Reason.TIMED_OUT: "The robot is online, but did not answer in time.",
     Reason.ACCESS_DENIED: "The router's access rules refuse this request from this account.",
     Reason.ACCOUNT_REFUSED: "The router does not accept the account of this program.",
     Reason.NO_ROUTER: "There is no Zenoh router at this endpoint.",
-    Reason.NAME_TAKEN: "A robot of this name is already on line.",
+    Reason.NAME_TAKEN: "A robot of this name is already online.",
     Reason.SHUTDOWN: "The node is closing.",
 }
 
@@ -459,9 +459,9 @@ class Detail(Struct, frozen=True, kw_only=True):
     field: Text = ""
     """the wrong field or word of the request; speed_limit: the teacher set the limit; if there is no answer: the robot"""
     known: list[Text] = []
-    """values that are allowed instead, or the robots on line"""
+    """values that are allowed instead, or the robots online"""
     holder: Name = ""
-    """seat that holds the robot; if the reason is ACCESS_DENIED, the account that the router refuses; if the robot is not on line, the account that may not start it"""
+    """seat that holds the robot; if the reason is ACCESS_DENIED, the account that the router refuses; if the robot is not online, the account that may not start it"""
     presser: Name = ""
     """seat that has pressed STOP; empty: unknown, or the reason is not STOPPED"""
     wait_s: Float32 | None = None

@@ -134,7 +134,7 @@ _CASES: dict[tuple[Reason, Limit | None], Callable[[Detail], str]] = {
     (Reason.NO_ANSWER, None): _absence_case,
     (Reason.NO_SUCH_ROBOT, None): lambda _: "absent",
     (Reason.NODE_LOST, None): lambda detail: "back" if detail.field in detail.known else "robot",
-    (Reason.NODE_FROZEN, None): lambda _: "robot",
+    (Reason.NODE_HANGS, None): lambda _: "robot",
     (Reason.TIMED_OUT, None): lambda detail: "stop" if detail.needs else "robot",
     (Reason.ACCESS_DENIED, None): lambda _: "robot",
 }

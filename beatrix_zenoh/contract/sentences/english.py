@@ -233,7 +233,7 @@ ENGLISH: Final = Language(
             Reason.NAME_TAKEN,
             None,
             "",
-        ): "A robot of this name is already on line. Choose another name with --name, or end the other robot.",
+        ): "A robot of this name is already online. Choose another name with --name, or end the other robot.",
         (Reason.SHUTDOWN, None, ""): "The node is closing. Start it again, then repeat the request.",
         **silences.ENGLISH,
     },

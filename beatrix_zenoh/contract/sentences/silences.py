@@ -9,48 +9,48 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.sentences.language import Key
 
 ENGLISH: Final[Mapping[Key, str]] = {
-    (Reason.NO_ANSWER, None, ""): ("No robot answered. Run `beatrix ls` to see which robots are on line."),
+    (Reason.NO_ANSWER, None, ""): ("No robot answered. Run `beatrix ls` to see which robots are online."),
     (Reason.NO_ANSWER, None, "alone"): (
-        "{field} is not on line, and no other robot is. Start it with `beatrix sim` or `beatrix hw`."
+        "{field} is not online, and no other robot is. Start it with `beatrix sim` or `beatrix hw`."
     ),
     (Reason.NO_ANSWER, None, "alone in class"): (
-        "{field} is not on line, and no other robot is. Account {holder} may not start it: ask the teacher."
+        "{field} is not online, and no other robot is. Account {holder} may not start it: ask the teacher."
     ),
     (Reason.NO_ANSWER, None, "absent in class"): (
-        "{field} is not on line. On line: {known}. Account {holder} may not start it: ask the teacher, or choose with "
+        "{field} is not online. Online: {known}. Account {holder} may not start it: ask the teacher, or choose with "
         "--name and --on (in Python: name and twin of Robot)."
     ),
     (Reason.NO_ANSWER, None, "absent"): (
-        "{field} is not on line. On line: {known}. Start it with `beatrix sim` or `beatrix hw`, or choose with --name "
+        "{field} is not online. Online: {known}. Start it with `beatrix sim` or `beatrix hw`, or choose with --name "
         "and --on (in Python: name and twin of Robot)."
     ),
     (Reason.NO_ANSWER, None, "present"): (
-        "{field} is on line but did not answer: it is just starting or closing, or it has another version. Try again; "
+        "{field} is online but did not answer: it is just starting or closing, or it has another version. Try again; "
         "if that fails, restart it."
     ),
     (Reason.NO_SUCH_ROBOT, None, ""): (
-        "There is no robot of this name. Run `beatrix ls` to see which robots are on line."
+        "There is no robot of this name. Run `beatrix ls` to see which robots are online."
     ),
     (Reason.NO_SUCH_ROBOT, None, "absent"): (
-        "{field} is not on line, and no robot has this name. On line: {known}. Choose one with --name, or start yours "
+        "{field} is not online, and no robot has this name. Online: {known}. Choose one with --name, or start yours "
         "with `beatrix sim` or `beatrix hw`."
     ),
     (Reason.NODE_LOST, None, ""): (
-        "The robot is no longer on line. Look at the output of its node, then start it again."
+        "The robot is no longer online. Look at the output of its node, then start it again."
     ),
     (Reason.NODE_LOST, None, "robot"): (
-        "{field} is no longer on line: its node has crashed, ended or frozen, or has lost the router. Its arms stop by "
+        "{field} is no longer online: its node has crashed or ended, or hangs, or has lost the router. Its arms stop by "
         "themselves. Look at the output of the node, then start it again."
     ),
     (Reason.NODE_LOST, None, "back"): (
-        "{field} was lost during this request and is on line again: its node was frozen or restarted, or had lost the "
+        "{field} was lost during this request and is online again: its node hung or was restarted, or had lost the "
         "router. Its arms have stopped by themselves. Look at the output of the node, then try again."
     ),
-    (Reason.NODE_FROZEN, None, ""): (
-        "The robot is on line, but its node hangs. End the node and start it again."
+    (Reason.NODE_HANGS, None, ""): (
+        "The robot is online, but its node hangs. End the node and start it again."
     ),
-    (Reason.NODE_FROZEN, None, "robot"): (
-        "{field} is on line but did not answer within {value}, and publishes no positions: its node hangs, or the "
+    (Reason.NODE_HANGS, None, "robot"): (
+        "{field} is online but did not answer within {value}, and publishes no positions: its node hangs, or the "
         "network is interrupted. End the node and start it again; if the arms move, switch their power off."
     ),
     (Reason.TIMED_OUT, None, ""): ("The robot did not answer in time. Try again."),
@@ -66,7 +66,7 @@ ENGLISH: Final[Mapping[Key, str]] = {
         "The access rules of the router refuse this request from this account. Ask the teacher."
     ),
     (Reason.ACCESS_DENIED, None, "robot"): (
-        "{field} is on line, but the router refuses this request: account {holder} may not send it. A seat drives "
+        "{field} is online, but the router refuses this request: account {holder} may not send it. A seat drives "
         "the robots of the class and its own; choose one of these with --name. STOP is open to every seat."
     ),
     (Reason.ACCOUNT_REFUSED, None, ""): (
@@ -117,10 +117,10 @@ GERMAN: Final[Mapping[Key, str]] = {
         "er hatte den Router verloren. Seine Arme haben von selbst angehalten. Sieh dir die Ausgabe des Knotens an, dann "
         "versuche es wieder."
     ),
-    (Reason.NODE_FROZEN, None, ""): (
+    (Reason.NODE_HANGS, None, ""): (
         "Der Roboter ist da, aber sein Knoten ist eingefroren. Beende den Knoten und starte ihn wieder."
     ),
-    (Reason.NODE_FROZEN, None, "robot"): (
+    (Reason.NODE_HANGS, None, "robot"): (
         "{field} ist da, hat aber binnen {value} nicht geantwortet und sendet keine Positionen: Sein Knoten ist "
         "eingefroren, oder das Netz ist unterbrochen. Beende den Knoten und starte ihn wieder; bewegen sich die "
         "Arme, schalte ihren Strom aus."

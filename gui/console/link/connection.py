@@ -23,7 +23,7 @@ RETRY_S = 1.0
 REFUSALS = 2
 """Refusals in a row after which the account counts as refused: a router that has just started may refuse it once."""
 LOOK_S = 0.25
-"""Period of reading the names of robots on line, until one is selected."""
+"""Period of reading the names of robots online, until one is selected."""
 EVENTS = 200
 """Number of events kept for each robot."""
 
@@ -55,7 +55,7 @@ class Connection:
         Args:
             settings: robot, router and seat.
             on_session: called when there is a session, and when another robot is selected; must not wait.
-            name_given: whether the user chose the robot, which then stays selected even if only another one is on line.
+            name_given: whether the user chose the robot, which then stays selected even if only another one is online.
         """
         self.settings = settings
         self.robot = settings.robot
@@ -119,7 +119,7 @@ class Connection:
         return session.monitor.robot(self.robot, "sim"), session.monitor.robot(self.robot, "hw")
 
     def names(self) -> tuple[str, ...]:
-        """Return the names of the robots on line, sorted."""
+        """Return the names of the robots online, sorted."""
         session = self.session
         return () if session is None else tuple(sorted({name for name, _ in session.monitor.present()}))
 
@@ -189,7 +189,7 @@ class Connection:
         self._trouble = error.message if error is not None and self._refused else ""
 
     def _choose(self) -> None:
-        """Select a name once, if the user chose none: the only one on line or, for the teacher, one of several.
+        """Select a name once, if the user chose none: the only one online or, for the teacher, one of several.
 
         Usually no robot has the default name of the teacher's window. Then the first hardware is selected, because
         simulations belong to students.

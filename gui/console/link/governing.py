@@ -18,7 +18,7 @@ PERIOD_S = 0.2
 
 
 class ClassStates:
-    """The states of all robots on line, read only while they are shown; used in Qt's thread only."""
+    """The states of all robots online, read only while they are shown; used in Qt's thread only."""
 
     def __init__(self) -> None:
         self._watched = False

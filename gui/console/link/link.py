@@ -51,7 +51,7 @@ class Link:
             settings: robot, router and seat to begin with.
             on_outcome: called on threads of the link; must return at once.
             on_image: called in the same way, for each picture of a camera.
-            name_given: whether the user chose the robot; otherwise the link selects the only name on line, or for the
+            name_given: whether the user chose the robot; otherwise the link selects the only name online, or for the
                 teacher one of several.
         """
         self._on_outcome, self._caller = on_outcome, threading.get_ident()

@@ -10,7 +10,7 @@ from beatrix_zenoh.contract.errors import BeatrixError, Interrupted
 from gui.console.state.actions import DESELECTED, Outcome
 
 REPLACED = "A newer motion of this window replaced this one."
-NO_ROBOT = "No robot is on line."
+NO_ROBOT = "No robot is online."
 STOPPED = "STOP was pressed in this window."
 
 

@@ -37,7 +37,7 @@ class Probe:
         self._thread: threading.Thread = threads.start(self._run, f"window-probe-{twin}")
 
     def limits(self, robot: str) -> LimitInfo | None:
-        """Return the limits of the robot of this name; None if it has not answered since it came on line."""
+        """Return the limits of the robot of this name; None if it has not answered since it came online."""
         known = self._limits
         return known[1] if known is not None and known[0] == (robot, self._twin) else None
 

@@ -81,7 +81,7 @@ class Govern(Action):
     row: int
     action: LeaseAction
     places: tuple[Place, ...] = ()
-    """name and twin of each robot; empty: all robots on line"""
+    """name and twin of each robot; empty: all robots online"""
     speed: float = 0.0
     """speed limit (rad/s), for LIMIT only; 0: no limit"""
     seat: str = ""

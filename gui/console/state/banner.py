@@ -9,7 +9,7 @@ from gui.console.state import leases
 from gui.console.state.intents import ChooseRobot, Retry, RunCommand, StartSimulation
 from gui.console.state.memory import Memory
 from gui.console.state.pills import fault_of
-from gui.console.state.presence import on_line
+from gui.console.state.presence import online
 from gui.console.state.views import BannerView, ButtonView
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
@@ -19,7 +19,7 @@ CHOICES = 3
 
 
 def view(memory: Memory, world: World) -> BannerView | None:
-    """Return the banner; None if a robot is on line, no latch is set, and `leases.banner` has nothing to show."""
+    """Return the banner; None if a robot is online, no latch is set, and `leases.banner` has nothing to show."""
     texts = memory.choices.texts
     latched = tuple(twin for twin in ("sim", "hw") if _is_latched(world, twin))
     if latched:
@@ -27,7 +27,7 @@ def view(memory: Memory, world: World) -> BannerView | None:
         return BannerView(
             texts("banner.emergency", robots=robots), tuple(_reset(twin, texts) for twin in latched)
         )
-    if on_line(world, "sim") or on_line(world, "hw"):
+    if online(world, "sim") or online(world, "hw"):
         return leases.banner(memory, world)
     if world.starting:
         return BannerView(texts("banner.starting"))
@@ -51,7 +51,7 @@ def view(memory: Memory, world: World) -> BannerView | None:
 
 def _is_latched(world: World, twin: str) -> bool:
     status = world.twin(twin).status
-    return on_line(world, twin) and status is not None and fault_of(status) is Fault.EMERGENCY
+    return online(world, twin) and status is not None and fault_of(status) is Fault.EMERGENCY
 
 
 def _reset(twin: str, texts: Texts) -> ButtonView:

@@ -20,7 +20,7 @@ from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, Mute
 from gui.console.state.leases import limit_text
 from gui.console.state.memory import Memory
 from gui.console.state.motions import begin
-from gui.console.state.presence import off_line
+from gui.console.state.presence import offline
 from gui.console.state.views import ButtonView, ClassRowView, ClassView, Condition, SeatView
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
@@ -262,6 +262,6 @@ def _send(
     speed: float = 0.0,
     seat: str = "",
 ) -> list[Action]:
-    if off_line(memory, world, PLACE):
+    if offline(memory, world, PLACE):
         return []
     return begin(memory, world, Govern(memory.next_row(), action, places, speed, seat), PLACE)

@@ -80,7 +80,7 @@ def handle(memory: Memory, world: World, intent: Stop | RunCommand | MakeReady |
 
 
 def stop(memory: Memory, world: World) -> list[Action]:
-    """Return the action that stops both robots, or on the page *Class* all robots, even if none is on line."""
+    """Return the action that stops both robots, or on the page *Class* all robots, even if none is online."""
     memory.mark_dropped()
     if memory.choices.page is Page.CLASS:
         return begin(memory, world, StopAll(memory.next_row()), CLASS)

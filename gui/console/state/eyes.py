@@ -10,7 +10,7 @@ from gui.console.state.actions import Action, WatchCameras
 from gui.console.state.choices import Choices
 from gui.console.state.intents import Intent, Page, SetCameras, ShowTab, Tab
 from gui.console.state.memory import Memory
-from gui.console.state.presence import on_line
+from gui.console.state.presence import online
 from gui.console.state.views import EyeView
 from gui.console.state.world import World
 from gui.console.texts import Texts
@@ -43,7 +43,7 @@ def view(memory: Memory, world: World) -> tuple[EyeView, ...]:
             twin=twin,
             eye=eye,
             title=texts(TITLES[eye], twin=texts(f"twin.{twin}")),
-            watched=(twin, eye) in places and on_line(world, twin),
+            watched=(twin, eye) in places and online(world, twin),
             text=_reason(memory, world, twin, eye),
         )
         for twin, eye in SHOWN
@@ -53,7 +53,7 @@ def view(memory: Memory, world: World) -> tuple[EyeView, ...]:
 def _reason(memory: Memory, world: World, twin: str, eye: str) -> str:
     """Return why there is no picture; empty if there is one."""
     texts, status = memory.choices.texts, world.twin(twin).status
-    if not on_line(world, twin):
+    if not online(world, twin):
         return texts("eye.absent_sim") if twin == "sim" else texts("eye.absent_hw")
     if eye != OUTSIDE and not memory.choices.cameras:
         return texts("eye.cameras_off")

@@ -164,7 +164,7 @@ class GovernClass(Intent):
 
     action: LeaseAction
     place: Place | None = None
-    """name and twin of one robot; None: all robots on line"""
+    """name and twin of one robot; None: all robots online"""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from gui.console.state.actions import Action, Govern, SendLease
 from gui.console.state.intents import AskLease, DismissNotice
 from gui.console.state.memory import Memory, Notice, Row, Standing
 from gui.console.state.motions import begin
-from gui.console.state.presence import on_line, silent, unreachable
+from gui.console.state.presence import online, silent, unreachable
 from gui.console.state.views import BannerView, ButtonView
 from gui.console.state.world import World
 from gui.console.texts import Texts
@@ -25,7 +25,7 @@ def button(world: World, twin: str, texts: Texts) -> ButtonView | None:
     """Return the button of one robot's lease; None if the robot does not answer."""
     robot = world.twin(twin)
     status = robot.status
-    if not on_line(world, twin) or silent(robot) or status is None:
+    if not online(world, twin) or silent(robot) or status is None:
         return None
     others = status.holder not in ("", world.seat)
     if status.holder == world.seat and status.lease:
@@ -77,7 +77,7 @@ def follow(memory: Memory, world: World) -> None:
         place, status = (world.robot, twin), world.twin(twin).status
         before = memory.standings.get(place, NOTHING)
         kept[place] = before
-        if status is not None and on_line(world, twin):
+        if status is not None and online(world, twin):
             kept[place] = now = standing(status, world.seat)
             if now != before:
                 memory.lease_notice = _notice(memory, before, now, place, status.holder)
@@ -125,7 +125,7 @@ def banner(memory: Memory, world: World) -> BannerView | None:
 
 def _is_frozen(world: World, twin: str) -> bool:
     status = world.twin(twin).status
-    return on_line(world, twin) and status is not None and status.frozen
+    return online(world, twin) and status is not None and status.frozen
 
 
 # -- requests -----------------------------------------------------------------------------------------

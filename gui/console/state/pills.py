@@ -17,7 +17,7 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from gui.console.state import intents, leases
 from gui.console.state.intents import Intent
-from gui.console.state.presence import on_line, silent
+from gui.console.state.presence import online, silent
 from gui.console.state.views import ButtonView, Condition, PillView
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
@@ -109,7 +109,7 @@ def notes(found: Finding, status: Status, world: World, texts: Texts) -> tuple[s
 def finding(world: World, twin: str, texts: Texts) -> Finding:
     """Return the first problem of a robot, in the order in which problems must be solved, or else MOVING or READY."""
     robot = world.twin(twin)
-    if not on_line(world, twin):
+    if not online(world, twin):
         return _absent(world, twin, texts)
     found = problem(robot, texts)
     if found is None and robot.status is not None:
@@ -119,7 +119,7 @@ def finding(world: World, twin: str, texts: Texts) -> Finding:
 
 
 def problem(robot: RobotState, texts: Texts) -> Finding | None:
-    """Return the first problem of a robot that is on line, regardless of its holder; None if the robot can move."""
+    """Return the first problem of a robot that is online, regardless of its holder; None if the robot can move."""
     if robot.status is None or silent(robot):
         age_s = robot.positions_age_s
         reason = texts("reason.silent") if age_s is None else texts("reason.stale", seconds=float(age_s))

@@ -14,7 +14,7 @@ STALE_S = 0.4
 """A robot whose newest positions are older than this (s) is silent; robots publish positions every 20 ms."""
 
 
-def on_line(world: World, twin: str) -> bool:
+def online(world: World, twin: str) -> bool:
     """Return whether a request can reach a robot: there is a router, and the robot's token."""
     return world.phase is LinkPhase.ON_LINE and world.twin(twin).presence is not Presence.ABSENT
 
@@ -28,7 +28,7 @@ def silent(robot: RobotState) -> bool:
 def reading(world: World, twin: str) -> Reading | None:
     """Return the angles of a robot in degrees; None if they are unknown or too old."""
     robot = world.twin(twin)
-    found = robot.reading if on_line(world, twin) and not silent(robot) else None
+    found = robot.reading if online(world, twin) and not silent(robot) else None
     angles = () if found is None else (*found.arms, *found.commanded, *found.head)
     return found if all(abs(angle) < FURTHEST_DEG for angle in angles) else None
 
@@ -52,7 +52,7 @@ def troubles(world: World) -> dict[str, str]:
     return {"record.trouble": recording, "child.trouble": world.child_trouble}
 
 
-def off_line(memory: Memory, world: World, place: str) -> bool:
+def offline(memory: Memory, world: World, place: str) -> bool:
     """Return whether there is no router; if so, show why the request cannot be sent."""
     if world.phase is LinkPhase.ON_LINE:
         return False
@@ -65,9 +65,9 @@ def unreachable(memory: Memory, world: World, twins: tuple[str, ...], place: str
     """Return whether a request to these robots cannot be sent; if so, show why."""
     if not twins:
         memory.refuse(place, "off.unchecked")
-    elif off_line(memory, world, place):
+    elif offline(memory, world, place):
         pass
-    elif absent := [twin for twin in twins if not on_line(world, twin)]:
+    elif absent := [twin for twin in twins if not online(world, twin)]:
         key = "cannot.sim" if absent[0] == "sim" else "cannot.hw"
         memory.refuse(place, key, robot=world.robot)
     else:

@@ -21,7 +21,7 @@ class LinkPhase(StrEnum):
     """no router answers; the link tries again by itself"""
     REFUSED = "refused"
     """the router does not accept the account of the window; the link tries again by itself"""
-    ON_LINE = "on line"
+    ON_LINE = "online"
 
 
 class PlanPhase(StrEnum):
@@ -78,7 +78,7 @@ class World:
     sim: RobotState
     hw: RobotState
     names: tuple[str, ...] = ()
-    """robots on line, by name"""
+    """robots online, by name"""
     trouble: str = ""
     """why there is no session or no router; empty if both exist"""
     latency_s: Mapping[str, float | None] = field(default_factory=dict)
@@ -104,7 +104,7 @@ class World:
     pupils: Mapping[str, str] = field(default_factory=dict)
     """for the teacher of a class: seats that have the name of a pupil, and the texts that show it"""
     robots: tuple[RobotState, ...] = ()
-    """all robots on line, while the page of the class is shown"""
+    """all robots online, while the page of the class is shown"""
 
     @property
     def is_teacher(self) -> bool:

@@ -63,7 +63,7 @@ CLASS: Final[dict[str, str]] = {
     "class.show_tip": "Show all robots and seats (F2)",
     "class.hide": "Robot",
     "class.hide_tip": "Show one robot again (F2)",
-    "class.summary": "Robots: {robots:.0f}. Seats on line: {count:.0f} ({seats}).",
+    "class.summary": "Robots: {robots:.0f}. Seats online: {count:.0f} ({seats}).",
     "class.frozen": "Frozen: {frozen:.0f} of {robots:.0f}.",
     "class.stops": "STOP pressed: {stops}.",
     "class.freeze_all": "Freeze all",

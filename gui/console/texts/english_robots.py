@@ -17,9 +17,9 @@ ROBOTS: Final[dict[str, str]] = {
     "off.playing": "{title} is playing: press STOP to end it.",
     "cannot.router": "Nothing was sent: no router answers at {endpoint}. Start a simulation here, or start the router.",
     "cannot.refused": "Nothing was sent: the router at {endpoint} does not accept the account of this window.",
-    "cannot.sim": "Nothing was sent: the simulation of {robot} is not on line. Start one here, or clear Simulation.",
+    "cannot.sim": "Nothing was sent: the simulation of {robot} is not online. Start one here, or clear Simulation.",
     "cannot.hw": (
-        "Nothing was sent: the hardware of {robot} is not on line. Connect its cable and run `beatrix hw`, or clear "
+        "Nothing was sent: the hardware of {robot} is not online. Connect its cable and run `beatrix hw`, or clear "
         "Hardware."
     ),
     "cannot.position": (
@@ -32,7 +32,7 @@ ROBOTS: Final[dict[str, str]] = {
     "cannot.file": "The file needs a name. Choose one that ends in .csv.",
     "cannot.row": "This row cannot be sent again. Choose one of your own motions or commands.",
     # -- state of a robot
-    "condition.absent": "not on line",
+    "condition.absent": "not online",
     "condition.lost": "lost",
     "condition.silent": "silent",
     "condition.disabled": "motors off",
@@ -56,16 +56,16 @@ ROBOTS: Final[dict[str, str]] = {
     "reason.no_router": "No router answers at {endpoint}, so no robot can be seen.",
     "reason.refused": "The router at {endpoint} does not accept the account of this window, so no robot can be seen.",
     "reason.lost": (
-        "{robot} is no longer on line: its node has crashed, ended or frozen, or has lost the router. Its arms "
+        "{robot} is no longer online: its node has crashed or ended, or hangs, or has lost the router. Its arms "
         "stop by themselves. Start the node again."
     ),
-    "reason.absent_sim": "No simulation of {robot} is on line. Start one on this computer.",
+    "reason.absent_sim": "No simulation of {robot} is online. Start one on this computer.",
     "reason.absent_hw": (
-        "No hardware of {robot} is on line. Connect its cable, switch it on and run `beatrix hw` on its computer."
+        "No hardware of {robot} is online. Connect its cable, switch it on and run `beatrix hw` on its computer."
     ),
     "reason.starting": "The simulation is starting.",
     "reason.silent": (
-        "The robot is on line, but no positions arrive. Wait a moment; if nothing changes, restart it or check its network."
+        "The robot is online, but no positions arrive. Wait a moment; if nothing changes, restart it or check its network."
     ),
     "reason.stale": "The last positions are {seconds:.1f} s old. Wait a moment; if nothing changes, restart the robot.",
     "reason.disabled_sim": "The motors are off. Press Make ready: it enables and calibrates the simulation.",
@@ -98,8 +98,8 @@ ROBOTS: Final[dict[str, str]] = {
         "The router at {endpoint} refuses this window's account. Run `beatrix join SEAT.toml`, then restart the window."
     ),
     "banner.starting": "A simulation is starting on this computer.",
-    "banner.no_robot": "No robot is on line. Start a simulation here, or start a robot with `beatrix up`.",
-    "banner.other_robots": "{robot} is not on line, but other robots are. Choose one, or start a simulation here.",
+    "banner.no_robot": "No robot is online. Start a simulation here, or start a robot with `beatrix up`.",
+    "banner.other_robots": "{robot} is not online, but other robots are. Choose one, or start a simulation here.",
     "banner.emergency": (
         "Emergency stop ({robots}): the motors are off. Look at the robot and set its head upright. Then press Reset, "
         "Enable and Calibrate."

@@ -148,7 +148,7 @@ function condition() {
   if (!state.router) return ["router", "bad"];
   if (!robot) return ["none", "warn"];
   if (robot.presence === "absent") return ["absent", "bad"];
-  if (robot.presence !== "on line" || !robot.status) return ["silent", "bad"];
+  if (robot.presence !== "online" || !robot.status) return ["silent", "bad"];
   if (robot.status.emergency) return ["emergency", "bad"];
   if (!robot.status.enabled) return ["off", "warn"];
   if (!robot.status.calibrated) return ["uncalibrated", "warn"];

@@ -125,7 +125,7 @@ class ClassPage(QFrame):
             self._show_rows(self._view.rows)
 
     def show_view(self, view: ClassView | None) -> None:
-        """Show all robots; the selected one stays selected while it is on line."""
+        """Show all robots; the selected one stays selected while it is online."""
         if view is None or view == self._view:
             return
         old, self._view = self._view, view

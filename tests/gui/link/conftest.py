@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from linked import Linked, at_home
-from stage import Stage
+from gui_links import Linked, at_home
+from robots import Stage
 
 
 @pytest.fixture(scope="module")

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from functools import partial
 
 import pytest
-from excuses import in_time
-from linked import Linked, look
-from stage import Process, Stage, free_endpoint, start_router, until
+from gui_links import Linked, look
+from late_tests import in_time
+from robots import Process, Stage, free_endpoint, start_router, until
 
 from beatrix_zenoh.client import Client, Place, Presence, stopping
 from beatrix_zenoh.client.queries import pose_query
@@ -152,7 +152,7 @@ def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_los
         with Stage() as other:
             node = other.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
             node.expect("ready")
-            linked.on_line("hw")
+            linked.online("hw")
             router.end()
             world = linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "the router is lost", 0.5)
             assert endpoint in world.trouble
@@ -161,7 +161,7 @@ def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_los
             router = start_router(endpoint)
             try:
                 linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "it is back")
-                linked.on_line("hw")
+                linked.online("hw")
                 until(lambda: retried(linked), "the seat is connected again")
             finally:
                 linked.close()
@@ -176,16 +176,16 @@ def retried(linked: Linked) -> bool:
     return linked.end_of(row, "hw").accepted
 
 
-def test_the_only_name_on_line_is_selected_and_another_can_be_selected(stage: Stage) -> None:
+def test_the_only_name_online_is_selected_and_another_can_be_selected(stage: Stage) -> None:
     with Linked(stage.endpoint, "not-there", name_given=False) as linked:
         world = linked.until(lambda world: world.robot == "bea", "the only robot is selected")
         assert world.names == ("bea",)
-        linked.on_line("sim", "hw")
+        linked.online("sim", "hw")
         linked.do(Select("other"))
         world = linked.world
         assert (world.robot, world.sim.presence) == ("other", Presence.ABSENT)
         linked.do(Select("bea"))
-        linked.on_line("sim", "hw")
+        linked.online("sim", "hw")
     with Linked(stage.endpoint, "not-there") as linked:
         linked.until(lambda world: world.names == ("bea",), "bea is seen")
         assert linked.world.robot == "not-there"
@@ -224,7 +224,7 @@ def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
 ) -> None:
     stage, _, hardware = own
     with Linked(stage.endpoint) as linked:
-        linked.on_line("sim", "hw")
+        linked.online("sim", "hw")
         linked.do(Ready(1, "hw"))
         assert linked.end_of(1, "hw").accepted
         hardware.send(signal.SIGSTOP)
@@ -238,7 +238,7 @@ def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
         assert linked.end_of(3, "sim", 0.5).reason is Reason.STOPPED
         assert not linked.of(4, "hw")
         in_time(time.monotonic() - began_s, 3.0, "STOP of the simulation")
-        assert linked.end_of(4, "hw").reason in (Reason.NODE_FROZEN, Reason.NODE_LOST)
+        assert linked.end_of(4, "hw").reason in (Reason.NODE_HANGS, Reason.NODE_LOST)
         linked.until(lambda world: world.latency_s["hw"] is None, "no round trip")
         assert linked.world.latency_s["sim"] is not None
         rows = range(20, 32)
@@ -248,7 +248,7 @@ def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
         linked.do(StopBoth(5))
         assert linked.end_of(rows[1], "hw", 0.5).reason is Reason.STOPPED
         hardware.send(signal.SIGCONT)
-        linked.on_line("hw")
+        linked.online("hw")
         until(lambda: retried(linked), "the robot carries out requests again")
         hardware.end(signal.SIGKILL)
         linked.until(lambda world: world.hw.presence is Presence.ABSENT, "it was killed", 0.5)
@@ -257,7 +257,7 @@ def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
 def test_close_takes_at_most_3_s_with_suspended_robots(own: tuple[Stage, Process, Process]) -> None:
     stage, simulation, hardware = own
     linked = Linked(stage.endpoint)
-    linked.on_line("sim", "hw")
+    linked.online("sim", "hw")
     simulation.send(signal.SIGSTOP)
     hardware.send(signal.SIGSTOP)
     linked.do(Send(1, look(20), ("sim", "hw"), 2.0))

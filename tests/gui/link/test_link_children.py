@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from linked import Linked, look
-from stage import Stage, free_endpoint, until
+from gui_links import Linked, look
+from robots import Stage, free_endpoint, until
 
 from beatrix_zenoh.cli.processes import Child
 from beatrix_zenoh.cli.recording_files import read_recording
@@ -42,7 +42,7 @@ def linked(stage: Stage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Ite
     """A link in a working directory of its own."""
     monkeypatch.chdir(tmp_path)
     with Linked(stage.endpoint) as made:
-        made.on_line("sim")
+        made.online("sim")
         yield made
 
 
@@ -92,7 +92,7 @@ def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None
         assert linked.world.starting
         world = linked.until(lambda world: world.own_simulation and not world.starting, "it runs", READY_S)
         assert world.child_trouble == ""
-        linked.on_line("sim")
+        linked.online("sim")
         linked.do(Send(1, look(5), ("sim",)))
         assert linked.end_of(1, "sim").accepted
         kill(linked.link._children._simulation)
@@ -102,7 +102,7 @@ def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None
         linked.do(RunSimulation())
         assert linked.world.child_trouble == ""
         linked.until(lambda world: world.own_simulation, "it runs again", READY_S)
-        linked.on_line("sim")
+        linked.online("sim")
 
 
 def test_the_window_may_end_while_a_simulation_starts() -> None:

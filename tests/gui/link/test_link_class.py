@@ -6,8 +6,8 @@ import signal
 from pathlib import Path
 
 from class_router import ClassRouter, start_node
-from linked import Linked
-from stage import Stage
+from gui_links import Linked
+from robots import Stage
 
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
@@ -36,7 +36,7 @@ def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> No
             assert frozen.reason in (Reason.TIMED_OUT, Reason.NODE_LOST), (
                 "its session is lost after 2 s, and the time limit is 2 s, too"
             )
-            assert stop.reason is Reason.NODE_FROZEN, "it publishes no positions"
+            assert stop.reason is Reason.NODE_HANGS, "it publishes no positions"
             assert "power off" in stop.message
             for end in (frozen, stop):
                 assert (end.accepted, end.robots, end.failed) == (False, 2, ("bea (hw)",))
@@ -89,6 +89,6 @@ def test_the_teachers_window_opens_on_a_robot_of_the_class() -> None:
             linked.until(lambda world: world.robot == "bea1", "the first robot is shown")
             linked.until(lambda world: world.hw.status is not None, "its status is shown")
         with Linked(stage.endpoint, "bea2", who="teacher", name_given=False) as linked:
-            linked.until(lambda world: len(world.names) == 3, "all names are on line")
+            linked.until(lambda world: len(world.names) == 3, "all names are online")
             linked.until(lambda world: world.hw.status is not None, "the robot of the settings is shown")
             assert linked.world.robot == "bea2"

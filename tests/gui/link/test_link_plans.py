@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from linked import Linked, arms, look, short
-from stage import Stage, until
+from gui_links import Linked, arms, look, short
+from robots import Stage, until
 
 from beatrix_zenoh.client.queries import pose_query
 from beatrix_zenoh.contract._generated.messages import Reason, Steps
@@ -139,7 +139,7 @@ def test_selecting_another_robot_ends_a_motion_in_its_lead(linked: Linked) -> No
     end = linked.end_of(1)
     assert "Another robot was selected" in end.message
     linked.do(Select("bea"))
-    linked.on_line(*BOTH)
+    linked.online(*BOTH)
     assert steps(linked) == before
     assert short(linked.world, "sim") < 50
 
@@ -156,7 +156,7 @@ def test_selecting_another_robot_stops_motions_of_this_window(linked: Linked, st
         )
         assert robot.positions().commanded.short < 60
     linked.do(Select("bea"))
-    linked.on_line("sim", "hw")
+    linked.online("sim", "hw")
 
 
 def test_the_end_of_the_window_within_the_lead_leaves_the_hardware_unmoved(
@@ -166,7 +166,7 @@ def test_the_end_of_the_window_within_the_lead_leaves_the_hardware_unmoved(
     leading(linked, 1, lead_s=0.6)
     linked.close()
     with Linked(stage.endpoint) as other:
-        other.on_line(*BOTH)
+        other.online(*BOTH)
         other.until(lambda world: world.sim.status is not None and not world.sim.status.holder, "it is free")
         assert steps(other) == before
         assert short(other.world, "sim") < 50

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from linked import Linked, at_home, look, short
-from stage import Process, Stage, until
+from gui_links import Linked, at_home, look, short
+from robots import Process, Stage, until
 
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -105,6 +105,6 @@ def test_a_plan_that_waits_for_a_suspended_node_delays_no_motion_of_the_simulati
     assert frozen.end_of(4, "sim", 0.5).accepted
     frozen.do(Send(5, look(10, 30), BOTH, 1.0))
     end = frozen.end_of(5, timeout_s=12)
-    assert end.reason in (Reason.NODE_FROZEN, Reason.NODE_LOST)
+    assert end.reason in (Reason.NODE_HANGS, Reason.NODE_LOST)
     assert "ice (hw)" in end.message
     until(lambda: short(frozen.world, "sim") == pytest.approx(5, abs=0.1), "only the sent motions were made")

@@ -125,7 +125,7 @@ def robot(
 
 
 def absent(twin: str) -> RobotState:
-    """Return a robot that is not on line."""
+    """Return a robot that is not online."""
     return robot(twin, presence=Presence.ABSENT)
 
 

@@ -13,7 +13,7 @@ import subprocess
 from pathlib import Path
 from typing import Final, Self
 
-from stage import Process, until
+from robots import Process, until
 
 ROUTER: Final = "10.99.0.1"
 HOST: Final = "10.99.0.{}"

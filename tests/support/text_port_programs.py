@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from rig import Core, Steps
+from firmware_host import Core, Steps
 
 from beatrix_zenoh.board.link import Decoder, Frame, encode
 from beatrix_zenoh.board.virtual import Firmware

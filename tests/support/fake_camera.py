@@ -1,4 +1,4 @@
-"""Simulated USB cameras: named pipes that look like cameras to a program with tests/fake_camera.c preloaded."""
+"""Simulated USB cameras: named pipes that look like cameras to a program with tests/support/fake_camera.c preloaded."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Self
 
-from stage import until
+from robots import until
 
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Presence, RobotState
@@ -77,14 +77,14 @@ class Linked:
             raise AssertionError(f"{error}\n{seen[0]}\n{self.outcomes}") from None
         return seen[0]
 
-    def on_line(self, *twins: str) -> World:
+    def online(self, *twins: str) -> World:
         """Wait until the robots of these twins publish; return the world."""
         return self.until(
             lambda world: (
                 all(world.twin(twin).presence is Presence.ON_LINE for twin in twins)
                 and all(world.twin(twin).status is not None for twin in twins)
             ),
-            f"{twins} on line",
+            f"{twins} online",
         )
 
     def of(self, row: int, twin: str | None = None) -> list[Outcome]:
@@ -127,7 +127,7 @@ def short(world: World, twin: str) -> float:
 def at_home(linked: Linked) -> None:
     """Stop both robots, make them ready, and wait until all their commanded angles are 0."""
     linked.outcomes.clear()
-    linked.on_line("sim", "hw")
+    linked.online("sim", "hw")
     linked.do(StopBoth(-1))
     for twin in ("sim", "hw"):
         linked.end_of(-1, twin)

@@ -22,7 +22,7 @@ from beatrix_zenoh.contract._generated.serial import (
     Telemetry,
 )
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 _TURN = ROBOT.drive.full_steps * ROBOT.drive.microsteps * ROBOT.drive.gear_ring / ROBOT.drive.gear_pinion
 ARM_TURN = round(_TURN)
 ARM_SPACING = round(_TURN / 3)

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Generic, TypeVar
 
 import msgspec
-from excuses import in_time
-from stage import EVENT_S
+from late_tests import in_time
+from robots import EVENT_S
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.bus import Received

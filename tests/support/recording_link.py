@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from window_views import ready
+from gui_views import ready
 
 from gui.console.link import Link
 from gui.console.state.actions import Action

@@ -12,7 +12,7 @@ from collections.abc import Awaitable, Callable, Iterator
 from http.cookies import SimpleCookie
 from typing import Any, Self, TypeVar
 
-from stage import EVENT_S, PATIENCE_S, until
+from robots import EVENT_S, PATIENCE_S, until
 from tornado.httpclient import HTTPRequest, HTTPResponse
 from tornado.simple_httpclient import SimpleAsyncHTTPClient
 from tornado.websocket import websocket_connect

@@ -1,9 +1,9 @@
 """A process that measures how long this computer delays a process that is ready to run.
 
 Robots move in real time. If the computer, or the host of a virtual machine, stops all processes for a while, a time that
-a test measured meanwhile may be too long: tests/excuses.py.
+a test measured meanwhile may be too long: tests/support/late_tests.py.
 
-`python tests/witness.py` prints the monotonic time and the delay (s): at its start, and whenever it wakes up later than
+`python tests/support/stall_monitor.py` prints the monotonic time and the delay (s): at its start, and whenever it wakes up later than
 STALL_S.
 """
 

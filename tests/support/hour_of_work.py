@@ -17,11 +17,11 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import simplejpeg
+from gui_views import ready
+from gui_worlds import positions
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from recording_link import RecordingLink, WatchedState
-from window_views import ready
-from worlds import positions
 
 from beatrix_zenoh.client import CameraImage, RobotState
 from beatrix_zenoh.contract._generated.messages import Event, EventKind
@@ -41,7 +41,7 @@ At the first measurement every list is full of rows that tracemalloc has counted
 EVENTS = 70
 """Events kept of each robot; another seat causes one at every third request."""
 JPEG: bytes = simplejpeg.encode_jpeg(np.zeros((48, 64, 3), np.uint8))
-GUI = str(Path(__file__).resolve().parents[1] / "gui" / "*")
+GUI = str(Path(__file__).resolve().parents[2] / "gui" / "*")
 
 
 class Kept(msgspec.Struct, frozen=True):

@@ -1,6 +1,6 @@
 """A storm at a router: sessions that join and leave, while other programs ask who is there and stop robots.
 
-`python tests/storm.py 60` prints the figures of 60 s; the exit code is 1 if the router has failed to answer.
+`python tests/support/router_storm.py 60` prints the figures of 60 s; the exit code is 1 if the router has failed to answer.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from stage import Process, free_endpoint, start_router
+from robots import Process, free_endpoint, start_router
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus

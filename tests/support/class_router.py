@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any, Self
 
 import msgspec
-from patience import patiently
-from stage import Process
+from patient_connections import patiently
+from robots import Process
 
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus

@@ -10,7 +10,7 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
-from stage import START_S, until
+from robots import START_S, until
 from tornado.websocket import websocket_connect
 
 T = TypeVar("T")

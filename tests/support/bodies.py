@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import pytest
-from stage import Stage
+from robots import Stage
 
 from beatrix_zenoh import Robot
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from stage import until
+from robots import until
 
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.link import Decoder, encode

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-DIALOGUES = sorted((Path(__file__).parent / "firmware/dialogues").glob("*.txt"))
+DIALOGUES = sorted((Path(__file__).parents[1] / "firmware/dialogues").glob("*.txt"))
 
 
 class Entry(NamedTuple):

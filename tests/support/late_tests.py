@@ -46,7 +46,7 @@ def within(limit_s: float, what: str) -> Iterator[None]:
 
 
 class Pauses(Protocol):
-    """Measures how long this computer stands still; see tests/witness.py."""
+    """Measures how long this computer stands still; see tests/support/stall_monitor.py."""
 
     def paused_s(self, since_s: float) -> float:
         """Return the sum of all pauses since a time of the monotonic clock (s)."""

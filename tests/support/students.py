@@ -5,9 +5,9 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-from stage import ROOT, Process, until
+from robots import ROOT, Process, until
 
-PROGRAM = str(ROOT / "tests/at_seat.py")
+PROGRAM = str(ROOT / "tests/support/student_program.py")
 
 
 def use_account(folder: Path, account: Path) -> None:

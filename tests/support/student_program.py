@@ -10,7 +10,7 @@ from collections import Counter
 from functools import cache
 from pathlib import Path
 
-from patience import PATIENCE_S, patiently
+from patient_connections import PATIENCE_S, patiently
 
 from beatrix_zenoh import Robot as OneRobot
 from beatrix_zenoh import account as accounts

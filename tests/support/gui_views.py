@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import msgspec
-from worlds import absent, robot, status, world
+from gui_worlds import absent, robot, status, world
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.readings import ArmAngles, HeadAngles, Path

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 import serial
-from stage import Stage, ask_raw, until
+from robots import Stage, ask_raw, until
 
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Events

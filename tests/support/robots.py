@@ -31,7 +31,7 @@ PATIENCE_S = 10.0
 """Time limit (s) of an answer on a busy machine."""
 EVENT_S = 20.0
 """Time limit (s) of an event whose delay no test checks."""
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def untraced() -> dict[str, str]:

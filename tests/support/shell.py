@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from stage import ROOT, Process, free_endpoint, until, untraced
+from robots import ROOT, Process, free_endpoint, until, untraced
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.cli import app
