@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from beatrix_zenoh.contract.names import ARMS
 from gui.console.texts import LANGUAGES, Texts
 
 GUI = Path(__file__).resolve().parents[2] / "gui"
@@ -88,6 +89,7 @@ def test_every_key_that_the_window_uses_exists() -> None:
 def test_every_text_is_used() -> None:
     nodes = [node for tree in modules().values() for node in ast.walk(tree)]
     words = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
+    words |= set(ARMS)
     patterns = {text for node in nodes if isinstance(node, ast.JoinedStr) for text in literals(node)}
     dotted = {pattern for pattern in patterns if re.match(r"[a-z]+\\\.", pattern)}
     assert [key for key in LANGUAGES["en"] if not is_used(key, words, dotted)] == []
