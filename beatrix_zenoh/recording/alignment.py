@@ -14,7 +14,7 @@ import numpy as np
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.recording.lag import EXPLAINED, FAR_S, NEAR_S, Shift, best_shift, chosen, gains, lag
-from beatrix_zenoh.recording.requests import Alone, Request, Shared, alone, pairs, shared
+from beatrix_zenoh.recording.requests import NOT_ASKED, Alone, Request, Shared, alone, pairs, shared
 from beatrix_zenoh.recording.series import (
     ARMS,
     GRID_S,
@@ -82,6 +82,8 @@ class Alignment:
     alone: tuple[Alone, ...]
     early: tuple[Shared, ...]
     """motions that only one of the robots carried out to the end"""
+    followed: tuple[Alone, ...]
+    """requests to the hardware that the simulation, which was not asked, followed"""
     shift_s: float
     """shift where there are no motions"""
 
@@ -120,10 +122,12 @@ class Expected:
 def aligned(first: Recording, second: Recording) -> Alignment:
     """Match the motions of both robots and measure the shift of each."""
     ways = movements(first), movements(second)
-    matched, single = [], []
+    matched, single, followed = [], [], []
     if first.requests is not None and second.requests is not None:
         both = pairs(within(first), within(second))
         matched, single = shared(both), list(alone(both, float(first.t[0])))
+        followed = [each for each in single if follows(each, ways[0], within(first))]
+        single = [each for each in single if each not in followed]
     expected = [*of_requests(ways[0], matched), *of_movement(first, second, ways, matched, single)]
     expected.sort(key=lambda motion: motion.begin_s)
     expected = [replace(motion, begin_s=max(motion.begin_s, float(first.t[0]))) for motion in expected]
@@ -131,7 +135,7 @@ def aligned(first: Recording, second: Recording) -> Alignment:
     known = [part.shift_s for part in parts if part.measured and not part.lead_s]
     shift_s = float(np.median(known)) if known else 0.0
     early = tuple(motion for motion in matched if ended_early(motion))
-    plain = Alignment(parts, (), tuple(single), early, shift_s)
+    plain = Alignment(parts, (), tuple(single), early, tuple(followed), shift_s)
     left_out = tuple(apart(first, second, plain, ways, matched))
     kept = tuple(
         part
@@ -165,6 +169,20 @@ def within(recorded: Recording) -> list[Request]:
         for request in recorded.requests or ()
         if recorded.t[0] - BEGUN_S <= request.t <= recorded.t[-1]
     ]
+
+
+def follows(motion: Alone, ways: Sequence[Interval], asked: Sequence[Request]) -> bool:
+    """Return whether the simulation moved with the hardware although no request reached it: it follows.
+
+    Args:
+        motion: a motion of one robot alone.
+        ways: the movements of the simulation.
+        asked: the requests to the simulation.
+    """
+    t = motion.request.t
+    way = next((way for way in ways if contains(way, t)), None)
+    own = way is not None and any(not each.refused and contains(way, each.t) for each in asked)
+    return motion.why == NOT_ASKED and way is not None and not own
 
 
 def movements(recorded: Recording) -> list[Interval]:

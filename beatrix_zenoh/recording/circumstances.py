@@ -54,6 +54,18 @@ def new_homes(found: Comparison) -> Iterator[Finding]:
             )
 
 
+def following(found: Comparison) -> Iterator[Finding]:
+    """Yield a finding if the simulation made motions by following the hardware."""
+    if found.followed:
+        yield Finding(
+            Cause.FOLLOWED,
+            f"The simulation was not asked for {count(len(found.followed), 'motion')}, and made what the hardware made: it "
+            "follows the hardware, so that the lag is its own, with the opposite sign.",
+            value=len(found.followed),
+            t=found.followed[0].request.t - float(found.t[0]),
+        )
+
+
 def not_asked(found: Comparison) -> Iterator[Finding]:
     """Yield a finding for each reason for which only one robot made a motion."""
     groups: dict[tuple[bool, str], list[float]] = {}

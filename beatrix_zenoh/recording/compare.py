@@ -65,6 +65,8 @@ class Comparison:
     """the motions, each with the lead and the lag of its positions"""
     alone: tuple[Alone, ...]
     """the motions that only one robot made; they are no differences"""
+    followed: tuple[Alone, ...]
+    """the motions of the hardware that the simulation made, too, without being asked: it follows"""
     early: tuple[Shared, ...]
     """the motions that one robot carried out to the end, and the other did not; they are no differences"""
     t: Floats
@@ -127,6 +129,7 @@ def compare(first: Recording, second: Recording) -> Comparison:
         lag_s=median_lag(first.arms, second.arms, found, tuple(range(len(ARMS)))),
         moved=found.parts,
         alone=found.alone,
+        followed=found.followed,
         early=found.early,
         t=t,
         first=a,

@@ -9,7 +9,14 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.recording.circumstances import clocks, lost_samples, new_homes, not_asked, stopped
+from beatrix_zenoh.recording.circumstances import (
+    clocks,
+    following,
+    lost_samples,
+    new_homes,
+    not_asked,
+    stopped,
+)
 from beatrix_zenoh.recording.compare import Comparison
 from beatrix_zenoh.recording.finding import Cause, Finding, count, listed
 from beatrix_zenoh.recording.series import ARMS, Flags, Floats, runs
@@ -53,7 +60,7 @@ class Seen(NamedTuple):
 
 def findings(found: Comparison) -> list[Finding]:
     """Return what the comparison shows, the most important first."""
-    result = [*lost_samples(found), *new_homes(found)]
+    result = [*lost_samples(found), *new_homes(found), *following(found)]
     result += [*not_asked(found), *stopped(found)]
     seen = samples(found)
     if not len(seen.t) or not found.anything_moved:

@@ -23,6 +23,7 @@ class Cause(StrEnum):
     CLOCK = "clock"
     LOSS = "loss"
     NEW_HOME = "new home"
+    FOLLOWED = "followed"
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ FAR_S: Final = 5.0
 STREAM_S: Final = 1.5
 """A node counts the requests of a stream for a second; requests this close (s) to counted ones belong to the stream."""
 HOME: Final = "HOME"
+NOT_ASKED: Final = "the simulation was not asked"
 SETS_HOME: Final = ("CALIBRATE", "@CALNOW")
 """The command, and the line of an old program, after which angles count from another home."""
 
@@ -214,7 +215,7 @@ def alone(matched: Sequence[Pair], begin_s: float) -> Iterator[Alone]:
             elif hw.lead_s is not None and hw.t - hw.lead_s <= begin_s:
                 why = "the simulation had made it before the recording began"
             else:
-                why = "the simulation was not asked"
+                why = NOT_ASKED
             yield Alone(hw, hardware=True, why=why)
 
 

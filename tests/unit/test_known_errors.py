@@ -73,6 +73,17 @@ def test_the_pause_between_requests_to_each_robot_is_no_lag(pause_s: float) -> N
     assert findings(found) == []
 
 
+def test_motions_that_the_simulation_made_by_following_are_compared() -> None:
+    sim, hw = as_recordings((Known("sim"), Known("hw", late_s=-0.03)), acts(), 24.5, events=True)
+    alone = tuple(replace(request, lead_s=None) for request in hw.requests or ())
+    found = compare(replace(sim, requests=()), replace(hw, requests=alone))
+    assert not found.alone
+    assert found.lag_s == pytest.approx(-0.03, abs=0.005)
+    assert max(axis.rms_after for axis in found.axes) < 0.3
+    (finding,) = findings(found)
+    assert (finding.cause, finding.value) == (Cause.FOLLOWED, len(alone))
+
+
 @pytest.mark.parametrize(("action", "seen"), [("CALIBRATE", True), ("@CALNOW", True), ("ENABLE", False)])
 def test_another_home_is_no_lost_step(action: str, seen: bool) -> None:
     at_s = 12.7  # both rest
