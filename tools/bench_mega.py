@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 ROOT: Final = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "tests/support")]
 
 from avr.bench import BUDGETS, CYCLES_PER_MS, VECTORS  # noqa: E402 - the bench belongs to the tests
 from avr.mega import HEX, Mega  # noqa: E402

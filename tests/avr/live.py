@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import Final
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
 from avr.bench import CYCLES_PER_MS, EEPROM_SIZE, Avr
 from avr.mega import HEX

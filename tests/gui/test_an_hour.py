@@ -26,7 +26,7 @@ GROWTH = 50_000
 def test_an_hour_of_work_needs_bounded_memory_and_no_more_threads() -> None:
     done = subprocess.run(
         [sys.executable, hour_of_work.__file__],
-        env={**untraced(), "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])},
+        env={**untraced(), "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests/support")])},
         capture_output=True,
         text=True,
         timeout=120.0,

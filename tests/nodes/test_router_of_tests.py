@@ -10,7 +10,7 @@ from robots import ROOT, free_endpoint, until
 
 PROGRAM = """
 import os, signal, sys
-sys.path.insert(0, "tests")
+sys.path.insert(0, "tests/support")
 import robots
 print(robots.start_router(sys.argv[1]).pid, flush=True)
 os.kill(os.getpid(), signal.SIGKILL)
