@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import queue
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import zenoh
@@ -128,6 +129,17 @@ class Query:
         if answer is None:
             self._inbox.put(None)  # the next call also returns None
         return answer
+
+    def replies(self, lasts_s: float) -> Iterator[Reply]:
+        """Yield the replies that arrive within `lasts_s` (s) from the first step on, then close the query."""
+        deadline_s = time.monotonic() + lasts_s
+        try:
+            while (answer := self.next(deadline_s - time.monotonic())) is not None:
+                yield answer
+        except TimeoutError:
+            return
+        finally:
+            self.close()
 
     def notify(self, notify: Callable[[], None]) -> None:
         """Call `notify` on Zenoh's thread after each reply and at the end; and now, in this thread, if one has come.

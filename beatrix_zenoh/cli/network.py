@@ -6,8 +6,6 @@ program describes itself; a Zenoh program without both stays unseen.
 
 from __future__ import annotations
 
-import contextlib
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final
@@ -84,18 +82,13 @@ def _descriptions(client: Client) -> dict[Owner, list[ProgramInfo]]:
     """Return the descriptions that arrive within ANSWER_S; several nodes of one robot may describe themselves."""
     found: dict[Owner, list[ProgramInfo]] = {}
     query = client.bus.query(keys.program("*", "*"), None, codec.MSGPACK, timeout_s=ANSWER_S)
-    deadline_s = time.monotonic() + ANSWER_S
-    try:
-        with contextlib.suppress(TimeoutError):
-            while (reply := query.next(deadline_s - time.monotonic())) is not None:
-                # An error reply is that of a program which leaves before it answers.
-                parts = None if reply.error else keys.parse(reply.key)
-                info = None if parts is None else client.read(reply, ProgramInfo)
-                if parts is not None and info is not None:
-                    second = info.twin if info.twin in names.TWINS else parts.session
-                    found.setdefault((parts.who, second), []).append(info)
-    finally:
-        query.close()
+    for reply in query.replies(ANSWER_S):
+        # An error reply is that of a program which leaves before it answers.
+        parts = None if reply.error else keys.parse(reply.key)
+        info = None if parts is None else client.read(reply, ProgramInfo)
+        if parts is not None and info is not None:
+            second = info.twin if info.twin in names.TWINS else parts.session
+            found.setdefault((parts.who, second), []).append(info)
     return found
 
 

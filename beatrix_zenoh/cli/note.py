@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import time
 from datetime import UTC, datetime
 from typing import Annotated, Final
 
@@ -77,14 +75,8 @@ def send_note(client: Client, text: str) -> list[NoteReply]:
     """
     key = keys.note(client.settings.who, "*")
     query = client.bus.query(key, codec.encode(NoteQuery(text=text)), codec.MSGPACK, timeout_s=ANSWER_S)
-    found, deadline_s = [], time.monotonic() + ANSWER_S
-    try:
-        with contextlib.suppress(TimeoutError):
-            while (reply := query.next(deadline_s - time.monotonic())) is not None:
-                if not reply.error and (answer := client.read(reply, NoteReply)) is not None:
-                    found.append(answer)
-    finally:
-        query.close()
+    answers = (client.read(reply, NoteReply) for reply in query.replies(ANSWER_S) if not reply.error)
+    found = [answer for answer in answers if answer is not None]
     if not found:
         raise client.bus.refusal(client.token) or NoAnswer(Reason.NO_ANSWER, NONE)
     return found

@@ -162,16 +162,10 @@ class GroupRequest(Generic[M]):
 
     def replies(self, timeout_s: float) -> Iterator[tuple[Place, M]]:
         """Yield name, twin and reply of each robot, in the order of arrival, for at most `timeout_s` (s)."""
-        deadline = time.monotonic() + timeout_s
-        try:
-            while (answer := self._query.next(deadline - time.monotonic())) is not None:
-                reply = _read(self._client, self._key, answer, self._kind)
-                if reply is not None:
-                    yield reply
-        except TimeoutError:
-            return
-        finally:
-            self.close()
+        for answer in self._query.replies(timeout_s):
+            reply = _read(self._client, self._key, answer, self._kind)
+            if reply is not None:
+                yield reply
 
     def close(self) -> None:
         """Receive no more replies."""

@@ -13,7 +13,7 @@ import pytest
 from patient_connections import PATIENCE_S
 from robots import until
 
-from beatrix_zenoh.bus import Reply
+from beatrix_zenoh.bus import Query, Reply
 from beatrix_zenoh.client import Place, stopping
 from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.robot_base import RobotBase
@@ -42,6 +42,8 @@ MUTED = CommandReply(result=False, reason=Reason.MUTED, message="This seat is mu
 
 class Asked:
     """A query that has these replies, then ends."""
+
+    replies = Query.replies
 
     def __init__(self, replies: Sequence[Reply]) -> None:
         self.waiting: list[Reply | None] = [*replies, None]
