@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 from known_robots import GOALS, Act, Arms, Known, acts
 
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.diagnosis import FULL_STEP_DEG
 from beatrix_zenoh.recording.finding import Cause
 from beatrix_zenoh.recording.series import Floats
@@ -70,7 +71,6 @@ def stopped_from(since_s: float, arms: Sequence[int]) -> Known:
     return changed(change)
 
 
-ALL = ("short", "middle", "long")
 HOME: Arms = (0.0, 0.0, 0.0)
 JITTER_S = (0.01, 0.04, 0.025, 0.065, 0.045, 0.085, 0.07, 0.1)
 LEADS = (0.0, 0.5, 1.5, 0.0, 1.5, 0.5, 0.0)
@@ -114,12 +114,12 @@ def of_arms() -> list[Case]:
     return [
         Case("short 0.5° off", added(0.5, 0, 0), 0.0, ((Cause.OFFSET, ("short",), 0.5),), alike=False),
         Case("long moves 5 % more", times(1, 1, 1.05), 0.0, ((Cause.SCALE, ("long",), 0.05),), alike=False),
-        Case("all move 4 % less", times(0.96, 0.96, 0.96), 0.0, ((Cause.SCALE, ALL, -0.04),), alike=False),
+        Case("all move 4 % less", times(0.96, 0.96, 0.96), 0.0, ((Cause.SCALE, ARMS, -0.04),), alike=False),
         Case(
             "all move twice as far, 50 ms late",
             replace(times(2, 2, 2), late_s=0.05),
             0.05,
-            ((Cause.SCALE, ALL, 1.0),),
+            ((Cause.SCALE, ARMS, 1.0),),
             alike=False,
             all_known=True,
         ),
@@ -161,7 +161,7 @@ def of_wiring() -> list[Case]:
         Case(
             "short inverted", times(-1, 1, 1), UNKNOWN, ((Cause.REVERSED, ("short",), UNKNOWN),), alike=False
         ),
-        Case("all inverted", times(-1, -1, -1), UNKNOWN, ((Cause.REVERSED, ALL, UNKNOWN),), alike=False),
+        Case("all inverted", times(-1, -1, -1), UNKNOWN, ((Cause.REVERSED, ARMS, UNKNOWN),), alike=False),
         Case("stood still", times(0, 0, 0), UNKNOWN, ((Cause.STOOD_STILL, (), UNKNOWN),), alike=False),
         Case(
             "long stood still",

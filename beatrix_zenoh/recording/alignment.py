@@ -13,19 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.lag import EXPLAINED, FAR_S, NEAR_S, Shift, best_shift, chosen, gains, lag
 from beatrix_zenoh.recording.requests import NOT_ASKED, Alone, Request, Shared, alone, pairs, shared
-from beatrix_zenoh.recording.series import (
-    ARMS,
-    GRID_S,
-    Flags,
-    Floats,
-    Recording,
-    resample,
-    resting,
-    runs,
-    sampled,
-)
+from beatrix_zenoh.recording.series import GRID_S, Flags, Floats, Recording, resample, resting, runs, sampled
 
 LOCAL_S = 0.15
 """Largest difference of the first search between the shift of a motion and that of its requests."""
@@ -122,12 +113,15 @@ class Expected:
 def aligned(first: Recording, second: Recording) -> Alignment:
     """Match the motions of both robots and measure the shift of each."""
     ways = movements(first), movements(second)
-    matched, single, followed = [], [], []
+    matched: list[Shared] = []
+    single: list[Alone] = []
+    followed: list[Alone] = []
     if first.requests is not None and second.requests is not None:
-        both = pairs(within(first), within(second))
-        matched, single = shared(both), list(alone(both, float(first.t[0])))
-        followed = [each for each in single if follows(each, ways[0], within(first))]
-        single = [each for each in single if each not in followed]
+        asked = within(first)
+        both = pairs(asked, within(second))
+        matched = shared(both)
+        for motion in alone(both, float(first.t[0])):
+            (followed if follows(motion, ways[0], asked) else single).append(motion)
     expected = [*of_requests(ways[0], matched), *of_movement(first, second, ways, matched, single)]
     expected.sort(key=lambda motion: motion.begin_s)
     expected = [replace(motion, begin_s=max(motion.begin_s, float(first.t[0]))) for motion in expected]
@@ -150,11 +144,12 @@ def all_measured(first: Recording, second: Recording, expected: Sequence[Expecte
     parts = tuple(measured(first, second, motion) for motion in expected)
     if any(part.measured for part in parts):
         return parts
-    t = np.concatenate([np.empty(0), *(window(first, second, part) for part in parts)])
+    windows = [window(first, second, part) for part in parts]
+    t = np.concatenate([np.empty(0), *windows])
     if len(t) < 2:
         return parts
     one, other = (chosen(each, range(len(ARMS))) for each in (first, second))
-    shifts = np.concatenate([np.full(len(window(first, second, part)), part.shift_s) for part in parts])
+    shifts = np.repeat([part.shift_s for part in parts], [len(each) for each in windows])
     factors = gains(one, other, t, t + shifts)
     rescaled = tuple(
         measured(first, replace(other, angles=other.angles / factors), motion) for motion in expected
@@ -179,10 +174,10 @@ def follows(motion: Alone, ways: Sequence[Interval], asked: Sequence[Request]) -
         ways: the movements of the simulation.
         asked: the requests to the simulation.
     """
-    t = motion.request.t
-    way = next((way for way in ways if contains(way, t)), None)
-    own = way is not None and any(not each.refused and contains(way, each.t) for each in asked)
-    return motion.why == NOT_ASKED and way is not None and not own
+    way = next((way for way in ways if contains(way, motion.request.t)), None)
+    if motion.why != NOT_ASKED or way is None:
+        return False
+    return not any(not each.refused and contains(way, each.t) for each in asked)
 
 
 def movements(recorded: Recording) -> list[Interval]:

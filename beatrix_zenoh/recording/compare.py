@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.alignment import LOCAL_S, Alignment, MovedPart, aligned, window
 from beatrix_zenoh.recording.lag import EXPLAINED, best_shift, chosen
 from beatrix_zenoh.recording.requests import Alone, Shared
 from beatrix_zenoh.recording.series import (
-    ARMS,
     AXES,
     HEAD,
     Flags,

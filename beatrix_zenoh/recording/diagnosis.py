@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.circumstances import (
     clocks,
     following,
@@ -19,7 +20,7 @@ from beatrix_zenoh.recording.circumstances import (
 )
 from beatrix_zenoh.recording.compare import Comparison
 from beatrix_zenoh.recording.finding import Cause, Finding, count, listed
-from beatrix_zenoh.recording.series import ARMS, Flags, Floats, runs
+from beatrix_zenoh.recording.series import Flags, Floats, runs
 
 FULL_STEP_DEG: Final = 360 / ROBOT.drive.full_steps * ROBOT.drive.gear_pinion / ROBOT.drive.gear_ring
 APART_DEG: Final = 0.25

@@ -16,9 +16,10 @@ import numpy.typing as npt
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.difference import GAP_NS, GRID_NS
 from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Note, Recorded, Samples
-from beatrix_zenoh.recording.series import ARMS, HEAD
+from beatrix_zenoh.recording.series import HEAD
 
 BLOCK: Final = 3000
 """Rows of a block: one minute of the grid."""

@@ -10,11 +10,11 @@ from typing import Final, NamedTuple
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from beatrix_zenoh.contract.names import EYES, TWIN_TITLES, TWINS
+from beatrix_zenoh.contract.names import ARMS, EYES, TWIN_TITLES, TWINS
 from beatrix_zenoh.recording.drawing import BACKGROUND, Array, Drawing, Pixels
 from beatrix_zenoh.recording.export import Block, Table
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.series import ARMS, HEAD
+from beatrix_zenoh.recording.series import HEAD
 
 STEPS: Final = 2
 """Steps of the grid of 20 ms between two frames: 25 frames a second."""

@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from beatrix_zenoh.recording.series import ARMS, GRID_S, REST_DEG, Floats, Recording, common_grid, resample
+from beatrix_zenoh.contract.names import ARMS
+from beatrix_zenoh.recording.series import GRID_S, REST_DEG, Floats, Recording, common_grid, resample
 
 NEAR_S = 0.5
 """Largest lag of the first search (s)."""

@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 
 from beatrix_zenoh.client.twin.plot import WIDTH_IN, label_panel
 from beatrix_zenoh.colours import ALL, STYLES, hexadecimal, pale
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.compare import Comparison
-from beatrix_zenoh.recording.series import ARMS, AXES, Floats
+from beatrix_zenoh.recording.series import AXES, Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

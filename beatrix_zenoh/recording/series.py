@@ -10,15 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from beatrix_zenoh.client.readings import reading
-from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Event, Positions
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.requests import Request, homes_set, requests
 from beatrix_zenoh.recording.samples import Samples, TimedEvent, lost
 
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
-ARMS = names.ARMS
 HEAD = ("yaw", "pitch", "roll")
 AXES = (*ARMS, *HEAD)
 GRID_S = 0.01

@@ -50,7 +50,7 @@ class Thresholds:
 
     def _numbers(self, found: Comparison) -> Iterator[str]:
         unknown = sum(regular.without_numbers for regular in found.regularity)
-        if unknown and not (self.rms_deg is self.largest_deg is self.rest_deg is None):
+        if unknown and any(limit is not None for limit in (self.rms_deg, self.largest_deg, self.rest_deg)):
             yield f"{count(unknown, 'sample')} had angles that are no numbers, so the differences there are not known."
 
     def _axes(self, found: Comparison) -> Iterator[str]:
