@@ -98,6 +98,7 @@ def test_the_window_returns_when_the_router_restarts_with_another_card(tmp_path:
             linked.do(Connect())
             linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "Retry asks again")
             router.replace("ana")
+            router.process.expect("ready")  # else its output says why it has not restarted
             refused = linked.until(lambda world: world.phase is LinkPhase.REFUSED, "this card is refused")
             assert "replaced by a newer one" in refused.trouble
 
