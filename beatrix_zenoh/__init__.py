@@ -1,6 +1,6 @@
 """BEATRIX, the humanoid head for teaching robotics, over Zenoh.
 
-with Robot("bea1", twin="sim") as robot:
+with Robot("bea1", side="sim") as robot:
     robot.enable()
     robot.calibrate()
     robot.look(yaw=20, pitch=-10)

@@ -18,7 +18,7 @@ from hw_node.port import VIRTUAL, SerialPort, find
 class Hardware:
     """A robot with its board on the serial port `device`; empty: the board on USB."""
 
-    twin = "hw"
+    side = "hw"
 
     def __init__(
         self, device: str = "", robot: RobotData = ROBOT, cameras: Sequence[CameraChoice] = ()

@@ -120,7 +120,7 @@ KEY_ROW = '''class KeyRow(NamedTuple):
     kind: str
     payload: str
     reply: str
-    twins: tuple[str, ...]
+    sides: tuple[str, ...]
     session: str
     """Traffic class of the session that answers or subscribes."""
     publish: str
@@ -142,14 +142,14 @@ PARSE = '''
 NAME: Final = re.compile(r"[a-z0-9-]{1,LONGEST}")
 """Names of robots and seats."""
 _CHUNKS: Final = {name: row.key.split("/") for name, row in KEYS.items()}
-_VALID: Final = {"robot": NAME, "who": NAME, "twin": re.compile("hw|sim")}
+_VALID: Final = {"robot": NAME, "who": NAME, "side": re.compile("hw|sim")}
 
 
 @lru_cache(maxsize=1024)
 def parse(key: str) -> Parts | None:
     """Return the row of a key and the names in it, which may be `*`.
 
-    None if the key matches no row, or contains an invalid name of a robot, twin or seat.
+    None if the key matches no row, or contains an invalid name of a robot, side or seat.
     """
     chunks = key.split("/")
     for name, pattern in _CHUNKS.items():
@@ -170,8 +170,8 @@ def _parts(name: str, pattern: list[str], chunks: list[str]) -> Parts | None:
             found[wanted[1:-1]] = chunk
         elif wanted != chunk:
             return None
-    if "robot" in found and "twin" not in found:
-        found["twin"] = pattern[2]
+    if "robot" in found and "side" not in found:
+        found["side"] = pattern[2]
     return Parts(name, **found)
 '''
 
@@ -188,13 +188,13 @@ def keys(contract: Contract) -> str:
     out += "".join(f'    {name}: str = ""\n' for name in parameters(contract)) + "\n\n"
     out += "KEYS: Final[dict[str, KeyRow]] = {\n"
     for name, row in contract.keys.items():
-        twins = (row["twin"],) if "twin" in row else ("hw", "sim")
+        sides = (row["side"],) if "side" in row else ("hw", "sim")
         values = (
             row["key"],
             row["kind"],
             row["payload"],
             row["reply"],
-            twins,
+            sides,
             row["session"],
             row.get("publish", ""),
         )

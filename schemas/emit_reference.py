@@ -56,7 +56,7 @@ def messages(contract: Contract) -> str:
 def keys(contract: Contract) -> str:
     out = (
         NOTE.format(source="keys.toml")
-        + "# Key expressions\n\n`{robot}` and `{who}` are `[a-z0-9-]{1,32}`, `{twin}` is `hw` or `sim`, `{arm}` is `short`, `middle` or `long`, `{eye}` is `left`, `right` or, of simulations only, `outside`.\n\n"
+        + "# Key expressions\n\n`{robot}` and `{who}` are `[a-z0-9-]{1,32}`, `{side}` is `hw` or `sim`, `{arm}` is `short`, `middle` or `long`, `{eye}` is `left`, `right` or, of simulations only, `outside`.\n\n"
     )
     lines: list[list[object]] = [
         [

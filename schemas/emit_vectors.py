@@ -236,7 +236,7 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
         "ProgramInfo",
         {
             "program": "lesson.py",
-            "twin": "",
+            "side": "",
             "serves": [],
             "publishes": [],
             "subscribes": ["beatrix/bea/hw/state/positions"],

@@ -34,7 +34,7 @@ EYES_HZ_MAX = 30.0
 class Simulation:
     """A simulated robot; one thread owns the plant and its time."""
 
-    twin = "sim"
+    side = "sim"
 
     def __init__(
         self,

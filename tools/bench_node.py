@@ -158,7 +158,7 @@ def against_bare(robot: Robot, endpoint: str) -> tuple[list[float], list[float]]
 
 def accepted(robot: Robot, count: int = 500, between: Callable[[], None] = lambda: None) -> list[float]:
     """Return the times (s) from pose queries, like those of the window and 5 ms apart, to their acceptance."""
-    key = keys.pose(NAME, robot.twin, robot.client.settings.who)
+    key = keys.pose(NAME, robot.side, robot.client.settings.who)
     took = []
     for number in range(count):
         between()
@@ -226,7 +226,7 @@ def regularity(got: list[Positions]) -> str:
 def flood(robot: Robot) -> Iterator[Callable[[], int]]:
     """Send targets as fast as Zenoh accepts them; yield a function that returns their rate (Hz)."""
     over, sent, began = threading.Event(), [0], time.monotonic()
-    key = keys.pose(NAME, robot.twin, robot.client.settings.who)
+    key = keys.pose(NAME, robot.side, robot.client.settings.who)
     payloads = [codec.encode(PoseQuery(yaw=yaw)) for yaw in (0.9, 1.0)]
 
     def run() -> None:
@@ -260,17 +260,17 @@ def beside_a_flood(robot: Robot, other: Robot) -> Iterator[Row]:
         began = time.perf_counter()
         reply = other.stop()
         stopped = time.perf_counter() - began
-        beside = f"{robot.twin}: beside {rate()} targets/s: "
+        beside = f"{robot.side}: beside {rate()} targets/s: "
     yield f"{beside}a command's answer [ms]", f"{answered * 1e3:.1f}", "< 50"
     yield f"{beside}STOP, answered at rest [ms]", f"{stopped * 1e3:.0f}", "167 to decelerate from 30°/s"
     assert "rest at" in reply.message
 
 
-def rows(twin: str, module: str, endpoint: str, *arguments: str) -> Iterator[Row]:
+def rows(side: str, module: str, endpoint: str, *arguments: str) -> Iterator[Row]:
     """Yield all measurements of one node."""
     node = Served(module, "--name", NAME, "--connect", endpoint, *arguments)
     clients = [Client(Settings(NAME, endpoint, who)) for who in ("ana", "ben")]
-    robot, other = (Robot(NAME, twin, client=client) for client in clients)
+    robot, other = (Robot(NAME, side, client=client) for client in clients)
     robot.enable()
     robot.calibrate()
     time.sleep(1.0)
@@ -280,13 +280,13 @@ def rows(twin: str, module: str, endpoint: str, *arguments: str) -> Iterator[Row
     plant = robot.status().plant
     ours, bare = against_bare(robot, endpoint)
     ratio = statistics.median(ours) / statistics.median(bare)
-    yield f"{twin}: query -> accepted [ms]", spread_ms(ours), "p99 < 6"
+    yield f"{side}: query -> accepted [ms]", spread_ms(ours), "p99 < 6"
     yield "the same run: a bare Zenoh query [ms]", spread_ms(bare), ""
-    yield f"{twin}: ratio of the medians", f"{ratio:.2f}", "<= 2.0"
-    yield f"{twin}: query -> first published movement [ms]", spread_ms(first_movement(robot)), "< 25 / < 40"
-    yield f"{twin}: positions [Hz], sd of period [ms], lost", regularity(got), "50, < 1, 0"
+    yield f"{side}: ratio of the medians", f"{ratio:.2f}", "<= 2.0"
+    yield f"{side}: query -> first published movement [ms]", spread_ms(first_movement(robot)), "< 25 / < 40"
+    yield f"{side}: positions [Hz], sd of period [ms], lost", regularity(got), "50, < 1, 0"
     yield (
-        f"{twin}: idle CPU [% of a core], RSS [MiB]",
+        f"{side}: idle CPU [% of a core], RSS [MiB]",
         f"{idle * 100:.1f}, {node.rss_mib():.0f}",
         "<= 10, < 200",
     )
@@ -299,7 +299,7 @@ def rows(twin: str, module: str, endpoint: str, *arguments: str) -> Iterator[Row
     yield from beside_a_flood(robot, other)
     for client in clients:
         client.close()
-    yield f"{twin}: ready, clean exit [s]", f"{node.ready_s:.2f}, {node.end():.2f}", "< 2, < 1"
+    yield f"{side}: ready, clean exit [s]", f"{node.ready_s:.2f}, {node.end():.2f}", "< 2, < 1"
 
 
 class Mega:

@@ -61,7 +61,7 @@ def rows(endpoint: str) -> Iterator[Row]:
         Served("hw_node", "--name", NAME, "--connect", endpoint, "--port", "virtual:"),
     ]
     client = Client(Settings(NAME, endpoint, "ana"))
-    robots = [Robot(NAME, twin, client=client) for twin in ("sim", "hw")]
+    robots = [Robot(NAME, side, client=client) for side in ("sim", "hw")]
     for robot in robots:
         robot.make_ready()
     with TemporaryDirectory() as folder:

@@ -40,7 +40,7 @@ class Timed(Robot):
     """A robot that records when each motion was sent and accepted (s, monotonic)."""
 
     def __init__(self, robot: Robot) -> None:
-        super().__init__(robot.name, robot.twin, client=robot.client)
+        super().__init__(robot.name, robot.side, client=robot.client)
         self.brackets: list[tuple[float, float]] = []
 
     def begin(self, query: MotionQuery | PoseQuery) -> Motion:

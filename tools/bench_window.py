@@ -123,12 +123,12 @@ def stops(window: Window, times: Times) -> tuple[list[float], list[float]]:
         QApplication.sendEvent(window, space)
         until(
             lambda: any(
-                outcome.twin == "hw" and outcome.done and outcome.accepted for _, outcome in times.shown
+                outcome.side == "hw" and outcome.done and outcome.accepted for _, outcome in times.shown
             )
         )
         sent.append(times.stopped[0] - began_s)
         shown.append(
-            next(at for at, outcome in times.shown if outcome.twin == "hw" and outcome.accepted) - began_s
+            next(at for at, outcome in times.shown if outcome.side == "hw" and outcome.accepted) - began_s
         )
         QTest.qWait(30 + number % 17)
     return sent, shown

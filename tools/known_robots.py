@@ -70,7 +70,7 @@ def acts(lead_s: float | None = 0.0, period_s: float = 2.2) -> list[Act]:
 class Known:
     """One robot: its motions, and its errors. Each error changes positions and set points, unless it says otherwise."""
 
-    twin: str
+    side: str
     start: Arms = (0.0, 0.0, 0.0)
     late_s: float = 0.0
     """delay of requests and of all that follows from them"""
@@ -89,7 +89,7 @@ class Known:
     def positions(self, requested: Sequence[Act], seconds: float) -> list[Positions]:
         """Carry the motions out; return the publications that arrived, and keep the events."""
         random = np.random.default_rng(self.seed)
-        t = np.arange(0.0, seconds, PERIOD_S) + (0.007 if self.twin == "hw" else 0.0)
+        t = np.arange(0.0, seconds, PERIOD_S) + (0.007 if self.side == "hw" else 0.0)
         commanded = self.change(t, self._set_points(requested, t))
         stamps = (t + self.stamps_late_s) * (1 + self.drift)
         measured = commanded + random.normal(0.0, self.noise_deg, commanded.shape)
@@ -107,9 +107,9 @@ class Known:
         begin_s, number = 0.0, 0
         for act in sorted(requested, key=self._time):
             at = self._time(act)
-            if act.on not in ("both", self.twin):
+            if act.on not in ("both", self.side):
                 continue
-            refused = act.refused if self.twin == "hw" else ""
+            refused = act.refused if self.side == "hw" else ""
             if way is not None:
                 now = way.at(at - begin_s)
                 if at < begin_s + way.duration and not refused:
@@ -134,7 +134,7 @@ class Known:
 
     def _time(self, act: Act) -> float:
         """Return the time (s) at which this robot receives a request."""
-        return act.t + (self.late_s + act.late_s + (act.lead_s or 0.0) if self.twin == "hw" else 0.0)
+        return act.t + (self.late_s + act.late_s + (act.lead_s or 0.0) if self.side == "hw" else 0.0)
 
     def _asked(self, act: Act, at: float, refused: str) -> int:
         """Add the event of a request; return the number of the motion, 0 if it was refused."""
@@ -210,14 +210,14 @@ def from_file(
     """Write a recording as `beatrix record` does, and read it as `beatrix compare FILE` does."""
     rows: list[Row] = []
     for known in both:
-        maker = RobotRows(("known", known.twin), Figure())
+        maker = RobotRows(("known", known.side), Figure())
         for positions in known.positions(requested, seconds):
             rows += maker.positions(positions, positions.t_wall_ns)
         for event in known.events if events else ():
             rows += maker.event(event, event.t_wall_ns)
     stream = Stream(path.stem, path.stem)
     stream.to_file(path)
-    stream.show(RobotSet({("known", known.twin): Figure() for known in both}))
+    stream.show(RobotSet({("known", known.side): Figure() for known in both}))
     stream.send(rows)
     if not stream.flush(30.0):
         raise OSError(f"{path} was not written within 30 s")

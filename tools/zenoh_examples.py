@@ -44,9 +44,9 @@ def listen(folder: Path, key: str, lines: int) -> str:
     return "".join(lines_read)
 
 
-def drive(folder: Path, twin: str) -> None:
+def drive(folder: Path, side: str) -> None:
     """Read, enable, calibrate, turn and stop one robot; raises AssertionError for an unexpected reply."""
-    base = f"beatrix/zed/{twin}"
+    base = f"beatrix/zed/{side}"
     assert f"{base}/@alive" in call(folder, "z_get_liveliness.py", "-k", "beatrix/*/*/@alive")
     assert '"robot":"zed"' in call(folder, "z_get.py", "-s", f"{base}/info")
     assert f"Similar: {base}/info" in call(folder, "z_get.py", "-s", f"{base}/inof")
@@ -63,7 +63,7 @@ def drive(folder: Path, twin: str) -> None:
     with subprocess.Popen(long, stdout=subprocess.PIPE, text=True) as moving:
         while '"moving":true' not in call(folder, "z_get.py", "-s", f"{base}/state/status"):
             pass
-        if twin == "sim":
+        if side == "sim":
             call(folder, "z_put.py", "-k", f"{base}/stop", "-p", "now")
         else:
             assert "rest at" in call(folder, "z_get.py", "-s", f"{base}/stop/me")

@@ -14,8 +14,8 @@ COMMAND_LINES = ("beatrix", "beatrix.exe", "cli")
 """Names of programs whose first argument is a verb; `cli`: `python -m beatrix_zenoh.cli`."""
 
 
-def describe(sessions: Iterable[Bus], twin: str = "") -> ProgramInfo:
-    """Return the description of this program; `twin` is that of a node. Fast enough for Zenoh's threads."""
+def describe(sessions: Iterable[Bus], side: str = "") -> ProgramInfo:
+    """Return the description of this program; `side` is that of a node. Fast enough for Zenoh's threads."""
     buses = list(sessions)
 
     def declared(kind: str) -> list[str]:
@@ -23,7 +23,7 @@ def describe(sessions: Iterable[Bus], twin: str = "") -> ProgramInfo:
 
     return ProgramInfo(
         program=program_name(sys.argv),
-        twin=twin,
+        side=side,
         serves=[key for key in declared(QUERYABLE) if not _is_description(key)],
         publishes=declared(PUBLISHER),
         subscribes=declared(SUBSCRIBER),

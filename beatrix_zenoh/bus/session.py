@@ -314,12 +314,12 @@ class Bus(ProcessBound):
         return None
 
     def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
-        """Return name and twin of every robot online."""
-        return _places(self.tokens(keys.alive(robot="*", twin="*"), timeout_s))
+        """Return name and side of every robot online."""
+        return _places(self.tokens(keys.alive(robot="*", side="*"), timeout_s))
 
     def claims(self) -> list[tuple[str, str]]:
-        """Return name and twin of every node that serves or starts; in joined networks one robot may occur twice."""
-        return _places(self.tokens(keys.claim(robot="*", twin="*", session="*")))
+        """Return name and side of every node that serves or starts; in joined networks one robot may occur twice."""
+        return _places(self.tokens(keys.claim(robot="*", side="*", session="*")))
 
     def close(self) -> None:
         """Close the session and all its declarations; may be called twice."""
@@ -341,9 +341,9 @@ def hanging_router(endpoint: str) -> str:
 
 
 def _places(tokens: list[str]) -> list[tuple[str, str]]:
-    """Return name and twin from the key of each token."""
+    """Return name and side from the key of each token."""
     found = [keys.parse(token) for token in tokens]
-    return [(parts.robot, parts.twin) for parts in found if parts is not None]
+    return [(parts.robot, parts.side) for parts in found if parts is not None]
 
 
 def _own_seat(key: str) -> str:

@@ -68,9 +68,9 @@ class Sessions:
         """Declare a publication, as `Bus.publication` does."""
         return self.session(_row(key).publish).publication(key, encoding, on_subscribed)
 
-    def describe(self, twin: str) -> ProgramInfo:
+    def describe(self, side: str) -> ProgramInfo:
         """Return the description of the node that owns these sessions."""
-        return describe(self.opened().values(), twin)
+        return describe(self.opened().values(), side)
 
     def close(self) -> None:
         """Close all sessions, the control session last. May be called twice."""

@@ -68,16 +68,16 @@ def _commands(robot: str, seat: str) -> str:
 def _own_tokens(key: str, name: str) -> list[str]:
     """Return the key expressions of the tokens of this seat if the key has a seat, else of both robots of this name."""
     own = "who" if "{who}" in key else "robot"
-    fields = dict.fromkeys(("robot", "twin", "who", "session", "token"), ANY)
-    twins = names.TWINS if "{twin}" in key else (ANY,)
-    return [key.format_map({**fields, "twin": twin, own: name}) for twin in twins]
+    fields = dict.fromkeys(("robot", "side", "who", "session", "token"), ANY)
+    sides = names.SIDES if "{side}" in key else (ANY,)
+    return [key.format_map({**fields, "side": side, own: name}) for side in sides]
 
 
 def picture_rates(seats: tuple[str, ...], robots: tuple[str, ...], pictures_hz: float) -> dict[str, float]:
     """Return, for the key of each camera, the largest rate (Hz) at which a session receives its pictures."""
     return {
-        keys.camera(robot, twin, view): pictures_hz
+        keys.camera(robot, side, view): pictures_hz
         for robot in (*robots, *seats, names.TEACHER)
-        for twin in names.TWINS
+        for side in names.SIDES
         for view in names.VIEWS
     }

@@ -71,7 +71,7 @@ def follow(
         reply = robot.follow(switch is Switch.ON)
     if as_json:
         print_json(
-            {"result": True, "robots": [{"robot": robot.name, "on": robot.twin, "message": reply.message}]}
+            {"result": True, "robots": [{"robot": robot.name, "side": robot.side, "message": reply.message}]}
         )
     else:
         say(f"{robot}: {reply.message}")
@@ -88,7 +88,7 @@ def command(
         for robot in robots:
             with naming(str(robot)) if len(robots) > 1 else nullcontext():
                 reply = robot.command(what, value=value)
-            rows.append({"robot": robot.name, "on": robot.twin, "message": reply.message})
+            rows.append({"robot": robot.name, "side": robot.side, "message": reply.message})
             if not as_json:
                 say(f"{robot}: {reply.message}")
     if as_json:

@@ -13,7 +13,7 @@ from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.contract.names import TWINS
+from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.files import replace_when_complete
 from beatrix_zenoh.shutdown import signals_interrupt
 
@@ -128,22 +128,22 @@ def recorded(path: Path, name: str | None) -> tuple[LiveRecording, LiveRecording
         for text in (found.about.heading(), *found.about.warnings()):
             note(text)
     both = sorted(
-        {robot for robot, _ in found.robots if {(robot, twin) for twin in TWINS} <= found.robots.keys()}
+        {robot for robot, _ in found.robots if {(robot, side) for side in SIDES} <= found.robots.keys()}
     )
     chosen = only_robot(path, [robot for robot in both if name in (None, robot)], found)
     begin_ns = int(found.robots[chosen, "sim"].time_ns[0])
-    told = any(found.events.get((chosen, twin)) for twin in TWINS)
+    told = any(found.events.get((chosen, side)) for side in SIDES)
     sim, hw = (
         LiveRecording(
             chosen,
-            twin,
+            side,
             of_samples(
-                found.robots[chosen, twin], begin_ns, found.events.get((chosen, twin), ()) if told else None
+                found.robots[chosen, side], begin_ns, found.events.get((chosen, side), ()) if told else None
             ),
             0.0,
             None,
         )
-        for twin in TWINS
+        for side in SIDES
     )
     return sim, hw
 
@@ -152,7 +152,7 @@ def only_robot(path: Path, names: list[str], found: Recorded) -> str:
     """Return the only name; if there is not exactly one, raise Refused with the robots of the recording."""
     if len(names) == 1:
         return names[0]
-    held = ", ".join(f"{robot} ({twin})" for robot, twin in found.robots)
+    held = ", ".join(f"{robot} ({side})" for robot, side in found.robots)
     raise Refused(
         Reason.BAD_VALUE,
         f"{path} contains {held}. "

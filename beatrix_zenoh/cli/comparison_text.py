@@ -83,7 +83,7 @@ def sample_row(found: Comparison, index: int, live: LiveRecording) -> tuple[str,
     """Return the row of one robot in the table of samples."""
     regular = found.regularity[index]
     return (
-        f"{live.robot} ({live.twin})",
+        f"{live.robot} ({live.side})",
         str(regular.samples),
         "-" if regular.lost is None else str(regular.lost),
         f"{regular.period_ms:.1f}",
@@ -182,7 +182,7 @@ def as_document(
         "axes_deg": msgspec.to_builtins(found.axes),
         "robots": [
             {
-                "on": live.twin,
+                "side": live.side,
                 **msgspec.to_builtins(found.regularity[index]),
                 "off_set_points_deg": found.off_set_points[index],
                 "missed_steps": live.slipped,

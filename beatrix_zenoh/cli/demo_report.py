@@ -42,8 +42,8 @@ class TimedRobot(Robot):
 
     @classmethod
     def of(cls, robot: Robot) -> TimedRobot:
-        """Return a timed robot with the name, twin and session of `robot`."""
-        timed = cls(robot.name, robot.twin, client=robot.client)
+        """Return a timed robot with the name, side and session of `robot`."""
+        timed = cls(robot.name, robot.side, client=robot.client)
         timed.accepted_s = []
         return timed
 

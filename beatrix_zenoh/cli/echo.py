@@ -67,24 +67,24 @@ def echo(
             for place, event in limited(follow_events(list(robots.values()), past), count):
                 show_event(place, event, as_json=as_json)
         elif stream is Stream.POSITIONS:
-            positions = subscription.positions(targets.client, targets.name, twin_key(targets)).arrivals()
+            positions = subscription.positions(targets.client, targets.name, side_key(targets)).arrivals()
             for arrival in limited(positions, count):
-                show_positions(robots[arrival.robot, arrival.twin], arrival.value, as_json=as_json)
+                show_positions(robots[arrival.robot, arrival.side], arrival.value, as_json=as_json)
         elif stream is Stream.STATUS:
             for update in limited(
-                subscription.status(targets.client, targets.name, twin_key(targets)), count
+                subscription.status(targets.client, targets.name, side_key(targets)), count
             ):
                 show_status(update, as_json=as_json)
         else:
             eye = stream.removeprefix("camera/")
-            pictures = images(targets.client, targets.name, twin_key(targets), eye, timeout_s=START_S)
+            pictures = images(targets.client, targets.name, side_key(targets), eye, timeout_s=START_S)
             for picture in limited(pictures.arrivals(), count):
                 show_picture(picture, as_json=as_json)
 
 
-def twin_key(targets: Targets) -> str:
-    """Return the twin to subscribe to: the one selected, or `*` for both."""
-    return targets.twins[0] if len(targets.twins) == 1 else "*"
+def side_key(targets: Targets) -> str:
+    """Return the side to subscribe to: the one selected, or `*` for both."""
+    return targets.sides[0] if len(targets.sides) == 1 else "*"
 
 
 def limited(messages: Iterable[T], count: int) -> Iterator[T]:
@@ -104,10 +104,10 @@ def show_positions(robot: Robot, positions: Positions, *, as_json: bool) -> None
 def show_status(status: Status, *, as_json: bool) -> None:
     """Print a status on one line."""
     if as_json:
-        print_json({"robot": status.robot, "on": status.twin, **state_row(status)})
+        print_json({"robot": status.robot, "side": status.side, **state_row(status)})
     else:
         words = [state(status), f"driver {status.holder or '-'}", *problems(status)]
-        say(f"{status.robot} ({status.twin})  {'; '.join(words)}")
+        say(f"{status.robot} ({status.side})  {'; '.join(words)}")
 
 
 def show_picture(arrival: Arrival[CameraImage], *, as_json: bool) -> None:
@@ -115,15 +115,15 @@ def show_picture(arrival: Arrival[CameraImage], *, as_json: bool) -> None:
     image = arrival.value
     if as_json:
         header = {name: value for name, value in asdict(image).items() if name != "jpeg"}
-        print_json({"robot": arrival.robot, "on": arrival.twin, **header, "bytes": len(image.jpeg)})
+        print_json({"robot": arrival.robot, "side": arrival.side, **header, "bytes": len(image.jpeg)})
     else:
-        say(f"{arrival.robot} ({arrival.twin})  {image}")
+        say(f"{arrival.robot} ({arrival.side})  {image}")
 
 
 def show_event(place: Place, event: Event, *, as_json: bool) -> None:
     """Print an event on one line; the JSON document has the fields of the message, angles in rad."""
     if as_json:
-        print_json({"robot": place[0], "on": place[1], **msgspec.to_builtins(event)})
+        print_json({"robot": place[0], "side": place[1], **msgspec.to_builtins(event)})
     else:
         say(event_line(place, event))
 
@@ -146,8 +146,8 @@ def follow_events(robots: Sequence[Robot], past: int) -> Iterator[tuple[Place, E
         NoAnswer: a robot is not online, or is lost meanwhile.
     """
     first = robots[0]
-    twin = first.twin if len(robots) == 1 else "*"
-    with subscription.events(first.client, first.name, twin, timeout_s=subscription.SILENCE_S) as coming:
+    side = first.side if len(robots) == 1 else "*"
+    with subscription.events(first.client, first.name, side, timeout_s=subscription.SILENCE_S) as coming:
         before = [(robot.place, event) for robot in robots for event in robot.past_events()]
         # An event that is published during the query for past events arrives twice; `known` drops the second.
         known = {(place, event.t_mono_ns, event.seq) for place, event in before}
@@ -162,6 +162,6 @@ def follow_events(robots: Sequence[Robot], past: int) -> Iterator[tuple[Place, E
                 for robot in robots:  # `status` raises NoAnswer if the robot is lost
                     robot.status()
                 continue
-            place = arrival.robot, arrival.twin
+            place = arrival.robot, arrival.side
             if (place, arrival.value.t_mono_ns, arrival.value.seq) not in known:
                 yield place, arrival.value

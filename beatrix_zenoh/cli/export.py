@@ -152,4 +152,4 @@ def written(path: Path, found: Table, *, samples: bool) -> int:
 
 def robots_of(found: Table) -> list[str]:
     """Return the robots of a table, for example `bea (sim)`."""
-    return [f"{name} ({twin})" for name, twin in found.robots]
+    return [f"{name} ({side})" for name, side in found.robots]

@@ -13,7 +13,7 @@ from beatrix_zenoh.cli.options import Which
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.contract.names import TWIN_TITLES, TWINS
+from beatrix_zenoh.contract.names import SIDE_TITLES, SIDES
 from beatrix_zenoh.files import new_file
 
 if TYPE_CHECKING:  # importing numpy, rerun and av would delay every verb
@@ -89,9 +89,9 @@ def written_film(
     eyes = read_eyes(recordings, list(table.robots), table.first_ns, table.last_ns)
     times: list[int] = []
     if eye is None:
-        twins = [TWIN_TITLES[twin] for twin in TWINS if (name, twin) in table.robots]
+        sides = [SIDE_TITLES[side] for side in SIDES if (name, side) in table.robots]
         pictures = OF_ONE_EYE if any(robot == name for robot, _, _ in eyes) else NO_PICTURES
-        shows, frames = f"{name}, {' and '.join(twins)}, {pictures}", side_by_side(table, name, eyes)
+        shows, frames = f"{name}, {' and '.join(sides)}, {pictures}", side_by_side(table, name, eyes)
     else:
         shows, frames = of_eye(eyes, name, eye, on)
     with new_file(path) as unfinished:
@@ -116,19 +116,19 @@ def of_eye(eyes: EyePictures, name: str, eye: EyeName, on: Which | None) -> tupl
     """Return a description and the frames of an eye; raises Refused unless exactly one robot has pictures of it."""
     from beatrix_zenoh.recording.film import eye_frames
 
-    twins = [twin for robot, twin, of in eyes if (robot, of) == (name, eye) and on in (None, twin)]
-    if len(twins) > 1:
+    sides = [side for robot, side, of in eyes if (robot, of) == (name, eye) and on in (None, side)]
+    if len(sides) > 1:
         raise Refused(
             Reason.BAD_VALUE, f"Both robots have pictures of the {eye} eye: choose --on sim or --on hw."
         )
-    if not twins:
-        held = ", ".join(f"{of} ({robot}, {twin})" for robot, twin, of in sorted(eyes)) or "none"
+    if not sides:
+        held = ", ".join(f"{of} ({robot}, {side})" for robot, side, of in sorted(eyes)) or "none"
         raise Refused(
             Reason.BAD_VALUE,
             f"This part of the recording has no such pictures of the {eye} eye; it has pictures of: {held}. "
             "Choose another eye, robot or part; `beatrix record --cameras 5` records pictures.",
         )
-    return f"the {eye} eye of {name} ({twins[0]})", eye_frames(eyes[name, twins[0], eye])
+    return f"the {eye} eye of {name} ({sides[0]})", eye_frames(eyes[name, sides[0], eye])
 
 
 def watched(frames: Iterable[Frame], times: list[int], table: Table) -> Iterator[Frame]:

@@ -84,7 +84,9 @@ def hz(
                 found.extend(subscription.take_arrivals())
     rates = {robot: rate(arrivals[i], offsets[i]) for i, robot in enumerate(robots)}
     if as_json:
-        rows = [{"robot": robot.name, "on": robot.twin, **found._asdict()} for robot, found in rates.items()]
+        rows = [
+            {"robot": robot.name, "side": robot.side, **found._asdict()} for robot, found in rates.items()
+        ]
         print_json({"result": True, "robots": rows})
     else:
         show_rates(

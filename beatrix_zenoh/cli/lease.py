@@ -186,7 +186,7 @@ def _row(place: Place, result: LeaseReply | BeatrixError) -> dict[str, object]:
     """Return the result of one robot for JSON output."""
     return {
         "robot": place[0],
-        "on": place[1],
+        "side": place[1],
         "result": result.reason is Reason.OK,
         "reason": result.reason,
         "message": result.message,

@@ -20,7 +20,7 @@ from beatrix_zenoh.client.silence import title
 from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, FollowState, Info, Status
 from beatrix_zenoh.settings import resolve
 
-HEADS = ("robot", "on", "state", "driver", "version", "firmware")
+HEADS = ("robot", "side", "state", "driver", "version", "firmware")
 CELL, PROBLEM = 60, 400
 """Largest number of characters of a cell and of a line about a problem: any program may send a status."""
 NAMES, WARNINGS = 12, 12
@@ -81,7 +81,7 @@ def listed(client: Client, monitor: Monitor) -> list[ListedRobot]:
     return [
         ListedRobot(place, robot.status, infos.get(place))
         for robot in robots
-        for place in [(robot.robot, robot.twin)]
+        for place in [(robot.robot, robot.side)]
     ]
 
 
@@ -178,8 +178,8 @@ def unfrozen_note(frozen: Mapping[Place, bool]) -> list[str]:
 
 def as_row(robot: ListedRobot) -> dict[str, object]:
     """Return a robot for JSON output."""
-    name, twin = robot.place
-    row: dict[str, object] = {"robot": name, "on": twin, "answers": robot.status is not None}
+    name, side = robot.place
+    row: dict[str, object] = {"robot": name, "side": side, "answers": robot.status is not None}
     if robot.status is not None:
         row |= state_row(robot.status)
     if robot.info is not None:
@@ -235,7 +235,7 @@ def info_row(info: RobotInfo) -> dict[str, object]:
     """Return an info for JSON output, with angles in degrees."""
     return {
         "robot": info.robot,
-        "on": info.twin,
+        "side": info.side,
         "version": info.version,
         "contract": info.contract,
         "firmware": info.firmware,
@@ -255,7 +255,7 @@ def show_info(info: RobotInfo) -> None:
     """Print an info as text."""
     limits = info.limits
     say(
-        f"{info.robot} ({info.twin}), beatrix-zenoh {info.version}, firmware {info.firmware or 'none: no board'}"
+        f"{info.robot} ({info.side}), beatrix-zenoh {info.version}, firmware {info.firmware or 'none: no board'}"
     )
     say(
         f"limits: head tilts up to {limits.tilt_max:g}°, turns up to {limits.yaw_max:g}° to each side; "

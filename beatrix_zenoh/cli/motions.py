@@ -163,7 +163,7 @@ def begin_detached(robot: Robot, query: MotionQuery | PoseQuery) -> str:
         NoAnswer: no reply arrived in time.
     """
     with Client(robot.client.settings, announce=False, source=Source.CLI) as client:
-        detached = Robot(robot.name, robot.twin, client=client, timeout_s=robot.timeout_s)
+        detached = Robot(robot.name, robot.side, client=client, timeout_s=robot.timeout_s)
         return detached.begin(query).accepted.message
 
 
@@ -250,7 +250,7 @@ def reading_row(robot: Robot, reading: Reading) -> Mapping[str, object]:
     """Return a robot and its angles in degrees, for JSON output."""
     return {
         "robot": robot.name,
-        "on": robot.twin,
+        "side": robot.side,
         "head_deg": {axis: round(angle, 3) + 0.0 for axis, angle in reading.head._asdict().items()},
         "arms_deg": {arm: round(angle, 3) + 0.0 for arm, angle in reading.arms._asdict().items()},
     }

@@ -20,7 +20,7 @@ ANSWER_S: Final = 2.0
 """How long (s) to wait for the descriptions; programs that hang are then listed without keys."""
 
 Owner = tuple[str, str]
-"""Robot and twin of a node; seat and session of a client."""
+"""Robot and side of a node; seat and session of a client."""
 
 
 @dataclass
@@ -29,7 +29,7 @@ class Program:
 
     title: str
     robot: Place | None = None
-    """name and twin, if it is a node"""
+    """name and side, if it is a node"""
     described: bool = False
     """whether it has described itself; otherwise it hangs or has another version, and its keys are unknown"""
     serves: set[str] = field(default_factory=set)
@@ -58,7 +58,7 @@ def read(client: Client) -> list[Program]:
         infos, (nodes, seats) = _descriptions(client), _tokens(client)
     programs: dict[str, Program] = {}
     for owner in sorted({*infos, *nodes, *seats} - {(client.settings.who, client.bus.session_id)}):
-        node = owner[1] in names.TWINS
+        node = owner[1] in names.SIDES
         if node and owner not in nodes:
             continue  # a description without the token of its robot: the node starts or ends
         for info in infos.get(owner, [None]):
@@ -87,7 +87,7 @@ def _descriptions(client: Client) -> dict[Owner, list[ProgramInfo]]:
         parts = None if reply.error else keys.parse(reply.key)
         info = None if parts is None else client.read(reply, ProgramInfo)
         if parts is not None and info is not None:
-            second = info.twin if info.twin in names.TWINS else parts.session
+            second = info.side if info.side in names.SIDES else parts.session
             found.setdefault((parts.who, second), []).append(info)
     return found
 
@@ -98,7 +98,7 @@ def _tokens(client: Client) -> tuple[set[Owner], set[Owner]]:
         map(keys.parse, client.bus.tokens(key)) for key in (keys.alive("*", "*"), keys.seat("*", "*"))
     )
     return (
-        {(parts.robot, parts.twin) for parts in nodes if parts is not None},
+        {(parts.robot, parts.side) for parts in nodes if parts is not None},
         {(parts.who, parts.session) for parts in seats if parts is not None},
     )
 
@@ -108,11 +108,11 @@ def _any_matches(expressions: Iterable[str], key: str) -> bool:
 
 
 def _purpose(key: str) -> str:
-    """Return the name of a key's row, such as `motion`, or else the key without robot and twin."""
+    """Return the name of a key's row, such as `motion`, or else the key without robot and side."""
     parts = keys.parse(key)
     return short(key) if parts is None else parts.row
 
 
 def short(key: str) -> str:
-    """Return a key without `beatrix`, robot and twin: `state/positions`."""
+    """Return a key without `beatrix`, robot and side: `state/positions`."""
     return "/".join(key.split("/")[3:]) or key

@@ -255,7 +255,7 @@ def write_motion(
         points = record_motion(robot, file, keep_rest=keep_rest, going=going)
     if as_json:
         print_json(
-            {"result": True, "file": str(file), "robot": robot.name, "on": robot.twin, "points": points}
+            {"result": True, "file": str(file), "robot": robot.name, "side": robot.side, "points": points}
         )
     else:
         say(f"{file}: {points} points. To replay it: beatrix replay {file}")

@@ -13,7 +13,7 @@ from beatrix_zenoh.recording.recorder import Recorder
 
 def summarise(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_json: bool) -> int:
     """Print a summary of the recording, and return the exit code."""
-    robots = [f"{name} ({twin})" for name, twin in recorder.robots]
+    robots = [f"{name} ({side})" for name, side in recorder.robots]
     good, counts = bool(robots) and not output.full, recorder.counts
     whole = total(counts)
     if as_json:
@@ -25,8 +25,8 @@ def summarise(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_jso
             "positions": recorder.samples,
             **outcome(whole),
             "streams": [
-                {"robot": name, "on": twin, "stream": what, "published": one.published, **outcome(one)}
-                for ((name, twin), what), one in counts.items()
+                {"robot": name, "side": side, "stream": what, "published": one.published, **outcome(one)}
+                for ((name, side), what), one in counts.items()
             ],
             "bytes": output.bytes,
         })  # fmt: skip
@@ -62,7 +62,7 @@ def missing(counts: Mapping[Stream, Count]) -> str:
         "pictures lost": pictures.lost + pictures.unwritten,
     }
     known = [f"{number} {what}" for what, number in words.items() if number]
-    contested = sorted({f"{name} ({twin})" for ((name, twin), _), one in counts.items() if one.contested})
+    contested = sorted({f"{name} ({side})" for ((name, side), _), one in counts.items() if one.contested})
     if contested:
         known.append(f"losses unknown, because two programs publish the positions of {', '.join(contested)}")
     return ", ".join(known) or "nothing dropped"

@@ -120,9 +120,9 @@ def recorded_path(file: Path, name: str) -> ArmPath:
             Reason.BAD_VALUE,
             f"{file} contains {', '.join(sorted(names))}, and not {name}: select one with --name.",
         )
-    twin = "sim" if (chosen, "sim") in found.robots else "hw"
-    samples = found.robots[chosen, twin]
-    return path_of_recording(f"{file}, {chosen} ({twin})", of_samples(samples, int(samples.time_ns[0])))
+    side = "sim" if (chosen, "sim") in found.robots else "hw"
+    samples = found.robots[chosen, side]
+    return path_of_recording(f"{file}, {chosen} ({side})", of_samples(samples, int(samples.time_ns[0])))
 
 
 def plan_path(path: ArmPath, infos: list[RobotInfo]) -> Following:

@@ -79,7 +79,7 @@ def robots(client: Client, name: str | None) -> Iterator[Finding]:
     nodes = Counter(client.bus.claims())
     for robot in found:
         yield from one_robot(client, robot, rates[robot.place], nodes[robot.place])
-    yield from unlike_twins({robot.place: robot.info for robot in found if robot.info is not None})
+    yield from unlike_sides({robot.place: robot.info for robot in found if robot.info is not None})
 
 
 def missing(name: str, others: list[str]) -> Finding:
@@ -145,11 +145,11 @@ def devices(name: str, status: Status) -> Iterator[Finding]:
             yield Finding(name, f"{text}, no pictures", camera.trouble or "plug the camera in")
 
 
-def unlike_twins(infos: Mapping[Place, Info]) -> Iterator[Finding]:
+def unlike_sides(infos: Mapping[Place, Info]) -> Iterator[Finding]:
     """Yield findings about simulations whose robot values differ from those of the hardware of the same name."""
-    for (name, twin), info in infos.items():
+    for (name, side), info in infos.items():
         hardware = infos.get((name, "hw"))
-        if twin == "sim" and hardware is not None and unlike(info, hardware):
+        if side == "sim" and hardware is not None and unlike(info, hardware):
             yield Finding(
                 f"{name} (sim, hw)",
                 "simulation and hardware run with different values",
@@ -160,7 +160,7 @@ def unlike_twins(infos: Mapping[Place, Info]) -> Iterator[Finding]:
 def clock(robot: Robot) -> Finding:
     """Return a finding about the offset of the robot's wall clock from that of this computer."""
     try:
-        offset, bound = clock_offset(robot.client, robot.name, robot.twin)
+        offset, bound = clock_offset(robot.client, robot.name, robot.side)
     except BeatrixError as error:
         return Finding(str(robot), "clock offset unknown", error.message)
     ahead = "ahead" if offset > 0 else "behind"

@@ -43,7 +43,7 @@ class Outcome(NamedTuple):
     """The outcome of STOP at one robot, or for one name of the command line."""
 
     robot: str
-    twin: str
+    side: str
     """Empty if the name is invalid, or no robot of this name is online."""
     reason: Reason
     message: str
@@ -74,24 +74,24 @@ def stop(
     if not asked:
         show(wrong_names, as_json=as_json)
     sides = {*(on or ())}
-    twin = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else ALL
+    side = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else ALL
     with noting(wrong_settings), Client(settings, source=Source.CLI) as client:
-        sent = [SentGroupStop(client, (robot, twin), emergency=emergency) for robot in asked]
+        sent = [SentGroupStop(client, (robot, side), emergency=emergency) for robot in asked]
         present = client.robots()  # after STOP is sent, but before a node that hangs loses its token
-        found = [place for place in present if any(matches((robot, twin), place) for robot in asked)]
+        found = [place for place in present if any(matches((robot, side), place) for robot in asked)]
         if emergency:
-            sent = [*stop_simulations(client, asked, twin), *sent, *emergency_by_name(client, found)]
+            sent = [*stop_simulations(client, asked, side), *sent, *emergency_by_name(client, found)]
         answers = {place: answer for stop in sent for place, answer in stop.replies().items()}
         answers |= silences(client.bus, [place for place in found if place not in answers])
     if not (answers or wrong_names):
         raise nothing_to_stop(settings.connect, asked, present)
-    missing = absent(asked, twin, answers, present, settings.connect)
+    missing = absent(asked, side, answers, present, settings.connect)
     show([*itertools.starmap(outcome_of, answers.items()), *missing, *wrong_names], as_json=as_json)
 
 
-def stop_simulations(client: Client, asked: Sequence[str], twin: str) -> list[SentGroupStop]:
+def stop_simulations(client: Client, asked: Sequence[str], side: str) -> list[SentGroupStop]:
     """Send STOP to simulations, because the router of a class forwards no EMERGENCY_STOP to those of other seats."""
-    return [] if twin == "hw" else [SentGroupStop(client, (robot, "sim")) for robot in asked]
+    return [] if side == "hw" else [SentGroupStop(client, (robot, "sim")) for robot in asked]
 
 
 def emergency_by_name(client: Client, places: Sequence[Place]) -> list[SentGroupStop]:
@@ -122,7 +122,7 @@ def check_names(robots: Sequence[str]) -> tuple[list[str], list[Outcome]]:
 
 def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place]) -> NoAnswer:
     """Return the error to raise if no robot of the names in `asked` is online."""
-    found = ", ".join(f"{robot} ({twin})" for robot, twin in present)
+    found = ", ".join(f"{robot} ({side})" for robot, side in present)
     hint = "" if ALL in asked or not found else " `beatrix stop --all` stops every robot."
     reasons = [absent_reason(robot, present) for robot in asked]
     return NoAnswer(
@@ -138,11 +138,11 @@ def outcome_of(place: Place, answer: Answer) -> Outcome:
 
 
 def absent(
-    asked: Sequence[str], twin: str, places: Collection[Place], present: Sequence[Place], endpoint: str
+    asked: Sequence[str], side: str, places: Collection[Place], present: Sequence[Place], endpoint: str
 ) -> list[Outcome]:
     """Return an outcome for each name in `asked` that no robot in `places` has."""
     stopped = {robot for robot, _ in places}
-    side = "" if twin == ALL else f" ({twin})"
+    side = "" if side == ALL else f" ({side})"
     text = f"{side} is not online at {endpoint}, so it was not stopped. `beatrix ls` shows the robots online."
     return [
         Outcome(robot, "", reason, robot + text, exit_code(reason))
@@ -157,12 +157,12 @@ def show(outcomes: Sequence[Outcome], *, as_json: bool) -> None:
     code = next((outcome.code for outcome in outcomes if outcome.code), 0)
     if as_json:
         rows = [
-            {"robot": robot, "on": twin, "result": not failed, "reason": reason, "message": message}
-            for robot, twin, reason, message, failed in outcomes
+            {"robot": robot, "side": side, "result": not failed, "reason": reason, "message": message}
+            for robot, side, reason, message, failed in outcomes
         ]
         print_json({"result": not code, "robots": rows})
     else:
-        for robot, twin, _, message, failed in outcomes:
-            (note if failed else say)(sentence((robot, twin), message) if twin else message)
+        for robot, side, _, message, failed in outcomes:
+            (note if failed else say)(sentence((robot, side), message) if side else message)
     if code:
         raise typer.Exit(code)

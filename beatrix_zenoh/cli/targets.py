@@ -18,7 +18,7 @@ from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.settings import Settings, resolve
 
 Present = Sequence[tuple[str, str]]
-"""Name and twin of every robot online."""
+"""Name and side of every robot online."""
 
 
 @dataclass(frozen=True)
@@ -36,11 +36,11 @@ class Targets:
 
     client: Client
     name: str
-    twins: tuple[str, ...]
+    sides: tuple[str, ...]
 
     def robots(self) -> list[Robot]:
         """Return the robots selected, the simulation first."""
-        return [Robot(self.name, twin, client=self.client) for twin in self.twins]
+        return [Robot(self.name, side, client=self.client) for side in self.sides]
 
 
 @contextlib.contextmanager
@@ -71,12 +71,12 @@ def open_targets(
         if free and not any(robot == name for robot, _ in present):
             name = only_name(present, client.bus.endpoint)
             note(f"Using robot {name}, the only one online.")
-        if both and which is None and {(name, twin) for twin in names.TWINS} <= {*present}:
+        if both and which is None and {(name, side) for side in names.SIDES} <= {*present}:
             which = Which.BOTH
-        twins = select_twins(name, which, present, client.bus.endpoint)
-        if acts and which is None and twins == ("hw",) and settings.account is None:
+        sides = select_sides(name, which, present, client.bus.endpoint)
+        if acts and which is None and sides == ("hw",) and settings.account is None:
             note(f"No simulation of {name} is online: using the hardware.")
-        yield Targets(client, name, twins)
+        yield Targets(client, name, sides)
 
 
 def is_named(selection: Selection, settings: Settings) -> bool:
@@ -103,21 +103,21 @@ def only_name(present: Present, endpoint: str) -> str:
     return found[0]
 
 
-def select_twins(name: str, which: Which | None, present: Present, endpoint: str) -> tuple[str, ...]:
-    """Return the twins of --on; without it the hardware if only that is online, otherwise the simulation.
+def select_sides(name: str, which: Which | None, present: Present, endpoint: str) -> tuple[str, ...]:
+    """Return the sides of --on; without it the hardware if only that is online, otherwise the simulation.
 
     Raises:
         NoAnswer: --on both was given, and one robot is not online, so that neither may move.
     """
     if which is Which.BOTH:
-        missing = [f"{name} ({twin})" for twin in names.TWINS if (name, twin) not in present]
+        missing = [f"{name} ({side})" for side in names.SIDES if (name, side) not in present]
         if missing:
             raise NoAnswer(
                 absent_reason(name, present),
                 f"--on both needs both robots. Not online at {endpoint}: {', '.join(missing)}. "
                 "`beatrix ls` shows the robots online.",
             )
-        return names.TWINS
+        return names.SIDES
     if which is not None:
         return (which.value,)
     return ("hw",) if (name, "hw") in present and (name, "sim") not in present else ("sim",)

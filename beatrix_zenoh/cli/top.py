@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 NO_ROBOT = "No robot is online. Start a simulation: beatrix sim"
 LOST = "The router at {} is lost, or this computer has lost the network. The table returns when the router answers."
-HEADS = ("robot", "on", "state", "yaw°", "pitch°", "roll°", "per s", "silent", "driver")
+HEADS = ("robot", "side", "state", "yaw°", "pitch°", "roll°", "per s", "silent", "driver")
 TABLE_S = 1.2
 """Time for which `--once` and `--json` collect data before they print, and the period of the tables in a pipe (s)."""
 REFRESH_S = 0.2
@@ -87,7 +87,7 @@ def row_of(robot: RobotState) -> Row:
     gone = status is not None and not status.board.connected  # then the angles are out of date
     lost = robot.presence is not Presence.ON_LINE
     return Row(
-        place=(robot.robot, robot.twin),
+        place=(robot.robot, robot.side),
         state="lost" if lost or status is None else state(status),
         head=None if reading is None or gone else reading.head,
         hz=robot.hz,
@@ -131,14 +131,14 @@ def seat_lines(settings: Settings, monitor: Monitor, seats: Seats) -> list[str]:
 
 def stop_words(settings: Settings, stops: SeatStops) -> str:
     """Return the STOPs of one seat as words: `ben 3 times (bea1 hw 2, bea2 hw 1)`."""
-    robots = some([f"{robot} {twin} {count}" for (robot, twin), count in stops.robots.items()])
+    robots = some([f"{robot} {side} {count}" for (robot, side), count in stops.robots.items()])
     times = "once" if stops.total == 1 else f"{stops.total} times"
     return f"{settings.shown(stops.seat) or 'an unknown seat'} {times} ({robots})"
 
 
 def stops_as_dict(stops: SeatStops) -> dict[str, object]:
     """Return the STOPs of one seat for JSON output."""
-    robots = [{"robot": robot, "on": twin, "count": count} for (robot, twin), count in stops.robots.items()]
+    robots = [{"robot": robot, "side": side, "count": count} for (robot, side), count in stops.robots.items()]
     return {"seat": stops.seat, "count": stops.total, "robots": robots}
 
 
@@ -152,7 +152,7 @@ def as_dict(row: Row) -> dict[str, object]:
     """Return a row for JSON output."""
     return {
         "robot": row.place[0],
-        "on": row.place[1],
+        "side": row.place[1],
         "state": row.state,
         "head_deg": None
         if row.head is None

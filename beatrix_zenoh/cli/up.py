@@ -20,7 +20,7 @@ from beatrix_zenoh.cli.processes import Child, Role, Supervisor
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract._generated.messages import Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.contract.names import TWIN_TITLES
+from beatrix_zenoh.contract.names import SIDE_TITLES
 from beatrix_zenoh.motion.robot_file import load
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
 from beatrix_zenoh.shutdown import Shutdown, signals_interrupt
@@ -37,7 +37,7 @@ class UpOptions:
     """Options of `beatrix up`: the processes to start, and the arguments of each."""
 
     served: Mapping[str, str]
-    """the twins to serve, each with its place: MuJoCo, or the port of the board"""
+    """the sides to serve, each with its place: MuJoCo, or the port of the board"""
     ready: bool
     legacy: Path | None
     robot_file: Path | None
@@ -45,17 +45,17 @@ class UpOptions:
     target: str | None
     window: bool
 
-    def arguments(self, twin: str) -> list[str]:
-        """Return the arguments of the process of one twin."""
-        words = ["--port", self.served[twin]] if twin == "hw" else ["--ready"] * self.ready
-        if twin == "sim" and self.target is not None:
+    def arguments(self, side: str) -> list[str]:
+        """Return the arguments of the process of one side."""
+        words = ["--port", self.served[side]] if side == "hw" else ["--ready"] * self.ready
+        if side == "sim" and self.target is not None:
             words += ["--target", self.target]
         if self.robot_file is not None:
             words += ["--robot-file", str(self.robot_file)]
-        if self.legacy is not None and twin == legacy_twin(self.served):
+        if self.legacy is not None and side == legacy_side(self.served):
             words += ["--legacy", str(self.legacy)]
         if self.log_file is not None:
-            words += ["--log-file", str(log_of(self.log_file, twin))]
+            words += ["--log-file", str(log_of(self.log_file, side))]
         return words
 
 
@@ -103,7 +103,7 @@ def up(
         )
     load(robot_file)  # raises before any process starts
     places = {"sim": None if no_sim else "MuJoCo", "hw": hw}
-    served = {twin: place for twin, place in places.items() if place is not None}
+    served = {side: place for side, place in places.items() if place is not None}
     options = UpOptions(served, ready, legacy, robot_file, log_file, target, gui)
     with signals_interrupt() as shutdown, Supervisor() as supervisor:
         router = start_router(supervisor, settings.connect, settings.account)
@@ -119,8 +119,8 @@ def start_robots(supervisor: Supervisor, settings: Settings, options: UpOptions)
     where = ("--name", settings.robot, "--connect", settings.connect)
     if options.window:
         open_window(supervisor, settings)
-    for twin in options.served:
-        supervisor.start(TWIN_TITLES[twin], twin, *where, *options.arguments(twin), role=Role.ROBOT)
+    for side in options.served:
+        supervisor.start(SIDE_TITLES[side], side, *where, *options.arguments(side), role=Role.ROBOT)
     supervisor.wait_ready()
 
 
@@ -138,7 +138,7 @@ def report(
         found = {robot.place: robot.status for robot in look_up(client)}
         supervisor.new_lines()  # discards the output so far: the table shows the state and the warnings
     running = {child.title for child in supervisor.children}
-    own = {twin: found.get((settings.robot, twin)) for twin in options.served if TWIN_TITLES[twin] in running}
+    own = {side: found.get((settings.robot, side)) for side in options.served if SIDE_TITLES[side] in running}
     with end_on_interrupt():
         if as_json:
             show_json(supervisor, settings, options, own)
@@ -150,14 +150,14 @@ def report(
         watch(supervisor, shutdown)
 
 
-def legacy_twin(twins: Container[str]) -> str:
-    """Return the twin that programs of 2023 drive: the hardware if it is served, otherwise the simulation."""
-    return "hw" if "hw" in twins else "sim"
+def legacy_side(sides: Container[str]) -> str:
+    """Return the side that programs of 2023 drive: the hardware if it is served, otherwise the simulation."""
+    return "hw" if "hw" in sides else "sim"
 
 
-def log_of(log_file: Path, twin: str) -> Path:
-    """Return the log file of one twin: `day-sim.log` for `day.log`."""
-    return log_file.with_name(f"{log_file.stem}-{twin}{log_file.suffix}")
+def log_of(log_file: Path, side: str) -> Path:
+    """Return the log file of one side: `day-sim.log` for `day.log`."""
+    return log_file.with_name(f"{log_file.stem}-{side}{log_file.suffix}")
 
 
 def show_json(
@@ -170,7 +170,7 @@ def show_json(
         "endpoint": settings.connect,
         "robot": settings.robot,
         "running": [child.title for child in supervisor.children],
-        "legacy": None if legacy is None else {"path": legacy, "twin": legacy_twin(own)},
+        "legacy": None if legacy is None else {"path": legacy, "side": legacy_side(own)},
         "warnings": warnings(own),
         "logs": str(supervisor.folder),
     })  # fmt: skip
@@ -181,9 +181,9 @@ def show(
 ) -> None:
     """Print a table of the running processes, and the warnings below it."""
     rows = [("router", "", settings.connect, router)]
-    for twin, status in own.items():
+    for side, status in own.items():
         text = "does not answer" if status is None else state(status)
-        rows.append((TWIN_TITLES[twin], settings.robot, options.served[twin], text))
+        rows.append((SIDE_TITLES[side], settings.robot, options.served[side], text))
     if window:
         rows.append((WINDOW, settings.robot, "this screen", "open"))
     say(columns(("what", "name", "where", "state"), rows))
@@ -191,15 +191,15 @@ def show(
         say(line)
     if options.legacy is not None:
         say(
-            f"Programs of 2023 open {options.legacy.absolute()} and drive the {TWIN_TITLES[legacy_twin(own)]}."
+            f"Programs of 2023 open {options.legacy.absolute()} and drive the {SIDE_TITLES[legacy_side(own)]}."
         )
 
 
 def warnings(own: Mapping[str, Status | None]) -> list[str]:
     """Return faults and warnings, a line for each robot that has any."""
     return [
-        f"{TWIN_TITLES[twin]}: {' '.join(found)}"
-        for twin, status in own.items()
+        f"{SIDE_TITLES[side]}: {' '.join(found)}"
+        for side, status in own.items()
         if (found := problems(status))
     ]
 
@@ -210,7 +210,7 @@ def verbs(by_name: str, own: Mapping[str, Status | None]) -> list[str]:
     `enable` and `calibrate` are only for robots that are not known to be calibrated, because `calibrate` declares the
     present position home.
     """
-    uncalibrated = [twin for twin, status in own.items() if status is None or not status.calibrated]
+    uncalibrated = [side for side, status in own.items() if status is None or not status.calibrated]
     one = f" --on {uncalibrated[0]}" if len(uncalibrated) == 1 < len(own) else ""
     both = BOTH if len(own) > 1 else ""
     first = [verb + by_name + (one or both) for verb in FIRST if uncalibrated]

@@ -53,13 +53,13 @@ class CameraImage:
 def images(
     client: Client,
     robot: str,
-    twin: str,
+    side: str,
     eye: str,
     *,
     timeout_s: float | None,
     length: int = LENGTH,
 ) -> Subscription[CameraImage]:
-    """Subscribe to pictures; `*` stands for all robots or both twins. See `Subscription` for `timeout_s` and `length`.
+    """Subscribe to pictures; `*` stands for all robots or both sides. See `Subscription` for `timeout_s` and `length`.
 
     Raises:
         WrongUsage: BAD_VALUE: there is no such eye, or hardware has no outside view; SHUTDOWN: the client was closed.
@@ -68,10 +68,10 @@ def images(
     if eye not in names.VIEWS:
         choice = "choose 'left' or 'right', or 'outside' for a simulation as seen from outside"
         raise WrongUsage(Reason.BAD_VALUE, f"There is no eye {quoted(eye)}: {choice}.")
-    if eye == names.OUTSIDE and twin == "hw":
-        text = "Only simulations draw an outside view: choose the twin 'sim', or the eye 'left' or 'right'."
+    if eye == names.OUTSIDE and side == "hw":
+        text = "Only simulations draw an outside view: choose the side 'sim', or the eye 'left' or 'right'."
         raise WrongUsage(Reason.BAD_VALUE, text)
-    key = keys.camera(robot, twin, eye)
+    key = keys.camera(robot, side, eye)
     return Subscription(client, key, image, timeout_s=timeout_s, length=length, bus=client.media)
 
 

@@ -43,14 +43,14 @@ class Offsets(NamedTuple):
 
 
 def clock_offset(
-    client: Client, robot: str, twin: str, *, timeout_s: float = 2.0, tries: int = TRIES
+    client: Client, robot: str, side: str, *, timeout_s: float = 2.0, tries: int = TRIES
 ) -> Offset:
     """Measure the offset of the wall clock; see `clock_offsets` for arguments and errors."""
-    return clock_offsets(client, robot, twin, timeout_s=timeout_s, tries=tries).wall
+    return clock_offsets(client, robot, side, timeout_s=timeout_s, tries=tries).wall
 
 
 def clock_offsets(
-    client: Client, robot: str, twin: str, *, timeout_s: float = 2.0, tries: int = TRIES
+    client: Client, robot: str, side: str, *, timeout_s: float = 2.0, tries: int = TRIES
 ) -> Offsets:
     """Return the offsets of the fastest of several round trips, which has the smallest error (Cristian, 1989).
 
@@ -59,7 +59,7 @@ def clock_offsets(
     Args:
         client: the session.
         robot: name of the robot.
-        twin: `sim` or `hw`.
+        side: `sim` or `hw`.
         timeout_s: time limit of each reply (s).
         tries: number of round trips.
 
@@ -67,16 +67,16 @@ def clock_offsets(
         NoAnswer: as `Robot.status`.
     """
     return min(
-        (_round_trip(client, robot, twin, timeout_s) for _ in range(tries)),
+        (_round_trip(client, robot, side, timeout_s) for _ in range(tries)),
         key=lambda found: found.wall.bound,
     )
 
 
-def _round_trip(client: Client, robot: str, twin: str, timeout_s: float) -> Offsets:
+def _round_trip(client: Client, robot: str, side: str, timeout_s: float) -> Offsets:
     """Return the offsets from one query, assuming that the robot reads its clocks half-way between query and reply."""
-    key = keys.clock(robot, twin)
+    key = keys.clock(robot, side)
     asked_wall, asked_mono = time.time_ns(), time.monotonic_ns()
-    clock = ask(client, (robot, twin), key, None, Clock, timeout_s)
+    clock = ask(client, (robot, side), key, None, Clock, timeout_s)
     heard_mono, heard_wall = time.monotonic_ns(), time.time_ns()
     bound = (heard_mono - asked_mono) / 2e9
     wall = Offset((2 * clock.t_wall_ns - asked_wall - heard_wall) / 2e9, bound)

@@ -134,7 +134,7 @@ def limit_of(speed: float) -> float:
 
 def ask(robot: RobotBase, action: LeaseAction, speed: float = 0.0, seat: str = "") -> LeaseReply:
     """Send a lease query; `speed` (rad/s) is for LIMIT, `seat` for MUTE and UNMUTE. Raises Refused or NoAnswer."""
-    key = keys.lease(robot.name, robot.twin, robot.client.settings.who)
+    key = keys.lease(robot.name, robot.side, robot.client.settings.who)
     query = LeaseQuery(action=action, speed=speed, seat=seat)
     reply = ask_robot(robot.client, robot.place, key, query, LeaseReply, robot.timeout_s)
     if not reply.result:

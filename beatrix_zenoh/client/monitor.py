@@ -36,13 +36,13 @@ class Monitor(ProcessBound):
     once. Only one thread may read.
     """
 
-    def __init__(self, client: Client, robot: str = "*", twin: str = "*", *, events: int = 0) -> None:
+    def __init__(self, client: Client, robot: str = "*", side: str = "*", *, events: int = 0) -> None:
         """Query the robots online and begin to monitor.
 
         Args:
             client: the session.
             robot: name of one robot, or `*`.
-            twin: `sim`, `hw` or `*`.
+            side: `sim`, `hw` or `*`.
             events: number of events to keep for each robot, including up to 200 earlier ones; 0: do not subscribe.
 
         Raises:
@@ -58,17 +58,17 @@ class Monitor(ProcessBound):
         bus = client.bus
         # This query must precede the subscription to tokens: just after it, Zenoh would return an empty list.
         for place in client.robots():
-            if robot in ("*", place[0]) and twin in ("*", place[1]):
+            if robot in ("*", place[0]) and side in ("*", place[1]):
                 self._on_token(keys.alive(*place), alive=True)
         self._undeclare = [
-            bus.subscribe(keys.positions(robot, twin), self._on_positions),
-            bus.subscribe(keys.status(robot, twin), self._on_change),
-            bus.watch_tokens(keys.alive(robot, twin), self._on_token),
+            bus.subscribe(keys.positions(robot, side), self._on_positions),
+            bus.subscribe(keys.status(robot, side), self._on_change),
+            bus.watch_tokens(keys.alive(robot, side), self._on_token),
         ]
-        past = [keys.status(robot, twin)]
+        past = [keys.status(robot, side)]
         if events:
-            self._undeclare.append(bus.subscribe(keys.events(robot, twin), self._on_change))
-            past.append(keys.events(robot, twin))
+            self._undeclare.append(bus.subscribe(keys.events(robot, side), self._on_change))
+            past.append(keys.events(robot, side))
         for key in past:
             query = bus.query(key, None, codec.MSGPACK, timeout_s=ASK_S)
             query.hand_over(lambda answer, key=key: self._on_answer(key, answer))  # type: ignore[misc]
@@ -91,7 +91,7 @@ class Monitor(ProcessBound):
         record = None if place is None else self._record(place)
         if record is None:
             return
-        if answer.key == keys.events(record.robot, record.twin):
+        if answer.key == keys.events(record.robot, record.side):
             record.events.put_past(answer.payload)
         elif record.status.empty:  # a later publication is newer
             record.status.put(answer.payload)
@@ -99,7 +99,7 @@ class Monitor(ProcessBound):
 
     def _on_token(self, key: str, alive: bool) -> None:  # noqa: FBT001
         parts = keys.parse(key)
-        record = None if parts is None else self._record((parts.robot, parts.twin))
+        record = None if parts is None else self._record((parts.robot, parts.side))
         if record is not None:
             record.alive = alive
             self._changed()
@@ -107,13 +107,13 @@ class Monitor(ProcessBound):
     def _put_of(self, key: str) -> Callable[[bytes], None] | None:
         """Return the function that stores publications of a key; None if the monitor does not store them."""
         parts = keys.parse(key)
-        record = None if parts is None or "*" in key else self._record((parts.robot, parts.twin))
+        record = None if parts is None or "*" in key else self._record((parts.robot, parts.side))
         if record is None:
             return None
         puts = {
-            keys.positions(record.robot, record.twin): record.positions.put,
-            keys.status(record.robot, record.twin): record.status.put,
-            keys.events(record.robot, record.twin): record.events.put,
+            keys.positions(record.robot, record.side): record.positions.put,
+            keys.status(record.robot, record.side): record.status.put,
+            keys.events(record.robot, record.side): record.events.put,
         }
         self._puts |= puts
         return puts.get(key)
@@ -152,18 +152,18 @@ class Monitor(ProcessBound):
         return [self.robot(*place) for place in places]
 
     def present(self) -> list[Place]:
-        """Return name and twin of all robots with a liveliness token, unordered; any thread may call this."""
+        """Return name and side of all robots with a liveliness token, unordered; any thread may call this."""
         return [place for place, record in list(self._records.items()) if record.alive]
 
-    def robot(self, name: str, twin: str) -> RobotState:
+    def robot(self, name: str, side: str) -> RobotState:
         """Return the state of one robot; its presence is ABSENT if nothing has arrived from it."""
-        record = self._records.get((name, twin))
-        return (Record(self._client, name, twin, 0) if record is None else record).state()
+        record = self._records.get((name, side))
+        return (Record(self._client, name, side, 0) if record is None else record).state()
 
-    def measure_clocks(self, name: str, twin: str) -> Offsets:
+    def measure_clocks(self, name: str, side: str) -> Offsets:
         """Measure the offsets of a robot's clocks and add them to its states; raises the errors of `clock_offsets`."""
-        offsets = clock_offsets(self._client, name, twin)
-        record = self._record((name, twin))
+        offsets = clock_offsets(self._client, name, side)
+        record = self._record((name, side))
         if record is not None:
             record.offsets = offsets
         return offsets
@@ -217,6 +217,6 @@ def stops_by_seat(robots: Iterable[RobotState]) -> list[SeatStops]:
     found: dict[str, dict[Place, int]] = {}
     for robot in robots:
         for seat, count in robot.stops:
-            found.setdefault(seat, {})[robot.robot, robot.twin] = count
+            found.setdefault(seat, {})[robot.robot, robot.side] = count
     stops = [SeatStops(seat, sum(counts.values()), counts) for seat, counts in found.items()]
     return sorted(stops, key=lambda one: (-one.total, one.seat))

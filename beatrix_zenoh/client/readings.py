@@ -91,7 +91,7 @@ class RobotInfo(msgspec.Struct, frozen=True):
     """The message Info, with limits and geometry in degrees."""
 
     robot: str
-    twin: str
+    side: str
     version: str
     contract: str
     firmware: str

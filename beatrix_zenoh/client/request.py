@@ -29,12 +29,12 @@ M = TypeVar("M", bound=msgspec.Struct)
 
 
 def own_place(asked: str, answered: str) -> Place | None:
-    """Return name and twin of the robot if the key of a reply is the robot's own; otherwise None."""
+    """Return name and side of the robot if the key of a reply is the robot's own; otherwise None."""
     want, found = keys.parse(asked), keys.parse(answered)
     if want is None or found is None or want.row != found.row or "*" in answered:
         return None
     same = all(wanted in ("*", given) for wanted, given in zip(want, found, strict=True))
-    return (found.robot, found.twin) if same else None
+    return (found.robot, found.side) if same else None
 
 
 def _read(client: Client, asked: str, answer: Reply, kind: type[M]) -> tuple[Place, M] | None:
@@ -161,7 +161,7 @@ class GroupRequest(Generic[M]):
         self._query = client.bus.query(key, payload, codec.MSGPACK, priority, lasts_s + LATE_S)
 
     def replies(self, timeout_s: float) -> Iterator[tuple[Place, M]]:
-        """Yield name, twin and reply of each robot, in the order of arrival, for at most `timeout_s` (s)."""
+        """Yield name, side and reply of each robot, in the order of arrival, for at most `timeout_s` (s)."""
         for answer in self._query.replies(timeout_s):
             reply = _read(self._client, self._key, answer, self._kind)
             if reply is not None:

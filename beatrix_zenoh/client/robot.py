@@ -48,12 +48,12 @@ SLOWEST_DEFAULT = math.radians(ALLOWED["limits"]["speed_default"].low)
 
 
 class Robot(RobotBase):
-    """One robot: `Robot("bea1", twin="sim")`. Use it in a `with` block, or close it.
+    """One robot: `Robot("bea1", side="sim")`. Use it in a `with` block, or close it.
 
     Args:
         name: the robot; default BEATRIX_ROBOT, beatrix.toml, the account's robot, then `user-host`. The first query or
             motion shows whether it is online.
-        twin: `sim` or `hw`.
+        side: `sim` or `hw`.
         connect: the router's endpoint; default BEATRIX_CONNECT, beatrix.toml, the account, then tcp/127.0.0.1:7447.
         who: your seat; default BEATRIX_WHO, beatrix.toml, the account's seat, then the user's name.
         timeout_s: longest wait for an answer (s).
@@ -115,7 +115,7 @@ class Robot(RobotBase):
         self, command: Command, *, value: bool = True, timeout_s: float | None = None
     ) -> CommandReply:
         """Send any command; raises Refused with the robot's reason, or NoAnswer after `timeout_s` (s)."""
-        key = keys.command(self.name, self.twin, self.client.settings.who)
+        key = keys.command(self.name, self.side, self.client.settings.who)
         query = CommandQuery(
             command=command.value, value=true_or_false("value", value), source=self.client.source
         )
@@ -230,7 +230,7 @@ class Robot(RobotBase):
         if query.source is Source.ZENOH:
             query = structs.replace(query, source=self.client.source)
         key_of = keys.motion if isinstance(query, MotionQuery) else keys.pose
-        key = key_of(self.name, self.twin, self.client.settings.who)
+        key = key_of(self.name, self.side, self.client.settings.who)
         lasts_s = max(self.timeout_s, self._longest_s(query) + MARGIN_S)
         request = Request(self.client, self.place, key, query, lasts_s)
         try:

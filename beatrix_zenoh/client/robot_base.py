@@ -26,16 +26,16 @@ class RobotBase(ProcessBound, Suggesting):
     def __init__(
         self,
         name: str | None = None,
-        twin: str = "sim",
+        side: str = "sim",
         *,
         connect: str | None = None,
         who: str | None = None,
         timeout_s: float = 2.0,
         client: Client | None = None,
     ) -> None:
-        if twin not in names.TWINS:
-            raise WrongUsage(Reason.BAD_VALUE, f"twin={twin!r}: choose 'sim' or 'hw'.")
-        self.twin, self.timeout_s = twin, checked_seconds("timeout_s", timeout_s)
+        if side not in names.SIDES:
+            raise WrongUsage(Reason.BAD_VALUE, f"side={side!r}: choose 'sim' or 'hw'.")
+        self.side, self.timeout_s = side, checked_seconds("timeout_s", timeout_s)
         self._shared = client is not None
         self.client = Client(resolve(name, connect, who)) if client is None else client
         self.name = names.check_name(name or self.client.settings.robot)
@@ -44,32 +44,32 @@ class RobotBase(ProcessBound, Suggesting):
         """Number of the lease under which this object sends its motions; 0: none"""
 
     def __str__(self) -> str:
-        return f"{self.name} ({self.twin})"
+        return f"{self.name} ({self.side})"
 
     def __repr__(self) -> str:
         return f"<robot {self} at {self.client.bus.endpoint}>"
 
     @property
     def place(self) -> Place:
-        """Name and twin of the robot."""
-        return self.name, self.twin
+        """Name and side of the robot."""
+        return self.name, self.side
 
     @value_method
     def positions(self) -> Reading:
         """Query the current position, in degrees; raises NoAnswer with the cause if the robot does not answer."""
-        key = keys.positions(self.name, self.twin)
+        key = keys.positions(self.name, self.side)
         return reading(ask(self.client, self.place, key, None, Positions, self.timeout_s))
 
     @value_method
     def status(self) -> Status:
         """Query the status: enabled, calibrated, holder, faults and more; raises the errors of `positions`."""
-        key = keys.status(self.name, self.twin)
+        key = keys.status(self.name, self.side)
         return ask(self.client, self.place, key, None, Status, self.timeout_s)
 
     @value_method
     def info(self) -> RobotInfo:
         """Query versions, limits and geometry (deg) and keys of the robot; raises the errors of `positions`."""
-        key = keys.info(self.name, self.twin)
+        key = keys.info(self.name, self.side)
         return robot_info(ask(self.client, self.place, key, None, Info, self.timeout_s))
 
     @value_method
@@ -78,23 +78,23 @@ class RobotBase(ProcessBound, Suggesting):
 
         Reading raises NoAnswer if no position arrives within `timeout_s` (s); None waits for ever.
         """
-        key = keys.positions(self.name, self.twin)
+        key = keys.positions(self.name, self.side)
         return Subscription(self.client, key, message(Positions, reading), timeout_s=timeout_s)
 
     @value_method
     def positions_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Positions]:
         """Subscribe to positions as published (rad), with all fields; see `stream` for arguments and errors."""
-        return subscription.positions(self.client, self.name, self.twin, timeout_s=timeout_s)
+        return subscription.positions(self.client, self.name, self.side, timeout_s=timeout_s)
 
     @value_method
     def status_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Status]:
         """Subscribe to the status, published on change and once a second; see `stream` for arguments and errors."""
-        return subscription.status(self.client, self.name, self.twin, timeout_s=timeout_s)
+        return subscription.status(self.client, self.name, self.side, timeout_s=timeout_s)
 
     @value_method
     def events(self, timeout_s: float | None = None) -> Subscription[Event]:
         """Subscribe to events; see `stream` for arguments and errors."""
-        return subscription.events(self.client, self.name, self.twin, timeout_s=timeout_s)
+        return subscription.events(self.client, self.name, self.side, timeout_s=timeout_s)
 
     @value_method
     def camera(self, eye: str, timeout_s: float | None = camera.START_S) -> Subscription[CameraImage]:
@@ -103,12 +103,12 @@ class RobotBase(ProcessBound, Suggesting):
         A simulation has a third camera, `outside`, which sees the head from the front. A slow reader gets the newest
         pictures and misses others; see `stream` for arguments and errors.
         """
-        return camera.images(self.client, self.name, self.twin, eye, timeout_s=timeout_s)
+        return camera.images(self.client, self.name, self.side, eye, timeout_s=timeout_s)
 
     @value_method
     def past_events(self) -> list[Event]:
         """Query the newest events of the robot, at most 200, oldest first; raises the errors of `positions`."""
-        key = keys.events(self.name, self.twin)
+        key = keys.events(self.name, self.side)
         return ask(self.client, self.place, key, None, Events, self.timeout_s).events
 
     def close(self) -> None:

@@ -46,7 +46,7 @@ class RobotState:
     """State of one robot at one moment; ages in s (None: nothing has arrived yet)."""
 
     robot: str
-    twin: str
+    side: str
     presence: Presence
     status: Status | None
     status_age_s: float | None
@@ -154,12 +154,12 @@ class EventLog:
 class Record:
     """All stored data of one robot."""
 
-    def __init__(self, client: Client, robot: str, twin: str, events: int) -> None:
-        self.robot, self.twin = robot, twin
+    def __init__(self, client: Client, robot: str, side: str, events: int) -> None:
+        self.robot, self.side = robot, side
         self.alive = False
-        self.positions = Channel(client, keys.positions(robot, twin), Positions)
-        self.status = Channel(client, keys.status(robot, twin), Status)
-        self.events = EventLog(client, keys.events(robot, twin), events)
+        self.positions = Channel(client, keys.positions(robot, side), Positions)
+        self.status = Channel(client, keys.status(robot, side), Status)
+        self.events = EventLog(client, keys.events(robot, side), events)
         self.offsets: Offsets | None = None
 
     def state(self) -> RobotState:
@@ -169,7 +169,7 @@ class Record:
         status, status_age_s = self.status.read(now)
         return RobotState(
             robot=self.robot,
-            twin=self.twin,
+            side=self.side,
             presence=self._presence(positions_age_s),
             status=status,
             status_age_s=status_age_s,

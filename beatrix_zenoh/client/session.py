@@ -25,7 +25,7 @@ from beatrix_zenoh.settings import Settings
 LOG = logging.getLogger("beatrix_zenoh.client")
 M = TypeVar("M", bound=msgspec.Struct)
 Place = tuple[str, str]
-"""Name and twin of a robot."""
+"""Name and side of a robot."""
 
 
 class Client(ProcessBound):
@@ -91,7 +91,7 @@ class Client(ProcessBound):
         incoming.finish()
 
     def robots(self) -> list[Place]:
-        """Return name and twin of every robot online.
+        """Return name and side of every robot online.
 
         Raises:
             NoAnswer: ACCOUNT_REFUSED, there seems to be none because the router drops all messages of this account.

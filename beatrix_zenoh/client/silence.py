@@ -170,12 +170,12 @@ def publishing(bus: Bus, places: Collection[Place]) -> set[Place]:
 
 
 def title(place: Place) -> str:
-    """Return name and twin in the form for users: `bea1 (hw)`."""
+    """Return name and side in the form for users: `bea1 (hw)`."""
     return f"{place[0]} ({place[1]})"
 
 
 def absent_reason(name: str, present: Collection[Place]) -> Reason:
-    """Return NO_SUCH_ROBOT if only robots of other names are online; NO_ANSWER if none is, or only the other twin."""
+    """Return NO_SUCH_ROBOT if only robots of other names are online; NO_ANSWER if none is, or only the other side."""
     other = present and all(robot != name for robot, _ in present)
     return Reason.NO_SUCH_ROBOT if other else Reason.NO_ANSWER
 

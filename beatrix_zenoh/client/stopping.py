@@ -59,7 +59,7 @@ R = TypeVar("R", bound=RobotBase)
 
 
 def publish_stop(client: Client, place: Place) -> None:
-    """Publish STOP and expect no reply; in a place `*` stands for all robots or both twins."""
+    """Publish STOP and expect no reply; in a place `*` stands for all robots or both sides."""
     client.bus.put(stop_key(client, place), b"", codec.MSGPACK)
 
 

@@ -64,7 +64,7 @@ class Arrival(Generic[T_co]):
 
     value: T_co
     robot: str
-    twin: str
+    side: str
     t_mono_ns: int
     t_wall_ns: int
 
@@ -262,14 +262,14 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
         value = None if parts is None else self._reader(self._client, sample)
         if parts is None or value is None:
             return None
-        return Arrival(value, parts.robot, parts.twin, sample.t_mono_ns, sample.t_wall_ns)
+        return Arrival(value, parts.robot, parts.side, sample.t_mono_ns, sample.t_wall_ns)
 
     def _silence(self, timeout_s: float) -> NoAnswer:
         if self._inbox.closed:
             return NoAnswer(Reason.SHUTDOWN, f"The subscription to {self._key} was closed by this program.")
         parts = keys.parse(self._key)
-        twin = "" if parts is None or parts.twin == "*" else f" ({parts.twin})"
-        name = self._key if parts is None else f"{parts.robot}{twin}"
+        side = "" if parts is None or parts.side == "*" else f" ({parts.side})"
+        name = self._key if parts is None else f"{parts.robot}{side}"
         if parts is not None and parts.eye:
             text = (
                 f"{name}: no picture from the {view_title(parts.eye)} for {timeout_s:g} s. The field `cameras` of the "
@@ -300,21 +300,21 @@ def same(value: T) -> T:
 
 
 def positions(
-    client: Client, robot: str = "*", twin: str = "*", *, timeout_s: float | None = SILENCE_S
+    client: Client, robot: str = "*", side: str = "*", *, timeout_s: float | None = SILENCE_S
 ) -> Subscription[Positions]:
     """Subscribe to positions (rad); reading raises NoAnswer if none arrives for `timeout_s` (s), with None never."""
-    return Subscription(client, keys.positions(robot, twin), message(Positions, same), timeout_s=timeout_s)
+    return Subscription(client, keys.positions(robot, side), message(Positions, same), timeout_s=timeout_s)
 
 
 def status(
-    client: Client, robot: str = "*", twin: str = "*", *, timeout_s: float | None = SILENCE_S
+    client: Client, robot: str = "*", side: str = "*", *, timeout_s: float | None = SILENCE_S
 ) -> Subscription[Status]:
     """Subscribe to status, on change and once a second; see `positions` for arguments and errors."""
-    return Subscription(client, keys.status(robot, twin), message(Status, same), timeout_s=timeout_s)
+    return Subscription(client, keys.status(robot, side), message(Status, same), timeout_s=timeout_s)
 
 
 def events(
-    client: Client, robot: str = "*", twin: str = "*", *, timeout_s: float | None = None
+    client: Client, robot: str = "*", side: str = "*", *, timeout_s: float | None = None
 ) -> Subscription[Event]:
     """Subscribe to events; see `positions` for arguments and errors."""
-    return Subscription(client, keys.events(robot, twin), message(Event, same), timeout_s=timeout_s)
+    return Subscription(client, keys.events(robot, side), message(Event, same), timeout_s=timeout_s)

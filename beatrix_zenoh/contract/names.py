@@ -16,8 +16,8 @@ LATIN = str.maketrans(
 )
 """Small letters that Unicode does not decompose into a letter of a-z and an accent."""
 PATTERN = keys.NAME
-TWINS = ("sim", "hw")
-TWIN_TITLES = {"sim": "simulation", "hw": "hardware"}
+SIDES = ("sim", "hw")
+SIDE_TITLES = {"sim": "simulation", "hw": "hardware"}
 ARMS = ("short", "middle", "long")
 """Names of the arms in the order x, y, z."""
 EYES = ("left", "right")

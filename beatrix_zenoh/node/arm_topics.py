@@ -28,7 +28,7 @@ class ArmTopics(Component):
         self._context = context
 
     def start(self, sessions: Sessions) -> None:
-        sessions.subscribe(keys.arm_target(self._context.name, self._context.twin, "*"), self._target)
+        sessions.subscribe(keys.arm_target(self._context.name, self._context.side, "*"), self._target)
 
     def _target(self, target: Received) -> None:
         """Queue the motion to a received target angle, on Zenoh's thread."""
@@ -44,7 +44,7 @@ class ArmTopics(Component):
             CALLER, f"{arm} target", self._context.events, send=self._warn, source=Source.ARM_TOPIC
         )
         try:
-            check_own_key(key, keys.arm_target(self._context.name, self._context.twin, arm))
+            check_own_key(key, keys.arm_target(self._context.name, self._context.side, arm))
             if arm not in ARMS:
                 raise refusals.bad_field(arm, f"There is no arm {arm!r}.", ARMS)
             self._move(ARMS.index(arm), codec.number(payload), handle)

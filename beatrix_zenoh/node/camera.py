@@ -68,7 +68,7 @@ class CameraPublisher:
             source: source of the pictures, as in `Frame`.
             on_subscribed: called when `subscribed` may have changed; may run on Zenoh's thread, must return at once.
         """
-        self._key = keys.camera(context.name, context.twin, eye)
+        self._key = keys.camera(context.name, context.side, eye)
         self._events, self._eye, self._on_subscribed = context.events, eye, on_subscribed
         self._publication: Publication | None = None
         self._lock = threading.Lock()

@@ -38,7 +38,7 @@ class CommandHandler(Component):
         """`keep` keeps the decisions of the teacher, of which a RESET may end one."""
         self._context, self._stop, self._keep = context, stop, keep
         self._board = context.board_watch.board
-        self._key = keys.command(context.name, context.twin, "*")
+        self._key = keys.command(context.name, context.side, "*")
         self.calibrations = 0
         """Number of times that a client or an old program has set home."""
 

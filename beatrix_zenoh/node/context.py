@@ -22,7 +22,7 @@ class Context:
     """Objects that the components of one node share."""
 
     name: str
-    twin: str
+    side: str
     hardware: Body
     planner: Planner
     access: Access

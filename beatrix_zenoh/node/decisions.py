@@ -76,7 +76,7 @@ class TeacherDecisions(Component):
 
     def __init__(self, context: Context, folder: Path | None) -> None:
         self._context = context
-        self._path = None if folder is None else folder / f"{context.name}.{context.twin}.toml"
+        self._path = None if folder is None else folder / f"{context.name}.{context.side}.toml"
         self._kept = Decisions()
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002

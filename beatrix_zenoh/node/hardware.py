@@ -47,7 +47,7 @@ class HardwareInterface(Protocol):
     """A robot: a board on a port, with real or simulated physics."""
 
     @property
-    def twin(self) -> str:
+    def side(self) -> str:
         """`hw` or `sim`."""
 
     def open_port(self) -> Port:

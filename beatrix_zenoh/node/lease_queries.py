@@ -108,7 +108,7 @@ class LeaseHandler(Component):
     def __init__(self, context: Context, keep: Callable[[], None]) -> None:
         """`keep` keeps the decisions of the teacher after each of them."""
         self._context, self._keep = context, keep
-        self._key = keys.lease(context.name, context.twin, "*")
+        self._key = keys.lease(context.name, context.side, "*")
 
     def start(self, sessions: Sessions) -> None:
         sessions.serve(self._key, self._query)

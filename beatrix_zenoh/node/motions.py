@@ -29,8 +29,8 @@ class MotionHandler(Component):
     def __init__(self, context: Context) -> None:
         self._context = context
         self._kinds: dict[str, tuple[str, type[MotionQuery | PoseQuery]]] = {
-            "motion": (keys.motion(context.name, context.twin, "*"), MotionQuery),
-            "pose": (keys.pose(context.name, context.twin, "*"), PoseQuery),
+            "motion": (keys.motion(context.name, context.side, "*"), MotionQuery),
+            "pose": (keys.pose(context.name, context.side, "*"), PoseQuery),
         }
 
     def start(self, sessions: Sessions) -> None:

@@ -113,7 +113,7 @@ class Node:
     @property
     def alive_key(self) -> str:
         """Key of this robot's liveliness token."""
-        return keys.alive(self.context.name, self.context.twin)
+        return keys.alive(self.context.name, self.context.side)
 
     def start(self) -> Node:
         """Claim the name and start the components; return this node.
@@ -122,7 +122,7 @@ class Node:
             Refused: NAME_TAKEN, before any component starts.
             NoAnswer: NO_ROUTER, the router was lost meanwhile; ACCOUNT_REFUSED, it has no rules for the account.
         """
-        claim_name(self.sessions.control, self.context.name, self.context.twin)
+        claim_name(self.sessions.control, self.context.name, self.context.side)
         with ExitStack() as undo:
             undo.callback(self.context.board_watch.board.close)
             for component in self._components:
@@ -158,7 +158,7 @@ def build_context(sessions: Sessions, name: str, hardware: Body, robot: RobotDat
     board_watch.observe(Observer(controller.observe, controller.overdue))
     return Context(
         name=name,
-        twin=hardware.twin,
+        side=hardware.side,
         hardware=hardware,
         planner=planner,
         access=access,

@@ -29,7 +29,7 @@ class Presence(Component):
         self._endpoint = bus.endpoint
         bus.watch_tokens(keys.seat("*", "*"), self._seat)
         bus.watch_router(self._router)
-        token = keys.alive(self._context.name, self._context.twin)
+        token = keys.alive(self._context.name, self._context.side)
         bus.declare_token(token)
         self._watchdog = SessionWatchdog(sessions, token, self._renewed, self._refused)
 
@@ -101,7 +101,7 @@ WAIT_S = 3.0
 POLL_S = 0.02
 
 
-def claim_name(bus: Bus, name: str, twin: str) -> None:
+def claim_name(bus: Bus, name: str, side: str) -> None:
     """Claim the name until the session ends, because two robots with one name would both carry out every request.
 
     Each node first declares its claim, then looks for other claims, so of two nodes at least one sees the other. The
@@ -112,24 +112,24 @@ def claim_name(bus: Bus, name: str, twin: str) -> None:
         Refused: NAME_TAKEN; the claim was withdrawn.
         NoAnswer: ACCOUNT_REFUSED, the router has no rules for the account of this session.
     """
-    alive, own = keys.alive(name, twin), keys.claim(name, twin, bus.session_id)
+    alive, own = keys.alive(name, side), keys.claim(name, side, bus.session_id)
     if bus.tokens(alive):
-        raise taken(bus, name, twin)
+        raise taken(bus, name, side)
     withdraw = bus.declare_token(own)
     if (refused := bus.refusal(own)) is not None:
         raise refused
     deadline = time.monotonic() + WAIT_S
-    while others := [other for other in bus.tokens(keys.claim(name, twin, "*")) if other != own]:
+    while others := [other for other in bus.tokens(keys.claim(name, side, "*")) if other != own]:
         if min(others) < own or bus.tokens(alive) or time.monotonic() > deadline:
             withdraw()
-            raise taken(bus, name, twin)
+            raise taken(bus, name, side)
         time.sleep(POLL_S)
 
 
-def taken(bus: Bus, name: str, twin: str) -> Refused:
+def taken(bus: Bus, name: str, side: str) -> Refused:
     """Return the refusal of a second node with the same name."""
     return Refused(
         Reason.NAME_TAKEN,
-        f"A {twin} robot named {name!r} is already online at {bus.endpoint}. Start this robot under another "
+        f"A {side} robot named {name!r} is already online at {bus.endpoint}. Start this robot under another "
         "name (--name), or end the other robot; `beatrix ls` lists the robots.",
     )

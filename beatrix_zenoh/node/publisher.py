@@ -80,10 +80,10 @@ class Publisher(Component):
         self._thread: threading.Thread | None = None
 
     def start(self, sessions: Sessions) -> None:
-        name, twin = self._context.name, self._context.twin
-        self._positions = Stream(sessions, keys.positions(name, twin), keys.positions_json(name, twin))
-        self._status = Stream(sessions, keys.status(name, twin), keys.status_json(name, twin))
-        self._events = Stream(sessions, keys.events(name, twin), keys.events_json(name, twin))
+        name, side = self._context.name, self._context.side
+        self._positions = Stream(sessions, keys.positions(name, side), keys.positions_json(name, side))
+        self._status = Stream(sessions, keys.status(name, side), keys.status_json(name, side))
+        self._events = Stream(sessions, keys.events(name, side), keys.events_json(name, side))
         self._thread = threads.start(self._run, "publisher")
 
     def _run(self) -> None:

@@ -27,13 +27,13 @@ CACHED_KEYS = 256
 
 
 class UnknownKeys:
-    """Decides which keys below `beatrix/<robot>/<twin>/` the robot does not have; any thread may call its methods."""
+    """Decides which keys below `beatrix/<robot>/<side>/` the robot does not have; any thread may call its methods."""
 
-    def __init__(self, robot: str, twin: str) -> None:
-        self.base = f"beatrix/{robot}/{twin}/"
+    def __init__(self, robot: str, side: str) -> None:
+        self.base = f"beatrix/{robot}/{side}/"
         fields = dict.fromkeys(("who", "arm", "eye", "session"), "*")
-        rows = [row for row in keys.KEYS.values() if twin in row.twins]
-        found = {row.key.format_map({**fields, "robot": robot, "twin": twin}): row.kind for row in rows}
+        rows = [row for row in keys.KEYS.values() if side in row.sides]
+        found = {row.key.format_map({**fields, "robot": robot, "side": side}): row.kind for row in rows}
         self._known = {key: kind for key, kind in found.items() if key.startswith(self.base)}
         self.has = lru_cache(CACHED_KEYS)(self._has)
         """Returns whether a key is one of the robot's, or has a wildcard; only other keys get the error reply."""
@@ -74,26 +74,26 @@ class StateQueries(Component):
     """Answers state queries on a thread of its own."""
 
     def __init__(self, context: Context) -> None:
-        name, twin, snapshot = context.name, context.twin, context.snapshot
+        name, side, snapshot = context.name, context.side, context.snapshot
         self._answers: dict[str, Callable[[], msgspec.Struct]] = {
-            keys.positions(name, twin): snapshot.positions,
-            keys.positions_json(name, twin): snapshot.positions,
-            keys.status(name, twin): snapshot.status,
-            keys.status_json(name, twin): snapshot.status,
-            keys.events(name, twin): context.events.latest,
-            keys.events_json(name, twin): context.events.latest,
-            keys.info(name, twin): snapshot.info,
-            keys.clock(name, twin): snapshot.clock,
+            keys.positions(name, side): snapshot.positions,
+            keys.positions_json(name, side): snapshot.positions,
+            keys.status(name, side): snapshot.status,
+            keys.status_json(name, side): snapshot.status,
+            keys.events(name, side): context.events.latest,
+            keys.events_json(name, side): context.events.latest,
+            keys.info(name, side): snapshot.info,
+            keys.clock(name, side): snapshot.clock,
         }
-        self._name, self._twin = name, twin
-        self._unknown = UnknownKeys(name, twin)
+        self._name, self._side = name, side
+        self._unknown = UnknownKeys(name, side)
         self._worker: ThreadPoolExecutor | None = None
 
     def start(self, sessions: Sessions) -> None:
         self._worker = ThreadPoolExecutor(1, "beatrix-queries")
         self._worker.submit(lambda: None).result()
         description = keys.program(self._name, sessions.control.session_id)
-        self._answers[description] = lambda: sessions.describe(self._twin)
+        self._answers[description] = lambda: sessions.describe(self._side)
         for key in self._answers:
             sessions.serve(key, lambda incoming, key=key: self._query(incoming, key))  # type: ignore[misc]
         for traffic, expressions in REST.items():

@@ -87,7 +87,7 @@ class Snapshot:
             "t_mono_ns": time.monotonic_ns(),
             "t_wall_ns": time.time_ns(),
             "robot": self._name,
-            "twin": self._hardware.twin,
+            "side": self._hardware.side,
             "plant": self._hardware.plant(),
             "warnings": fields.warnings,
             "cameras": fields.cameras,
@@ -101,12 +101,12 @@ class Snapshot:
 
     def info(self) -> Info:
         """Return all data that a program without this library needs to drive this robot."""
-        limits, twin = self._planner.limits, self._hardware.twin
+        limits, side = self._planner.limits, self._hardware.side
         open_names = {name: f"<{name}>" for name in ("who", "arm", "eye", "session")}
-        names = {"robot": self._name, "twin": twin, **open_names}
+        names = {"robot": self._name, "side": side, **open_names}
         return Info(
             robot=self._name,
-            twin=twin,
+            side=side,
             version=metadata.version("beatrix-zenoh"),
             contract=msg.CONTRACT,
             firmware=self._board.link.version,
@@ -133,24 +133,24 @@ class Snapshot:
                     doc_=row.doc,
                 )
                 for row in keys.KEYS.values()
-                if twin in row.twins
+                if side in row.sides
             ],
-            examples=examples(self._name, twin, self._endpoint),
+            examples=examples(self._name, side, self._endpoint),
         )
 
 
-def examples(name: str, twin: str, endpoint: str) -> list[str]:
+def examples(name: str, side: str, endpoint: str) -> list[str]:
     """Return command lines for Zenoh's own example programs that drive, stop and observe this robot."""
     client = f"-m client -e {endpoint}"
-    base = keys.motion(name, twin, "me").rpartition("/")[0]
+    base = keys.motion(name, side, "me").rpartition("/")[0]
     return [
         f"z_get.py {client} -s '{base}/command?command=enable'",
         f"z_get.py {client} -s '{base}/command?command=calibrate'",
         f"z_get.py {client} -s '{base}/pose?yaw=0.35;pitch=-0.17'",
         f"z_get.py {client} -s '{base}/motion' -p '0.1 0 -0.1 0.5'",
-        f"z_get.py {client} -s '{keys.stop(name, twin, 'me')}'",
-        f"z_get.py {client} -s '{keys.events_json(name, twin)}'",
-        f"z_sub.py {client} -k '{keys.positions_json(name, twin)}'",
+        f"z_get.py {client} -s '{keys.stop(name, side, 'me')}'",
+        f"z_get.py {client} -s '{keys.events_json(name, side)}'",
+        f"z_sub.py {client} -k '{keys.positions_json(name, side)}'",
     ]
 
 

@@ -78,10 +78,10 @@ class StopHandler(Component):
         context.board_watch.observe(Observer(self._rest.observe, self._rest.overdue))
 
     def start(self, sessions: Sessions) -> None:
-        name, twin = self._context.name, self._context.twin
+        name, side = self._context.name, self._context.side
         self._thread = threads.start(self._run, "stop")
         # The watchdog checks the first key of a session, and the account of a robot may not query STOP without a seat.
-        for key in (keys.stop(name, twin, "*"), keys.stop_unsigned(name, twin)):
+        for key in (keys.stop(name, side, "*"), keys.stop_unsigned(name, side)):
             sessions.serve(key, partial(self._query, key))
             sessions.subscribe_newest(
                 key, partial(self._put, key), lambda key: self.repeats(key, time.monotonic())

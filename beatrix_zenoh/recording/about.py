@@ -18,7 +18,7 @@ class RobotAbout(msgspec.Struct, frozen=True):
     """A robot of a recording, in its own words."""
 
     robot: str
-    twin: str
+    side: str
     """`hw` or `sim`"""
     version: str
     """version of beatrix-zenoh of its node"""
@@ -33,7 +33,7 @@ class RobotAbout(msgspec.Struct, frozen=True):
         firmware = f"firmware {self.firmware}" if self.firmware else "no board"
         file = f", robot file {self.fingerprint}" if self.fingerprint else ""
         return (
-            f"{self.robot} ({self.twin}): beatrix {self.version}, {firmware}, contract {self.contract}{file}"
+            f"{self.robot} ({self.side}): beatrix {self.version}, {firmware}, contract {self.contract}{file}"
         )
 
 
@@ -82,8 +82,8 @@ class About(msgspec.Struct, frozen=True):
     def with_robot(self, place: Place, info: Info) -> About:
         """Return these facts with those of a robot, in place of earlier ones."""
         found = RobotAbout(*place, info.version, info.contract, info.firmware, info.fingerprint or "")
-        others = [one for one in self.robots if (one.robot, one.twin) != place]
-        robots = sorted([*others, found], key=lambda one: (one.robot, one.twin))
+        others = [one for one in self.robots if (one.robot, one.side) != place]
+        robots = sorted([*others, found], key=lambda one: (one.robot, one.side))
         return msgspec.structs.replace(self, robots=tuple(robots))
 
     def with_seat(self, seat: str) -> About:

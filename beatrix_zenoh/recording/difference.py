@@ -11,7 +11,7 @@ GRID_NS: Final = 20_000_000
 GAP_NS: Final = 100_000_000
 """Samples further apart than this are not interpolated."""
 WAITING: Final = 250
-"""Samples of one twin (5 s) that are kept until samples of the other twin arrive."""
+"""Samples of one side (5 s) that are kept until samples of the other side arrive."""
 
 Angles = tuple[float, ...]
 
@@ -24,20 +24,20 @@ class AngleDifference(NamedTuple):
 
 
 class Difference:
-    """Calculates the differences between both twins from their samples, for each grid point that both cover.
+    """Calculates the differences between both sides from their samples, for each grid point that both cover.
 
-    Between two samples of a twin its angles are interpolated linearly.
+    Between two samples of a side its angles are interpolated linearly.
     """
 
     def __init__(self) -> None:
         self._samples: dict[str, deque[tuple[int, Angles]]] = {
-            twin: deque(maxlen=WAITING) for twin in ("sim", "hw")
+            side: deque(maxlen=WAITING) for side in ("sim", "hw")
         }
         self._next_ns = 0
 
-    def add(self, twin: str, time_ns: int, angles: Angles) -> Iterator[AngleDifference]:
+    def add(self, side: str, time_ns: int, angles: Angles) -> Iterator[AngleDifference]:
         """Add a sample (deg), and yield the differences that are known now; samples out of order are ignored."""
-        samples = self._samples[twin]
+        samples = self._samples[side]
         if samples and time_ns <= samples[-1][0]:
             return
         samples.append((time_ns, angles))

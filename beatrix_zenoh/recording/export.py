@@ -82,8 +82,8 @@ class Table:
             }
             if self.notes:
                 block["note"] = [texts.get(step) for step in steps.tolist()]
-            for (name, twin), samples in self.robots.items():
-                for column, values in quantities(samples, robot=f"{name}_{twin}_"):
+            for (name, side), samples in self.robots.items():
+                for column, values in quantities(samples, robot=f"{name}_{side}_"):
                     block[column] = at(samples.time_ns, values, times, circle=column.endswith(HEAD_NAMES))
             yield block
 
@@ -100,7 +100,7 @@ class Table:
 
     def samples(self) -> Iterator[Block]:
         """Yield one row for each sample, robot after robot, with the numbers that were published."""
-        for (name, twin), samples in self.robots.items():
+        for (name, side), samples in self.robots.items():
             begin = int(np.searchsorted(samples.time_ns, self.first_ns, "left"))
             end = int(np.searchsorted(samples.time_ns, self.last_ns, "right"))
             for start in range(begin, end, BLOCK):
@@ -109,7 +109,7 @@ class Table:
                 count = len(times)
                 yield {
                     "robot": [name] * count,
-                    "twin": [twin] * count,
+                    "side": [side] * count,
                     "seq": numbers(samples.seq, len(samples.time_ns))[rows],
                     "repeats": numbers(samples.repeats, len(samples.time_ns))[rows],
                     "time_s": (times - self.start_ns) / 1e9,

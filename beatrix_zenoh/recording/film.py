@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from beatrix_zenoh.contract.names import ARMS, EYES, TWIN_TITLES, TWINS
+from beatrix_zenoh.contract.names import ARMS, EYES, SIDE_TITLES, SIDES
 from beatrix_zenoh.recording.drawing import BACKGROUND, Array, Drawing, Pixels
 from beatrix_zenoh.recording.export import Block, Table
 from beatrix_zenoh.recording.figure import Figure
@@ -36,7 +36,7 @@ class Picture(NamedTuple):
 
 
 EyePictures = dict[tuple[str, str, str], list[Picture]]
-"""Pictures in the order of time, by robot, twin and eye."""
+"""Pictures in the order of time, by robot, side and eye."""
 
 
 class Frame(NamedTuple):
@@ -64,20 +64,20 @@ def side_by_side(table: Table, name: str, eyes: EyePictures) -> Iterator[Frame]:
 
     The robots have the geometry of the project. A robot without samples at a time is not drawn.
     """
-    twins = [twin for twin in TWINS if (name, twin) in table.robots]
-    drawings = {twin: Drawing(Figure(), *PANEL) for twin in twins}
+    sides = [side for side in SIDES if (name, side) in table.robots]
+    drawings = {side: Drawing(Figure(), *PANEL) for side in sides}
     with_eyes = any(key[:1] == (name,) for key in eyes)
     shown = {key: EyeTile(pictures) for key, pictures in eyes.items()}
-    canvas = Image.new("RGB", (PANEL[0] * len(twins), PANEL[1] + EYE[1] * with_eyes), BACKGROUND)
+    canvas = Image.new("RGB", (PANEL[0] * len(sides), PANEL[1] + EYE[1] * with_eyes), BACKGROUND)
     for time_ns, time_s, block, row in frame_rows(table):
-        for column, twin in enumerate(twins):
+        for column, side in enumerate(sides):
             left = column * PANEL[0]
             canvas.paste(
-                panel(drawings[twin], block, row, f"{name}_{twin}_", f"{name}, {TWIN_TITLES[twin]}"),
+                panel(drawings[side], block, row, f"{name}_{side}_", f"{name}, {SIDE_TITLES[side]}"),
                 (left, 0),
             )
             for index, eye in enumerate(EYES if with_eyes else ()):
-                tile = shown.get((name, twin, eye))
+                tile = shown.get((name, side, eye))
                 picture = no_picture(eye) if tile is None else tile.at(time_ns, eye)
                 canvas.paste(picture, (left + index * EYE[0], PANEL[1]))
         write(canvas, (canvas.width - 16, 12), f"{time_s:.2f} s", anchor="ra")

@@ -165,7 +165,7 @@ def stream_of_key(key: str) -> Stream | None:
     """Return the stream of a publication's key; None: the recorder does not subscribe to such keys."""
     parts = keys.parse(key)
     what = "" if parts is None else {**_KINDS, "camera": pictures_of(parts.eye)}.get(parts.row, "")
-    return ((parts.robot, parts.twin), what) if parts is not None and what else None
+    return ((parts.robot, parts.side), what) if parts is not None and what else None
 
 
 def pictures_of(eye: str) -> str:
@@ -187,10 +187,10 @@ def findings(counts: Mapping[Stream, Count]) -> dict[tuple[Stream, str], str]:
     """Return a sentence for each stream and each cause (a field of Count) for which publications are missing or late."""
     found = {}
     for stream, one in counts.items():
-        (name, twin), what = stream
+        (name, side), what = stream
         if one.contested and what == POSITIONS:
             found[stream, CONTESTED] = (
-                f"Two programs publish the positions of {name} ({twin}), so lost ones cannot be counted. End one of them."
+                f"Two programs publish the positions of {name} ({side}), so lost ones cannot be counted. End one of them."
             )
         limited = " or left out by a router that limits pictures" * what.startswith(PICTURES)
         for cause, outcome in {
@@ -201,5 +201,5 @@ def findings(counts: Mapping[Stream, Count]) -> dict[tuple[Stream, str], str]:
         }.items():
             number = getattr(one, cause)
             if number:
-                found[stream, cause] = f"{name} ({twin}): {number} of {one.published} {what} {outcome}."
+                found[stream, cause] = f"{name} ({side}): {number} of {one.published} {what} {outcome}."
     return found

@@ -27,9 +27,9 @@ class RobotSet:
         """Names of the robots, without duplicates."""
         return sorted({name for name, _ in self.robots})
 
-    def twins(self, name: str) -> list[Place]:
-        """Return the twins of one robot, the simulation first."""
-        return [(name, twin) for twin in ("sim", "hw") if (name, twin) in self.robots]
+    def sides(self, name: str) -> list[Place]:
+        """Return the sides of one robot, the simulation first."""
+        return [(name, side) for side in ("sim", "hw") if (name, side) in self.robots]
 
 
 class Output(Protocol):

@@ -21,7 +21,7 @@ class LiveRecording:
     """The recording of one robot."""
 
     robot: str
-    twin: str
+    side: str
     recording: Recording
     """a recording with times by this computer's monotonic clock (s)"""
     clock_s: float
@@ -77,7 +77,7 @@ def live_recording(
     drifted_s = abs(after.offset - offset.offset) if clock_s else 0.0
     return LiveRecording(
         robot.name,
-        robot.twin,
+        robot.side,
         recording(positions, clock_s, events),
         better.bound + drifted_s if clock_s else 0.0,
         slipped_between(before, status),

@@ -148,7 +148,7 @@ class RecordingThread:
 
     def _convert(self, timed: Timed) -> Iterator[Row]:
         arrival, time_ns, stale = timed
-        place, value = (arrival.robot, arrival.twin), arrival.value
+        place, value = (arrival.robot, arrival.side), arrival.value
         rows = self._rows[place]
         match value:
             case Positions():

@@ -45,7 +45,7 @@ class TimedArrivals:
 
     def arrived(self, arrival: Arrival[Value]) -> Iterator[Timed]:
         """Yield the publication with its time, or keep it while the clock offset is unknown."""
-        place = arrival.robot, arrival.twin
+        place = arrival.robot, arrival.side
         self._losses.received(stream_of(place, arrival.value), seq_of(arrival.value))
         if self._is_wrong(place, arrival):
             # The robot's computer was restarted or slept, or the publication is late: the answer shows which.

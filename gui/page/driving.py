@@ -64,7 +64,7 @@ class Driver:
 
         Args:
             settings: router and seat.
-            place: name and twin of the robot.
+            place: name and side of the robot.
             report: takes the outcome of each request.
             ended: called once with the reason when the driver has ended by itself.
         """

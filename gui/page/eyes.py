@@ -13,7 +13,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 
 Camera = tuple[str, str, str]
-"""Robot, twin and eye."""
+"""Robot, side and eye."""
 RETRY_S: Final = 1.0
 """Time between attempts to open the session for pictures while no router answers."""
 

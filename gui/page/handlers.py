@@ -229,8 +229,8 @@ class Live(Socket):
         match request:
             case messages.Seen():
                 self._unread = max(0, self._unread - 1)
-            case messages.Watch(robot=robot, twin=twin):
-                self.hub.watch(self, (robot, twin))
+            case messages.Watch(robot=robot, side=side):
+                self.hub.watch(self, (robot, side))
             case messages.Drive(name=name):
                 self.hub.drive(self, name)
             case messages.Leave():
@@ -258,14 +258,14 @@ class Pictures(Socket):
     """The pictures of both eyes: each message is the number of the eye, 0 or 1, and a JPEG file."""
 
     def open(self, *_: str, **__: str) -> None:
-        """Begin to send pictures of the robot and twin in the URL; close the web socket if that is not online."""
-        robot, twin = self.get_query_argument("robot", ""), self.get_query_argument("twin", "")
+        """Begin to send pictures of the robot and side in the URL; close the web socket if that is not online."""
+        robot, side = self.get_query_argument("robot", ""), self.get_query_argument("side", "")
         self._sent: dict[Camera, int] = {}
         self._ready = [True, True]
         self._cameras: list[Camera] = []
-        if (robot, twin) in self.context.hub.places():
+        if (robot, side) in self.context.hub.places():
             self.set_nodelay(True)
-            self._cameras = [(robot, twin, eye) for eye in names.EYES]
+            self._cameras = [(robot, side, eye) for eye in names.EYES]
             self.context.hub.start_pictures(self, self._cameras)
         else:
             self.close()

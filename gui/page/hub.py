@@ -105,7 +105,7 @@ class Hub:
     def places(self) -> list[Place]:
         """Return the robots that pages may use, the simulation of each name first."""
         found = {
-            (robot.robot, robot.twin): robot.presence is not Presence.ABSENT
+            (robot.robot, robot.side): robot.presence is not Presence.ABSENT
             for robot in self.monitor.robots()
             if self._only in (None, robot.robot)
         }
@@ -116,7 +116,7 @@ class Hub:
         if not self.pages:
             return
         places = self.places()
-        listed = [{"robot": robot, "twin": twin} for robot, twin in places]
+        listed = [{"robot": robot, "side": side} for robot, side in places]
         states = {page.place: page.place and self.monitor.robot(*page.place) for page in self.pages}
         shown = {place: state and view.state_of(state) for place, state in states.items()}
         for page in list(self.pages):

@@ -25,7 +25,7 @@ class Watch(Message, frozen=True, tag="watch"):
     """Show another robot."""
 
     robot: Name
-    twin: Literal["sim", "hw"]
+    side: Literal["sim", "hw"]
 
 
 class Drive(Message, frozen=True, tag="drive"):

@@ -13,7 +13,7 @@ def state_of(state: RobotState) -> dict[str, object]:
     reading, status = state.reading, state.status
     return {
         "robot": state.robot,
-        "twin": state.twin,
+        "side": state.side,
         "presence": state.presence,
         "age_s": state.positions_age_s,
         "head": None if reading is None else tidy(reading.head),

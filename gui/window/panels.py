@@ -196,10 +196,10 @@ class Panels(QWidget):
         """Append the positions to the plots; views do not contain them."""
         self.plots.append(world)
 
-    def show_image(self, twin: str, image: CameraImage) -> None:
+    def show_image(self, side: str, image: CameraImage) -> None:
         """Show a picture of a camera."""
-        self.heads.show_image(twin, image)
-        self.eyes.show_image(twin, image)
+        self.heads.show_image(side, image)
+        self.eyes.show_image(side, image)
 
     def _show_notice(self) -> None:
         if self._question:

@@ -65,7 +65,7 @@ def linked_window(settings: Settings, state: State, *, name_given: bool) -> Iter
     link = Link(  # reports nothing before `start`, and by then the window exists
         settings,
         lambda outcome: bridge.post(lambda: window.report(outcome)),
-        lambda twin, image: bridge.post_latest((twin, image.eye), lambda: window.show_image(twin, image)),
+        lambda side, image: bridge.post_latest((side, image.eye), lambda: window.show_image(side, image)),
         name_given=name_given,
     )
     try:

@@ -52,9 +52,9 @@ class Style:
         """Return a length (px) multiplied by the scale of this theme."""
         return round(pixels * self.scale)
 
-    def twin(self, twin: str) -> str:
+    def side(self, side: str) -> str:
         """Return the colour of `sim` or `hw`."""
-        return self.sim if twin == "sim" else self.hw
+        return self.sim if side == "sim" else self.hw
 
     def condition(self, condition: Condition) -> str:
         """Return the colour of the symbol and the word of a state."""
@@ -193,8 +193,8 @@ QDialog {{ background: {style.panel}; }}
 QFrame[panel="true"] {{ background: {style.panel}; border: 1px solid {style.line}; border-radius: 4px; }}
 QFrame[notice="true"] {{ background: {style.notice}; border: 2px solid {style.warn}; border-radius: 4px; }}
 QFrame[pill="true"] {{ background: {style.panel}; border: 1px solid {style.line}; border-radius: 4px; }}
-QFrame[twin="sim"] {{ border-left: 5px solid {style.sim}; }}
-QFrame[twin="hw"] {{ border-left: 5px solid {style.hw}; }}
+QFrame[side="sim"] {{ border-left: 5px solid {style.sim}; }}
+QFrame[side="hw"] {{ border-left: 5px solid {style.hw}; }}
 QToolTip {{ background: {style.notice}; color: {style.text}; border: 1px solid {style.warn}; padding: 3px; }}
 QTabWidget::pane {{ background: {style.panel}; border: 1px solid {style.line}; border-radius: 4px; top: -1px; }}
 QTabBar::tab {{ background: {style.ground}; color: {style.dim}; border: 1px solid {style.line};

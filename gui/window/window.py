@@ -91,9 +91,9 @@ class Window(QMainWindow):
         self.panels.show_outcome(*self._state.outcomes(self._world))
         self._delayed_refresh.start()
 
-    def show_image(self, twin: str, image: CameraImage) -> None:
+    def show_image(self, side: str, image: CameraImage) -> None:
         """Show a picture of a camera."""
-        self.panels.show_image(twin, image)
+        self.panels.show_image(side, image)
 
     def show_error(self, text: str) -> None:
         """Show an error of the window itself in a line over the panels."""

@@ -24,23 +24,23 @@ FORGED = b"forged"
 def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
     """A router with the robots of the class, and those of two seats."""
     with ClassRouter(tmp_path_factory.mktemp("class")) as made:
-        for robot, twin in (("bea1", HW), ("bea1", SIM), ("bea2", HW), ("ana", SIM), ("ben", SIM)):
+        for robot, side in (("bea1", HW), ("bea1", SIM), ("bea2", HW), ("ana", SIM), ("ben", SIM)):
             session = made.session(robot, "robot")
             for key in (
-                keys.command(robot, twin, "*"),
-                keys.motion(robot, twin, "*"),
-                keys.stop_unsigned(robot, twin),
-                keys.stop(robot, twin, "*"),
-                keys.lease(robot, twin, "*"),
-                keys.positions(robot, twin),
-                keys.info(robot, twin),
+                keys.command(robot, side, "*"),
+                keys.motion(robot, side, "*"),
+                keys.stop_unsigned(robot, side),
+                keys.stop(robot, side, "*"),
+                keys.lease(robot, side, "*"),
+                keys.positions(robot, side),
+                keys.info(robot, side),
                 keys.program(robot, "abc"),
             ):
                 Answering(session, key)
-            if twin == SIM:
+            if side == SIM:
                 Answering(session, keys.target(robot))
                 Answering(session, keys.follow(robot, "*"))
-            session.declare_token(keys.alive(robot, twin))
+            session.declare_token(keys.alive(robot, side))
             settled(session)
         yield made
 

@@ -64,13 +64,13 @@ def test_only_one_page_of_a_seat_drives_at_a_time(router: ClassRouter, clients: 
         first, second = browser.connect(), browser.connect()
         for page in (first, second):
             page.state(lambda state: len(state["robots"]) == 2, "both robots")
-            page.send("watch", robot="bea1", twin="hw")
+            page.send("watch", robot="bea1", side="hw")
         first.state(lambda state: state["robot"]["robot"] == "bea1", "watches")
         first.drive("mia")
         assert robot.status().holder == "ben"
         second.send("drive", name="noa")
         assert "All pages of this server use the seat ben" in second.outcome("drive")["text"]
-        second.send("watch", robot="ana", twin="hw")
+        second.send("watch", robot="ana", side="hw")
         second.send("drive", name="noa")
         assert "account ben" in second.outcome("drive")["text"]
         second.send("stop", robot="bea1", stop="1")

@@ -63,7 +63,7 @@ class Case:
 
     account: Account
     name: str = "bea1"
-    twin: str = HW
+    side: str = HW
 
 
 @contextlib.contextmanager
@@ -91,7 +91,7 @@ def denied(lesson: Lesson) -> Iterator[Case]:
 @contextlib.contextmanager
 def absent(lesson: Lesson) -> Iterator[Case]:
     """A request to the absent simulation of a robot whose hardware is online."""
-    yield Case(lesson.router.account("ana"), twin="sim")
+    yield Case(lesson.router.account("ana"), side="sim")
 
 
 @contextlib.contextmanager
@@ -211,7 +211,7 @@ def enable(case: Case, timeout_s: float) -> None:
     account = case.account
     with Client(Settings("", account.connect, account.name, account=account)) as client:
         client.robots()  # a node counts as lost only if this client has seen it online before
-        Robot(case.name, case.twin, client=client, timeout_s=timeout_s).enable()
+        Robot(case.name, case.side, client=client, timeout_s=timeout_s).enable()
 
 
 @pytest.mark.parametrize(("make", "reason", "sentence"), TABLE, ids=[row[0].__name__ for row in TABLE])
@@ -230,7 +230,7 @@ def test_the_command_line_ends_with_the_exit_code_of_each_missing_answer(
     monkeypatch.chdir(lesson.folder)
     with make(lesson) as case:
         monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(case.account)))
-        done = beatrix("enable", "--name", case.name, "--on", case.twin)
+        done = beatrix("enable", "--name", case.name, "--on", case.side)
     assert (done.returncode, sentence in done.stderr) == (exit_code(reason), True), done.stderr
     assert done.stdout == ""
 

@@ -82,7 +82,7 @@ def test_every_seat_may_send_stop(body: Body, robot: Robot) -> None:
 def test_a_put_on_a_stop_key_stops_the_robot(robot: Robot, form: str) -> None:
     motion = robot.look(yaw=60, wait=False)
     until(lambda: robot.positions().commanded.short > 1, "moving")
-    robot.client.bus.put(form.format(f"beatrix/{robot.name}/{robot.twin}"), b"", "text/plain", "real_time")
+    robot.client.bus.put(form.format(f"beatrix/{robot.name}/{robot.side}"), b"", "text/plain", "real_time")
     with pytest.raises(Interrupted) as ended:
         motion.wait()
     assert ended.value.reason is Reason.STOPPED
@@ -90,7 +90,7 @@ def test_a_put_on_a_stop_key_stops_the_robot(robot: Robot, form: str) -> None:
 
 @pytest.mark.parametrize("form", ["{}/stop", "{}/stop/ben", "beatrix/*/*/stop/ben", "beatrix/**/stop/ben"])
 def test_a_query_on_a_stop_key_is_answered_on_the_key_of_its_seat(robot: Robot, form: str) -> None:
-    own = f"beatrix/{robot.name}/{robot.twin}"
+    own = f"beatrix/{robot.name}/{robot.side}"
     (answer,) = ask_raw(robot.client, form.format(own))
     assert answer.key == f"{own}/stop" + "/ben" * form.endswith("ben")
     assert codec.decode_json(answer.payload, CommandReply).result
@@ -101,7 +101,7 @@ def test_a_query_on_a_stop_key_is_answered_on_the_key_of_its_seat(robot: Robot, 
 @pytest.mark.parametrize("command", ["STOP", "EMERGENCY_STOP"])
 def test_stop_is_accepted_from_an_invalid_seat(robot: Robot, seat: str, command: str) -> None:
     motion = robot.look(yaw=60, wait=False)
-    key = f"beatrix/{robot.name}/{robot.twin}/cmd/{seat}/command"
+    key = f"beatrix/{robot.name}/{robot.side}/cmd/{seat}/command"
     (answer,) = ask_raw(robot.client, key, command.encode(), "text/plain")
     assert not answer.error
     assert codec.decode_json(answer.payload, CommandReply).result
@@ -152,7 +152,7 @@ def test_a_client_that_undeclares_its_token_receives_client_lost(body: Body, rob
         seat = keys.seat("undeclarer", bus.session_id)
         end = bus.declare_token(seat)
         query = bus.query(
-            keys.pose(robot.name, robot.twin, "undeclarer"), codec.encode(PoseQuery(yaw=1.0)), codec.MSGPACK
+            keys.pose(robot.name, robot.side, "undeclarer"), codec.encode(PoseQuery(yaw=1.0)), codec.MSGPACK
         )
         accepted = query.next(8.0)
         assert accepted is not None
@@ -175,7 +175,7 @@ class Flood:
         self._queries: list[Query] = []
 
     def _run(self) -> None:
-        bus, key = self._robot.client.bus, keys.pose(self._robot.name, self._robot.twin, "ana")
+        bus, key = self._robot.client.bus, keys.pose(self._robot.name, self._robot.side, "ana")
         while not self._over.is_set():
             query = codec.encode(PoseQuery(yaw=0.7 + 0.05 * (self.sent % 2)))
             self._queries.append(bus.query(key, query, codec.MSGPACK))
@@ -263,7 +263,7 @@ def test_a_stopped_seat_must_pause_before_it_moves_again(body: Body, robot: Robo
 
 
 def test_of_several_waiting_targets_only_the_newest_is_carried_out(robot: Robot) -> None:
-    bus, key = robot.client.bus, keys.pose(robot.name, robot.twin, "ana")
+    bus, key = robot.client.bus, keys.pose(robot.name, robot.side, "ana")
     queries = [
         bus.query(key, codec.encode(PoseQuery(yaw=0.02 * number)), codec.MSGPACK) for number in range(1, 9)
     ]
@@ -278,7 +278,7 @@ def test_of_several_waiting_targets_only_the_newest_is_carried_out(robot: Robot)
 
 
 def test_a_closed_robot_raises_wrong_usage(robot: Robot) -> None:
-    other = Robot(robot.name, robot.twin, connect=robot.client.bus.endpoint, who="ben")
+    other = Robot(robot.name, robot.side, connect=robot.client.bus.endpoint, who="ben")
     other.close()
     for request in (other.status, lambda: other.look(yaw=1), other.stop):
         with pytest.raises(WrongUsage, match="was closed by this program"):

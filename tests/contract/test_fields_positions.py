@@ -42,7 +42,7 @@ def angles(head: Head) -> Arms:
 
 def ask_positions(robot: Robot) -> Positions:
     """Query the newest positions."""
-    (answer,) = ask_raw(robot.client, keys.positions(robot.name, robot.twin))
+    (answer,) = ask_raw(robot.client, keys.positions(robot.name, robot.side))
     return codec.decode_json(answer.payload, Positions)
 
 
@@ -121,7 +121,7 @@ def test_steps_are_the_commanded_angles_in_microsteps(robot: Robot) -> None:
 def test_commanded_is_the_set_point_and_position_is_measured_or_counted(body: Body, robot: Robot) -> None:
     samples = look(robot)
     gaps = [abs(at.position.x - at.commanded.x) for at in samples]
-    if body.twin == "hw":
+    if body.side == "hw":
         assert all(at.position == at.commanded for at in samples), "counted steps"
     else:
         assert 0 < max(gaps) < math.radians(3), "measured: near the set point, but not equal"
@@ -144,7 +144,7 @@ def test_head_is_forward_kinematics_of_position(robot: Robot) -> None:
 
 def test_head_measured_is_missing_on_hardware(body: Body, robot: Robot) -> None:
     for at in look(robot):
-        if body.twin == "hw":
+        if body.side == "hw":
             assert at.head_measured is None
         elif at.head_measured is not None:
             assert angles(at.head_measured) == pytest.approx(angles(at.head), abs=math.radians(0.5))

@@ -38,7 +38,7 @@ LEASE_S = 2.0
 
 def test_a_ready_robot_has_its_names_and_no_fault(body: Body, robot: Robot) -> None:
     status = regular(published_statuses(robot))
-    assert (status.robot, status.twin) == (body.name, body.twin)
+    assert (status.robot, status.side) == (body.name, body.side)
     assert (status.fault, status.warnings) == (Fault.NONE, [])
     assert (status.enabled, status.calibrated, status.moving) == (True, True, False)
 
@@ -92,7 +92,7 @@ def test_moving_and_motion_follow_the_running_motion(robot: Robot) -> None:
     statuses = published_statuses(robot)
     numbers = []
     for yaw in (0.1, 0.0):
-        key = keys.pose(robot.name, robot.twin, "ana")
+        key = keys.pose(robot.name, robot.side, "ana")
         replies = ask_raw(robot.client, key, codec.encode(PoseQuery(yaw=yaw)), codec.MSGPACK)
         numbers.append(codec.decode(replies[0].payload, MotionReply).motion)
         running = statuses.next(lambda status: status.moving)
@@ -132,7 +132,7 @@ def test_two_seconds_after_rest_the_robot_is_free_and_this_is_published_at_once(
 def test_warnings_are_published_at_once(robot: Robot) -> None:
     statuses = published_statuses(robot)
     regular(statuses)
-    robot.client.bus.put(keys.arm_target(robot.name, robot.twin, "nose"), b"0.1", "text/plain")
+    robot.client.bus.put(keys.arm_target(robot.name, robot.side, "nose"), b"0.1", "text/plain")
     sent_ns = time.monotonic_ns()
     status = statuses.next(lambda status: bool(status.warnings))
     assert any("nose" in warning for warning in status.warnings)
@@ -156,7 +156,7 @@ def test_board_status_describes_the_board(body: Body, robot: Robot) -> None:
 def test_only_a_simulation_has_a_plant_status(body: Body, robot: Robot) -> None:
     statuses = published_statuses(robot)
     plant = regular(statuses).plant
-    if body.twin == "hw":
+    if body.side == "hw":
         assert plant is None
         return
     assert plant is not None
@@ -167,7 +167,7 @@ def test_only_a_simulation_has_a_plant_status(body: Body, robot: Robot) -> None:
 
 def test_clock_returns_the_present_time_of_both_clocks(robot: Robot) -> None:
     began_ns, began_wall_ns = time.monotonic_ns(), time.time_ns()
-    (answer,) = ask_raw(robot.client, keys.clock(robot.name, robot.twin))
+    (answer,) = ask_raw(robot.client, keys.clock(robot.name, robot.side))
     clock = codec.decode_json(answer.payload, Clock)
     assert began_ns < clock.t_mono_ns < time.monotonic_ns()
     assert began_wall_ns < clock.t_wall_ns < time.time_ns()
@@ -175,7 +175,7 @@ def test_clock_returns_the_present_time_of_both_clocks(robot: Robot) -> None:
 
 def test_info_has_name_and_versions(body: Body, robot: Robot) -> None:
     info = robot.info()
-    assert (info.robot, info.twin) == (body.name, body.twin)
+    assert (info.robot, info.side) == (body.name, body.side)
     assert info.version == metadata.version("beatrix-zenoh")
     assert info.contract == CONTRACT
     assert info.firmware == robot.status().board.firmware
@@ -220,13 +220,13 @@ def test_info_lists_commands_reasons_keys_and_examples(body: Body, robot: Robot)
         f"{command.value} {command.name}" for command in Command
     ]
     assert [line.partition(":")[0] for line in info.reasons] == [str(reason) for reason in Reason]
-    rows = [row for row in keys.KEYS.values() if body.twin in row.twins]
+    rows = [row for row in keys.KEYS.values() if body.side in row.sides]
     assert [(key.kind, key.payload, key.reply, key.doc_) for key in info.keys] == [
         (row.kind, row.payload, row.reply, row.doc) for row in rows
     ]
     listed = [key.key for key in info.keys]
-    assert keys.positions(body.name, body.twin) in listed
-    assert keys.motion(body.name, body.twin, "<who>") in listed
-    assert any("preview" in key for key in listed) == (body.twin == "sim")
+    assert keys.positions(body.name, body.side) in listed
+    assert keys.motion(body.name, body.side, "<who>") in listed
+    assert any("preview" in key for key in listed) == (body.side == "sim")
     assert len(info.examples) >= 5
-    assert all(f"beatrix/{body.name}/{body.twin}/" in line for line in info.examples)
+    assert all(f"beatrix/{body.name}/{body.side}/" in line for line in info.examples)

@@ -135,7 +135,7 @@ def test_the_speed_limit_of_the_teacher_stops_and_refuses_faster_motions(body: B
 
 def test_a_foreign_client_takes_the_robot_with_a_text_query(body: Body, robot: Robot) -> None:
     stranger = body.stage.client("zoe")
-    key = keys.lease(robot.name, robot.twin, "zoe")
+    key = keys.lease(robot.name, robot.side, "zoe")
     (answer,) = ask_raw(stranger, key, b"take")
     assert b'"holder":"zoe"' in answer.payload
     with pytest.raises(Refused):

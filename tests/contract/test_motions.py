@@ -22,7 +22,7 @@ MEASURED_DEG = 0.25
 
 def raw_positions(robot: Robot) -> Positions:
     """Return the positions in rad, with steps."""
-    key = keys.positions(robot.name, robot.twin)
+    key = keys.positions(robot.name, robot.side)
     return ask(robot.client, robot.place, key, None, Positions, 2.0)
 
 
@@ -68,7 +68,7 @@ def test_equal_arm_angles_turn_the_head_left(robot: Robot) -> None:
 
 @pytest.mark.measures_time
 def test_a_motion_gets_two_replies_accepted_and_done(robot: Robot) -> None:
-    key = keys.pose(robot.name, robot.twin, "ana")
+    key = keys.pose(robot.name, robot.side, "ana")
     replies = ask_raw(robot.client, key, codec.encode(PoseQuery(yaw=0.1)), codec.MSGPACK)
     accepted, done = (codec.decode(reply.payload, MotionReply) for reply in replies)
     assert (accepted.phase, accepted.result, done.phase, done.result) == (

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.bodies("in-process")
 
 
 def key_of(robot: Robot, action: str) -> str:
-    return f"beatrix/{robot.name}/{robot.twin}/cmd/ana/{action}"
+    return f"beatrix/{robot.name}/{robot.side}/cmd/ana/{action}"
 
 
 def last_json(robot: Robot, selector: str, payload: bytes | None = None) -> dict[str, object]:
@@ -158,26 +158,26 @@ def test_a_pose_without_or_with_repeated_angles_is_refused(
 @pytest.mark.bodies("sim", "in-process")
 @pytest.mark.parametrize("key", ["{}/{}/cmd/ana/motio$*", "*/*/cmd/ana/motion", "{}/{}/cmd/ana/*"])
 def test_a_motion_query_with_wildcards_moves_no_robot(robot: Robot, key: str) -> None:
-    selector = f"beatrix/{key.format(robot.name, robot.twin)}?x=0.3;y=0.3;z=0.3"
+    selector = f"beatrix/{key.format(robot.name, robot.side)}?x=0.3;y=0.3;z=0.3"
     answers = [json.loads(answer.payload) for answer in ask_raw(robot.client, selector)]
     assert answers
     assert not any(answer["result"] for answer in answers if "tilt_max" not in answer), (
         "a preview moves nothing"
     )
-    own = f"beatrix/{robot.name}/{robot.twin}/cmd/"
+    own = f"beatrix/{robot.name}/{robot.side}/cmd/"
     assert any(answer["detail"]["known"][0].startswith(own) for answer in answers if answer["detail"])
     assert robot.positions().commanded == (0, 0, 0)
 
 
 def test_an_invalid_seat_is_refused_with_a_valid_example(robot: Robot) -> None:
-    reply = last_json(robot, f"beatrix/{robot.name}/{robot.twin}/cmd/Ana_B/pose?yaw=0.1")
+    reply = last_json(robot, f"beatrix/{robot.name}/{robot.side}/cmd/Ana_B/pose?yaw=0.1")
     assert reply["reason"] == "BAD_VALUE"
     assert "ana-b" in str(reply["message"])
 
 
 @pytest.mark.parametrize("seat", ["legacy", "arm-topics"])
 def test_a_reserved_seat_is_refused(robot: Robot, seat: str) -> None:
-    reply = last_json(robot, f"beatrix/{robot.name}/{robot.twin}/cmd/{seat}/pose?yaw=0.1")
+    reply = last_json(robot, f"beatrix/{robot.name}/{robot.side}/cmd/{seat}/pose?yaw=0.1")
     assert (reply["reason"], reply["result"]) == ("BAD_VALUE", False)
     assert "choose another" in str(reply["message"])
 
@@ -186,12 +186,12 @@ def test_a_reserved_seat_is_refused(robot: Robot, seat: str) -> None:
     "key", ["state/positions", "state/positions/json", "state/status", "state/status/json", "info", "clock"]
 )
 def test_state_queries_are_answered_in_json(robot: Robot, key: str) -> None:
-    assert last_json(robot, f"beatrix/{robot.name}/{robot.twin}/{key}")
+    assert last_json(robot, f"beatrix/{robot.name}/{robot.side}/{key}")
 
 
 def test_state_queries_may_have_wildcards(robot: Robot) -> None:
     answers = ask_raw(robot.client, "beatrix/*/*/state/status")
-    assert [answer.key for answer in answers] == [keys.status(robot.name, robot.twin)]
+    assert [answer.key for answer in answers] == [keys.status(robot.name, robot.side)]
 
 
 def test_info_has_limits_keys_and_commands(robot: Robot) -> None:
@@ -218,9 +218,9 @@ def test_a_stream_of_positions_has_no_gaps(robot: Robot) -> None:
 def test_positions_and_status_are_published_as_json_to_a_subscriber(robot: Robot) -> None:
     received: dict[str, bytes] = {}
     robot.client.bus.subscribe(
-        f"beatrix/{robot.name}/{robot.twin}/state/*/json", lambda one: received.update({one.key: one.payload})
+        f"beatrix/{robot.name}/{robot.side}/state/*/json", lambda one: received.update({one.key: one.payload})
     )
-    wanted = [f"beatrix/{robot.name}/{robot.twin}/state/{what}/json" for what in ("positions", "status")]
+    wanted = [f"beatrix/{robot.name}/{robot.side}/state/{what}/json" for what in ("positions", "status")]
     until(lambda: received.keys() >= set(wanted), "positions and status in JSON")  # events may arrive first
     positions, status = (received[key] for key in wanted)
     assert codec.decode_json(positions, Positions).seq > 0
@@ -230,7 +230,7 @@ def test_positions_and_status_are_published_as_json_to_a_subscriber(robot: Robot
 def test_status_is_published_when_it_changes(robot: Robot) -> None:
     received: list[Status] = []
     robot.client.bus.subscribe(
-        keys.status(robot.name, robot.twin), lambda one: received.append(codec.decode(one.payload, Status))
+        keys.status(robot.name, robot.side), lambda one: received.append(codec.decode(one.payload, Status))
     )
     until(lambda: bool(received), "the first status", 3.0)
     robot.disable()
@@ -241,7 +241,7 @@ def test_each_per_arm_topic_moves_one_arm(robot: Robot) -> None:
     bus = robot.client.bus
     until(lambda: robot.status().holder == "", "lease over", 5.0)
     for arm, angle in (("short", b"0.05"), ("middle", b"0.1"), ("long", b"-0.05")):
-        bus.put(keys.arm_target(robot.name, robot.twin, arm), angle, "text/plain")
+        bus.put(keys.arm_target(robot.name, robot.side, arm), angle, "text/plain")
     wanted = [math.degrees(angle) for angle in (0.05, 0.1, -0.05)]
     until(lambda: robot.positions().commanded == pytest.approx(wanted, abs=0.1), "three arms there", 5.0)
     until(lambda: robot.status().holder == "", "lease over", 5.0)
@@ -257,7 +257,7 @@ def test_a_put_with_wildcards_has_no_effect(robot: Robot, key: str) -> None:
 def test_a_per_arm_target_with_wildcards_moves_no_arm(robot: Robot) -> None:
     for key in (
         "beatrix/*/*/arm/short/target",
-        f"beatrix/{robot.name}/{robot.twin}/arm/*/target",
+        f"beatrix/{robot.name}/{robot.side}/arm/*/target",
         "beatrix/**/target",
     ):
         robot.client.bus.put(key, b"0.2", "text/plain")
@@ -269,7 +269,7 @@ def test_a_per_arm_target_with_wildcards_moves_no_arm(robot: Robot) -> None:
 
 
 def test_an_invalid_per_arm_target_becomes_a_warning(robot: Robot) -> None:
-    robot.client.bus.put(keys.arm_target(robot.name, robot.twin, "short"), b"far", "text/plain")
+    robot.client.bus.put(keys.arm_target(robot.name, robot.side, "short"), b"far", "text/plain")
     until(lambda: any("number" in text for text in robot.status().warnings), "warning shown")
 
 
@@ -285,7 +285,7 @@ def test_an_invalid_per_arm_target_becomes_a_warning(robot: Robot) -> None:
     ],
 )
 def test_queries_with_wildcards_get_a_reply(robot: Robot, pattern: str, payload: bytes, reason: str) -> None:
-    answers = ask_raw(robot.client, f"beatrix/{robot.name}/{robot.twin}/{pattern}", payload)
+    answers = ask_raw(robot.client, f"beatrix/{robot.name}/{robot.side}/{pattern}", payload)
     replies = [json.loads(answer.payload) for answer in answers if b"reason" in answer.payload]
     assert reason in [reply["reason"] for reply in replies], replies
     assert not any("//" in reply["message"] or reply["reason"] == "REPLACED" for reply in replies)

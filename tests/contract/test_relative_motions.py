@@ -42,10 +42,10 @@ def test_relative_motions_of_different_forms_add_up(robot: Robot) -> None:
                 robot.move(by, by, by, relative=True)
             case 2:
                 words = " ".join([f"{math.radians(by):.8f}"] * 3) + " 1 relative"
-                ask_raw(robot.client, keys.motion(robot.name, robot.twin, who), words.encode(), "text/plain")
+                ask_raw(robot.client, keys.motion(robot.name, robot.side, who), words.encode(), "text/plain")
             case _:
                 yaw = f"?yaw={math.radians(by):.8f};absolute=false"
-                ask_raw(robot.client, keys.pose(robot.name, robot.twin, who) + yaw)
+                ask_raw(robot.client, keys.pose(robot.name, robot.side, who) + yaw)
     assert_stands_at(robot, 20 * 0.03)
 
 
@@ -53,7 +53,7 @@ def test_relative_motions_of_different_forms_add_up(robot: Robot) -> None:
 def test_a_relative_motion_after_a_per_arm_topic_counts_from_its_exact_angle(robot: Robot) -> None:
     until(lambda: robot.status().holder == "", "free", 5.0)
     for arm in ("short", "middle", "long"):
-        key = keys.arm_target(robot.name, robot.twin, arm)
+        key = keys.arm_target(robot.name, robot.side, arm)
         robot.client.bus.put(key, f"{math.radians(1.04):.8f}".encode(), "text/plain")
         until(lambda arm=arm: getattr(robot.positions().commanded, arm) > 1, "arrived")  # type: ignore[misc]
     until(lambda: robot.status().holder == "", "free", 5.0)

@@ -72,7 +72,7 @@ def test_calibrate_far_from_a_known_home_is_refused(robot: Robot) -> None:
 
 
 def test_requests_sent_before_emergency_stop_do_not_switch_the_motors_on(robot: Robot) -> None:
-    key = keys.command(robot.name, robot.twin, "ana")
+    key = keys.command(robot.name, robot.side, "ana")
     enable = codec.encode(CommandQuery(command=Command.ENABLE.value))
     queries = [robot.client.bus.query(key, enable, codec.MSGPACK, "interactive_high") for _ in range(40)]
     reply = robot.emergency_stop()
@@ -130,7 +130,7 @@ def test_reset_without_a_latch_changes_nothing(robot: Robot) -> None:
 
 
 def test_an_unknown_command_is_refused_with_the_list_of_commands(robot: Robot) -> None:
-    key = keys.command(robot.name, robot.twin, "ana")
+    key = keys.command(robot.name, robot.side, "ana")
     (answer,) = ask_raw(robot.client, key, codec.encode(CommandQuery(command=99)), codec.MSGPACK)
     reply = codec.decode(answer.payload, CommandReply)
     assert (reply.result, reply.reason) == (False, Reason.UNKNOWN_COMMAND)

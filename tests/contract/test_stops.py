@@ -116,7 +116,7 @@ def test_a_stop_with_the_session_of_another_seat_is_not_recorded_under_that_seat
     ben, cem = body.robot("ben"), body.robot("cem")
     gid = ben.client.bus._declarations.use(lambda session: session.id)
     with robot.events(timeout_s=20.0) as events:
-        forged = f"beatrix/{robot.name}/{robot.twin}/{key}"
+        forged = f"beatrix/{robot.name}/{robot.side}/{key}"
         cem.client.bus._declarations.use(
             lambda session: session.get(forged, lambda _: None, source_info=zenoh.SourceInfo(gid, 1))
         )
@@ -143,7 +143,7 @@ def test_stops_of_two_seats_at_once_are_two_events(body: Body, robot: Robot) -> 
                 break
             received += [event] if event.kind is EventKind.STOP else []
     assert sorted((event.seat, event.count) for event in received) == [("ben", 1), ("cem", 1)]
-    with Monitor(robot.client, robot.name, robot.twin, events=1) as monitor:
+    with Monitor(robot.client, robot.name, robot.side, events=1) as monitor:
         until(lambda: {"ben", "cem"} <= {seat for seat, _ in monitor.robot(*robot.place).stops}, "counted")
     for other in (ben, cem):
         other.client.close()
@@ -152,7 +152,7 @@ def test_stops_of_two_seats_at_once_are_two_events(body: Body, robot: Robot) -> 
 def test_stop_is_carried_out_before_waiting_commands(body: Body, robot: Robot) -> None:
     """Each command waits for telemetry, so all of them take most of a second; STOP must not wait for them."""
     boss = body.robot("boss")
-    key = keys.command(robot.name, robot.twin, "ana")
+    key = keys.command(robot.name, robot.side, "ana")
     enable = codec.encode(CommandQuery(command=Command.ENABLE.value))
     queries = [robot.client.bus.query(key, enable, codec.MSGPACK, "interactive_high") for _ in range(60)]
     boss.stop()

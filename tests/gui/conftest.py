@@ -82,7 +82,7 @@ def stage() -> Iterator[Stage]:
 @pytest.fixture(scope="module")
 def robots(stage: Stage) -> dict[str, Robot]:
     """Both robots, through another client with the window's seat."""
-    return {twin: ready(stage.robot("bea", twin)) for twin in ("sim", "hw")}
+    return {side: ready(stage.robot("bea", side)) for side in ("sim", "hw")}
 
 
 @pytest.fixture

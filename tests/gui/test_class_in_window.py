@@ -22,8 +22,8 @@ def teacher(stage: Stage) -> Iterator[Windowed]:
         made.press(made.window.panels.header.page)
         made.until(lambda: page.list.topLevelItemCount() == 3, "all robots are listed")
         yield made
-    for twin in ("sim", "hw"):
-        robot = stage.robot("bea", twin, "teacher")
+    for side in ("sim", "hw"):
+        robot = stage.robot("bea", side, "teacher")
         lease.unfreeze(robot)
         lease.limit_speed(robot, None)
         lease.ask(robot, LeaseAction.GIVE_BACK)

@@ -137,8 +137,8 @@ def test_a_damaged_picture_is_reported_and_the_next_is_shown(picture: Picture, j
     picture.show_image(picture_of(RED))
     picture.show_image(of_bytes(jpeg, seq=2))
     shown = picture.grab().toImage()
-    picture.show_view(EyeView(ON.twin, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
-    picture.show_view(EyeView(ON.twin, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
+    picture.show_view(EyeView(ON.side, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
+    picture.show_view(EyeView(ON.side, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
     assert picture.grab().toImage() == shown
     picture.show_view(ON)
     picture.show_image(picture_of(BLUE, seq=3))
@@ -160,14 +160,14 @@ def test_both_eyes_of_both_robots_have_their_places(qtbot: QtBot) -> None:
     qtbot.addWidget(shown)
     shown.resize(640, 520)
     all_eyes = [
-        EyeView(twin, eye, f"{twin} {eye}", watched=True, text="")
-        for twin in ("sim", "hw")
+        EyeView(side, eye, f"{side} {eye}", watched=True, text="")
+        for side in ("sim", "hw")
         for eye in ("left", "right")
     ]
     shown.show_view((*all_eyes, OUTSIDE))
     colours = (RED, (20, 220, 20), (220, 220, 20), BLUE)
     for view, painted in zip(all_eyes, colours, strict=True):
-        shown.show_image(view.twin, picture_of(painted, view.eye))
+        shown.show_image(view.side, picture_of(painted, view.eye))
     shown.show_image("sim", picture_of((220, 20, 220), "outside"))
     places = ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75))
     for place, painted in zip(places, colours, strict=True):
@@ -204,7 +204,7 @@ def test_a_picture_whose_header_claims_too_many_pixels_is_not_decoded(picture: P
     assert time.monotonic() - began_s < 0.5
     picture.show_image(of_bytes(bytes(jpeg)))
     shown = picture.grab().toImage()
-    picture.show_view(EyeView(ON.twin, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
+    picture.show_view(EyeView(ON.side, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
     assert picture.grab().toImage() == shown
     whole = eyes.decode(picture_of(RED).jpeg)
     assert whole is not None

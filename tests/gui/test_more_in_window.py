@@ -130,7 +130,7 @@ def test_cameras_work_only_while_they_are_watched(user: Windowed, hw: Robot) -> 
     panels.tabs.setCurrentWidget(panels.eyes)
     user.check(panels.sending.cameras)
     user.until(lambda: all(streaming()), "the cameras of the hardware work")
-    pictures = [panels.eyes.pictures[twin, eye] for twin in ("sim", "hw") for eye in ("left", "right")]
+    pictures = [panels.eyes.pictures[side, eye] for side in ("sim", "hw") for eye in ("left", "right")]
     user.until(lambda: all(picture._newest is not None for picture in pictures), "all pictures")
     user.check(panels.sending.cameras, on=False)
     user.until(lambda: not any(streaming()), "they no longer stream")

@@ -25,9 +25,9 @@ class ImageLog:
         self.seen: dict[tuple[str, str], list[CameraImage]] = {}
         self.threads: set[str] = set()
 
-    def add(self, twin: str, image: CameraImage) -> None:
+    def add(self, side: str, image: CameraImage) -> None:
         self.threads.add(threading.current_thread().name)
-        self.seen.setdefault((twin, image.eye), []).append(image)
+        self.seen.setdefault((side, image.eye), []).append(image)
 
     def count(self, *place: str) -> int:
         return len(self.seen.get((place[0], place[1]), []))
@@ -91,8 +91,8 @@ def test_each_picture_is_of_a_camera_that_is_wanted(pictures: Pictures, images_t
     wanted = {("sim", "outside"), ("sim", "left"), LEFT, RIGHT}
     pictures.watch(frozenset(wanted))
     until(lambda: images_taken.seen.keys() == wanted, "all four come", FIRST_S)
-    for twin, eye in wanted:
-        image = images_taken.seen[twin, eye][0]
+    for side, eye in wanted:
+        image = images_taken.seen[side, eye][0]
         assert image.jpeg[:2] == b"\xff\xd8"
         assert (image.width, image.height) == (640, 480)
     pictures.watch(frozenset({RIGHT}))

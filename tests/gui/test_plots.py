@@ -37,8 +37,8 @@ def plots(qtbot: QtBot, monkeypatch: pytest.MonkeyPatch) -> Plots:
     return made
 
 
-def robot_at(twin: str, time_s: float, arms: Arms) -> RobotState:
-    state = gui_worlds.robot(twin, arms=arms, age_s=0.01)
+def robot_at(side: str, time_s: float, arms: Arms) -> RobotState:
+    state = gui_worlds.robot(side, arms=arms, age_s=0.01)
     assert state.positions is not None
     stamped = msgspec.structs.replace(state.positions, t_mono_ns=round(time_s * 1e9))
     return replace(state, positions=stamped)

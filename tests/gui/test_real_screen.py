@@ -109,7 +109,7 @@ def found(screen: Screen) -> str:
 
 @pytest.fixture
 def robots(stage: Stage) -> list[Robot]:
-    return [ready(stage.robot("bea", twin, "eve")) for twin in ("sim", "hw")]
+    return [ready(stage.robot("bea", side, "eve")) for side in ("sim", "hw")]
 
 
 def test_space_stops_both_robots(window: Process, screen: Screen, robots: list[Robot]) -> None:

@@ -29,21 +29,21 @@ def turned(**arms: float) -> tuple[float, float, float]:
 # -- arms -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("twins", [("sim",), ("hw",)], ids="-".join)
+@pytest.mark.parametrize("sides", [("sim",), ("hw",)], ids="-".join)
 def test_plus_and_minus_turn_arms_of_the_checked_robots_only(
-    user: Windowed, robots: dict[str, Robot], twins: tuple[str, ...]
+    user: Windowed, robots: dict[str, Robot], sides: tuple[str, ...]
 ) -> None:
-    user.send_to(*twins)
-    resting = [robot for twin, robot in robots.items() if twin not in twins]
+    user.send_to(*sides)
+    resting = [robot for side, robot in robots.items() if side not in sides]
     for arm, row in user.window.panels.arms.rows.items():
         user.press(row.plus)
-        for twin in twins:
-            user.until_at(robots[twin], *turned(**{arm: 5.0}))
+        for side in sides:
+            user.until_at(robots[side], *turned(**{arm: 5.0}))
         assert all(near(robot.positions().arms, HOME) for robot in resting)
         user.until_last("done")
         user.press(row.minus)
-        for twin in twins:
-            user.until_at(robots[twin], *HOME)
+        for side in sides:
+            user.until_at(robots[side], *HOME)
         user.until_last("done")
 
 
@@ -93,11 +93,11 @@ def test_labels_show_where_the_robots_are(user: Windowed, robots: dict[str, Robo
     for arm in ("short", "short", "middle", "long"):
         user.press(panels.arms.rows[arm].plus)
         user.until_last("done")
-    for twin, robot in robots.items():
+    for side, robot in robots.items():
         at = robot.positions()
-        shown = {getattr(panels.arms.rows[arm], twin): getattr(at.arms, arm) for arm in ARMS}
+        shown = {getattr(panels.arms.rows[arm], side): getattr(at.arms, arm) for arm in ARMS}
         shown |= {
-            panels.head.numbers[twin, axis]: getattr(at.head, axis) for axis in ("yaw", "pitch", "roll")
+            panels.head.numbers[side, axis]: getattr(at.head, axis) for axis in ("yaw", "pitch", "roll")
         }
         assert len({round(angle) for angle in shown.values()}) > 3, (
             "the values differ, so that the test notices swapped ones"

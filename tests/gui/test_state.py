@@ -77,7 +77,7 @@ def test_plus_and_minus_turn_by_or_to_the_increment(
     send = sent(state_after(intents.SetRelative(relative)).handle(Jog(arm, sign), now))
     assert arms_of(send) == goal
     assert send.query.absolute is not relative
-    assert send.twins == ("sim",)
+    assert send.sides == ("sim",)
 
 
 def test_a_tooltip_shows_the_effect_before_it_is_sent() -> None:
@@ -122,12 +122,12 @@ def test_limits_are_the_defaults_until_the_robot_reports_its_own() -> None:
 def test_with_both_boxes_checked_one_motion_is_sent_with_the_lead() -> None:
     state = state_after(BOTH)
     send = sent(state.handle(Jog("all", 1), world()))
-    assert (send.twins, send.lead_s) == (("sim", "hw"), 2.0)
+    assert (send.sides, send.lead_s) == (("sim", "hw"), 2.0)
     state.handle(intents.SetLead(0.0), world())
     assert sent(state.handle(intents.SendHead(), world())).lead_s == 0.0
     state.handle(NOT_SIM, world())
     send = sent(state.handle(intents.SendHead(), world()))
-    assert (send.twins, send.lead_s) == (("hw",), 0.0)
+    assert (send.sides, send.lead_s) == (("hw",), 0.0)
 
 
 def test_home_is_a_motion_that_the_hardware_makes_with_the_lead() -> None:
@@ -140,10 +140,10 @@ def test_commands_go_to_the_checked_robots_or_to_the_one_that_is_named() -> None
     state = state_after(BOTH)
     (both,) = state.handle(RunCommand(Command.ENABLE, value=False), world())
     assert isinstance(both, SendCommand)
-    assert (both.twins, both.value) == (("sim", "hw"), False)
-    (one,) = state.handle(RunCommand(Command.RESET, twin="sim"), world())
+    assert (both.sides, both.value) == (("sim", "hw"), False)
+    (one,) = state.handle(RunCommand(Command.RESET, side="sim"), world())
     assert isinstance(one, SendCommand)
-    assert one.twins == ("sim",)
+    assert one.sides == ("sim",)
     assert state.handle(intents.MakeReady("hw"), world()) == [Ready(3, "hw")]
 
 
@@ -194,7 +194,7 @@ def test_an_absolute_jog_needs_the_angles_of_the_other_arms() -> None:
 
 def test_limits_are_checked_by_the_robot_not_by_the_window() -> None:
     off = world(robot("sim", known=status("sim", enabled=False)))
-    assert sent(state_after(intents.AimHead(0, 80, 0)).handle(intents.SendHead(), off)).twins == ("sim",)
+    assert sent(state_after(intents.AimHead(0, 80, 0)).handle(intents.SendHead(), off)).sides == ("sim",)
 
 
 def test_a_number_outside_the_range_of_the_message_is_refused() -> None:
@@ -217,7 +217,7 @@ def test_stop_is_always_sent_to_both_robots(now: World) -> None:
 # -- window ------------------------------------------------------------------------------------------
 
 
-EYES = frozenset((twin, eye) for twin in ("sim", "hw") for eye in ("left", "right"))
+EYES = frozenset((side, eye) for side in ("sim", "hw") for eye in ("left", "right"))
 
 
 def test_only_visible_pictures_are_subscribed_to() -> None:
@@ -225,11 +225,11 @@ def test_only_visible_pictures_are_subscribed_to() -> None:
     outside = frozenset({("sim", "outside")})
     assert state.begin() == [WatchCameras(outside)]
     assert state.handle(intents.ShowTab(Tab.HEADS), world()) == [WatchCameras(outside)]
-    assert [(eye.twin, eye.eye) for eye in state.view(world()).eyes if eye.watched] == [("sim", "outside")]
+    assert [(eye.side, eye.eye) for eye in state.view(world()).eyes if eye.watched] == [("sim", "outside")]
     assert state.handle(intents.ShowTab(Tab.EYES), world()) == [WatchCameras(frozenset())]
     assert state.view(world()).tab is Tab.EYES
     assert state.handle(intents.SetCameras(on=True), world()) == [WatchCameras(EYES)]
-    watched = {(eye.twin, eye.eye) for eye in state.view(world(hw=absent("hw"))).eyes if eye.watched}
+    watched = {(eye.side, eye.eye) for eye in state.view(world(hw=absent("hw"))).eyes if eye.watched}
     assert watched == {("sim", "left"), ("sim", "right")}
     assert state.handle(intents.SetCameras(on=False), world()) == [WatchCameras(frozenset())]
     assert state.handle(intents.ShowTab(Tab.PLOTS), world()) == [WatchCameras(frozenset())]
@@ -262,7 +262,7 @@ def camera(*, connected: bool = True, streaming: bool = True, trouble: str = "")
 def test_a_missing_picture_has_a_reason(cameras: tuple[CameraStatus, ...], left: str, outside: str) -> None:
     now = world(robot("sim", known=status("sim", cameras=cameras)), absent("hw"))
     state = state_after(intents.SetCameras(on=True))
-    found = {(eye.twin, eye.eye): eye.text for eye in state.view(now).eyes}
+    found = {(eye.side, eye.eye): eye.text for eye in state.view(now).eyes}
     assert found["sim", "left"].startswith(left)
     assert bool(found["sim", "left"]) is bool(left)
     assert found["sim", "outside"].startswith(outside)

@@ -84,10 +84,10 @@ def test_a_motion_is_sent_again_to_the_robots_that_are_checked_now() -> None:
     (again,) = state.handle(intents.Repeat(1), world())
     assert isinstance(first, Send)
     assert isinstance(again, Send)
-    assert (again.row, again.query, again.twins, again.lead_s) == (2, first.query, ("sim", "hw"), 2.0)
-    state.handle(RunCommand(Command.RESET, twin="sim"), world())
+    assert (again.row, again.query, again.sides, again.lead_s) == (2, first.query, ("sim", "hw"), 2.0)
+    state.handle(RunCommand(Command.RESET, side="sim"), world())
     (reset,) = state.handle(intents.Repeat(3), world())
-    assert reset == SendCommand(4, Command.RESET, value=True, twins=("sim",))
+    assert reset == SendCommand(4, Command.RESET, value=True, sides=("sim",))
     assert state.handle(intents.Repeat(77), world()) == []
     refusal = state.view(world()).commands.refusal
     assert refusal is not None
@@ -135,7 +135,7 @@ LINES: list[tuple[tuple[Intent, ...], str, str]] = [
     ((RunCommand(Command.ENABLE),), "twin.sim.enable()", "beatrix enable --on sim"),
     ((BOTH, RunCommand(Command.ENABLE, value=False)), "twin.disable()", "beatrix disable --on both"),
     ((BOTH, RunCommand(Command.CALIBRATE)), "twin.calibrate()", "beatrix calibrate --on both"),
-    ((RunCommand(Command.RESET, twin="hw"),), "twin.hw.reset()", "beatrix reset --on hw"),
+    ((RunCommand(Command.RESET, side="hw"),), "twin.hw.reset()", "beatrix reset --on hw"),
     ((intents.Stop(),), "twin.stop()", "beatrix stop"),
     (
         (intents.MakeReady("hw"),),

@@ -89,7 +89,7 @@ def test_plus_during_the_lead_adds_to_the_goal_of_both_robots() -> None:
     state = state_after(BOTH, Jog("short", 1))
     leading = plan(PlanPhase.LEADING)
     again = sent(state.handle(Jog("long", 1), leading))
-    assert again.twins == ("sim", "hw")
+    assert again.sides == ("sim", "hw")
     assert arms_of(again) == pytest.approx((5.0, 0.0, 5.0))
     third = sent(state.handle(Jog("all", -1), leading))
     assert arms_of(third) == pytest.approx((0.0, -5.0, 0.0))

@@ -52,8 +52,8 @@ class BareWindow:
     def own(self) -> bool | None:
         return next(row.good for row in self.view().history if row.row > 0)
 
-    def commanded(self, twin: str) -> ArmAngles:
-        reading = self.linked.world.twin(twin).reading
+    def commanded(self, side: str) -> ArmAngles:
+        reading = self.linked.world.side(side).reading
         assert reading is not None
         return reading.commanded
 

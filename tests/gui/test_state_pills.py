@@ -24,15 +24,15 @@ from gui.console.state.state import State
 from gui.console.state.views import Condition, PillView
 from gui.console.state.world import LinkPhase, World
 
-CALIBRATE_SIM = RunCommand(Command.CALIBRATE, twin="sim")
+CALIBRATE_SIM = RunCommand(Command.CALIBRATE, side="sim")
 
 
 def sim_with(**fields: Any) -> RobotState:
     return robot("sim", known=status("sim", **fields))
 
 
-def pill(now: World, twin: str = "sim") -> PillView:
-    return next(found for found in State().view(now).pills if found.twin == twin)
+def pill(now: World, side: str = "sim") -> PillView:
+    return next(found for found in State().view(now).pills if found.side == side)
 
 
 @pytest.mark.parametrize(
@@ -47,7 +47,7 @@ def pill(now: World, twin: str = "sim") -> PillView:
             sim_with(fault=Fault.EMERGENCY, enabled=False),
             Condition.FAULT,
             "emergency stop",
-            RunCommand(Command.RESET, twin="sim"),
+            RunCommand(Command.RESET, side="sim"),
         ),
         (sim_with(fault=Fault.BOARD_LOST), Condition.FAULT, "board lost", None),
         (sim_with(connected=False), Condition.FAULT, "board lost", None),
@@ -93,7 +93,7 @@ def test_each_condition_has_a_symbol_of_its_own() -> None:
 def test_the_hardware_is_enabled_before_it_is_calibrated() -> None:
     found = pill(world(hw=robot("hw", known=status("hw", enabled=False, calibrated=False))), "hw")
     assert found.next_step is not None
-    assert found.next_step.intent == RunCommand(Command.ENABLE, twin="hw")
+    assert found.next_step.intent == RunCommand(Command.ENABLE, side="hw")
     assert "upright" in found.reason
 
 
@@ -123,8 +123,8 @@ def test_a_window_whose_account_is_refused_only_offers_to_try_again() -> None:
     now = replace(
         world(absent("sim"), absent("hw"), phase=LinkPhase.REFUSED), trouble="The router refuses ana."
     )
-    for twin in ("sim", "hw"):
-        next_step = pill(now, twin).next_step
+    for side in ("sim", "hw"):
+        next_step = pill(now, side).next_step
         assert next_step is not None
         assert next_step.intent == Retry()
     state = State()
@@ -169,7 +169,7 @@ def test_a_latched_emergency_stop_has_a_banner_with_a_reset_for_each_robot() -> 
     banner = State().view(world(hw=robot("hw", known=latched))).banner
     assert banner is not None
     assert banner.text.startswith("Emergency stop (hardware): the motors are off.")
-    assert [button.intent for button in banner.buttons] == [RunCommand(Command.RESET, twin="hw")]
+    assert [button.intent for button in banner.buttons] == [RunCommand(Command.RESET, side="hw")]
     both = world(robot("sim", known=latched), robot("hw", known=latched))
     banner = State().view(both).banner
     assert banner is not None

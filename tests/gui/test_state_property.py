@@ -45,7 +45,7 @@ from gui.console.state.intents import ALL_ARMS, Intent, Page, Tab, Theme
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, World
 
-TWINS = st.sampled_from(["sim", "hw"])
+SIDES = st.sampled_from(["sim", "hw"])
 ANGLES = st.floats(-1e6, 1e6)
 ANY_NUMBER = st.floats()
 NAMES = st.sampled_from(["bow", "up", ""])
@@ -77,13 +77,13 @@ INTENTS: st.SearchStrategy[Intent] = st.one_of(
     st.builds(intents.SetRelative, st.booleans()),
     st.builds(intents.SetIncrement, ANY_NUMBER),
     st.builds(intents.SetSpeed, ANY_NUMBER),
-    st.builds(intents.SetDestination, TWINS, st.booleans()),
+    st.builds(intents.SetDestination, SIDES, st.booleans()),
     st.builds(intents.SetCameras, st.booleans()),
     st.builds(intents.SetLead, ANY_NUMBER),
     st.builds(
         intents.RunCommand, st.sampled_from(COMMANDS), st.booleans(), st.sampled_from(["", "sim", "hw"])
     ),
-    st.builds(intents.MakeReady, TWINS),
+    st.builds(intents.MakeReady, SIDES),
     st.sampled_from(
         [
             intents.SendNow(),
@@ -99,7 +99,7 @@ INTENTS: st.SearchStrategy[Intent] = st.one_of(
             intents.Retry(),
         ]
     ),
-    st.builds(intents.AskLease, st.sampled_from(LEASES), TWINS),
+    st.builds(intents.AskLease, st.sampled_from(LEASES), SIDES),
     st.builds(intents.GovernClass, st.sampled_from(LeaseAction), st.none() | st.just(("bea1", "hw"))),
     st.builds(intents.LimitClass, st.sampled_from(["", "20", "-1", "fast"])),
     st.sampled_from([intents.TogglePage(), intents.DismissNotice()]),
@@ -134,12 +134,12 @@ PATHS = st.sampled_from(
 
 
 @st.composite
-def robots(draw: st.DrawFn, twin: str) -> RobotState:
+def robots(draw: st.DrawFn, side: str) -> RobotState:
     presence = draw(st.sampled_from(Presence))
     if presence is Presence.ABSENT:
-        return absent(twin)
+        return absent(side)
     known = status(
-        twin,
+        side,
         enabled=draw(st.booleans()),
         calibrated=draw(st.booleans()),
         moving=draw(st.booleans()),
@@ -153,7 +153,7 @@ def robots(draw: st.DrawFn, twin: str) -> RobotState:
     )
     arms = draw(st.none() | st.tuples(ANGLES, ANGLES, ANGLES))
     events = tuple(draw(st.lists(EVENTS, max_size=4)))
-    return robot(twin, presence=presence, arms=arms, age_s=draw(st.floats(0, 9)), known=known, events=events)
+    return robot(side, presence=presence, arms=arms, age_s=draw(st.floats(0, 9)), known=known, events=events)
 
 
 WORLDS: st.SearchStrategy[World] = st.builds(
@@ -215,15 +215,15 @@ class AnyOrder(RuleBasedStateMachine):
         if isinstance(action, Govern) and action.action is not LeaseAction.GIVE_BACK:
             assert self.world.is_teacher
         if isinstance(action, MOVES):
-            assert action.twins == asked
+            assert action.sides == asked
             assert asked, "nothing may move while no box is checked"
             assert self.world.phase is LinkPhase.ON_LINE
-            assert all(self.world.twin(twin).presence is not Presence.ABSENT for twin in action.twins)
+            assert all(self.world.side(side).presence is not Presence.ABSENT for side in action.sides)
             assert action.lead_s >= 0
 
     @rule(
         row=st.integers(0, 20),
-        twin=st.sampled_from(["", "sim", "hw"]),
+        side=st.sampled_from(["", "sim", "hw"]),
         accepted=st.booleans(),
         done=st.booleans(),
         reason=st.sampled_from(Reason),
@@ -234,7 +234,7 @@ class AnyOrder(RuleBasedStateMachine):
     def report_outcome(
         self,
         row: int,
-        twin: str,
+        side: str,
         accepted: bool,
         done: bool,
         reason: Reason,
@@ -242,7 +242,7 @@ class AnyOrder(RuleBasedStateMachine):
         detail: Detail | None,
         duration_s: float,
     ) -> None:
-        outcome = Outcome(row, twin, accepted, done, reason, message, detail, duration_s)
+        outcome = Outcome(row, side, accepted, done, reason, message, detail, duration_s)
         self.state.report(outcome)
 
     @invariant()

@@ -114,10 +114,10 @@ def test_an_alternative_speed_keeps_the_motion() -> None:
         (
             Refused(Reason.NOT_ENABLED, detail=Detail(needs=["ENABLE"])),
             "Enable",
-            SendCommand(2, Command.ENABLE, value=True, twins=("sim",)),
+            SendCommand(2, Command.ENABLE, value=True, sides=("sim",)),
         ),
-        (not_calibrated(), "Calibrate", SendCommand(2, Command.CALIBRATE, value=True, twins=("sim",))),
-        (emergency_latched(), "Reset", SendCommand(2, Command.RESET, value=True, twins=("sim",))),
+        (not_calibrated(), "Calibrate", SendCommand(2, Command.CALIBRATE, value=True, sides=("sim",))),
+        (emergency_latched(), "Reset", SendCommand(2, Command.RESET, value=True, sides=("sim",))),
         (driven_by("ana", 1.2), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
         (taken_by("ana"), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
         (lease_ended(3, "ana"), None, None),
@@ -137,7 +137,7 @@ def test_a_refusal_offers_a_button_for_the_first_required_step(
 
 def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> None:
     state = state_after(BOTH, Jog("short", 1))
-    refused(state, not_enabled().detail, Reason.NOT_ENABLED, twin="hw")
+    refused(state, not_enabled().detail, Reason.NOT_ENABLED, side="hw")
     shown = state.view(world()).arms.refusal
     assert shown is not None
     assert shown.text == "Hardware: The motors are off. Set the head upright, then enable and calibrate."
@@ -152,12 +152,12 @@ def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> Non
 
 def test_the_robot_that_refused_is_read_from_the_message() -> None:
     state = state_after(BOTH, Jog("short", 1))
-    refused(state, not_calibrated().detail, Reason.NOT_CALIBRATED, "bea1 (hw): Home is not known.", twin="")
+    refused(state, not_calibrated().detail, Reason.NOT_CALIBRATED, "bea1 (hw): Home is not known.", side="")
     shown = state.view(world()).arms.refusal
     assert shown is not None
     assert shown.text.startswith("Hardware: Home is not known.")
     (action,) = state.handle(intents.TakeAlternative(), world())
-    assert action == SendCommand(2, Command.CALIBRATE, value=True, twins=("hw",))
+    assert action == SendCommand(2, Command.CALIBRATE, value=True, sides=("hw",))
 
 
 def test_a_motion_that_this_window_stops_or_aborts_is_not_a_refusal() -> None:
@@ -200,7 +200,7 @@ def test_a_refusal_without_data_is_german_unless_only_its_message_explains_it(
     reason: Reason, german: str
 ) -> None:
     state = state_after(BOTH, Jog("short", 1))
-    refused(state, None, reason, "Something is wrong.", twin="")
+    refused(state, None, reason, "Something is wrong.", side="")
     shown = state.view(world()).arms.refusal
     assert shown is not None
     assert shown.text == "Something is wrong."

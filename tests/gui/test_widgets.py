@@ -221,7 +221,7 @@ def test_pills_and_banner_have_the_button_for_the_next_step(
     assert "emergency stop" in pill.state.text()
     assert pill.toolTip()
     QTest.mouseClick(pill.next_step, LEFT)
-    assert intents() == [RunCommand(Command.RESET, twin="hw")]
+    assert intents() == [RunCommand(Command.RESET, side="hw")]
     assert not window.panels.header.pills["sim"].next_step.isVisible()
     shown.shown = example("no-router", Theme.LIGHT, "en")
     window.refresh()

@@ -58,7 +58,7 @@ def test_an_intent_becomes_an_action_and_is_shown(window: Window, link: Recordin
     QTest.mouseClick(window.panels.arms.rows["short"].plus, LEFT)
     (action,) = link.done
     assert isinstance(action, Send)
-    assert action.twins == ("sim",)
+    assert action.sides == ("sim",)
     qtbot.waitUntil(lambda: window.panels.history.list.count() == 1)
 
 

@@ -75,9 +75,9 @@ def stage() -> Iterator[Stage]:
         yield made
 
 
-def shows(user: Windowed, twin: str, words: str) -> Callable[[], bool]:
+def shows(user: Windowed, side: str, words: str) -> Callable[[], bool]:
     """Return a function that tests whether the state of a robot contains these words."""
-    return lambda: words in user.window.panels.header.pills[twin].state.text()
+    return lambda: words in user.window.panels.header.pills[side].state.text()
 
 
 def assert_soon(user: Windowed, holds: Callable[[], bool], what: str, gaps: Gaps, limit_s: float) -> None:

@@ -47,9 +47,9 @@ def pairs(colours: Style) -> Iterator[tuple[str, str, str, float]]:
             yield text, getattr(colours, text), getattr(colours, ground), READABLE
         for sign in ("edge", "disabled"):
             yield sign, getattr(colours, sign), getattr(colours, ground), LEGIBLE
-    for twin in ("sim", "hw"):
+    for side in ("sim", "hw"):
         for ground in ("panel", "field"):
-            yield twin, colours.twin(twin), getattr(colours, ground), READABLE
+            yield side, colours.side(side), getattr(colours, ground), READABLE
     for condition in Condition:
         yield condition, colours.condition(condition), colours.panel, READABLE
     yield "refusal", colours.text, colours.notice, READABLE

@@ -63,7 +63,7 @@ def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> N
     refused = free.run("freeze")
     assert (refused.returncode, "ana is not the teacher's seat" in refused.stderr) == (1, True)
     rows = free.json("freeze", "--who", "teacher")["robots"]
-    assert {(row["robot"], row["on"], row["result"]) for row in rows} == {
+    assert {(row["robot"], row["side"], row["result"]) for row in rows} == {
         (NAME, "sim", True),
         (NAME, "hw", True),
     }
@@ -115,11 +115,11 @@ def test_mute_robots_do_not_hold_up_those_that_answer() -> None:
         stage.node("bea1")
         waiting: list[Incoming] = []
         silent = [("aaa", "hw"), ("aab", "hw"), ("ana", "hw"), ("zoe", "sim")]
-        for name, twin in silent:
+        for name, side in silent:
             mute = stage.client(name).bus
-            mute.declare_token(keys.alive(name, twin))
+            mute.declare_token(keys.alive(name, side))
             if name != "zoe":  # its node has lost its queryables
-                mute.serve(keys.lease(name, twin, "*"), waiting.append)
+                mute.serve(keys.lease(name, side, "*"), waiting.append)
         until(lambda: {("bea1", "hw"), *silent} <= {*teacher.robots()}, "all robots are online")
         begin = time.monotonic()
         results = govern(teacher, teacher.robots(), LeaseQuery(action=LeaseAction.FREEZE))

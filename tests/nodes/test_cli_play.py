@@ -31,7 +31,7 @@ def mine(tmp_path: Path) -> str:
 
 
 def steps(robot: Robot) -> Steps:
-    key = keys.positions(robot.name, robot.twin)
+    key = keys.positions(robot.name, robot.side)
     return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s).steps
 
 

@@ -169,8 +169,8 @@ def test_up_starts_a_crashed_robot_again_and_the_others_continue(up: Process, en
     after = children(up)
     assert after["router"] == started["router"]
     assert not {after["sim"], after["hw"]} & set(started.values())
-    for twin in ("sim", "hw"):
-        with Robot("bea", twin, connect=endpoint) as robot:
+    for side in ("sim", "hw"):
+        with Robot("bea", side, connect=endpoint) as robot:
             robot.make_ready()
             robot.look(yaw=2)
     os.kill(after["sim"], signal.SIGKILL)

@@ -18,7 +18,7 @@ def test_stop_ends_a_motion_and_the_command_that_sent_it_fails(free: Shell) -> N
         until(lambda: robot.status().moving, "the motion begins")
         rows = free.json("stop", "--who", "ben")["robots"]
         output, _ = look.communicate(timeout=END_S)
-    assert {(row["on"], row["result"]) for row in rows} == {("sim", True), ("hw", True)}
+    assert {(row["side"], row["result"]) for row in rows} == {("sim", True), ("hw", True)}
     assert (look.returncode, "STOP" in output) == (1, True)
 
 
@@ -34,7 +34,7 @@ def test_no_setting_prevents_stop(shell: Shell, tmp_path: Path) -> None:
     (tmp_path / "beatrix.toml").write_text('robot = "bea1', encoding="utf-8")
     done = shell.run("stop", "--json", cwd=tmp_path, BEATRIX_ROBOT="Bea 1", BEATRIX_WHO="Frau Müller")
     rows = json.loads(done.stdout)["robots"]
-    assert {(row["robot"], row["on"]) for row in rows} == {(NAME, "sim"), (NAME, "hw")}
+    assert {(row["robot"], row["side"]) for row in rows} == {(NAME, "sim"), (NAME, "hw")}
     assert done.returncode == 0
     for wrong in ("beatrix.toml", "'Bea 1'", "Frau"):
         assert wrong in done.stderr
@@ -43,7 +43,7 @@ def test_no_setting_prevents_stop(shell: Shell, tmp_path: Path) -> None:
 def test_stop_takes_several_names_and_both_twins(shell: Shell) -> None:
     with another(shell, "bea2"):
         rows = shell.json("stop", "--name", "bea2", "--name", NAME, "--on", "hw", "--on", "sim")["robots"]
-    assert {(row["robot"], row["on"]) for row in rows} == {(NAME, "sim"), (NAME, "hw"), ("bea2", "hw")}
+    assert {(row["robot"], row["side"]) for row in rows} == {(NAME, "sim"), (NAME, "hw"), ("bea2", "hw")}
 
 
 def test_stop_without_a_robot_of_the_configured_name_explains_how_to_stop_all(shell: Shell) -> None:
@@ -59,7 +59,7 @@ def test_after_an_emergency_stop_enable_is_refused_until_reset(shell: Shell) -> 
     refused = shell.run("enable", "--on", "hw")
     assert (refused.returncode, "`beatrix reset`" in refused.stderr) == (1, True)
     rows = shell.json("reset", "--on", "both")["robots"]
-    assert [row["on"] for row in rows] == ["sim", "hw"]
+    assert [row["side"] for row in rows] == ["sim", "hw"]
     assert {row["state"] for row in shell.json("ls")["robots"]} == {"motors off"}, "reset switches nothing on"
     shell.good("enable", "--on", "both")
     shell.good("calibrate", "--on", "both")
@@ -75,7 +75,7 @@ def test_stop_with_a_wrong_name_stops_the_others_and_then_fails(free: Shell) -> 
         done = free.run("stop", "--name", "Bea 2", "--name", NAME, "--json")
         assert (motion.exception(5.0) or Refused(Reason.OK)).reason is Reason.STOPPED
     document = json.loads(done.stdout)
-    results = {(row["robot"], row["on"]): row["reason"] for row in document["robots"]}
+    results = {(row["robot"], row["side"]): row["reason"] for row in document["robots"]}
     assert results == {(NAME, "sim"): "OK", (NAME, "hw"): "OK", ("Bea 2", ""): "BAD_VALUE"}
     assert (done.returncode, document["result"]) == (2, False)
 

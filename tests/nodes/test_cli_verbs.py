@@ -35,7 +35,7 @@ def yaw_deg(robot: Robot) -> float:
 
 def test_ls_lists_both_robots(shell: Shell) -> None:
     rows = shell.json("ls")["robots"]
-    assert [(row["robot"], row["on"], row["state"]) for row in rows] == [
+    assert [(row["robot"], row["side"], row["state"]) for row in rows] == [
         (NAME, "sim", "ready"),
         (NAME, "hw", "ready"),
     ]
@@ -123,7 +123,7 @@ def test_echo_of_both_robots_merges_their_events_by_time(shell: Shell) -> None:
     rows = [json.loads(line) for line in lines]
     times = [row["t_wall_ns"] for row in rows]
     assert times == sorted(times)
-    assert {row["on"] for row in rows} == {"sim", "hw"}
+    assert {row["side"] for row in rows} == {"sim", "hw"}
 
 
 def test_echo_of_events_ends_when_the_robot_is_lost(shell: Shell) -> None:
@@ -156,14 +156,14 @@ def test_hz_and_echo_show_pictures(shell: Shell) -> None:
     assert row["lost"] == 0
     assert 20 < row["hz"] < 40
     picture = json.loads(shell.good("echo", "camera/right", "--count", "1", "--on", "hw", "--json"))
-    assert (picture["on"], picture["eye"], picture["width"], picture["height"]) == ("hw", "right", 640, 480)
+    assert (picture["side"], picture["eye"], picture["width"], picture["height"]) == ("hw", "right", 640, 480)
     assert picture["bytes"] > 1000
     assert "right eye, picture" in shell.good("echo", "camera/right", "--count", "1", "--on", "hw")
 
 
 def test_top_shows_all_robots_once(shell: Shell) -> None:
     rows = shell.json("top", "--once")["robots"]
-    assert [(row["robot"], row["on"]) for row in rows] == [(NAME, "sim"), (NAME, "hw")]
+    assert [(row["robot"], row["side"]) for row in rows] == [(NAME, "sim"), (NAME, "hw")]
     assert all(row["state"] == "ready" and row["hz"] > 30 for row in rows)
 
 
@@ -223,7 +223,7 @@ def test_look_turns_the_simulation_by_default(shell: Shell) -> None:
     with shell.robot("hw") as hardware:
         before = hardware.positions().commanded
         (row,) = shell.json("look", "--yaw", "12", "--speed", "80")["robots"]
-        assert row["on"] == "sim"
+        assert row["side"] == "sim"
         assert row["head_deg"]["yaw"] == pytest.approx(12, abs=0.5)
         assert hardware.positions().commanded == before
 

@@ -280,7 +280,7 @@ def test_a_stream_is_in_degrees_and_can_be_iterated_and_closed(robot: Robot) -> 
         assert latest is not None
         assert latest.t >= reading.t
         arrival = stream.next_arrival()
-        assert (arrival.robot, arrival.twin) == ("bea", "hw")
+        assert (arrival.robot, arrival.side) == ("bea", "hw")
     with pytest.raises(NoAnswer, match="closed"):
         stream.next()
 
@@ -333,7 +333,7 @@ def test_a_monitor_shows_every_robot(stage: Stage, robot: Robot) -> None:
         assert state.presence is Presence.ON_LINE
         assert reading.head.yaw == pytest.approx(8, abs=0.3)
         assert monitor.robot("none", "sim").presence is Presence.ABSENT
-        assert [(one.robot, one.twin) for one in monitor.robots()] == [("bea", "hw")]
+        assert [(one.robot, one.side) for one in monitor.robots()] == [("bea", "hw")]
 
 
 def test_a_monitor_wakes_on_changes_and_shows_arrivals_and_losses_of_robots(

@@ -34,7 +34,7 @@ def recorded_during(
     stage: Stage, seconds: float, do: Callable[[], object]
 ) -> tuple[LiveRecording, LiveRecording]:
     """Record simulation and hardware for `seconds` (s) during a call."""
-    robots = [stage.robot("bea", twin, "eve") for twin in ("sim", "hw")]
+    robots = [stage.robot("bea", side, "eve") for side in ("sim", "hw")]
     recording = threading.Event()
     with ThreadPoolExecutor(1) as pool:
         done = pool.submit(record_robots, robots, seconds, lambda _passed_s: recording.set())

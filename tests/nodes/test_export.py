@@ -21,7 +21,7 @@ from beatrix_zenoh.cli import app
 from beatrix_zenoh.recording.difference import GAP_NS
 from beatrix_zenoh.recording.rrd.read import read
 
-TWINS = ("sim", "hw")
+SIDES = ("sim", "hw")
 ROTATE_MIN = 0.1
 """The shortest length of a file: 6 s."""
 FILES = 3
@@ -47,19 +47,19 @@ class RawLog:
     lock: threading.Lock = field(default_factory=threading.Lock)
 
     def add(self, sample: zenoh.Sample) -> None:
-        twin = str(sample.key_expr).split("/")[2]
+        side = str(sample.key_expr).split("/")[2]
         message = msgpack.unpackb(sample.payload.to_bytes())
         with self.lock:
-            self.messages[twin, message["seq"]] = message
+            self.messages[side, message["seq"]] = message
 
-    def samples(self, twin: str, first: int, last: int) -> list[int]:
+    def samples(self, side: str, first: int, last: int) -> list[int]:
         """Return the numbers of the messages that repeat no other."""
-        numbers = [number for number in self.numbers(twin) if first <= number <= last]
-        return [number for number in numbers if not self.messages[twin, number]["repeated"]]
+        numbers = [number for number in self.numbers(side) if first <= number <= last]
+        return [number for number in numbers if not self.messages[side, number]["repeated"]]
 
-    def numbers(self, twin: str) -> list[int]:
+    def numbers(self, side: str) -> list[int]:
         with self.lock:
-            return sorted(number for of, number in self.messages if of == twin)
+            return sorted(number for of, number in self.messages if of == side)
 
 
 @dataclass(frozen=True)
@@ -78,10 +78,10 @@ def lesson(stage: Stage, tmp_path_factory: pytest.TempPathFactory) -> Lesson:
     config.insert_json5("mode", '"client"')
     config.insert_json5("connect/endpoints", json.dumps([stage.endpoint]))
     config.insert_json5("scouting/multicast/enabled", "false")
-    robots = [ready(stage.robot("bea", twin)) for twin in TWINS]
+    robots = [ready(stage.robot("bea", side)) for side in SIDES]
     with zenoh.open(config) as session:
         subscriber = session.declare_subscriber("beatrix/bea/*/state/positions", raw.add)
-        until(lambda: all(raw.numbers(twin) for twin in TWINS), "positions of both")
+        until(lambda: all(raw.numbers(side) for side in SIDES), "positions of both")
         words = ("record", str(folder / "day.rrd"), "--connect", stage.endpoint, "--cameras", "0")
         process = stage.process("beatrix_zenoh.cli", *words, "--rotate", str(ROTATE_MIN), "--name", "bea")
         process.expect_all("Recording bea (hw).", "Recording bea (sim).")
@@ -90,8 +90,8 @@ def lesson(stage: Stage, tmp_path_factory: pytest.TempPathFactory) -> Lesson:
             yaw = -yaw
             for motion in [robot.look(yaw=yaw, pitch=8, wait=False) for robot in robots]:
                 motion.wait()
-        last = {twin: raw.numbers(twin)[-1] for twin in TWINS}
-        until(lambda: all(raw.numbers(twin)[-1] > last[twin] + 50 for twin in TWINS), "a second more")
+        last = {side: raw.numbers(side)[-1] for side in SIDES}
+        until(lambda: all(raw.numbers(side)[-1] > last[side] + 50 for side in SIDES), "a second more")
         assert process.end() == 0
         subscriber.undeclare()
     return Lesson(sorted(folder.glob("day-*.rrd")), raw)
@@ -112,23 +112,23 @@ def of_messages(messages: list[Message], name: str) -> Singles:
 
 
 @pytest.mark.parametrize(("suffix", "load"), [(".csv", pd.read_csv), (".parquet", pd.read_parquet)])
-@pytest.mark.parametrize("twin", TWINS)
+@pytest.mark.parametrize("side", SIDES)
 def test_every_sample_is_in_the_table_to_the_last_bit(
-    lesson: Lesson, tmp_path: Path, suffix: str, load: type, twin: str
+    lesson: Lesson, tmp_path: Path, suffix: str, load: type, side: str
 ) -> None:
     assert len(lesson.files) >= FILES
     path = tmp_path / f"day{suffix}"
     assert app.run(["export", *map(str, lesson.files), str(path), "--samples"]) == 0
-    rows = load(path).query("twin == @twin")
+    rows = load(path).query("side == @side")
     numbers = rows.seq.astype(int).tolist()
     first, last = numbers[0], numbers[-1]
     assert last - first > 600
     assert len(set(numbers)) == len(numbers), "no sample is in two files"
-    published = [number for number in lesson.raw.numbers(twin) if first <= number <= last]
+    published = [number for number in lesson.raw.numbers(side) if first <= number <= last]
     assert published == list(range(first, last + 1)), "the network lost nothing"
-    assert sorted(numbers) == lesson.raw.samples(twin, first, last)
+    assert sorted(numbers) == lesson.raw.samples(side, first, last)
     assert (rows.seq.diff() - rows.repeats)[1:].eq(1).all()
-    messages = [lesson.raw.messages[twin, number] for number in numbers]
+    messages = [lesson.raw.messages[side, number] for number in numbers]
     assert rows.robot_time_ns.tolist() == [message["t_wall_ns"] for message in messages]
     for name, columns in FIELDS.items():
         np.testing.assert_array_equal(as_published(rows, columns), of_messages(messages, name), name)
@@ -143,7 +143,7 @@ def test_pandas_reads_the_same_angles_from_the_recording(lesson: Lesson) -> None
     loaded = loaded.sort_values("robot_time")
     times = loaded["robot_time"].astype("int64").tolist()
     by_time = {
-        message["t_wall_ns"]: message for (twin, _), message in lesson.raw.messages.items() if twin == "sim"
+        message["t_wall_ns"]: message for (side, _), message in lesson.raw.messages.items() if side == "sim"
     }
     messages = [by_time[time] for time in times]
     assert len(messages) > 600
@@ -151,14 +151,14 @@ def test_pandas_reads_the_same_angles_from_the_recording(lesson: Lesson) -> None
     np.testing.assert_array_equal(angles, of_messages(messages, "position"))
 
 
-@pytest.mark.parametrize("twin", TWINS)
-def test_the_grid_covers_the_seams(lesson: Lesson, tmp_path: Path, twin: str) -> None:
+@pytest.mark.parametrize("side", SIDES)
+def test_the_grid_covers_the_seams(lesson: Lesson, tmp_path: Path, side: str) -> None:
     path = tmp_path / "day.parquet"
     assert app.run(["export", *map(str, lesson.files), str(path)]) == 0
     table = pd.read_parquet(path)
     np.testing.assert_allclose(np.diff(table.time_s), 0.02, atol=1e-9)
-    parts = [read(file).robots["bea", twin].time_ns for file in lesson.files]
+    parts = [read(file).robots["bea", side].time_ns for file in lesson.files]
     for before, after in pairwise(parts):
         between = table[table.unix_time_s.between(before[-1] / 1e9, after[0] / 1e9)]
         whole = after[0] - before[-1] <= GAP_NS  # a busy computer may have published nothing for longer
-        assert between[f"bea_{twin}_yaw_deg"].notna().all() == whole
+        assert between[f"bea_{side}_yaw_deg"].notna().all() == whole

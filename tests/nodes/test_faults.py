@@ -137,9 +137,9 @@ def test_a_request_to_a_suspended_node_times_out_and_the_node_answers_when_it_co
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("module", ["hw_node", "sim_node"])
 def test_a_signal_stops_the_arms_and_ends_the_node(stage: Stage, module: str, number: signal.Signals) -> None:
-    twin = "sim" if module == "sim_node" else "hw"
-    process = stage.simulation("bea") if twin == "sim" else stage.hardware("bea")
-    robot = ready(stage.robot("bea", twin))
+    side = "sim" if module == "sim_node" else "hw"
+    process = stage.simulation("bea") if side == "sim" else stage.hardware("bea")
+    robot = ready(stage.robot("bea", side))
     motion = robot.look(yaw=60, wait=False)
     process.send(number)
     with pytest.raises(Interrupted) as ended:
@@ -152,9 +152,9 @@ def test_a_signal_stops_the_arms_and_ends_the_node(stage: Stage, module: str, nu
 
 @pytest.mark.parametrize("module", ["hw_node", "sim_node"])
 def test_a_node_delayed_by_a_second_finishes_its_motion(stage: Stage, module: str) -> None:
-    twin = "sim" if module == "sim_node" else "hw"
-    process = stage.simulation("bea") if twin == "sim" else stage.hardware("bea")
-    robot = ready(stage.robot("bea", twin))
+    side = "sim" if module == "sim_node" else "hw"
+    process = stage.simulation("bea") if side == "sim" else stage.hardware("bea")
+    robot = ready(stage.robot("bea", side))
     motion = robot.look(yaw=30, wait=False)
     process.send(signal.SIGSTOP)
     threading.Event().wait(1.0)  # the fault itself: time during which the process does not run

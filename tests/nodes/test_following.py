@@ -251,7 +251,7 @@ def test_the_verb_switches_it_and_the_list_shows_it(both: Both) -> None:
     assert "follows hw" not in shell.good("ls")
     shell.good("follow", "on", "--name", "bea", "--who", "ben")
     rows = shell.json("ls")["robots"]
-    assert {row["on"]: row["following"] for row in rows}["hw"] == "off"
+    assert {row["side"]: row["following"] for row in rows}["hw"] == "off"
     moved = shell.run("look", "--yaw", "5", "--name", "bea", "--on", "sim")
     assert moved.returncode == 1
     assert "beatrix follow off" in moved.stdout + moved.stderr

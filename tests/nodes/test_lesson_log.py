@@ -81,7 +81,7 @@ def goals(lesson: list[Asked]) -> Iterator[Arms]:
 
 
 def events_of(robot: Robot) -> list[Event]:
-    (answer,) = ask_raw(robot.client, keys.events_json(robot.name, robot.twin))
+    (answer,) = ask_raw(robot.client, keys.events_json(robot.name, robot.side))
     return msgspec.json.decode(answer.payload, type=Events).events
 
 
@@ -95,11 +95,11 @@ def teach(stage: Stage, robot: Robot) -> None:
     with pytest.raises(Refused):
         robot.look(pitch=60)
     words = "0.1 0.05 0 1.5"
-    ask_raw(robot.client, keys.pose(robot.name, robot.twin, "ana"), words.encode(), "text/plain")
+    ask_raw(robot.client, keys.pose(robot.name, robot.side, "ana"), words.encode(), "text/plain")
     Shell(stage.endpoint).good("look", "--yaw", "5", "--speed", "60", "--name", "bea", "--on", "hw")
     play(robot, Choreography([("nod", Pose(0.0, 0.0, 5.0, 0.0, 60.0))]))
     until(lambda: robot.status().holder == "", "free", 5.0)
-    robot.client.bus.put(keys.arm_target(robot.name, robot.twin, "short"), b"0.1", "text/plain")
+    robot.client.bus.put(keys.arm_target(robot.name, robot.side, "short"), b"0.1", "text/plain")
     until(lambda: abs(robot.positions().commanded.short - math.degrees(0.1)) < 0.1, "the arm is there", 5.0)
     until(lambda: robot.status().holder == "", "free", 5.0)
 

@@ -21,7 +21,7 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, R
 class Begun:
     """A sent motion: robot, time (s), and position of the hardware at that time (deg, long arm)."""
 
-    twin: str
+    side: str
     at_s: float
     hardware_deg: float
 
@@ -33,7 +33,7 @@ def begun(twin: Twin, monkeypatch: pytest.MonkeyPatch) -> list[Begun]:
     begin = Robot.begin
 
     def record(robot: Robot, query: MotionQuery | PoseQuery) -> Motion:
-        found.append(Begun(robot.twin, time.monotonic(), twin.hw.positions().commanded.long))
+        found.append(Begun(robot.side, time.monotonic(), twin.hw.positions().commanded.long))
         return begin(robot, query)
 
     monkeypatch.setattr(Robot, "begin", record)
@@ -50,7 +50,7 @@ def test_by_the_clock_the_simulation_does_not_wait_for_slow_hardware(twin: Twin,
     twin.hw.look(yaw=-100, speed=90)
     begun.clear()
     play(twin, POSES)
-    assert [one.twin for one in begun] == ["sim", "hw", "sim", "sim", "hw", "hw"]
+    assert [one.side for one in begun] == ["sim", "hw", "sim", "sim", "hw", "hw"]
     second = begun[2]
     assert second.hardware_deg < 3
     assert (
@@ -64,7 +64,7 @@ def test_in_lockstep_both_robots_wait_for_the_slower_one(twin: Twin, begun: list
     begun.clear()
     titles: list[str] = []
     play(twin, POSES, lambda title, _: titles.append(title), lockstep=True)
-    assert [one.twin for one in begun] == ["sim", "hw"] * 3
+    assert [one.side for one in begun] == ["sim", "hw"] * 3
     assert begun[2].hardware_deg == pytest.approx(4, abs=0.1)
     assert begun[4].hardware_deg == pytest.approx(8, abs=0.1)
     assert titles == ["f"] * 3
@@ -73,8 +73,8 @@ def test_in_lockstep_both_robots_wait_for_the_slower_one(twin: Twin, begun: list
 @pytest.mark.measures_time
 def test_with_a_lead_the_hardware_begins_each_pose_later_by_the_lead(twin: Twin, begun: list[Begun]) -> None:
     play(twin, POSES, lead_s=1.2)
-    assert [one.twin for one in begun] == ["sim", "sim", "hw", "sim", "hw", "hw"]
-    of_sim, of_hw = ([one.at_s for one in begun if one.twin == twin] for twin in ("sim", "hw"))
+    assert [one.side for one in begun] == ["sim", "sim", "hw", "sim", "hw", "hw"]
+    of_sim, of_hw = ([one.at_s for one in begun if one.side == twin] for twin in ("sim", "hw"))
     lags = [after - before for before, after in zip(of_sim, of_hw, strict=True)]
     in_time(max(abs(lag - 1.2) for lag in lags), 0.2, "the hardware apart from the lead of 1.2 s")
 
@@ -121,4 +121,4 @@ def test_stop_at_the_hardware_during_the_lead_leaves_it_unmoved(
         other.stop()
         with pytest.raises(Interrupted, match=r"bea \(hw\): ben pressed STOP"):
             played.result(7)
-    assert {one.twin for one in begun} == {"sim"}
+    assert {one.side for one in begun} == {"sim"}

@@ -60,7 +60,7 @@ def lesson(stage: Stage, tmp_path_factory: pytest.TempPathFactory) -> Lesson:
     process = recorder(stage, path)
     process.expect_all("Recording bea (hw).", "Recording bea (sim).")
     with positions(stage.client("witness")) as subscription:
-        robots = [ready(stage.robot("bea", twin)) for twin in ("sim", "hw")]
+        robots = [ready(stage.robot("bea", side)) for side in ("sim", "hw")]
         for robot in robots:
             for camera in robot.status().cameras:
                 with robot.camera(camera.eye) as images:
@@ -77,13 +77,13 @@ def lesson(stage: Stage, tmp_path_factory: pytest.TempPathFactory) -> Lesson:
         arrivals = subscription.take_arrivals(0.5)
         # When later samples of both robots have arrived, the recorder has received the publications above, too.
         until(
-            lambda: {SIM, HW} <= {(a.robot, a.twin) for a in subscription.take_arrivals(0.5)},
+            lambda: {SIM, HW} <= {(a.robot, a.side) for a in subscription.take_arrivals(0.5)},
             "positions of both",
         )
     assert process.end(signal.SIGTERM) == 0
     published: dict[tuple[str, str], list[Positions]] = {SIM: [], HW: []}
     for arrival in arrivals:
-        published[arrival.robot, arrival.twin].append(arrival.value)
+        published[arrival.robot, arrival.side].append(arrival.value)
     return Lesson(path, read(path), published, process.lines)
 
 

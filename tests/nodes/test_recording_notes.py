@@ -57,7 +57,7 @@ def test_notes_of_all_seats_are_in_every_recording(stage: Stage, tmp_path: Path)
     assert about is not None
     assert about == one.about
     assert (about.title, about.note, about.seat) == ("Lesson 2", "group A", "teacher")
-    assert [(robot.robot, robot.twin, robot.firmware != "") for robot in about.robots] == [
+    assert [(robot.robot, robot.side, robot.firmware != "") for robot in about.robots] == [
         ("bea", "hw", True),
         ("bea", "sim", True),
     ]

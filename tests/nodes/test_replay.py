@@ -66,7 +66,7 @@ def following(text: str) -> Following:
 
 
 def steps(robot: Robot) -> Steps:
-    key = keys.positions(robot.name, robot.twin)
+    key = keys.positions(robot.name, robot.side)
     return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s).steps
 
 
@@ -74,7 +74,7 @@ def recorded_during(
     stage: Stage, seconds: float, do: Callable[[], object]
 ) -> tuple[LiveRecording, LiveRecording]:
     """Record both robots for `seconds` during a call; return the recordings of simulation and hardware."""
-    robots = [stage.robot("bea", twin, "eve") for twin in ("sim", "hw")]
+    robots = [stage.robot("bea", side, "eve") for side in ("sim", "hw")]
     with ThreadPoolExecutor(1) as pool:
         recording = pool.submit(record_robots, robots, seconds)
         until(recording.running, "the recording has begun")

@@ -74,8 +74,8 @@ def test_up_passes_its_robot_file_to_both_nodes(lab: Path) -> None:
     process = Process(*CLI[1:], *words)
     try:
         process.expect("The output of all processes is in")
-        for twin in ("sim", "hw"):
-            with Robot("bea", twin, connect=endpoint, who="ana") as robot:
+        for side in ("sim", "hw"):
+            with Robot("bea", side, connect=endpoint, who="ana") as robot:
                 assert robot.info().limits.tilt_max == 20
     finally:
         process.end(signal.SIGINT)

@@ -46,9 +46,9 @@ def turned(robot: Robot, *yaws: float) -> list[Positions]:
     return published
 
 
-@pytest.mark.parametrize("twin", ["sim", "hw"])
-def test_time_stamps_follow_the_set_points_of_a_steady_turn(stage: Stage, twin: str) -> None:
-    turn = recorded(ready(stage.robot("bea", twin)), 90)
+@pytest.mark.parametrize("side", ["sim", "hw"])
+def test_time_stamps_follow_the_set_points_of_a_steady_turn(stage: Stage, side: str) -> None:
+    turn = recorded(ready(stage.robot("bea", side)), 90)
     steady = [
         at for at in turn if 25 < np.degrees(at.commanded.x) < 65
     ]  # outside these angles the arms accelerate

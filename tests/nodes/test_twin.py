@@ -18,7 +18,7 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, R
 
 
 @pytest.fixture
-def twin(stage: Stage) -> Iterator[Twin]:
+def side(stage: Stage) -> Iterator[Twin]:
     """Both robots, enabled and calibrated, without an emergency latch."""
     with Twin("bea", connect=stage.endpoint, who="ana") as made:
         made.stop()
@@ -54,7 +54,7 @@ def test_commit_moves_both_robots_to_one_place_and_the_simulation_first(
 
     def record(robot: Robot, query: MotionQuery | PoseQuery) -> Motion:
         motion = begin(robot, query)
-        accepted.append(robot.twin)
+        accepted.append(robot.side)
         return motion
 
     monkeypatch.setattr(Robot, "begin", record)

@@ -26,7 +26,7 @@ from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 
 def steps(robot: Robot) -> Steps:
     """Return the set points of a robot, in steps."""
-    key = keys.positions(robot.name, robot.twin)
+    key = keys.positions(robot.name, robot.side)
     return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s).steps
 
 

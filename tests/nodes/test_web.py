@@ -204,7 +204,7 @@ def test_the_teacher_takes_the_robot_from_a_page(driver: WebSocket, stage: Stage
 def test_two_browsers_drive_two_robots(driver: WebSocket, browser: WebClient, stage: Stage) -> None:
     other = browser.connect()
     other.state(lambda state: len(state["robots"]) == 2, "both robots")
-    other.send("watch", robot="bea2", twin="hw")
+    other.send("watch", robot="bea2", side="hw")
     other.state(lambda state: state["robot"]["robot"] == "bea2", "the second robot")
     other.drive("cleo")
     other.send("command", command="ready")
@@ -216,7 +216,7 @@ def test_two_browsers_drive_two_robots(driver: WebSocket, browser: WebClient, st
 
 def test_a_page_cannot_watch_an_unknown_robot(browser: WebClient) -> None:
     page = browser.connect()
-    page.send("watch", robot="bea9", twin="sim")
+    page.send("watch", robot="bea9", side="sim")
     assert "There is no robot bea9" in page.outcome("robot")["text"]
 
 
@@ -224,7 +224,7 @@ def test_only_the_named_robot_is_offered(stage: Stage, robot: Robot) -> None:
     with serving(stage.endpoint, only="bea2") as port, WebClient(port) as browser:
         browser.load()
         state = browser.connect().state(lambda state: state["robot"] is not None, "a robot")
-    assert state["robots"] == [{"robot": "bea2", "twin": "hw"}]
+    assert state["robots"] == [{"robot": "bea2", "side": "hw"}]
 
 
 def test_pages_show_that_a_robot_or_the_router_is_lost() -> None:
@@ -272,7 +272,7 @@ def test_stop_of_a_robot_that_is_not_online_tells_what_to_do(browser: WebClient)
 def test_stop_arrives_while_pictures_flood_and_the_page_reads_nothing(
     driver: WebSocket, browser: WebClient, robot: Robot
 ) -> None:
-    pictures = [browser.connect("/pictures?robot=bea1&twin=hw") for _ in range(5)]
+    pictures = [browser.connect("/pictures?robot=bea1&side=hw") for _ in range(5)]
     for socket in pictures:
         first = socket.read()
         assert isinstance(first, bytes)
@@ -308,7 +308,7 @@ def test_cameras_work_only_while_a_page_shows_them(browser: WebClient, robot: Ro
     def streaming() -> bool:
         return any(camera.streaming for camera in robot.status().cameras)
 
-    socket = browser.connect("/pictures?robot=bea1&twin=hw")
+    socket = browser.connect("/pictures?robot=bea1&side=hw")
     assert socket.read() is not None
     until(streaming, "the cameras work")
     socket.close()

@@ -61,7 +61,7 @@ def browser(port: int) -> Iterator[WebClient]:
         {"Cookie": "beatrix-{port}=guessed"},
     ],
 )
-@pytest.mark.parametrize("path", ["/live", "/pictures?robot=bea1&twin=hw"])
+@pytest.mark.parametrize("path", ["/live", "/pictures?robot=bea1&side=hw"])
 def test_web_sockets_of_foreign_pages_are_refused(
     browser: WebClient, path: str, headers: dict[str, str]
 ) -> None:

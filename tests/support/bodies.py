@@ -17,11 +17,11 @@ class Body:
     kind: str
     stage: Stage
     name: str
-    twin: str
+    side: str
 
     def robot(self, who: str = "ana") -> Robot:
         """Return the robot, through a new session of a seat."""
-        return self.stage.robot(self.name, self.twin, who)
+        return self.stage.robot(self.name, self.side, who)
 
 
 def run_on_bodies(metafunc: pytest.Metafunc, fixture: str, bodies: tuple[str, ...]) -> None:

@@ -47,7 +47,7 @@ class Linked:
         self.link = Link(
             Settings(robot, endpoint, who, account=account),
             self.outcomes.append,
-            lambda twin, image: self.pictures.append((twin, image.eye)),
+            lambda side, image: self.pictures.append((side, image.eye)),
             name_given=name_given,
         )
         self.link.start()
@@ -77,30 +77,30 @@ class Linked:
             raise AssertionError(f"{error}\n{seen[0]}\n{self.outcomes}") from None
         return seen[0]
 
-    def online(self, *twins: str) -> World:
-        """Wait until the robots of these twins publish; return the world."""
+    def online(self, *sides: str) -> World:
+        """Wait until the robots of these sides publish; return the world."""
         return self.until(
             lambda world: (
-                all(world.twin(twin).presence is Presence.ON_LINE for twin in twins)
-                and all(world.twin(twin).status is not None for twin in twins)
+                all(world.side(side).presence is Presence.ON_LINE for side in sides)
+                and all(world.side(side).status is not None for side in sides)
             ),
-            f"{twins} online",
+            f"{sides} online",
         )
 
-    def of(self, row: int, twin: str | None = None) -> list[Outcome]:
+    def of(self, row: int, side: str | None = None) -> list[Outcome]:
         """Return the outcomes of a row; with `twin` only those of this twin."""
-        return [found for found in list(self.outcomes) if found.row == row and twin in (None, found.twin)]
+        return [found for found in list(self.outcomes) if found.row == row and side in (None, found.side)]
 
-    def end_of(self, row: int, twin: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
+    def end_of(self, row: int, side: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
         """Wait for the last outcome of a row and twin, and return it."""
-        until(lambda: any(found.done for found in self.of(row, twin)), f"row {row} {twin} ends", timeout_s)
-        (last,) = [found for found in self.of(row, twin) if found.done]
+        until(lambda: any(found.done for found in self.of(row, side)), f"row {row} {side} ends", timeout_s)
+        (last,) = [found for found in self.of(row, side) if found.done]
         return last
 
-    def accepted(self, row: int, twin: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
+    def accepted(self, row: int, side: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
         """Wait for the first outcome of a row and twin; assert that the robot accepted the request; return it."""
-        until(lambda: bool(self.of(row, twin)), f"row {row} {twin} is accepted", timeout_s)
-        first = self.of(row, twin)[0]
+        until(lambda: bool(self.of(row, side)), f"row {row} {side} is accepted", timeout_s)
+        first = self.of(row, side)[0]
         assert first.accepted, first
         return first
 
@@ -117,9 +117,9 @@ class Linked:
         self.close()
 
 
-def short(world: World, twin: str) -> float:
+def short(world: World, side: str) -> float:
     """Return the commanded angle of the short arm (deg)."""
-    reading = world.twin(twin).reading
+    reading = world.side(side).reading
     assert reading is not None
     return reading.commanded.short
 
@@ -129,13 +129,13 @@ def at_home(linked: Linked) -> None:
     linked.outcomes.clear()
     linked.online("sim", "hw")
     linked.do(StopBoth(-1))
-    for twin in ("sim", "hw"):
-        linked.end_of(-1, twin)
-        linked.do(SendCommand(-2, Command.ENABLE, value=False, twins=(twin,)))
-        linked.do(Ready(-3, twin))
-    for twin in ("sim", "hw"):
-        assert linked.end_of(-3, twin).accepted
-        linked.until(lambda world, twin=twin: is_home(world.twin(twin)), f"{twin} at home")  # type: ignore[misc]
+    for side in ("sim", "hw"):
+        linked.end_of(-1, side)
+        linked.do(SendCommand(-2, Command.ENABLE, value=False, sides=(side,)))
+        linked.do(Ready(-3, side))
+    for side in ("sim", "hw"):
+        assert linked.end_of(-3, side).accepted
+        linked.until(lambda world, side=side: is_home(world.side(side)), f"{side} at home")  # type: ignore[misc]
 
 
 def is_home(state: RobotState) -> bool:

@@ -56,9 +56,9 @@ def ready() -> World:
     return world(sim, hw, names=("bea1", "bea2"))
 
 
-def posed(twin: str, arms: tuple[float, float, float], head: HeadAngles, **known: bool | str) -> RobotState:
+def posed(side: str, arms: tuple[float, float, float], head: HeadAngles, **known: bool | str) -> RobotState:
     """Return a robot that this seat drives, with this head orientation."""
-    made = robot(twin, arms=arms, known=status(twin, **({"holder": "ben"} | known)))  # type: ignore[arg-type]
+    made = robot(side, arms=arms, known=status(side, **({"holder": "ben"} | known)))  # type: ignore[arg-type]
     assert made.positions is not None
     turned = msgspec.structs.replace(made.positions, head=Head(*map(math.radians, head)))
     return replace(made, positions=turned)
@@ -70,18 +70,18 @@ def reported(state: State, intent: Intent, now: World, refused: Detail | None = 
         if isinstance(action, Govern):
             state.report(Outcome(action.row, "", accepted=True, done=True, robots=len(now.robots)))
             continue
-        for twin in ("sim", "hw"):
-            state.report(outcome(action, twin, refused))
+        for side in ("sim", "hw"):
+            state.report(outcome(action, side, refused))
 
 
-def outcome(action: Action, twin: str, refused: Detail | None) -> Outcome:
+def outcome(action: Action, side: str, refused: Detail | None) -> Outcome:
     """Return the last outcome of a request at one robot; with `refused`, a refusal."""
     row: int = getattr(action, "row", 0)
     if refused is None:
-        return Outcome(row, twin, accepted=True, done=True, duration_s=1.21)
+        return Outcome(row, side, accepted=True, done=True, duration_s=1.21)
     message = "The head would tilt 40.0°; at most 35.0° is allowed."
     return Outcome(
-        row, twin, accepted=False, done=True, reason=Reason.OUT_OF_REACH, message=message, detail=refused
+        row, side, accepted=False, done=True, reason=Reason.OUT_OF_REACH, message=message, detail=refused
     )
 
 
@@ -114,10 +114,10 @@ SHARED: dict[str, dict[str, Any]] = {
 def shared(deciding: State, before: World, **known: Any) -> World:
     """Let a state follow a world in which its seat waits, then the returned world: both robots have this status."""
     waiting = {
-        twin: robot(twin, known=status(twin, holder="ana", waiting=("ben",))) for twin in ("sim", "hw")
+        side: robot(side, known=status(side, holder="ana", waiting=("ben",))) for side in ("sim", "hw")
     }
     deciding.follow(replace(before, sim=waiting["sim"], hw=waiting["hw"]))
-    found = {twin: robot(twin, arms=ARMS, known=status(twin, **known)) for twin in ("sim", "hw")}
+    found = {side: robot(side, arms=ARMS, known=status(side, **known)) for side in ("sim", "hw")}
     now = replace(before, sim=found["sim"], hw=found["hw"])
     deciding.follow(now)
     return now
@@ -132,9 +132,9 @@ def class_world() -> World:
         "bea4": {"fault": Fault.BOARD_LOST, "connected": False, "limit_deg": 20.0},
     }
     robots = [
-        replace(robot(twin, known=status(twin, **fields)), robot=name)  # type: ignore[arg-type]
+        replace(robot(side, known=status(side, **fields)), robot=name)  # type: ignore[arg-type]
         for name, fields in known.items()
-        for twin in ("sim", "hw")
+        for side in ("sim", "hw")
     ]
     robots[-1] = replace(robots[-1], presence=Presence.LOST, positions_age_s=3.2, hz=0.0)
     return replace(
@@ -180,8 +180,8 @@ def example(state: str, theme: Theme, language: str) -> View:
         reported(deciding, GovernClass(LeaseAction.FREEZE), now)
     elif state == "driven":
         taken = {
-            twin: robot(twin, arms=ARMS, known=status(twin, holder="ana", moving=True))
-            for twin in ("sim", "hw")
+            side: robot(side, arms=ARMS, known=status(side, holder="ana", moving=True))
+            for side in ("sim", "hw")
         }
         now = replace(now, sim=taken["sim"], hw=taken["hw"])
     return deciding.view(now)

@@ -67,11 +67,11 @@ class Windowed:
             QTest.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(8, box.height() // 2))
         assert box.isChecked() is on
 
-    def send_to(self, *twins: str) -> None:
+    def send_to(self, *sides: str) -> None:
         """Check these robots only."""
         sending = self.window.panels.sending
-        self.check(sending.sim, on="sim" in twins)
-        self.check(sending.hw, on="hw" in twins)
+        self.check(sending.sim, on="sim" in sides)
+        self.check(sending.hw, on="hw" in sides)
 
     def key(self, key: Qt.Key, modifiers: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
         """Press a key as the platform does: in the popup, or in the focused widget."""
@@ -110,10 +110,10 @@ class Windowed:
 
         self.until(arrived, f"{robot} at {arms}; it is at {robot.positions().arms}")
 
-    def until_ready(self, *twins: str) -> None:
+    def until_ready(self, *sides: str) -> None:
         """Wait until the window shows that these robots are ready."""
         pills = self.window.panels.header.pills
-        self.until(lambda: all("ready" in pills[twin].state.text() for twin in twins), f"{twins} ready")
+        self.until(lambda: all("ready" in pills[side].state.text() for side in sides), f"{sides} ready")
 
 
 def near(arms: ArmAngles, goal: tuple[float, ...], by: float = NEAR_DEG) -> bool:

@@ -35,7 +35,7 @@ def vector(short: float, middle: float, long: float) -> Vector3:
 
 
 def status(
-    twin: str,
+    side: str,
     *,
     enabled: bool = True,
     calibrated: bool = True,
@@ -56,7 +56,7 @@ def status(
         t_mono_ns=0,
         t_wall_ns=0,
         robot="bea1",
-        twin=twin,
+        side=side,
         enabled=enabled,
         calibrated=calibrated,
         moving=moving,
@@ -100,7 +100,7 @@ def positions(arms: tuple[float, float, float] = (0.0, 0.0, 0.0), yaw: float = 0
 
 
 def robot(
-    twin: str,
+    side: str,
     *,
     presence: Presence = Presence.ON_LINE,
     arms: tuple[float, float, float] | None = (0.0, 0.0, 0.0),
@@ -112,9 +112,9 @@ def robot(
     here = presence is not Presence.ABSENT
     return RobotState(
         robot="bea1",
-        twin=twin,
+        side=side,
         presence=presence,
-        status=(known or status(twin)) if here else None,
+        status=(known or status(side)) if here else None,
         status_age_s=0.5 if here else None,
         positions=positions(arms) if here and arms is not None else None,
         positions_age_s=age_s if here and arms is not None else None,
@@ -124,9 +124,9 @@ def robot(
     )
 
 
-def absent(twin: str) -> RobotState:
+def absent(side: str) -> RobotState:
     """Return a robot that is not online."""
-    return robot(twin, presence=Presence.ABSENT)
+    return robot(side, presence=Presence.ABSENT)
 
 
 def world(
@@ -193,10 +193,10 @@ def plan(phase: PlanPhase, countdown_s: float = 0.0, path: MotionPath | None = N
 
 
 def refused(
-    state: State, detail: Detail | None, reason: Reason, message: str = "", twin: str = "sim"
+    state: State, detail: Detail | None, reason: Reason, message: str = "", side: str = "sim"
 ) -> None:
     row = state.view(world()).history[0].row
-    outcome = Outcome(row, twin, accepted=False, done=True, reason=reason, message=message, detail=detail)
+    outcome = Outcome(row, side, accepted=False, done=True, reason=reason, message=message, detail=detail)
     state.report(outcome)
 
 

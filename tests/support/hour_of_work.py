@@ -108,8 +108,8 @@ def work(window: Window, link: RecordingLink, state: WatchedState) -> Kept:
         window.handle(Jog("short", 1))
         (sent,) = link.done
         assert isinstance(sent, Send)
-        for twin in sent.twins:
-            window.report(Outcome(sent.row, twin, accepted=True, done=True, duration_s=1.0))
+        for side in sent.sides:
+            window.report(Outcome(sent.row, side, accepted=True, done=True, duration_s=1.0))
         window.handle(ShowTab(list(Tab)[number // 20 % len(Tab)]))
         for seq in range(3):
             window.show_image("sim", picture(3 * number + seq, passed_s))

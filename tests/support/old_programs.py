@@ -47,9 +47,9 @@ class Program:
 class Place:
     """A robot with a port for old programs."""
 
-    def __init__(self, stage: Stage, twin: str, path: Path) -> None:
-        self.stage, self.path, self._twin = stage, path, twin
-        self.robot = stage.robot("bea", twin)
+    def __init__(self, stage: Stage, side: str, path: Path) -> None:
+        self.stage, self.path, self._side = stage, path, side
+        self.robot = stage.robot("bea", side)
         self.start = 0.0
 
     def far(self) -> bool:
@@ -63,7 +63,7 @@ class Place:
 
     def events(self, since: int = -1) -> list[Event]:
         """Return the stored events with a number above `since`, oldest first."""
-        (answer,) = ask_raw(self.robot.client, keys.events_json("bea", self._twin))
+        (answer,) = ask_raw(self.robot.client, keys.events_json("bea", self._side))
         events = msgspec.json.decode(answer.payload, type=Events).events
         return [event for event in events if event.seq > since]
 

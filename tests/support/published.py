@@ -55,14 +55,14 @@ class Published(Generic[M]):
 
 def published_positions(robot: Robot) -> Published[Positions]:
     """Subscribe to the positions of a robot; return when the first has arrived."""
-    positions = Published(robot, keys.positions(robot.name, robot.twin), Positions)
+    positions = Published(robot, keys.positions(robot.name, robot.side), Positions)
     positions.next()
     return positions
 
 
 def published_statuses(robot: Robot) -> Published[Status]:
     """Subscribe to the statuses of a robot; return when the first has arrived."""
-    statuses = Published(robot, keys.status(robot.name, robot.twin), Status)
+    statuses = Published(robot, keys.status(robot.name, robot.side), Status)
     statuses.next()
     return statuses
 

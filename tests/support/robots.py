@@ -227,9 +227,9 @@ class Stage:
         self._clients.append(client)
         return client
 
-    def robot(self, name: str, twin: str, who: str = "ana") -> Robot:
+    def robot(self, name: str, side: str, who: str = "ana") -> Robot:
         """Return a robot with a session of its own."""
-        return Robot(name, twin, client=self.client(who), timeout_s=PATIENCE_S)
+        return Robot(name, side, client=self.client(who), timeout_s=PATIENCE_S)
 
     def close_clients(self) -> None:
         """End the sessions of all clients; robots and router go on."""

@@ -105,8 +105,8 @@ class Shell:
             cwd=ROOT,
         )
 
-    def robot(self, twin: str) -> Robot:
-        return Robot(NAME, twin, connect=self.endpoint, who="ana")
+    def robot(self, side: str) -> Robot:
+        return Robot(NAME, side, connect=self.endpoint, who="ana")
 
 
 @contextlib.contextmanager

@@ -179,7 +179,7 @@ class OneRobot(Robot):
     """A robot without a network."""
 
     def __init__(self, error: Interrupted | None = None) -> None:
-        self.name, self.twin = "bea", "sim"
+        self.name, self.side = "bea", "sim"
         self.begun: list[float] = []
         self._error = error
 

@@ -57,8 +57,8 @@ def test_samples_are_exact(lesson: Path) -> None:
         assert app.run(["export", str(lesson), str(path), "--samples", "--name", "ada"]) == 0
         samples[suffix] = load(path)
     pd.testing.assert_frame_equal(samples[".csv"], samples[".parquet"], check_exact=True, check_dtype=False)
-    for (name, twin), recorded in read(lesson).robots.items():
-        rows = samples[".csv"].query(f"robot == '{name}' and twin == '{twin}'")
+    for (name, side), recorded in read(lesson).robots.items():
+        rows = samples[".csv"].query(f"robot == '{name}' and side == '{side}'")
         if name == "bob":
             assert rows.empty
             continue

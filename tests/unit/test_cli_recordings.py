@@ -89,7 +89,7 @@ def test_the_error_for_a_missing_robot_lists_the_robots_of_the_recording(
     with pytest.raises(Refused, match="contains ada, bob, and not cleo: select one with --name"):
         recorded_path(lesson, "cleo")
     several = tmp_path / "several.rrd"
-    write(several, {(name, twin): 0.0 for name in ("ada", "bob") for twin in ("sim", "hw")})
+    write(several, {(name, side): 0.0 for name in ("ada", "bob") for side in ("sim", "hw")})
     with pytest.raises(Refused, match="Choose a robot with --name"):
         recorded(several, None)
 

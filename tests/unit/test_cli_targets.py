@@ -6,7 +6,7 @@ import pytest
 
 from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh.cli.options import Which
-from beatrix_zenoh.cli.targets import Selection, is_named, only_name, select_twins
+from beatrix_zenoh.cli.targets import Selection, is_named, only_name, select_sides
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.settings import Settings
@@ -16,7 +16,7 @@ ENDPOINT = "tcp/127.0.0.1:7447"
 
 
 @pytest.mark.parametrize(
-    ("which", "present", "twins"),
+    ("which", "present", "sides"),
     [
         (None, [SIM, HW], ("sim",)),
         (None, [SIM], ("sim",)),
@@ -27,14 +27,14 @@ ENDPOINT = "tcp/127.0.0.1:7447"
     ],
 )
 def test_the_simulation_is_selected_unless_only_the_hardware_is_online_or_requested(
-    which: Which | None, present: list[tuple[str, str]], twins: tuple[str, ...]
+    which: Which | None, present: list[tuple[str, str]], sides: tuple[str, ...]
 ) -> None:
-    assert select_twins("bea", which, present, ENDPOINT) == twins
+    assert select_sides("bea", which, present, ENDPOINT) == sides
 
 
 def test_on_both_needs_simulation_and_hardware_online() -> None:
     with pytest.raises(NoAnswer, match=rf"Not online at {ENDPOINT}: bea \(hw\)\."):
-        select_twins("bea", Which.BOTH, [SIM, OTHER], ENDPOINT)
+        select_sides("bea", Which.BOTH, [SIM, OTHER], ENDPOINT)
 
 
 def test_simulation_and_hardware_of_one_name_are_one_robot() -> None:

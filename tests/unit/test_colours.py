@@ -86,8 +86,8 @@ def test_models_and_viewer_use_the_table() -> None:
         assert model.material(name).rgba[:3] * 255 == pytest.approx(colours.ARMS[name], abs=0.01)
     for what in ("arms", "head"):
         names = colours.ARMS if what == "arms" else colours.AXES
-        for twin, shade in (("hw", lambda one: one), ("sim", colours.pale)):
-            style = dict(scene.curves(("bea", twin)))[f"bea/{twin}/{what}"]
+        for side, shade in (("hw", lambda one: one), ("sim", colours.pale)):
+            style = dict(scene.curves(("bea", side)))[f"bea/{side}/{what}"]
             assert isinstance(style, SeriesLines)
             assert style.colors is not None
             packed = [number >> 8 for number in style.colors.pa_array.to_pylist()]

@@ -92,8 +92,8 @@ def test_robots_stand_side_by_side_with_units_in_the_names() -> None:
     assert list(found) == [
         "time_s", "unix_time_s",
         *(
-            f"bea_{twin}_{name}"
-            for twin in ("hw", "sim")
+            f"bea_{side}_{name}"
+            for side in ("hw", "sim")
             for name in (
                 "short_deg", "middle_deg", "long_deg",
                 "short_commanded_deg", "middle_commanded_deg", "long_commanded_deg",
@@ -221,5 +221,5 @@ def test_each_note_is_in_one_block() -> None:
 def test_an_old_recording_has_no_sequence_numbers() -> None:
     (block,) = table([recorded({SIM: samples([0, STEP_NS], seq=None)})], Span()).samples()
     assert list(block["seq"]) == list(block["repeats"]) == [-1, -1]
-    assert list(block)[:7] == ["robot", "twin", "seq", "repeats", "time_s", "time_ns", "robot_time_ns"]
+    assert list(block)[:7] == ["robot", "side", "seq", "repeats", "time_s", "time_ns", "robot_time_ns"]
     assert np.isnan(np.asarray(block["yaw_measured_deg"], np.float64)).all()

@@ -198,9 +198,9 @@ def test_the_robot_of_a_film_is_chosen(tmp_path: Path, capsys: pytest.CaptureFix
     write_lesson(both, (SIM, ("bob", "sim")), more=[*eye(SIM, "left"), *eye(("bob", "sim"), "left")])
     assert app.run(["export", str(both), "--video", str(tmp_path / "new.mp4")]) == 1
     assert "contains ada, bob: choose the robot of the film with --name" in capsys.readouterr().err
-    twins = tmp_path / "twins.rrd"
-    write_lesson(twins, (SIM, HW), more=[*eye(SIM, "left"), *eye(HW, "left")])
-    assert app.run(["export", str(twins), "--video", str(tmp_path / "new.mp4"), "--eye", "left"]) == 1
+    sides = tmp_path / "twins.rrd"
+    write_lesson(sides, (SIM, HW), more=[*eye(SIM, "left"), *eye(HW, "left")])
+    assert app.run(["export", str(sides), "--video", str(tmp_path / "new.mp4"), "--eye", "left"]) == 1
     assert "choose --on sim or --on hw" in capsys.readouterr().err
 
 

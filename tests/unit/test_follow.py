@@ -260,7 +260,7 @@ class FakeRobot(Robot):
     latest = None
 
     def __init__(self) -> None:
-        self.name, self.twin = "bea", "sim"
+        self.name, self.side = "bea", "sim"
 
     def positions_stream(self, _timeout_s: float | None = None) -> FakeRobot:  # type: ignore[override]
         return self

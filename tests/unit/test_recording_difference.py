@@ -18,7 +18,7 @@ BEA = ("bea", "sim")
 def fed(samples: list[tuple[str, int, float]]) -> list[AngleDifference]:
     """Return all differences of these samples: twin, time in ms, angle in deg."""
     difference = Difference()
-    return [apart for twin, ms, angle in samples for apart in difference.add(twin, ms * MS, (angle,))]
+    return [apart for side, ms, angle in samples for apart in difference.add(side, ms * MS, (angle,))]
 
 
 def test_angles_are_interpolated_to_the_grid() -> None:
@@ -32,7 +32,7 @@ def test_a_sample_on_the_grid_is_used_unchanged() -> None:
 
 
 def test_gaps_are_not_interpolated() -> None:
-    both = [(twin, ms, 0.0) for ms in (0, 20, 40, 200, 220) for twin in ("sim", "hw")]
+    both = [(side, ms, 0.0) for ms in (0, 20, 40, 200, 220) for side in ("sim", "hw")]
     assert [apart.time_ns // MS for apart in fed(both)] == [0, 20, 40, 200, 220]
 
 
@@ -64,7 +64,7 @@ def test_the_number_of_waiting_samples_is_bounded() -> None:
 
 @given(st.lists(st.tuples(st.sampled_from(("sim", "hw")), st.integers(0, 300)), max_size=60))
 def test_every_point_of_the_grid_is_returned_once_and_in_order(samples: list[tuple[str, int]]) -> None:
-    times = [apart.time_ns for apart in fed([(twin, ms, math.sin(ms)) for twin, ms in samples])]
+    times = [apart.time_ns for apart in fed([(side, ms, math.sin(ms)) for side, ms in samples])]
     assert times == sorted(set(times))
     assert all(time_ns % GRID_NS == 0 for time_ns in times)
 

@@ -45,7 +45,7 @@ def rows_of(place: Place) -> list[Row]:
             Numbers(of_robot(place, what), *at, ANGLES)
             for what in ("arms", "commanded", "head", "head_measured")
         ),
-        *(Frame(of_robot(place, "camera", side), *at, b"\xff\xd8") for side in ("left", "right")),
+        *(Frame(of_robot(place, "camera", eye), *at, b"\xff\xd8") for eye in ("left", "right")),
         Line(of_robot(place, "events"), *at, "ana look accepted", "INFO"),
         Bar(of_robot(place, "state"), *at, State.READY),
     ]
@@ -72,8 +72,8 @@ def recorded(folder: Path, *places: Place, pictures: bool = True) -> Path:
 
 
 @pytest.fixture(scope="module")
-def twins(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return recorded(tmp_path_factory.mktemp("twins"), SIM, HW)
+def sides(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return recorded(tmp_path_factory.mktemp("sides"), SIM, HW)
 
 
 def bodies() -> set[str]:
@@ -85,23 +85,23 @@ def shape(part: Box | View) -> object:
     return part.title if isinstance(part, View) else (part.kind, [shape(inner) for inner in part.parts])
 
 
-def test_the_tabs_are_those_of_the_page(twins: Path) -> None:
+def test_the_tabs_are_those_of_the_page(sides: Path) -> None:
     seen = PAGE.read_text(encoding="utf-8").partition("## What you see")[2].partition("\n## ")[0]
-    assert re.findall(r"^\*\*(.+?)\*\*:", seen, re.MULTILINE) == list(TABS) == list(tabs_of(twins))
+    assert re.findall(r"^\*\*(.+?)\*\*:", seen, re.MULTILINE) == list(TABS) == list(tabs_of(sides))
 
 
-def test_overlay_draws_the_hardware_and_the_simulation_as_a_ghost(twins: Path) -> None:
-    (view,) = tabs_of(twins)["Overlay"].views
+def test_overlay_draws_the_hardware_and_the_simulation_as_a_ghost(sides: Path) -> None:
+    (view,) = tabs_of(sides)["Overlay"].views
     assert (view.kind, view.title) == ("3D", "bea: hardware, and the simulation as a blue ghost")
     assert set(solids(HW, "solid", view.draws)) == set(solids(SIM, "ghost", view.draws)) == bodies()
     assert not list(solids(SIM, "solid", view.draws))
 
 
-def test_side_by_side_draws_each_robot_in_a_view_of_its_own_and_its_eyes_beside_it(twins: Path) -> None:
-    tab = tabs_of(twins)["Side by side"]
+def test_side_by_side_draws_each_robot_in_a_view_of_its_own_and_its_eyes_beside_it(sides: Path) -> None:
+    tab = tabs_of(sides)["Side by side"]
     sim_eyes, hw_eyes = (
-        ("vertical", [f"{side} eye, {twin}" for side in ("left", "right")])
-        for twin in ("simulation", "hardware")
+        ("vertical", [f"{eye} eye, {side}" for eye in ("left", "right")])
+        for side in ("simulation", "hardware")
     )
     assert shape(tab) == (
         "horizontal",
@@ -118,27 +118,27 @@ def test_side_by_side_draws_each_robot_in_a_view_of_its_own_and_its_eyes_beside_
             for entity in view.draws
         )
     assert [set(view.draws) for view in pictures] == [
-        {f"/bea/{twin}/camera/{side}"} for twin in ("sim", "hw") for side in ("left", "right")
+        {f"/bea/{side}/camera/{eye}"} for side in ("sim", "hw") for eye in ("left", "right")
     ]
     assert sim.settings["EyeControls3D"] == hw.settings["EyeControls3D"], "both are seen from the same point"
 
 
 @pytest.mark.parametrize(("tab", "number", "places"), [("Overlay", 0, [SIM, HW]), ("Side by side", 2, [SIM])])
 def test_the_mechanism_is_in_each_3d_view_but_hidden_at_first(
-    twins: Path, tab: str, number: int, places: list[Place]
+    sides: Path, tab: str, number: int, places: list[Place]
 ) -> None:
-    view = tabs_of(twins)[tab].views[number]
-    for name, twin in places:
-        root = f"/{name}/{twin}/mechanism"
+    view = tabs_of(sides)[tab].views[number]
+    for name, side in places:
+        root = f"/{name}/{side}/mechanism"
         drawn = {entity.removeprefix(root + "/").partition("/")[0] for entity in view.draws if root in entity}
         assert drawn == {body.path.rpartition("/")[2] for body in Figure().bodies}
-    assert view.hidden == {f"/{name}/{twin}/mechanism" for name, twin in places}
+    assert view.hidden == {f"/{name}/{side}/mechanism" for name, side in places}
 
 
-def test_the_parts_of_the_mechanism_move_with_the_bodies_of_the_model(twins: Path) -> None:
+def test_the_parts_of_the_mechanism_move_with_the_bodies_of_the_model(sides: Path) -> None:
     frames = {
         entity: values["CoordinateFrame:frame"][0]
-        for entity, values in table(RrdReader(twins).stream()).items()
+        for entity, values in table(RrdReader(sides).stream()).items()
         if "CoordinateFrame:frame" in values
     }
     assert frames["/bea/hw/mechanism/rod_short/capsule"] == "tf#/bea/hw/model/arm_short/rod_short"
@@ -150,8 +150,8 @@ def test_side_by_side_without_cameras_has_no_place_for_eyes(tmp_path: Path) -> N
     assert shape(tab) == ("horizontal", [("horizontal", ["bea: simulation", "bea: hardware"])])
 
 
-def test_plots_draw_arms_and_head_of_both_robots_over_20_s_and_their_difference(twins: Path) -> None:
-    tab = tabs_of(twins)["Plots"]
+def test_plots_draw_arms_and_head_of_both_robots_over_20_s_and_their_difference(sides: Path) -> None:
+    tab = tabs_of(sides)["Plots"]
     assert shape(tab) == ("horizontal", [("horizontal", [
         ("vertical", ["arms (°): hardware wide, simulation thin and pale", "head (°): hardware wide, simulation thin and pale"]),
         ("vertical", ["arms: hardware − simulation (°)", "head: hardware − simulation (°)"]),
@@ -164,16 +164,16 @@ def test_plots_draw_arms_and_head_of_both_robots_over_20_s_and_their_difference(
         assert (view.kind, span) == ("TimeSeries", {"start": -20_000_000_000, "end": 500_000_000})
 
 
-def test_curves_of_the_hardware_are_wide_and_those_of_the_simulation_thin(twins: Path) -> None:
-    styles = table(RrdReader(twins).stream())
+def test_curves_of_the_hardware_are_wide_and_those_of_the_simulation_thin(sides: Path) -> None:
+    styles = table(RrdReader(sides).stream())
     for what in ("arms", "head"):
-        hw, sim = (styles[f"/bea/{twin}/{what}"]["SeriesLines:widths"] for twin in ("hw", "sim"))
+        hw, sim = (styles[f"/bea/{side}/{what}"]["SeriesLines:widths"] for side in ("hw", "sim"))
         assert len(hw) == len(sim) == 3
         assert min(hw) > 2 * max(sim)
 
 
-def test_log_and_states_draw_requests_and_states_of_both_robots(twins: Path) -> None:
-    tab = tabs_of(twins)["Log"]
+def test_log_and_states_draw_requests_and_states_of_both_robots(sides: Path) -> None:
+    tab = tabs_of(sides)["Log"]
     assert shape(tab) == ("vertical", ["states", "requests, replies and refusals"])
     states, log = tab.views
     assert (states.kind, set(states.draws)) == ("StateTimeline", {"/bea/sim/state", "/bea/hw/state"})
@@ -190,7 +190,7 @@ def test_a_robot_alone_is_drawn_solid_and_without_differences(tmp_path: Path, pl
 
 
 def test_each_of_several_robots_has_its_own_views(tmp_path: Path) -> None:
-    places = [(name, twin) for name in ("bea1", "bea2") for twin in ("sim", "hw")]
+    places = [(name, side) for name in ("bea1", "bea2") for side in ("sim", "hw")]
     tabs = tabs_of(recorded(tmp_path, *places))
     for name in ("Overlay", "Side by side"):
         assert tabs[name].kind == "grid"

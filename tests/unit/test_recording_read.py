@@ -142,7 +142,7 @@ def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
         tilt_max=0.6, gap_min=0.5, yaw_max=3.1, speed_default=1.0, speed_max=1.5, acceleration=3.0
     )
     info = Info(
-        robot="bea", twin="sim", version="0.1.0", contract="abc", firmware="1.2.0", steps_per_turn=4184.6,
+        robot="bea", side="sim", version="0.1.0", contract="abc", firmware="1.2.0", steps_per_turn=4184.6,
         arms=[], limits=limits, fingerprint="0123abcd", commands=[], reasons=[],
         keys=[], examples=[],
     )  # fmt: skip

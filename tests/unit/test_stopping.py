@@ -74,8 +74,8 @@ class Network:
         tail = end.split("/", 3)[3]
         return Asked(
             [
-                Reply(f"beatrix/{robot}/{twin}/{tail}", codec.encode(reply), codec.MSGPACK, error=False)
-                for (robot, twin), reply in self.replies.items()
+                Reply(f"beatrix/{robot}/{side}/{tail}", codec.encode(reply), codec.MSGPACK, error=False)
+                for (robot, side), reply in self.replies.items()
             ]
         )
 

@@ -82,7 +82,7 @@ def test_values_come_in_order_with_robot_and_time(client: FakeClient) -> None:
     for name in "abc":
         client.bus.publish(status(name))
     first = subscription.next_arrival()
-    assert (first.value, first.robot, first.twin) == ("a", "bea", "hw")
+    assert (first.value, first.robot, first.side) == ("a", "bea", "hw")
     assert 0 < first.t_mono_ns < first.t_wall_ns
     assert subscription.next() == "b"
     assert subscription.take() == ["c"]

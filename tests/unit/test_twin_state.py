@@ -45,17 +45,17 @@ class Published:
         self.settings = Settings("bea", "tcp/127.0.0.1:1", "ana")
         self.replied_s: dict[tuple[str, str], float] = {}
         self.presence, self.age_s = Presence.ON_LINE, age_s
-        self.place, self.twin = ("bea", "sim"), "sim"
+        self.place, self.side = ("bea", "sim"), "sim"
         self.queries = 0
         self._published, self._queried = published, queried
 
     def __str__(self) -> str:
         return "bea (sim)"
 
-    def robot(self, name: str, twin: str) -> RobotState:
+    def robot(self, name: str, side: str) -> RobotState:
         return RobotState(
             robot=name,
-            twin=twin,
+            side=side,
             presence=self.presence,
             status=self._published,
             status_age_s=0.5,

@@ -107,9 +107,9 @@ class Plan(ProcessBound):
         self._twin.start(motion, wait=waits)
         return motion
 
-    def stands_at_end(self, twin: str) -> bool:
+    def stands_at_end(self, side: str) -> bool:
         """Return whether the robot, `sim` or `hw`, stood at the end of the path at the preview, so that it will not move."""
-        was = self._start[twin == "hw"]
+        was = self._start[side == "hw"]
         return was is not None and furthest(was.arms, self.path.arms[-1]) <= THERE_DEG
 
     @property

@@ -16,7 +16,7 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer, Refused, naming
-from beatrix_zenoh.contract.names import TEACHER, TWINS
+from beatrix_zenoh.contract.names import SIDES, TEACHER
 
 NEW_S = 0.1
 """Largest age (s) of published positions, which arrive every 20 ms."""
@@ -69,9 +69,9 @@ class TwinState(ProcessBound):
 
     def info(self, robot: Robot) -> RobotInfo:
         """Return the info of a robot, queried at the first call; raises NoAnswer as `Robot.info` does."""
-        if robot.twin not in self._infos:
-            self._infos[robot.twin] = robot.info()
-        return self._infos[robot.twin]
+        if robot.side not in self._infos:
+            self._infos[robot.side] = robot.info()
+        return self._infos[robot.side]
 
     def check_may_move(self, robot: Robot) -> None:
         """Raise unless this seat may move a robot; a query confirms a refusal.
@@ -99,11 +99,11 @@ class TwinState(ProcessBound):
         if monitor is None:
             return
         present = monitor.present()
-        for twin in TWINS:
-            if (self._name, twin) not in present:
+        for side in SIDES:
+            if (self._name, side) not in present:
                 raise NoAnswer(
                     Reason.NODE_LOST,
-                    f"{self._name} ({twin}) is no longer online. Start it, make it ready, and preview again.",
+                    f"{self._name} ({side}) is no longer online. Start it, make it ready, and preview again.",
                 )
 
     def _published(self, robot: Robot) -> RobotState | None:

@@ -17,7 +17,7 @@ class KeyRow(NamedTuple):
     kind: str
     payload: str
     reply: str
-    twins: tuple[str, ...]
+    sides: tuple[str, ...]
     session: str
     """Traffic class of the session that answers or subscribes."""
     publish: str
@@ -33,7 +33,7 @@ class Parts(NamedTuple):
     row: str
     """Name of the row in KEYS."""
     robot: str = ""
-    twin: str = ""
+    side: str = ""
     who: str = ""
     eye: str = ""
     arm: str = ""
@@ -42,7 +42,7 @@ class Parts(NamedTuple):
 
 KEYS: Final[dict[str, KeyRow]] = {
     "motion": KeyRow(
-        "beatrix/{robot}/{twin}/cmd/{who}/motion",
+        "beatrix/{robot}/{side}/cmd/{who}/motion",
         "query",
         "MotionQuery",
         "MotionReply",
@@ -54,7 +54,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Turn the arms. A motion gets two replies: accepted and done.",
     ),
     "pose": KeyRow(
-        "beatrix/{robot}/{twin}/cmd/{who}/pose",
+        "beatrix/{robot}/{side}/cmd/{who}/pose",
         "query",
         "PoseQuery",
         "MotionReply",
@@ -66,7 +66,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Turn the head. A motion gets two replies: accepted and done.",
     ),
     "command": KeyRow(
-        "beatrix/{robot}/{twin}/cmd/{who}/command",
+        "beatrix/{robot}/{side}/cmd/{who}/command",
         "query",
         "CommandQuery",
         "CommandReply",
@@ -78,7 +78,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Send a command, such as ENABLE, CALIBRATE, HOME or STOP.",
     ),
     "lease": KeyRow(
-        "beatrix/{robot}/{twin}/cmd/{who}/lease",
+        "beatrix/{robot}/{side}/cmd/{who}/lease",
         "query",
         "LeaseQuery",
         "LeaseReply",
@@ -90,7 +90,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Take a robot or give it back; the teacher also freezes it, limits its speed and mutes seats.",
     ),
     "stop": KeyRow(
-        "beatrix/{robot}/{twin}/stop/{who}",
+        "beatrix/{robot}/{side}/stop/{who}",
         "query and put",
         "",
         "CommandReply",
@@ -102,7 +102,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Stop at once, under the name of a seat. With any payload, without lease. In a class each seat may send it to all robots, only under its own name, which events then show.",
     ),
     "stop_unsigned": KeyRow(
-        "beatrix/{robot}/{twin}/stop",
+        "beatrix/{robot}/{side}/stop",
         "query and put",
         "",
         "CommandReply",
@@ -138,7 +138,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Let the simulation follow the hardware of its name, or end this. While it follows, its arms take the set points that the hardware publishes, and its own motions and previews are refused. STOP of the simulation also ends it.",
     ),
     "positions": KeyRow(
-        "beatrix/{robot}/{twin}/state/positions",
+        "beatrix/{robot}/{side}/state/positions",
         "publication and query",
         "Positions",
         "Positions",
@@ -150,7 +150,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Positions of the robot, always at 50 Hz; a query returns the newest.",
     ),
     "positions_json": KeyRow(
-        "beatrix/{robot}/{twin}/state/positions/json",
+        "beatrix/{robot}/{side}/state/positions/json",
         "publication and query",
         "Positions",
         "Positions",
@@ -162,7 +162,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Positions as JSON text, published only while a client subscribes.",
     ),
     "status": KeyRow(
-        "beatrix/{robot}/{twin}/state/status",
+        "beatrix/{robot}/{side}/state/status",
         "publication and query",
         "Status",
         "Status",
@@ -174,7 +174,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "State of the robot, on change and once a second; a query returns the newest.",
     ),
     "status_json": KeyRow(
-        "beatrix/{robot}/{twin}/state/status/json",
+        "beatrix/{robot}/{side}/state/status/json",
         "publication and query",
         "Status",
         "Status",
@@ -186,7 +186,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Status as JSON text, published only while a client subscribes.",
     ),
     "events": KeyRow(
-        "beatrix/{robot}/{twin}/state/events",
+        "beatrix/{robot}/{side}/state/events",
         "publication and query",
         "Event",
         "Events",
@@ -198,7 +198,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Every request with its seat and outcome, STOP, lease changes, board lost and found, warnings, log records. A query returns the last 200.",
     ),
     "events_json": KeyRow(
-        "beatrix/{robot}/{twin}/state/events/json",
+        "beatrix/{robot}/{side}/state/events/json",
         "publication and query",
         "Event",
         "Events",
@@ -210,7 +210,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Events as JSON text, published only while a client subscribes.",
     ),
     "camera": KeyRow(
-        "beatrix/{robot}/{twin}/state/camera/{eye}",
+        "beatrix/{robot}/{side}/state/camera/{eye}",
         "publication",
         "JPEG, with FrameHeader as attachment",
         "",
@@ -234,7 +234,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Move the person that the simulated eyes see; an empty query returns the person's place. Open to every client: no arm moves.",
     ),
     "arm_target": KeyRow(
-        "beatrix/{robot}/{twin}/arm/{arm}/target",
+        "beatrix/{robot}/{side}/arm/{arm}/target",
         "put",
         "number",
         "",
@@ -246,7 +246,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Turn one arm to this angle (rad) at the default speed; a newer target replaces an older one. These are the per-arm topics of 2023. The seat is `arm-topics`, lease and limits apply, and refusals appear as warnings in the status.",
     ),
     "info": KeyRow(
-        "beatrix/{robot}/{twin}/info",
+        "beatrix/{robot}/{side}/info",
         "query",
         "",
         "Info",
@@ -258,7 +258,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "All data that a program without the library needs to drive this robot.",
     ),
     "clock": KeyRow(
-        "beatrix/{robot}/{twin}/clock",
+        "beatrix/{robot}/{side}/clock",
         "query",
         "",
         "Clock",
@@ -270,7 +270,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Clocks of the node's computer, for offset estimates.",
     ),
     "alive": KeyRow(
-        "beatrix/{robot}/{twin}/@alive",
+        "beatrix/{robot}/{side}/@alive",
         "token",
         "",
         "",
@@ -282,7 +282,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "Liveliness token of a node that serves this robot.",
     ),
     "claim": KeyRow(
-        "beatrix/{robot}/{twin}/@claim/{session}",
+        "beatrix/{robot}/{side}/@claim/{session}",
         "token",
         "",
         "",
@@ -332,52 +332,52 @@ KEYS: Final[dict[str, KeyRow]] = {
 }
 
 
-def motion(robot: str, twin: str, who: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/cmd/{who}/motion`.
+def motion(robot: str, side: str, who: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/cmd/{who}/motion`.
 
     Turn the arms. A motion gets two replies: accepted and done.
     """
-    return f"beatrix/{robot}/{twin}/cmd/{who}/motion"
+    return f"beatrix/{robot}/{side}/cmd/{who}/motion"
 
 
-def pose(robot: str, twin: str, who: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/cmd/{who}/pose`.
+def pose(robot: str, side: str, who: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/cmd/{who}/pose`.
 
     Turn the head. A motion gets two replies: accepted and done.
     """
-    return f"beatrix/{robot}/{twin}/cmd/{who}/pose"
+    return f"beatrix/{robot}/{side}/cmd/{who}/pose"
 
 
-def command(robot: str, twin: str, who: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/cmd/{who}/command`.
+def command(robot: str, side: str, who: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/cmd/{who}/command`.
 
     Send a command, such as ENABLE, CALIBRATE, HOME or STOP.
     """
-    return f"beatrix/{robot}/{twin}/cmd/{who}/command"
+    return f"beatrix/{robot}/{side}/cmd/{who}/command"
 
 
-def lease(robot: str, twin: str, who: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/cmd/{who}/lease`.
+def lease(robot: str, side: str, who: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/cmd/{who}/lease`.
 
     Take a robot or give it back; the teacher also freezes it, limits its speed and mutes seats.
     """
-    return f"beatrix/{robot}/{twin}/cmd/{who}/lease"
+    return f"beatrix/{robot}/{side}/cmd/{who}/lease"
 
 
-def stop(robot: str, twin: str, who: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/stop/{who}`.
+def stop(robot: str, side: str, who: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/stop/{who}`.
 
     Stop at once, under the name of a seat. With any payload, without lease. In a class each seat may send it to all robots, only under its own name, which events then show.
     """
-    return f"beatrix/{robot}/{twin}/stop/{who}"
+    return f"beatrix/{robot}/{side}/stop/{who}"
 
 
-def stop_unsigned(robot: str, twin: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/stop`.
+def stop_unsigned(robot: str, side: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/stop`.
 
     Stop at once, without a seat. On a router without accounts it is open to every client; in a class only the teacher may send it. Events show no seat.
     """
-    return f"beatrix/{robot}/{twin}/stop"
+    return f"beatrix/{robot}/{side}/stop"
 
 
 def preview(robot: str, who: str) -> str:
@@ -396,60 +396,60 @@ def follow(robot: str, who: str) -> str:
     return f"beatrix/{robot}/sim/cmd/{who}/follow"
 
 
-def positions(robot: str, twin: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/state/positions`.
+def positions(robot: str, side: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/state/positions`.
 
     Positions of the robot, always at 50 Hz; a query returns the newest.
     """
-    return f"beatrix/{robot}/{twin}/state/positions"
+    return f"beatrix/{robot}/{side}/state/positions"
 
 
-def positions_json(robot: str, twin: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/state/positions/json`.
+def positions_json(robot: str, side: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/state/positions/json`.
 
     Positions as JSON text, published only while a client subscribes.
     """
-    return f"beatrix/{robot}/{twin}/state/positions/json"
+    return f"beatrix/{robot}/{side}/state/positions/json"
 
 
-def status(robot: str, twin: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/state/status`.
+def status(robot: str, side: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/state/status`.
 
     State of the robot, on change and once a second; a query returns the newest.
     """
-    return f"beatrix/{robot}/{twin}/state/status"
+    return f"beatrix/{robot}/{side}/state/status"
 
 
-def status_json(robot: str, twin: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/state/status/json`.
+def status_json(robot: str, side: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/state/status/json`.
 
     Status as JSON text, published only while a client subscribes.
     """
-    return f"beatrix/{robot}/{twin}/state/status/json"
+    return f"beatrix/{robot}/{side}/state/status/json"
 
 
-def events(robot: str, twin: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/state/events`.
+def events(robot: str, side: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/state/events`.
 
     Every request with its seat and outcome, STOP, lease changes, board lost and found, warnings, log records. A query returns the last 200.
     """
-    return f"beatrix/{robot}/{twin}/state/events"
+    return f"beatrix/{robot}/{side}/state/events"
 
 
-def events_json(robot: str, twin: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/state/events/json`.
+def events_json(robot: str, side: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/state/events/json`.
 
     Events as JSON text, published only while a client subscribes.
     """
-    return f"beatrix/{robot}/{twin}/state/events/json"
+    return f"beatrix/{robot}/{side}/state/events/json"
 
 
-def camera(robot: str, twin: str, eye: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/state/camera/{eye}`.
+def camera(robot: str, side: str, eye: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/state/camera/{eye}`.
 
     Pictures of one eye, or of a simulated head from outside, `image/jpeg`, published only while a client subscribes. The attachment is in msgpack.
     """
-    return f"beatrix/{robot}/{twin}/state/camera/{eye}"
+    return f"beatrix/{robot}/{side}/state/camera/{eye}"
 
 
 def target(robot: str) -> str:
@@ -460,44 +460,44 @@ def target(robot: str) -> str:
     return f"beatrix/{robot}/sim/scene/target"
 
 
-def arm_target(robot: str, twin: str, arm: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/arm/{arm}/target`.
+def arm_target(robot: str, side: str, arm: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/arm/{arm}/target`.
 
     Turn one arm to this angle (rad) at the default speed; a newer target replaces an older one. These are the per-arm topics of 2023. The seat is `arm-topics`, lease and limits apply, and refusals appear as warnings in the status.
     """
-    return f"beatrix/{robot}/{twin}/arm/{arm}/target"
+    return f"beatrix/{robot}/{side}/arm/{arm}/target"
 
 
-def info(robot: str, twin: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/info`.
+def info(robot: str, side: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/info`.
 
     All data that a program without the library needs to drive this robot.
     """
-    return f"beatrix/{robot}/{twin}/info"
+    return f"beatrix/{robot}/{side}/info"
 
 
-def clock(robot: str, twin: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/clock`.
+def clock(robot: str, side: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/clock`.
 
     Clocks of the node's computer, for offset estimates.
     """
-    return f"beatrix/{robot}/{twin}/clock"
+    return f"beatrix/{robot}/{side}/clock"
 
 
-def alive(robot: str, twin: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/@alive`.
+def alive(robot: str, side: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/@alive`.
 
     Liveliness token of a node that serves this robot.
     """
-    return f"beatrix/{robot}/{twin}/@alive"
+    return f"beatrix/{robot}/{side}/@alive"
 
 
-def claim(robot: str, twin: str, session: str) -> str:
-    """Return the key `beatrix/{robot}/{twin}/@claim/{session}`.
+def claim(robot: str, side: str, session: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/@claim/{session}`.
 
     Liveliness token of a node that serves, or is about to serve, under this name. If two nodes start at the same time under one name, one of them withdraws.
     """
-    return f"beatrix/{robot}/{twin}/@claim/{session}"
+    return f"beatrix/{robot}/{side}/@claim/{session}"
 
 
 def seat(who: str, session: str) -> str:
@@ -527,14 +527,14 @@ def note(who: str, session: str) -> str:
 NAME: Final = re.compile(r"[a-z0-9-]{1,32}")
 """Names of robots and seats."""
 _CHUNKS: Final = {name: row.key.split("/") for name, row in KEYS.items()}
-_VALID: Final = {"robot": NAME, "who": NAME, "twin": re.compile("hw|sim")}
+_VALID: Final = {"robot": NAME, "who": NAME, "side": re.compile("hw|sim")}
 
 
 @lru_cache(maxsize=1024)
 def parse(key: str) -> Parts | None:
     """Return the row of a key and the names in it, which may be `*`.
 
-    None if the key matches no row, or contains an invalid name of a robot, twin or seat.
+    None if the key matches no row, or contains an invalid name of a robot, side or seat.
     """
     chunks = key.split("/")
     for name, pattern in _CHUNKS.items():
@@ -555,8 +555,8 @@ def _parts(name: str, pattern: list[str], chunks: list[str]) -> Parts | None:
             found[wanted[1:-1]] = chunk
         elif wanted != chunk:
             return None
-    if "robot" in found and "twin" not in found:
-        found["twin"] = pattern[2]
+    if "robot" in found and "side" not in found:
+        found["side"] = pattern[2]
     return Parts(name, **found)
 
 

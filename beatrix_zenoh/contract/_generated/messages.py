@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "5a98469c"
+CONTRACT: Final = "68b1d0e7"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -18,7 +18,7 @@ Float32 = Annotated[float, Meta(ge=-FLOAT32_MAX, le=FLOAT32_MAX)]
 """Number in single precision; the bounds make decoders reject NaN and infinities."""
 
 Name = Annotated[str, Meta(extra={"wire": "name", "longest": 32})]
-"""Name of a robot, twin or seat: a-z, 0-9 and -. At most 32 characters."""
+"""Name of a robot, side or seat: a-z, 0-9 and -. At most 32 characters."""
 
 Label = Annotated[str, Meta(extra={"wire": "label", "longest": 100})]
 """Version, device, key or other technical text. At most 100 characters."""
@@ -656,7 +656,7 @@ class Status(Struct, frozen=True, kw_only=True):
     """wall clock of the source, since 1970 [ns]"""
     robot: Name
     """name of the robot"""
-    twin: Name
+    side: Name
     """`hw` or `sim`"""
     enabled: bool
     """motors on"""
@@ -860,7 +860,7 @@ class Info(Struct, frozen=True, kw_only=True):
 
     robot: Name
     """name of the robot"""
-    twin: Name
+    side: Name
     """`hw` or `sim`"""
     version: Label
     """version of the beatrix-zenoh package"""
@@ -893,7 +893,7 @@ class ProgramInfo(Struct, frozen=True, kw_only=True):
 
     program: Label
     """name of the program, such as `beatrix gui` or `lesson.py`"""
-    twin: Name = ""
+    side: Name = ""
     """`hw` or `sim` of a node; empty: a client"""
     serves: list[Label] = []
     """keys of its queryables"""

@@ -18,11 +18,11 @@ ENGLISH: Final[Mapping[Key, str]] = {
     ),
     (Reason.NO_ANSWER, None, "absent in class"): (
         "{field} is not online. Online: {known}. Account {holder} may not start it: ask the teacher, or choose with "
-        "--name and --on (in Python: name and twin of Robot)."
+        "--name and --on (in Python: name and side of Robot)."
     ),
     (Reason.NO_ANSWER, None, "absent"): (
         "{field} is not online. Online: {known}. Start it with `beatrix sim` or `beatrix hw`, or choose with --name "
-        "and --on (in Python: name and twin of Robot)."
+        "and --on (in Python: name and side of Robot)."
     ),
     (Reason.NO_ANSWER, None, "present"): (
         "{field} is online but did not answer: it is just starting or closing, or it has another version. Try again; "
@@ -88,11 +88,11 @@ GERMAN: Final[Mapping[Key, str]] = {
     ),
     (Reason.NO_ANSWER, None, "absent in class"): (
         "{field} ist nicht da. Da sind: {known}. Das Konto {holder} darf ihn nicht starten: Frage die Lehrkraft, oder "
-        "wähle mit --name und --on (in Python: name und twin von Robot)."
+        "wähle mit --name und --on (in Python: name und side von Robot)."
     ),
     (Reason.NO_ANSWER, None, "absent"): (
         "{field} ist nicht da. Da sind: {known}. Starte ihn mit `beatrix sim` oder `beatrix hw`, oder wähle mit --name "
-        "und --on (in Python: name und twin von Robot)."
+        "und --on (in Python: name und side von Robot)."
     ),
     (Reason.NO_ANSWER, None, "present"): (
         "{field} ist da, hat aber nicht geantwortet: Er startet oder schließt gerade, oder er hat eine andere Version. "

@@ -1,4 +1,4 @@
-"""The viewer's tabs: overlay of both twins, both side by side, plots, and log with states."""
+"""The viewer's tabs: overlay of both sides, both side by side, plots, and log with states."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rerun.blueprint.encodings import TextLogColumn, TimelineColumn
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.colours import STYLES
-from beatrix_zenoh.contract.names import TWIN_TITLES
+from beatrix_zenoh.contract.names import SIDE_TITLES
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import of_difference, of_robot
 from beatrix_zenoh.recording.rrd.read import TIME
@@ -63,30 +63,30 @@ def tiled(parts: Sequence[Part], name: str) -> rrb.Container:
 
 
 def overlay(shown: RobotSet, name: str) -> rrb.View:
-    """Return a view of the hardware with the simulation as a ghost over it, or of the only twin."""
-    twins = shown.twins(name)
+    """Return a view of the hardware with the simulation as a ghost over it, or of the only side."""
+    sides = shown.sides(name)
     contents = []
-    for place in twins:
-        ghost = place[1] == "sim" and len(twins) > 1
+    for place in sides:
+        ghost = place[1] == "sim" and len(sides) > 1
         contents += [
             f"+ {path}"
             for path in solids_of(place, shown.robots[place].bodies, "ghost" if ghost else "solid")
         ]
-    title = f"{name}: hardware, and the simulation as a blue ghost" if len(twins) > 1 else titled(twins[0])
-    return scene_view(f"/{name}", contents, title, twins)
+    title = f"{name}: hardware, and the simulation as a blue ghost" if len(sides) > 1 else titled(sides[0])
+    return scene_view(f"/{name}", contents, title, sides)
 
 
 def beside(shown: RobotSet, name: str) -> rrb.Container:
-    """Return views of both twins in the middle, and beside each the pictures of its eyes."""
+    """Return views of both sides in the middle, and beside each the pictures of its eyes."""
     columns: list[Part] = []
     shares = []
-    for place in shown.twins(name):
+    for place in shown.sides(name):
         contents = [f"+ {path}" for path in solids_of(place, shown.robots[place].bodies, "solid")]
         columns.append(scene_view("/" + of_robot(place), contents, titled(place), [place]))
         shares.append(ROBOT_SHARE)
         if place in shown.with_pictures:
             outside = 0 if place[1] == "sim" else len(columns)
-            columns.insert(outside, rrb.Vertical(*(eye_view(place, side) for side in ("left", "right"))))
+            columns.insert(outside, rrb.Vertical(*(eye_view(place, eye) for eye in ("left", "right"))))
             shares.insert(outside, EYES_SHARE)
     return rrb.Horizontal(*columns, column_shares=shares, name=name)
 
@@ -105,23 +105,23 @@ def scene_view(origin: str, contents: Sequence[str], title: str, places: Sequenc
     )
 
 
-def eye_view(place: Place, side: str) -> rrb.View:
+def eye_view(place: Place, eye: str) -> rrb.View:
     """Return a view of the pictures of one eye."""
     return rrb.Spatial2DView(
-        origin="/" + of_robot(place, "camera", side), name=f"{side} eye, {TWIN_TITLES[place[1]]}"
+        origin="/" + of_robot(place, "camera", eye), name=f"{eye} eye, {SIDE_TITLES[place[1]]}"
     )
 
 
 def plots_of(shown: RobotSet, name: str) -> rrb.Container:
-    """Return plots of arms and head, and with both twins also of the difference between hardware and simulation."""
-    twins = shown.twins(name)
-    styles = f": {STYLES}" if len(twins) > 1 else ""
+    """Return plots of arms and head, and with both sides also of the difference between hardware and simulation."""
+    sides = shown.sides(name)
+    styles = f": {STYLES}" if len(sides) > 1 else ""
     # Two plots share the screen's height; with more the viewer would leave out the numbers on their axes.
     curves = rrb.Vertical(
-        plot([of_robot(place, "arms") for place in twins], f"arms (°){styles}", ARMS_DEG),
-        plot([of_robot(place, "head") for place in twins], f"head (°){styles}", HEAD_DEG),
+        plot([of_robot(place, "arms") for place in sides], f"arms (°){styles}", ARMS_DEG),
+        plot([of_robot(place, "head") for place in sides], f"head (°){styles}", HEAD_DEG),
     )
-    if len(twins) == 1:
+    if len(sides) == 1:
         return rrb.Horizontal(curves, name=name)
     apart = rrb.Vertical(
         plot([of_difference(name, "arms")], "arms: hardware − simulation (°)", APART_DEG),
@@ -174,4 +174,4 @@ def log() -> rrb.View:
 
 def titled(place: Place) -> str:
     """Return the title of a robot."""
-    return f"{place[0]}: {TWIN_TITLES[place[1]]}"
+    return f"{place[0]}: {SIDE_TITLES[place[1]]}"

@@ -61,12 +61,12 @@ def read(path: Path) -> Recorded:
     """
     columns = _columns(path)
     robots: dict[Place, Samples] = {}
-    for name, twin, what in [_parts(entity) for entity, component in columns if component == SCALARS]:
-        root = f"/{name}/{twin}"
+    for name, side, what in [_parts(entity) for entity, component in columns if component == SCALARS]:
+        root = f"/{name}/{side}"
         # A recorder that was killed just after its start may have written only some of these columns.
         whole = all((f"{root}/{other}", SCALARS) in columns for other in ("commanded", "head"))
-        if twin in ("sim", "hw") and what == "arms" and whole:
-            robots[name, twin] = _samples(columns, root)
+        if side in ("sim", "hw") and what == "arms" and whole:
+            robots[name, side] = _samples(columns, root)
     if not robots:
         raise Refused(
             Reason.BAD_VALUE, f"{path} contains no positions of a robot. `beatrix record` writes recordings."
@@ -242,7 +242,7 @@ def _static(chunk: Chunk) -> Column:
 
 
 def _parts(entity: str) -> tuple[str, str, str]:
-    """Return name, twin and the rest of an entity's path."""
+    """Return name, side and the rest of an entity's path."""
     name, _, rest = entity.strip("/").partition("/")
-    twin, _, what = rest.partition("/")
-    return name, twin, what
+    side, _, what = rest.partition("/")
+    return name, side, what

@@ -9,7 +9,7 @@ import rerun as rr
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.colours import ARMS, AXES, Colour, pale
-from beatrix_zenoh.contract.names import TWIN_TITLES
+from beatrix_zenoh.contract.names import SIDE_TITLES
 from beatrix_zenoh.recording.figure import Body, Figure, Form, Solid
 from beatrix_zenoh.recording.mechanism import mechanism
 from beatrix_zenoh.recording.robot_rows import State
@@ -103,7 +103,7 @@ def curves(place: Place) -> Iterator[Item]:
             of_robot(place, what),
             lines(
                 {
-                    f"{name}, {TWIN_TITLES[place[1]]}{label} ({unit})": colour if hardware else pale(colour)
+                    f"{name}, {SIDE_TITLES[place[1]]}{label} ({unit})": colour if hardware else pale(colour)
                     for name, colour in colours.items()
                 },
                 width=6.0 if hardware else 2.0,

@@ -11,14 +11,14 @@ class Cameras(Worker):
     """Subscribes to wanted pictures when there is a session, and again when another robot is selected."""
 
     def __init__(self, on_image: OnImage) -> None:
-        """Start the thread without subscriptions; `on_image` receives twin and picture on threads of this object."""
+        """Start the thread without subscriptions; `on_image` receives side and picture on threads of this object."""
         super().__init__("window-cameras")
         self._on_image = on_image
         self._wanted: frozenset[tuple[str, str]] = frozenset()
         self._pictures: Pictures | None = None
 
     def watch(self, wanted: frozenset[tuple[str, str]]) -> None:
-        """Subscribe to exactly these cameras, pairs of twin and eye; returns at once."""
+        """Subscribe to exactly these cameras, pairs of side and eye; returns at once."""
 
         def apply() -> None:
             self._wanted = wanted

@@ -222,6 +222,6 @@ class Connection:
             self._thread.join(max(0.0, deadline_s - time.monotonic()))
 
 
-def absent(robot: str, twin: str) -> RobotState:
+def absent(robot: str, side: str) -> RobotState:
     """Return the state of a robot that has published nothing."""
-    return RobotState(robot, twin, Presence.ABSENT, None, None, None, None, 0.0, (), None)
+    return RobotState(robot, side, Presence.ABSENT, None, None, None, None, 0.0, (), None)

@@ -34,7 +34,7 @@ from gui.console.state.world import LinkPhase, World
 Request = actions.Send | actions.Play | actions.SendCommand | actions.SendLease | actions.Ready
 """Actions that robots of the shown name answer."""
 OnOutcome = Callable[[Outcome], None]
-TWINS = ("sim", "hw")
+SIDES = ("sim", "hw")
 CLOSE_S = 2.8
 """Time limit for threads and processes to end; slower threads and processes end by themselves afterwards."""
 
@@ -59,12 +59,12 @@ class Link:
         report = self._report
         self._cameras = Cameras(on_image)
         self._connection = Connection(settings, self._cameras.follow, name_given=name_given)
-        self._queues = {twin: RequestQueue(twin, report) for twin in TWINS}
+        self._queues = {side: RequestQueue(side, report) for side in SIDES}
         self._plans = Plans(report)
         self._playing = Playing(report)
         self._stop_sender = StopSender("window")
         self._governing, self._class = Governing(report), ClassStates()
-        self._probes = {twin: Probe(twin, lambda: self._connection.session) for twin in TWINS}
+        self._probes = {side: Probe(side, lambda: self._connection.session) for side in SIDES}
         self._children = Children(self._connection.try_now)
         self._recordings = Recordings()
         self._files = Worker("window-files")
@@ -89,7 +89,7 @@ class Link:
             hw=hw,
             names=connection.names(),
             trouble=connection.trouble,
-            latency_s={twin: probe.round_trip_s for twin, probe in self._probes.items()},
+            latency_s={side: probe.round_trip_s for side, probe in self._probes.items()},
             plan=self._plans.progress(),
             recording=self._recordings.progress(),
             starting=self._children.starting,
@@ -191,8 +191,8 @@ class Link:
             self._report(self._no_session(action.row))
             return
         twin = session.twin
-        twins = (action.twin,) if isinstance(action, actions.Ready | actions.SendLease) else action.twins
-        if not robots_of(twin, twins):
+        sides = (action.side,) if isinstance(action, actions.Ready | actions.SendLease) else action.sides
+        if not robots_of(twin, sides):
             text = "Neither Simulation nor Hardware is checked. Check one of them."
             self._report(failed(action.row, "", Refused(Reason.BAD_VALUE, text)))
             return
@@ -202,17 +202,17 @@ class Link:
             case actions.Play():
                 self._play(action, twin)
             case actions.SendCommand():
-                for robot in robots_of(twin, action.twins):
-                    self._queues[robot.twin].command(action.row, robot, action.command, value=action.value)
+                for robot in robots_of(twin, action.sides):
+                    self._queues[robot.side].command(action.row, robot, action.command, value=action.value)
             case actions.SendLease():
-                (robot,) = robots_of(twin, twins)
-                self._queues[robot.twin].lease(action.row, robot, action.action)
+                (robot,) = robots_of(twin, sides)
+                self._queues[robot.side].lease(action.row, robot, action.action)
             case actions.Ready():
-                (robot,) = robots_of(twin, twins)
-                self._queues[robot.twin].make_ready(action.row, robot)
+                (robot,) = robots_of(twin, sides)
+                self._queues[robot.side].make_ready(action.row, robot)
 
     def _send(self, action: actions.Send, twin: Twin) -> None:
-        robots = robots_of(twin, action.twins)
+        robots = robots_of(twin, action.sides)
         self._playing.end(replaced())
         if len(robots) > 1:
             for queue in self._queues.values():
@@ -221,7 +221,7 @@ class Link:
             return
         self._plans.drop_trying(replaced())
         for robot in robots:
-            self._queues[robot.twin].move(
+            self._queues[robot.side].move(
                 action.row,
                 robot,
                 action.query,
@@ -233,9 +233,9 @@ class Link:
         self._playing.wait_ended()
 
     def _play(self, action: actions.Play, twin: Twin) -> None:
-        robots = robots_of(twin, action.twins)
+        robots = robots_of(twin, action.sides)
         for robot in robots:
-            self._queues[robot.twin].replace()
+            self._queues[robot.side].replace()
         self._plans.drop_trying(replaced())
         self._playing.begin(
             action, twin if len(robots) > 1 else robots[0], lambda: self._plans.drop_leading(replaced())
@@ -296,6 +296,6 @@ class Link:
         self._outcomes.join(deadline_s)
 
 
-def robots_of(twin: Twin, twins: tuple[str, ...]) -> tuple[Robot, ...]:
-    """Return the robots of these twins, the simulation first."""
-    return tuple(robot for robot in (twin.sim, twin.hw) if robot.twin in twins)
+def robots_of(twin: Twin, sides: tuple[str, ...]) -> tuple[Robot, ...]:
+    """Return the robots of these sides, the simulation first."""
+    return tuple(robot for robot in (twin.sim, twin.hw) if robot.side in sides)

@@ -14,21 +14,21 @@ NO_ROBOT = "No robot is online."
 STOPPED = "STOP was pressed in this window."
 
 
-def done(row: int, twin: str, message: str, took_s: float = 0.0) -> Outcome:
+def done(row: int, side: str, message: str, took_s: float = 0.0) -> Outcome:
     """Return the outcome of a request that succeeded; `took_s` in s."""
-    return Outcome(row, twin, accepted=True, done=True, message=message, duration_s=took_s)
+    return Outcome(row, side, accepted=True, done=True, message=message, duration_s=took_s)
 
 
-def accepted(row: int, twin: str, message: str, lasts_s: float) -> Outcome:
+def accepted(row: int, side: str, message: str, lasts_s: float) -> Outcome:
     """Return the outcome of an accepted motion that will last `lasts_s` (s)."""
-    return Outcome(row, twin, accepted=True, done=False, message=message, duration_s=lasts_s)
+    return Outcome(row, side, accepted=True, done=False, message=message, duration_s=lasts_s)
 
 
-def failed(row: int, twin: str, error: BeatrixError) -> Outcome:
+def failed(row: int, side: str, error: BeatrixError) -> Outcome:
     """Return the outcome of a refused request, or of a motion that did not reach its goal."""
     return Outcome(
         row,
-        twin,
+        side,
         accepted=False,
         done=True,
         reason=error.reason,

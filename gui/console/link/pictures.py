@@ -37,15 +37,15 @@ class Pictures:
         self._streams: dict[tuple[str, str], Stream] = {}
 
     def watch(self, wanted: frozenset[tuple[str, str]]) -> None:
-        """Subscribe to exactly these cameras, pairs of twin and eye; does not wait for router or robot.
+        """Subscribe to exactly these cameras, pairs of side and eye; does not wait for router or robot.
 
         Absent robots and cameras are included as soon as they appear. After the return no other camera's picture is
         delivered.
         """
         for place in self._streams.keys() - wanted:
             self._streams.pop(place).end()
-        for twin, eye in wanted - self._streams.keys():
-            self._streams[twin, eye] = Stream(self._client, (self._robot, twin, eye), self._on_image)
+        for side, eye in wanted - self._streams.keys():
+            self._streams[side, eye] = Stream(self._client, (self._robot, side, eye), self._on_image)
 
     def close(self) -> None:
         """End all subscriptions within 1 s; no picture is delivered after the return."""
@@ -60,7 +60,7 @@ class Stream:
     """Pictures of one camera, read by a thread of its own."""
 
     def __init__(self, client: Client, camera: tuple[str, str, str], on_image: OnImage) -> None:
-        """Start the thread; `camera` is robot, twin and eye."""
+        """Start the thread; `camera` is robot, side and eye."""
         self._client, self._camera, self._on_image = client, camera, on_image
         self._lock = threading.Lock()
         self._ended = threading.Event()
@@ -82,8 +82,8 @@ class Stream:
 
     def _subscribed(self) -> Subscription[CameraImage]:
         """Return a subscription that keeps only the newest picture; raises NoAnswer if no router answers."""
-        robot, twin, eye = self._camera
-        pictures = images(self._client, robot, twin, eye, timeout_s=None, length=1)
+        robot, side, eye = self._camera
+        pictures = images(self._client, robot, side, eye, timeout_s=None, length=1)
         with self._lock:
             self._subscription = pictures
             if self._ended.is_set():  # `end` was called too early to close it

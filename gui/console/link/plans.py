@@ -18,7 +18,7 @@ from gui.console.state.actions import Outcome
 from gui.console.state.world import PlanPhase, PlanProgress
 
 BOTH = ""
-"""`Outcome.twin` of a motion of both robots."""
+"""`Outcome.side` of a motion of both robots."""
 ABORTED = "Aborted in this window."
 
 

@@ -29,9 +29,9 @@ class Job:
     """why the play must end; None: it may go on"""
 
     @property
-    def twin(self) -> str:
+    def side(self) -> str:
         """Twin of its outcomes; empty: both."""
-        return "" if isinstance(self.robots, Twin) else self.robots.twin
+        return "" if isinstance(self.robots, Twin) else self.robots.side
 
     def check(self) -> None:
         """Raise `ending` if the play must end."""
@@ -87,11 +87,11 @@ class Playing(Worker):
 
             lasts_s, perform = prepared(job.action, job.robots, job.check)
             job.check()
-            self._report(accepted(job.action.row, job.twin, f"{job.title}: checked.", lasts_s))
+            self._report(accepted(job.action.row, job.side, f"{job.title}: checked.", lasts_s))
             perform()
-            outcome = done(job.action.row, job.twin, f"{job.title}: played.", time.monotonic() - began_s)
+            outcome = done(job.action.row, job.side, f"{job.title}: played.", time.monotonic() - began_s)
         except BeatrixError as error:
-            outcome = failed(job.action.row, job.twin, error)
+            outcome = failed(job.action.row, job.side, error)
         finally:
             with self._lock:
                 if self._job is job:

@@ -27,19 +27,19 @@ M = TypeVar("M", bound=msgspec.Struct)
 class Probe:
     """Queries one robot on a thread of its own, so that a silent robot does not delay queries to the other."""
 
-    def __init__(self, twin: str, session: Callable[[], Session | None]) -> None:
+    def __init__(self, side: str, session: Callable[[], Session | None]) -> None:
         """Start the thread; `session` returns the present session, or None."""
-        self._twin, self._session = twin, session
+        self._side, self._session = side, session
         self.round_trip_s: float | None = None
         """duration (s) of the last query of the clock; None: the robot did not answer, or no query was sent"""
         self._limits: tuple[Place, LimitInfo] | None = None
         self._end: queue.SimpleQueue[None] = queue.SimpleQueue()
-        self._thread: threading.Thread = threads.start(self._run, f"window-probe-{twin}")
+        self._thread: threading.Thread = threads.start(self._run, f"window-probe-{side}")
 
     def limits(self, robot: str) -> LimitInfo | None:
         """Return the limits of the robot of this name; None if it has not answered since it came online."""
         known = self._limits
-        return known[1] if known is not None and known[0] == (robot, self._twin) else None
+        return known[1] if known is not None and known[0] == (robot, self._side) else None
 
     def _run(self) -> None:
         while True:
@@ -52,7 +52,7 @@ class Probe:
 
     def _query(self) -> None:
         session = self._session()
-        place = None if session is None else (session.twin.name, self._twin)
+        place = None if session is None else (session.twin.name, self._side)
         if session is None or place is None or place not in session.monitor.present():
             self.round_trip_s = self._limits = None  # the next robot of this name may have other limits
             return

@@ -40,9 +40,9 @@ class Task:
 class RequestQueue(Worker):
     """Sends requests to one robot one after the other; a newer motion replaces one that still waits."""
 
-    def __init__(self, twin: str, report: Callable[[Outcome], None]) -> None:
-        super().__init__(f"window-{twin}")
-        self._twin, self._report = twin, report
+    def __init__(self, side: str, report: Callable[[Outcome], None]) -> None:
+        super().__init__(f"window-{side}")
+        self._side, self._report = side, report
         self._lock = threading.Lock()
         self._waiting: list[Task] = []
         self._stops = 0
@@ -85,7 +85,7 @@ class RequestQueue(Worker):
             self._stops += 1
             dropped, self._waiting = self._waiting, []
         for task in dropped:
-            self._report(failed(task.row, self._twin, stopped()))
+            self._report(failed(task.row, self._side, stopped()))
 
     def release(self) -> None:
         """Drop waiting requests and stop the running motion, because later STOPs of the window go to another robot."""
@@ -100,7 +100,7 @@ class RequestQueue(Worker):
             dropped = [task for task in self._waiting if task.query is not None]
             self._waiting = [task for task in self._waiting if task.query is None]
         for task in dropped:
-            self._report(failed(task.row, self._twin, replaced()))
+            self._report(failed(task.row, self._side, replaced()))
 
     def _put(self, task: Task) -> None:
         if task.query is not None:
@@ -114,7 +114,7 @@ class RequestQueue(Worker):
                 f"{LIMIT} requests to {task.robot} are waiting, which is the limit. Wait, or check whether the robot "
                 "responds."
             )
-            self._report(failed(task.row, self._twin, Refused(Reason.BUSY, text)))
+            self._report(failed(task.row, self._side, Refused(Reason.BUSY, text)))
         else:
             self.put(self._next)
 
@@ -128,11 +128,11 @@ class RequestQueue(Worker):
             return
         try:
             if task.query is None:
-                self._report(done(task.row, self._twin, task.do(task.robot)))
+                self._report(done(task.row, self._side, task.do(task.robot)))
             else:
                 self._begin(task, task.query, stops)
         except BeatrixError as error:
-            self._report(failed(task.row, self._twin, error))
+            self._report(failed(task.row, self._side, error))
 
     def _begin(self, task: Task, query: MotionQuery | PoseQuery, stops: int) -> None:
         task.clear()
@@ -142,7 +142,7 @@ class RequestQueue(Worker):
         if self._stops != stops:  # the STOP sent meanwhile may have arrived before the motion
             publish_stop(task.robot.client, task.robot.place)
         task.begun()
-        self._report(accepted(task.row, self._twin, motion.accepted.message, motion.duration))
+        self._report(accepted(task.row, self._side, motion.accepted.message, motion.duration))
 
         def ended(motion: Motion) -> None:
             error = motion.exception(0.0)
@@ -150,9 +150,9 @@ class RequestQueue(Worker):
             if self._running == (task.robot, motion):
                 self._running = None
             self._report(
-                done(task.row, self._twin, motion.result(0.0).message, took_s)
+                done(task.row, self._side, motion.result(0.0).message, took_s)
                 if error is None
-                else failed(task.row, self._twin, error)
+                else failed(task.row, self._side, error)
             )
 
         motion.add_done_callback(ended)

@@ -21,11 +21,11 @@ def stop_both(sender: StopSender, session: Session, row: int, report: Report) ->
     began_s = time.monotonic()
 
     def answered(answers: Answers) -> None:
-        for (_, twin), answer in answers.items():
+        for (_, side), answer in answers.items():
             if isinstance(answer, BeatrixError):
-                report(failed(row, twin, answer))
+                report(failed(row, side, answer))
             else:
-                report(done(row, twin, answer.message, time.monotonic() - began_s))
+                report(done(row, side, answer.message, time.monotonic() - began_s))
 
     twin = session.twin
     sender.send([session.client], [twin.hw.place, twin.sim.place], answered, yield_s=YIELD_S)

@@ -28,7 +28,7 @@ class Send(Action):
     row: int
     """number of the request's row in the history"""
     query: MotionQuery | PoseQuery
-    twins: tuple[str, ...]
+    sides: tuple[str, ...]
     """`sim`, `hw`, or `sim` and `hw`"""
     lead_s: float = 0.0
 
@@ -40,7 +40,7 @@ class SendCommand(Action):
     row: int
     command: Command
     value: bool
-    twins: tuple[str, ...]
+    sides: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Ready(Action):
     """`Robot.make_ready` for one robot."""
 
     row: int
-    twin: str
+    side: str
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class SendLease(Action):
 
     row: int
     action: LeaseAction
-    twin: str
+    side: str
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Govern(Action):
     row: int
     action: LeaseAction
     places: tuple[Place, ...] = ()
-    """name and twin of each robot; empty: all robots online"""
+    """name and side of each robot; empty: all robots online"""
     speed: float = 0.0
     """speed limit (rad/s), for LIMIT only; 0: no limit"""
     seat: str = ""
@@ -114,7 +114,7 @@ class Play(Action):
     """Play a file, or poses (deg: short, middle, long) one after the other."""
 
     row: int
-    twins: tuple[str, ...]
+    sides: tuple[str, ...]
     file: Path | None = None
     """None: the poses are played"""
     poses: tuple[tuple[float, float, float], ...] = ()
@@ -137,7 +137,7 @@ class WatchCameras(Action):
     """Subscribe to exactly these pictures."""
 
     wanted: frozenset[tuple[str, str]]
-    """twin and eye of the visible pictures, for example `("sim", "outside")`"""
+    """side and eye of the visible pictures, for example `("sim", "outside")`"""
 
 
 @dataclass(frozen=True)
@@ -182,7 +182,7 @@ class Outcome:
     """The result of an action, at one robot or at several."""
 
     row: int
-    twin: str
+    side: str
     """`sim` or `hw`; empty: the outcome is that of several robots, or no robot was reached"""
     accepted: bool
     """true: a motion was accepted, or a command carried out; false: refused, or the motion did not reach its goal"""

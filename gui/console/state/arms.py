@@ -46,10 +46,10 @@ def _row(memory: Memory, world: World, arm: str) -> ArmRowView:
     texts = memory.choices.texts
     angles: dict[str, float] = {}
     if arm != ALL_ARMS:
-        for twin in ("sim", "hw"):
-            if (found := reading(world, twin)) is not None:
-                angles[twin] = getattr(found.arms, arm)
-    shown = {twin: texts("angle", degrees=angle) for twin, angle in angles.items()}
+        for side in ("sim", "hw"):
+            if (found := reading(world, side)) is not None:
+                angles[side] = getattr(found.arms, arm)
+    shown = {side: texts("angle", degrees=angle) for side, angle in angles.items()}
     empty = "" if arm == ALL_ARMS else texts("unknown")
     apart = texts("difference", degrees=angles["hw"] - angles["sim"]) if len(angles) > 1 else ""
     return ArmRowView(
@@ -67,7 +67,7 @@ def _row(memory: Memory, world: World, arm: str) -> ArmRowView:
 def _button(memory: Memory, world: World, jog: Jog) -> ButtonView:
     texts = memory.choices.texts
     text = texts("arm.plus") if jog.sign > 0 else texts("arm.minus")
-    if not memory.choices.twins:
+    if not memory.choices.sides:
         return ButtonView(text, texts("off.unchecked"), jog, enabled=False)
     return ButtonView(text, _effect(memory, world, jog), jog)
 
@@ -91,10 +91,10 @@ def jog(memory: Memory, world: World, intent: Jog) -> list[Action]:
     choices = memory.choices
     by = intent.sign * choices.increment
     chosen = ARMS if intent.arm == ALL_ARMS else (intent.arm,)
-    if choices.relative and len(choices.twins) < 2:
+    if choices.relative and len(choices.sides) < 2:
         by_arms = _moved(ArmAngles(0.0, 0.0, 0.0), chosen, by, relative=True)
         return send_arms(memory, world, by_arms, intent.arm, relative=True)
-    if unreachable(memory, world, choices.twins, intent.arm):
+    if unreachable(memory, world, choices.sides, intent.arm):
         return []
     start = _start(memory, world)
     if start is None:
@@ -112,16 +112,16 @@ def _start(memory: Memory, world: World) -> ArmAngles | None:
     is the exact one and not its microsteps, as for relative motions of one robot.
     """
     choices, newest = memory.choices, memory.rows[-1] if memory.rows else None
-    here = commanded(world, choices.twins)
+    here = commanded(world, choices.sides)
     if (
         not choices.relative
-        or len(choices.twins) < 2
+        or len(choices.sides) < 2
         or newest is None
         or not isinstance(newest.request, Send)
     ):
         return here
     query = newest.request.query
-    if isinstance(query, MotionQuery) and query.absolute and len(newest.twins) > 1:
+    if isinstance(query, MotionQuery) and query.absolute and len(newest.sides) > 1:
         goal = arm_angles(query.position)
         under_way = world.plan is not None and not newest.ended
         if under_way or (here is not None and furthest(goal, here) <= HALF_STEP_DEG):

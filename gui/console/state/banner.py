@@ -21,11 +21,11 @@ CHOICES = 3
 def view(memory: Memory, world: World) -> BannerView | None:
     """Return the banner; None if a robot is online, no latch is set, and `leases.banner` has nothing to show."""
     texts = memory.choices.texts
-    latched = tuple(twin for twin in ("sim", "hw") if _is_latched(world, twin))
+    latched = tuple(side for side in ("sim", "hw") if _is_latched(world, side))
     if latched:
-        robots = texts("twins.both" if len(latched) > 1 else f"twins.{latched[0]}")
+        robots = texts("sides.both" if len(latched) > 1 else f"sides.{latched[0]}")
         return BannerView(
-            texts("banner.emergency", robots=robots), tuple(_reset(twin, texts) for twin in latched)
+            texts("banner.emergency", robots=robots), tuple(_reset(side, texts) for side in latched)
         )
     if online(world, "sim") or online(world, "hw"):
         return leases.banner(memory, world)
@@ -49,14 +49,14 @@ def view(memory: Memory, world: World) -> BannerView | None:
     return replace(found, text=f"{world.child_trouble} {found.text}".strip())
 
 
-def _is_latched(world: World, twin: str) -> bool:
-    status = world.twin(twin).status
-    return online(world, twin) and status is not None and fault_of(status) is Fault.EMERGENCY
+def _is_latched(world: World, side: str) -> bool:
+    status = world.side(side).status
+    return online(world, side) and status is not None and fault_of(status) is Fault.EMERGENCY
 
 
-def _reset(twin: str, texts: Texts) -> ButtonView:
-    text = texts("banner.reset", twin=texts(f"twins.{twin}"))
-    return ButtonView(text, texts("next.reset_tip"), RunCommand(Command.RESET, twin=twin))
+def _reset(side: str, texts: Texts) -> ButtonView:
+    text = texts("banner.reset", side=texts(f"sides.{side}"))
+    return ButtonView(text, texts("next.reset_tip"), RunCommand(Command.RESET, side=side))
 
 
 def _choose(name: str, texts: Texts) -> ButtonView:

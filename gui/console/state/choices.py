@@ -31,7 +31,7 @@ class Choices:
     """target of the head pad; None: the target follows the head"""
 
     @property
-    def twins(self) -> tuple[str, ...]:
+    def sides(self) -> tuple[str, ...]:
         """The robots whose boxes are checked."""
         return ("sim",) * self.sim + ("hw",) * self.hw
 
@@ -64,8 +64,8 @@ def changed(choices: Choices, intent: Intent) -> Choices | None:
             new = replace(choices, speed=speed)
         case intents.SetLead(seconds=seconds) if seconds >= 0 and math.isfinite(seconds):
             new = replace(choices, lead_s=seconds)
-        case intents.SetDestination(twin=twin, checked=checked):
-            new = replace(choices, sim=checked) if twin == "sim" else replace(choices, hw=checked)
+        case intents.SetDestination(side=side, checked=checked):
+            new = replace(choices, sim=checked) if side == "sim" else replace(choices, hw=checked)
         case intents.SetCameras(on=on):
             new = replace(choices, cameras=on)
         case intents.ShowTab(name=name):

@@ -81,7 +81,7 @@ def _shown(world: World, seats: Iterable[str]) -> str:
 
 def _stops(stops: SeatStops, world: World, texts: Texts) -> str:
     """Return the STOPs of one seat as words: `ben 3 (bea1 hw 2, bea2 hw 1)`."""
-    robots = ", ".join(f"{robot} {twin} {count}" for (robot, twin), count in stops.robots.items())
+    robots = ", ".join(f"{robot} {side} {count}" for (robot, side), count in stops.robots.items())
     seat = world.pupils.get(stops.seat, stops.seat) or texts("who.unknown")
     return f"{seat} {stops.total} ({robots})"
 
@@ -144,15 +144,15 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
     if found is None and status is not None:
         found = _working(status, texts)
     assert found is not None  # without a status, `problem` returns SILENT
-    place = (robot.robot, robot.twin)
-    named = f"{robot.robot} ({texts(f'twins.{robot.twin}')})"
+    place = (robot.robot, robot.side)
+    named = f"{robot.robot} ({texts(f'sides.{robot.side}')})"
     frozen = status is not None and status.frozen
     remarks = _remarks(status, found, texts, limit_shown=limit_shown)
     return ClassRowView(
         place=place,
         cells=(
             robot.robot,
-            texts(f"twin.{robot.twin}"),
+            texts(f"side.{robot.side}"),
             f"{pills.SYMBOLS[found.condition]} {found.text}",
             _driver(status, world, texts),
             "" if status is None else ", ".join(status.waiting),

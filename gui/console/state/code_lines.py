@@ -37,42 +37,42 @@ def python(request: Request) -> str:
     """Return a line of Python that sends the request, where `twin` is a `Twin`; empty if there is no such line."""
     line = ""
     match request:
-        case Send(query=query, twins=twins, lead_s=lead_s):
-            line = _motion_python(query, twins, lead_s)
-        case SendCommand(command=command, value=value, twins=twins):
-            line = f"{_robot(twins)}.{_verb(command, on=value)}()"
-        case Ready(twin=twin):
-            line = f"twin.{twin}.make_ready()"
+        case Send(query=query, sides=sides, lead_s=lead_s):
+            line = _motion_python(query, sides, lead_s)
+        case SendCommand(command=command, value=value, sides=sides):
+            line = f"{_robot(sides)}.{_verb(command, on=value)}()"
+        case Ready(side=side):
+            line = f"twin.{side}.make_ready()"
         case StopBoth():
             line = "twin.stop()"
-        case SendLease(action=LeaseAction.TAKE, twin=twin):
-            line = f"twin.{twin}.lease()"
-        case Play(twins=twins, file=Path() as file, lead_s=lead_s):
-            lead = f", lead_s={_number(lead_s)}" if lead_s and len(twins) > 1 else ""
-            line = f"play({_robot(twins)}, load({str(file)!r}){lead})"
+        case SendLease(action=LeaseAction.TAKE, side=side):
+            line = f"twin.{side}.lease()"
+        case Play(sides=sides, file=Path() as file, lead_s=lead_s):
+            lead = f", lead_s={_number(lead_s)}" if lead_s and len(sides) > 1 else ""
+            line = f"play({_robot(sides)}, load({str(file)!r}){lead})"
     return line
 
 
 def command_line(request: Request, world: World) -> str:
     """Return a command for the terminal that sends the request; empty if there is no such command."""
     match request:
-        case Send(query=query, twins=twins, lead_s=lead_s):
-            words = [*_motion_words(query), *_where(twins, world), *_lead(twins, lead_s)]
-        case SendCommand(command=command, value=value, twins=twins):
-            words = [_verb(command, on=value), *_where(twins, world)]
-        case Ready(twin=twin):
-            enable = shlex.join(["beatrix", "enable", *_where((twin,), world)])
-            return f"{enable} && {shlex.join(['beatrix', 'calibrate', *_where((twin,), world)])}"
+        case Send(query=query, sides=sides, lead_s=lead_s):
+            words = [*_motion_words(query), *_where(sides, world), *_lead(sides, lead_s)]
+        case SendCommand(command=command, value=value, sides=sides):
+            words = [_verb(command, on=value), *_where(sides, world)]
+        case Ready(side=side):
+            enable = shlex.join(["beatrix", "enable", *_where((side,), world)])
+            return f"{enable} && {shlex.join(['beatrix', 'calibrate', *_where((side,), world)])}"
         case StopBoth():
             words = ["stop", *_names(world)]
         case StopAll():
             words = ["stop", "--all", *_router(world)]
-        case SendLease(action=action, twin=twin):
-            words = ["lease", *LEASES[action], *_where((twin,), world)]
+        case SendLease(action=action, side=side):
+            words = ["lease", *LEASES[action], *_where((side,), world)]
         case Govern(action=action) if action in GOVERNS:
             words = [*_governed(request), *_router(world)]
-        case Play(twins=twins, file=Path() as file, lead_s=lead_s):
-            words = ["play", str(file), *_where(twins, world), *_lead(twins, lead_s)]
+        case Play(sides=sides, file=Path() as file, lead_s=lead_s):
+            words = ["play", str(file), *_where(sides, world), *_lead(sides, lead_s)]
         case _:
             return ""
     return shlex.join(["beatrix", *words])
@@ -91,12 +91,12 @@ def _verb(command: Command, *, on: bool) -> str:
     return "disable" if command is Command.ENABLE and not on else VERBS[command]
 
 
-def _robot(twins: tuple[str, ...]) -> str:
-    return "twin" if len(twins) > 1 else f"twin.{twins[0]}"
+def _robot(sides: tuple[str, ...]) -> str:
+    return "twin" if len(sides) > 1 else f"twin.{sides[0]}"
 
 
-def _motion_python(query: MotionQuery | PoseQuery, twins: tuple[str, ...], lead_s: float) -> str:
-    both = len(twins) > 1
+def _motion_python(query: MotionQuery | PoseQuery, sides: tuple[str, ...], lead_s: float) -> str:
+    both = len(sides) > 1
     if isinstance(query, PoseQuery):
         call = "preview" if both else "look"
         angles = [f"{name}={text}" for name, text in _head(query).items()]
@@ -107,7 +107,7 @@ def _motion_python(query: MotionQuery | PoseQuery, twins: tuple[str, ...], lead_
         speeds = _speeds(query)
         speed = speeds[0] if len(speeds) == 1 else f"({', '.join(speeds)})" if speeds else None
     words = [*angles, *([] if query.absolute else ["relative=True"]), *([f"speed={speed}"] if speed else [])]
-    line = f"{_robot(twins)}.{call}({', '.join(words)})"
+    line = f"{_robot(sides)}.{call}({', '.join(words)})"
     if not both:
         return line
     return f"{line}.commit({f'lead_s={_number(lead_s)}' if lead_s else ''})"
@@ -136,12 +136,12 @@ def _speeds(query: MotionQuery) -> list[str]:
     return speeds[:1] if len(set(speeds)) == 1 else speeds
 
 
-def _lead(twins: tuple[str, ...], lead_s: float) -> list[str]:
-    return ["--lead", _number(lead_s)] if lead_s and len(twins) > 1 else []
+def _lead(sides: tuple[str, ...], lead_s: float) -> list[str]:
+    return ["--lead", _number(lead_s)] if lead_s and len(sides) > 1 else []
 
 
-def _where(twins: tuple[str, ...], world: World) -> list[str]:
-    return ["--on", "both" if len(twins) > 1 else twins[0], *_names(world)]
+def _where(sides: tuple[str, ...], world: World) -> list[str]:
+    return ["--on", "both" if len(sides) > 1 else sides[0], *_names(world)]
 
 
 def _names(world: World) -> list[str]:

@@ -50,14 +50,14 @@ def stop_button(memory: Memory) -> ButtonView:
 
 def _button(memory: Memory, key: str, intent: Intent, question: str = "") -> ButtonView:
     texts = memory.choices.texts
-    enabled = bool(memory.choices.twins)
+    enabled = bool(memory.choices.sides)
     tooltip = texts(f"command.{key}_tip") if enabled else texts("off.unchecked")
     return ButtonView(texts(f"command.{key}"), tooltip, intent, enabled=enabled, question=question)
 
 
 def _undo(memory: Memory) -> ButtonView:
     texts, found = memory.choices.texts, last_undo(memory)
-    if not memory.choices.twins:
+    if not memory.choices.sides:
         return ButtonView(texts("command.undo"), texts("off.unchecked"), Undo(), enabled=False)
     if found is None:
         return ButtonView(texts("command.undo"), texts("off.no_undo"), Undo(), enabled=False)
@@ -73,8 +73,8 @@ def handle(memory: Memory, world: World, intent: Stop | RunCommand | MakeReady |
             return stop(memory, world)
         case RunCommand():
             return run(memory, world, intent)
-        case MakeReady(twin=twin):
-            return make_ready(memory, world, twin)
+        case MakeReady(side=side):
+            return make_ready(memory, world, side)
         case Repeat(row=number):
             return repeat(memory, world, number)
 
@@ -91,18 +91,18 @@ def run(memory: Memory, world: World, intent: RunCommand) -> list[Action]:
     """Return the action for a command to one robot or to the checked ones; HOME becomes a motion, with the lead."""
     if intent.command is Command.HOME:
         return send_arms(memory, world, (0.0, 0.0, 0.0), PLACE)
-    twins = (intent.twin,) if intent.twin else memory.choices.twins
-    if unreachable(memory, world, twins, PLACE):
+    sides = (intent.side,) if intent.side else memory.choices.sides
+    if unreachable(memory, world, sides, PLACE):
         return []
-    request = SendCommand(memory.next_row(), intent.command, intent.value, twins)
+    request = SendCommand(memory.next_row(), intent.command, intent.value, sides)
     return begin(memory, world, request, PLACE)
 
 
-def make_ready(memory: Memory, world: World, twin: str) -> list[Action]:
+def make_ready(memory: Memory, world: World, side: str) -> list[Action]:
     """Return the action that enables and calibrates a robot."""
-    if unreachable(memory, world, (twin,), PLACE):
+    if unreachable(memory, world, (side,), PLACE):
         return []
-    return begin(memory, world, Ready(memory.next_row(), twin), PLACE)
+    return begin(memory, world, Ready(memory.next_row(), side), PLACE)
 
 
 def repeat(memory: Memory, world: World, number: int) -> list[Action]:
@@ -113,7 +113,7 @@ def repeat(memory: Memory, world: World, number: int) -> list[Action]:
     if isinstance(row.request, StopBoth | StopAll):
         memory.mark_dropped()
         return begin(memory, world, again(memory, row.request), row.place)
-    twins = memory.choices.twins if isinstance(row.request, Send | Play) else row.twins
-    if not isinstance(row.request, WriteFile | Govern) and unreachable(memory, world, twins, row.place):
+    sides = memory.choices.sides if isinstance(row.request, Send | Play) else row.sides
+    if not isinstance(row.request, WriteFile | Govern) and unreachable(memory, world, sides, row.place):
         return []
     return begin(memory, world, again(memory, row.request), row.place)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Status
-from beatrix_zenoh.contract.names import EYES, OUTSIDE, TWINS
+from beatrix_zenoh.contract.names import EYES, OUTSIDE, SIDES
 from gui.console.state.actions import Action, WatchCameras
 from gui.console.state.choices import Choices
 from gui.console.state.intents import Intent, Page, SetCameras, ShowTab, Tab
@@ -15,7 +15,7 @@ from gui.console.state.views import EyeView
 from gui.console.state.world import World
 from gui.console.texts import Texts
 
-SHOWN: Final = (("sim", OUTSIDE), *((twin, eye) for twin in TWINS for eye in EYES))
+SHOWN: Final = (("sim", OUTSIDE), *((side, eye) for side in SIDES for eye in EYES))
 """Twin and eye of each picture of the window."""
 TITLES: Final = {"left": "eye.title_left", "right": "eye.title_right", OUTSIDE: "eye.title_outside"}
 
@@ -40,21 +40,21 @@ def view(memory: Memory, world: World) -> tuple[EyeView, ...]:
     texts, places = memory.choices.texts, wanted(memory.choices)
     return tuple(
         EyeView(
-            twin=twin,
+            side=side,
             eye=eye,
-            title=texts(TITLES[eye], twin=texts(f"twin.{twin}")),
-            watched=(twin, eye) in places and online(world, twin),
-            text=_reason(memory, world, twin, eye),
+            title=texts(TITLES[eye], side=texts(f"side.{side}")),
+            watched=(side, eye) in places and online(world, side),
+            text=_reason(memory, world, side, eye),
         )
-        for twin, eye in SHOWN
+        for side, eye in SHOWN
     )
 
 
-def _reason(memory: Memory, world: World, twin: str, eye: str) -> str:
+def _reason(memory: Memory, world: World, side: str, eye: str) -> str:
     """Return why there is no picture; empty if there is one."""
-    texts, status = memory.choices.texts, world.twin(twin).status
-    if not online(world, twin):
-        return texts("eye.absent_sim") if twin == "sim" else texts("eye.absent_hw")
+    texts, status = memory.choices.texts, world.side(side).status
+    if not online(world, side):
+        return texts("eye.absent_sim") if side == "sim" else texts("eye.absent_hw")
     if eye != OUTSIDE and not memory.choices.cameras:
         return texts("eye.cameras_off")
     if status is None:

@@ -34,8 +34,8 @@ def view(memory: Memory, world: World) -> HeadView:
     )
 
 
-def _head(world: World, twin: str) -> Orientation | None:
-    found = reading(world, twin)
+def _head(world: World, side: str) -> Orientation | None:
+    found = reading(world, side)
     return None if found is None else orientation(found.head)
 
 
@@ -43,13 +43,13 @@ def target(memory: Memory, world: World) -> Orientation:
     """Return the target of the user, else the head's orientation, so that Send moves nothing, else upright."""
     if memory.choices.target is not None:
         return memory.choices.target
-    here = _head(world, (memory.choices.twins or ("sim",))[0]) or UPRIGHT
+    here = _head(world, (memory.choices.sides or ("sim",))[0]) or UPRIGHT
     return Orientation(*(round(angle, 1) + 0.0 for angle in (here.yaw, here.pitch, here.roll)))
 
 
 def _send(memory: Memory, world: World) -> ButtonView:
     texts, aim = memory.choices.texts, target(memory, world)
-    if not memory.choices.twins:
+    if not memory.choices.sides:
         return ButtonView(texts("head.send"), texts("off.unchecked"), SendHead(), enabled=False)
     tooltip = texts("head.send_tip", yaw=aim.yaw, pitch=aim.pitch, roll=aim.roll)
     return ButtonView(texts("head.send"), tooltip, SendHead())

@@ -23,7 +23,7 @@ from gui.console.state.actions import (
 )
 from gui.console.state.memory import HistoryCache, Memory, Request, Row
 from gui.console.state.presence import troubles
-from gui.console.state.refusals import sentence, twin_of
+from gui.console.state.refusals import sentence, side_of
 from gui.console.state.views import HistoryRowView
 from gui.console.state.world import World
 from gui.console.texts import Texts
@@ -72,9 +72,9 @@ def last(memory: Memory, world: World) -> str:
     text, _ = result(row, texts)
     first, _, _ = text.partition(". ")  # the first sentence; other places also show the advice
     shown = {"what": what(row, texts), "result": first.removesuffix(".")}
-    if not row.twins:  # a request without robots, such as a file to write
+    if not row.sides:  # a request without robots, such as a file to write
         return texts("last.here", **shown)
-    return texts("last", twins=twins_text(row.twins, texts), **shown)
+    return texts("last", sides=sides_text(row.sides, texts), **shown)
 
 
 def row_view(row: Row, world: World, texts: Texts) -> HistoryRowView:
@@ -146,11 +146,11 @@ def clock(wall_s: float) -> str:
     return f"{datetime.fromtimestamp(wall_s).astimezone():%H:%M:%S}" if wall_s > 0 else ""
 
 
-def twins_text(twins: tuple[str, ...], texts: Texts) -> str:
+def sides_text(sides: tuple[str, ...], texts: Texts) -> str:
     """Return the robots in a word or two."""
-    if len(twins) > 1:
-        return texts("twins.both")
-    return texts(f"twins.{twins[0]}") if twins else texts("twins.none")
+    if len(sides) > 1:
+        return texts("sides.both")
+    return texts(f"sides.{sides[0]}") if sides else texts("sides.none")
 
 
 def result(row: Row, texts: Texts) -> tuple[str, bool | None]:
@@ -177,18 +177,18 @@ def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
     If one robot refuses, the window stops the other robot; that STOP is not the cause.
     """
     worst = next((outcome for outcome in bad if outcome.reason is not Reason.STOPPED), bad[0])
-    text, twin = sentence(worst.reason, worst.detail, worst.message, texts), twin_of(worst)
+    text, side = sentence(worst.reason, worst.detail, worst.message, texts), side_of(worst)
     if done := worst.robots - len(worst.failed):
         robots = ", ".join(worst.failed)
         slots = {"done": float(done), "count": float(worst.robots)}
         return texts("result.done_partly", robots=robots, text=text, **slots), False
     if worst.failed:
         text = texts("of.robots", robots=", ".join(worst.failed), text=text)
-    elif twin and len(row.twins) > 1:
-        text = texts("of.twin", twin=texts(f"twin.{twin}"), text=text)
+    elif side and len(row.sides) > 1:
+        text = texts("of.side", side=texts(f"side.{side}"), text=text)
     if row.dropped and worst.reason is Reason.STOPPED:
         return texts("result.aborted" if row.aborted else "result.stopped"), False
-    began = worst.twin in row.accepted or "" in row.accepted
+    began = worst.side in row.accepted or "" in row.accepted
     if began and worst.reason is Reason.STOPPED and BY_STOP not in worst.message:
         # This window has ended the motion, and the message contains the reason.
         return texts("result.ended", text=text), False
@@ -198,7 +198,7 @@ def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
 def _what_of(row: Row, texts: Texts) -> str:
     """Return a request in a few words, with the robot if the request is for one robot."""
     text = what(row, texts)
-    return texts("what.of", what=text, twin=texts(f"twins.{row.twins[0]}")) if len(row.twins) == 1 else text
+    return texts("what.of", what=text, side=texts(f"sides.{row.sides[0]}")) if len(row.sides) == 1 else text
 
 
 def what(row: Row, texts: Texts) -> str:
@@ -261,7 +261,7 @@ def _governed(request: Govern, texts: Texts) -> str:
         text += f" {request.seat}"
     if not request.places:
         return texts("what.for_all", what=text)
-    robots = ", ".join(f"{name} ({texts(f'twins.{twin}')})" for name, twin in request.places)
+    robots = ", ".join(f"{name} ({texts(f'sides.{side}')})" for name, side in request.places)
     return texts("what.for", what=text, robots=robots)
 
 

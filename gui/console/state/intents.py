@@ -96,7 +96,7 @@ class SetSpeed(Intent):
 class SetDestination(Intent):
     """Check or clear the box of the hardware or of the simulation."""
 
-    twin: str
+    side: str
     checked: bool
 
 
@@ -128,7 +128,7 @@ class RunCommand(Intent):
     command: Command
     value: bool = True
     """for ENABLE: on or off"""
-    twin: str = ""
+    side: str = ""
     """`sim` or `hw`; empty: the checked robots"""
 
 
@@ -136,7 +136,7 @@ class RunCommand(Intent):
 class MakeReady(Intent):
     """Enable and calibrate one robot, unless that is done already."""
 
-    twin: str
+    side: str
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class AskLease(Intent):
 
     action: LeaseAction
     """TAKE, WAIT or GIVE_BACK"""
-    twin: str
+    side: str
 
 
 @dataclass(frozen=True)
@@ -164,7 +164,7 @@ class GovernClass(Intent):
 
     action: LeaseAction
     place: Place | None = None
-    """name and twin of one robot; None: all robots online"""
+    """name and side of one robot; None: all robots online"""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
-from beatrix_zenoh.contract.names import TWINS
+from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import Action, Govern, SendLease
 from gui.console.state.intents import AskLease, DismissNotice
 from gui.console.state.memory import Memory, Notice, Row, Standing
@@ -21,11 +21,11 @@ PLACE: Final = "commands"
 NOTHING: Final = Standing()
 
 
-def button(world: World, twin: str, texts: Texts) -> ButtonView | None:
+def button(world: World, side: str, texts: Texts) -> ButtonView | None:
     """Return the button of one robot's lease; None if the robot does not answer."""
-    robot = world.twin(twin)
+    robot = world.side(side)
     status = robot.status
-    if not online(world, twin) or silent(robot) or status is None:
+    if not online(world, side) or silent(robot) or status is None:
         return None
     others = status.holder not in ("", world.seat)
     if status.holder == world.seat and status.lease:
@@ -37,7 +37,7 @@ def button(world: World, twin: str, texts: Texts) -> ButtonView | None:
     else:
         key, action = "take_over" if others else "take", LeaseAction.TAKE
     tooltip = texts(f"lease.{key}_tip", holder=status.holder)
-    return ButtonView(texts(f"lease.{key}"), tooltip, AskLease(action, twin))
+    return ButtonView(texts(f"lease.{key}"), tooltip, AskLease(action, side))
 
 
 def notes(status: Status, world: World, texts: Texts, *, holder_shown: bool) -> tuple[str, ...]:
@@ -73,11 +73,11 @@ def follow(memory: Memory, world: World) -> None:
     Store a notice about a lease that this seat gained or lost.
     """
     kept: dict[tuple[str, str], Standing] = {}
-    for twin in TWINS:
-        place, status = (world.robot, twin), world.twin(twin).status
+    for side in SIDES:
+        place, status = (world.robot, side), world.side(side).status
         before = memory.standings.get(place, NOTHING)
         kept[place] = before
-        if status is not None and online(world, twin):
+        if status is not None and online(world, side):
             kept[place] = now = standing(status, world.seat)
             if now != before:
                 memory.lease_notice = _notice(memory, before, now, place, status.holder)
@@ -93,39 +93,39 @@ def standing(status: Status, seat: str) -> Standing:
 def _notice(
     memory: Memory, before: Standing, now: Standing, place: tuple[str, str], holder: str
 ) -> Notice | None:
-    robot, twin = place
+    robot, side = place
     if now.held and before.waiting:
-        return Notice("lease.turn", {"robot": robot}, twin)
-    last = _last_request(memory, twin)
+        return Notice("lease.turn", {"robot": robot}, side)
+    last = _last_request(memory, side)
     if before.held and not now.held and not (last and last.action is LeaseAction.GIVE_BACK):
         key = "lease.lost" if holder else "lease.ended"
-        return Notice(key, {"robot": robot, "holder": holder}, twin)
+        return Notice(key, {"robot": robot, "holder": holder}, side)
     return None
 
 
-def _last_request(memory: Memory, twin: str) -> SendLease | None:
+def _last_request(memory: Memory, side: str) -> SendLease | None:
     """Return the newest lease query of this window to a robot."""
     sent = (row.request for row in reversed(memory.rows))
-    return next((found for found in sent if isinstance(found, SendLease) and found.twin == twin), None)
+    return next((found for found in sent if isinstance(found, SendLease) and found.side == side), None)
 
 
 def banner(memory: Memory, world: World) -> BannerView | None:
     """Return the banner about a lease that was gained or lost, or about a frozen robot; None if there is neither."""
     texts, notice = memory.choices.texts, memory.lease_notice
     if notice is not None and notice.slots["robot"] == world.robot:
-        slots: Mapping[str, str] = {**notice.slots, "twin": texts(f"twins.{notice.twin}")}
+        slots: Mapping[str, str] = {**notice.slots, "side": texts(f"sides.{notice.side}")}
         close = ButtonView(texts("lease.dismiss"), texts("lease.dismiss_tip"), DismissNotice())
         return BannerView(texts(notice.key, **slots), (close,))
-    frozen = tuple(twin for twin in TWINS if _is_frozen(world, twin))
+    frozen = tuple(side for side in SIDES if _is_frozen(world, side))
     if frozen and not world.is_teacher:
-        robots = texts("twins.both" if len(frozen) > 1 else f"twins.{frozen[0]}")
+        robots = texts("sides.both" if len(frozen) > 1 else f"sides.{frozen[0]}")
         return BannerView(texts("banner.frozen", robots=robots))
     return None
 
 
-def _is_frozen(world: World, twin: str) -> bool:
-    status = world.twin(twin).status
-    return online(world, twin) and status is not None and status.frozen
+def _is_frozen(world: World, side: str) -> bool:
+    status = world.side(side).status
+    return online(world, side) and status is not None and status.frozen
 
 
 # -- requests -----------------------------------------------------------------------------------------
@@ -133,12 +133,12 @@ def _is_frozen(world: World, twin: str) -> bool:
 
 def handle(memory: Memory, world: World, intent: AskLease | DismissNotice) -> list[Action]:
     """Hide the notice and, for a lease query, return its action; none if the robot is unreachable."""
-    if isinstance(intent, AskLease) and unreachable(memory, world, (intent.twin,), PLACE):
+    if isinstance(intent, AskLease) and unreachable(memory, world, (intent.side,), PLACE):
         return []
     memory.lease_notice = None
     if isinstance(intent, DismissNotice):
         return []
-    return begin(memory, world, SendLease(memory.next_row(), intent.action, intent.twin), PLACE)
+    return begin(memory, world, SendLease(memory.next_row(), intent.action, intent.side), PLACE)
 
 
 def give_back_all(memory: Memory, world: World) -> list[Action]:

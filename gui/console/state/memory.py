@@ -59,13 +59,13 @@ class Row:
         return self.request.row
 
     @property
-    def twins(self) -> tuple[str, ...]:
+    def sides(self) -> tuple[str, ...]:
         """Robots that the request was sent to."""
         match self.request:
-            case Send(twins=twins) | SendCommand(twins=twins) | Play(twins=twins):
-                return twins
-            case Ready(twin=twin) | SendLease(twin=twin):
-                return (twin,)
+            case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides):
+                return sides
+            case Ready(side=side) | SendLease(side=side):
+                return (side,)
             case StopBoth():
                 return ("sim", "hw")
         return ()
@@ -73,13 +73,13 @@ class Row:
     @property
     def ended(self) -> bool:
         """Whether all outcomes were reported."""
-        done = {twin for twin, outcome in self.outcomes.items() if outcome.done}
-        return "" in done or (bool(self.twins) and done >= set(self.twins))
+        done = {side for side, outcome in self.outcomes.items() if outcome.done}
+        return "" in done or (bool(self.sides) and done >= set(self.sides))
 
     def after(self, outcome: Outcome) -> Row:
         """Return the row with one more outcome."""
-        accepted = self.accepted | {outcome.twin} if outcome.accepted else self.accepted
-        return replace(self, outcomes={**self.outcomes, outcome.twin: outcome}, accepted=accepted)
+        accepted = self.accepted | {outcome.side} if outcome.accepted else self.accepted
+        return replace(self, outcomes={**self.outcomes, outcome.side: outcome}, accepted=accepted)
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class Refusal:
     reason: Reason = Reason.OK
     message: str = ""
     detail: Detail | None = None
-    twin: str = ""
+    side: str = ""
     robots: tuple[str, ...] = ()
     """the robots that refused, if the request was sent to several"""
     request: Request | None = None
@@ -114,7 +114,7 @@ class Notice:
 
     key: str
     slots: Mapping[str, str]
-    twin: str
+    side: str
 
 
 @dataclass

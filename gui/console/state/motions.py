@@ -49,27 +49,27 @@ def send_head(memory: Memory, world: World, target: Orientation, place: str) -> 
 def _send(
     memory: Memory, world: World, query: Callable[[], Query], place: str, undoes: int | None
 ) -> list[Action]:
-    twins = memory.choices.twins
-    if unreachable(memory, world, twins, place):
+    sides = memory.choices.sides
+    if unreachable(memory, world, sides, place):
         return []
     try:
-        request = Send(memory.next_row(), query(), twins, lead_of(memory, twins))
+        request = Send(memory.next_row(), query(), sides, lead_of(memory, sides))
     except WrongUsage as error:  # a number outside the range of the message
         memory.refusal = Refusal(place, reason=error.reason, message=error.message, detail=error.detail)
         return []
     return begin(memory, world, request, place, undoes)
 
 
-def lead_of(memory: Memory, twins: tuple[str, ...]) -> float:
+def lead_of(memory: Memory, sides: tuple[str, ...]) -> float:
     """Return the chosen lead (s) if both robots move; else 0."""
-    return memory.choices.lead_s if len(twins) > 1 else 0.0
+    return memory.choices.lead_s if len(sides) > 1 else 0.0
 
 
 def again(memory: Memory, request: Request) -> Request:
     """Return the request in a new row; a motion goes to the checked robots, with the present lead."""
-    row, twins = memory.next_row(), memory.choices.twins
+    row, sides = memory.next_row(), memory.choices.sides
     if isinstance(request, Send | Play):
-        return replace(request, row=row, twins=twins, lead_s=lead_of(memory, twins))
+        return replace(request, row=row, sides=sides, lead_s=lead_of(memory, sides))
     return replace(request, row=row)
 
 
@@ -86,4 +86,4 @@ def begin(
 
 
 def _before(world: World, request: Request) -> ArmAngles | None:
-    return commanded(world, request.twins) if isinstance(request, Send | Play) else None
+    return commanded(world, request.sides) if isinstance(request, Send | Play) else None

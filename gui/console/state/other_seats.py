@@ -76,12 +76,12 @@ class Group:
 def groups(world: World) -> tuple[Group, ...]:
     """Return a group for each request or stream of equal requests of another seat, oldest first."""
     found: list[Group] = []
-    for event, twin in sorted(_foreign(world), key=lambda entry: entry[0].t_wall_ns):
-        place = _place(found, event, twin)
+    for event, side in sorted(_foreign(world), key=lambda entry: entry[0].t_wall_ns):
+        place = _place(found, event, side)
         if place is None:
-            found.append(_group(event, twin))
+            found.append(_group(event, side))
         else:
-            found[place] = _joined(found[place], event, twin)
+            found[place] = _joined(found[place], event, side)
     return tuple(found)
 
 
@@ -90,7 +90,7 @@ def _foreign(world: World) -> Iterator[tuple[Event, str]]:
         for event in robot.events:
             # A lease event without an action reports a change of the holder, not a request.
             if event.kind in KINDS and event.action and not _own(event, world):
-                yield event, robot.twin
+                yield event, robot.side
 
 
 def _own(event: Event, world: World) -> bool:
@@ -105,7 +105,7 @@ def _own(event: Event, world: World) -> bool:
     return event.seat == world.seat
 
 
-def _place(found: list[Group], event: Event, twin: str) -> int | None:
+def _place(found: list[Group], event: Event, side: str) -> int | None:
     """Return the index of the group that an event belongs to; None if the event begins a new group."""
     for index in range(len(found) - 1, -1, -1):
         group = found[index]
@@ -114,14 +114,14 @@ def _place(found: list[Group], event: Event, twin: str) -> int | None:
         if event.phase is Phase.DONE:
             return index
         late_s = event.t_wall_ns / 1e9 - group.newest_s
-        if twin not in group.motions:
+        if side not in group.motions:
             return index if late_s <= LEAD_S else None
         alike = group.under_way or group.reason in (event.reason, Reason.REPLACED)
         return index if alike and late_s <= STREAM_S else None
     return None
 
 
-def _group(event: Event, twin: str) -> Group:
+def _group(event: Event, side: str) -> Group:
     moment_s = event.t_wall_ns / 1e9
     moves = event.kind is EventKind.MOTION and event.phase is not Phase.DONE and event.reason is Reason.OK
     return Group(
@@ -129,8 +129,8 @@ def _group(event: Event, twin: str) -> Group:
         action=event.action,
         began_s=moment_s,
         newest_s=moment_s,
-        motions={twin: event.motion},
-        under_way=frozenset({twin} if moves else ()),
+        motions={side: event.motion},
+        under_way=frozenset({side} if moves else ()),
         count=event.count,
         ended=event.phase is Phase.DONE,
         reason=event.reason,
@@ -141,22 +141,22 @@ def _group(event: Event, twin: str) -> Group:
     )
 
 
-def _joined(group: Group, event: Event, twin: str) -> Group:
+def _joined(group: Group, event: Event, side: str) -> Group:
     """Return the group with one more event."""
-    new, first = _group(event, twin), next(iter(group.motions))
+    new, first = _group(event, side), next(iter(group.motions))
     if event.phase is Phase.DONE:
-        if group.motions.get(twin) != event.motion:
+        if group.motions.get(side) != event.motion:
             return group  # the event is the end of an earlier motion of a stream
         new = replace(new, newest_s=group.newest_s, count=group.count)
     else:
-        new = replace(new, count=group.count + event.count * (twin == first))
-    failed = group.reason is not Reason.OK and not (twin in group.motions and event.phase is not Phase.DONE)
+        new = replace(new, count=group.count + event.count * (side == first))
+    failed = group.reason is not Reason.OK and not (side in group.motions and event.phase is not Phase.DONE)
     kept = group if failed else new  # the end at one robot must not hide the refusal of another robot
     return replace(
         new,
         began_s=group.began_s,
         motions={**group.motions, **new.motions},
-        under_way=group.under_way - {twin} | new.under_way,
+        under_way=group.under_way - {side} | new.under_way,
         ended=kept.ended,
         reason=kept.reason,
         message=kept.message,

@@ -74,27 +74,27 @@ class Finding:
 
 def pills(world: World, texts: Texts) -> tuple[PillView, ...]:
     """Return the states of simulation and hardware."""
-    return tuple(pill(world, twin, texts) for twin in ("sim", "hw"))
+    return tuple(pill(world, side, texts) for side in ("sim", "hw"))
 
 
-def pill(world: World, twin: str, texts: Texts) -> PillView:
+def pill(world: World, side: str, texts: Texts) -> PillView:
     """Return the state of one robot."""
-    found, status = finding(world, twin, texts), world.twin(twin).status
-    latency_s = world.latency_s.get(twin)
+    found, status = finding(world, side, texts), world.side(side).status
+    latency_s = world.latency_s.get(side)
     here = found.condition is not Condition.ABSENT
     return PillView(
-        twin=twin,
-        title=texts(f"twin.{twin}"),
+        side=side,
+        title=texts(f"side.{side}"),
         condition=found.condition,
         symbol=SYMBOLS[found.condition],
         text=found.text,
         reason=found.reason,
-        next_step=next_step_button(found.next_step, twin, texts, starting=world.starting)
+        next_step=next_step_button(found.next_step, side, texts, starting=world.starting)
         if found.next_step
         else None,
         latency=texts("latency", ms=1e3 * latency_s) if here and latency_s is not None else "",
         notes=notes(found, status, world, texts) if here and status is not None else (),
-        lease=None if found.next_step else leases.button(world, twin, texts),
+        lease=None if found.next_step else leases.button(world, side, texts),
         warnings=tuple(status.warnings) if here and status is not None else (),
         details=details(status, texts) if here and status is not None else "",
     )
@@ -106,11 +106,11 @@ def notes(found: Finding, status: Status, world: World, texts: Texts) -> tuple[s
     return leases.notes(status, world, texts, holder_shown=driven)
 
 
-def finding(world: World, twin: str, texts: Texts) -> Finding:
+def finding(world: World, side: str, texts: Texts) -> Finding:
     """Return the first problem of a robot, in the order in which problems must be solved, or else MOVING or READY."""
-    robot = world.twin(twin)
-    if not online(world, twin):
-        return _absent(world, twin, texts)
+    robot = world.side(side)
+    if not online(world, side):
+        return _absent(world, side, texts)
     found = problem(robot, texts)
     if found is None and robot.status is not None:
         found = _shared(robot.status, world, texts) or working(robot.status, texts)
@@ -126,15 +126,15 @@ def problem(robot: RobotState, texts: Texts) -> Finding | None:
         return Finding(Condition.SILENT, texts("condition.silent"), reason)
     if (fault := fault_of(robot.status)) is not Fault.NONE:
         return _faulty(fault, robot.status, texts)
-    return _unready(robot.status, robot.twin, texts)
+    return _unready(robot.status, robot.side, texts)
 
 
-def _unready(status: Status, twin: str, texts: Texts) -> Finding | None:
+def _unready(status: Status, side: str, texts: Texts) -> Finding | None:
     if not status.enabled:
         # Between enabling and calibrating the hardware, the user sets its head upright, so these are two steps.
-        next_step = MAKE_READY if twin == "sim" else Command.ENABLE.name
+        next_step = MAKE_READY if side == "sim" else Command.ENABLE.name
         return Finding(
-            Condition.DISABLED, texts("condition.disabled"), texts(f"reason.disabled_{twin}"), next_step
+            Condition.DISABLED, texts("condition.disabled"), texts(f"reason.disabled_{side}"), next_step
         )
     if not status.calibrated:
         text, reason = texts("condition.not_calibrated"), texts("reason.not_calibrated")
@@ -165,28 +165,28 @@ def working(status: Status, texts: Texts) -> Finding:
     return Finding(Condition.READY, texts("condition.ready"))
 
 
-def _absent(world: World, twin: str, texts: Texts) -> Finding:
-    found = _why_absent(world, twin, texts)
-    if twin == "sim" and world.starting:
+def _absent(world: World, side: str, texts: Texts) -> Finding:
+    found = _why_absent(world, side, texts)
+    if side == "sim" and world.starting:
         found = replace(found, reason=texts("reason.starting"))
-    if twin == "sim" and world.phase is not LinkPhase.REFUSED:
+    if side == "sim" and world.phase is not LinkPhase.REFUSED:
         return replace(found, next_step="START")
     offline = world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED)
     return replace(found, next_step="RETRY" if offline else "")
 
 
-def _why_absent(world: World, twin: str, texts: Texts) -> Finding:
+def _why_absent(world: World, side: str, texts: Texts) -> Finding:
     if world.phase is LinkPhase.CONNECTING:
         text, reason = texts("condition.connecting"), texts("reason.connecting", endpoint=world.endpoint)
         return Finding(Condition.ABSENT, text, reason)
     if world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED):
         key = "reason.no_router" if world.phase is LinkPhase.NO_ROUTER else "reason.refused"
         return Finding(Condition.ABSENT, texts("condition.absent"), texts(key, endpoint=world.endpoint))
-    if world.twin(twin).status is not None:
+    if world.side(side).status is not None:
         reason = texts("reason.lost", robot=world.robot)
         return Finding(Condition.ABSENT, texts("condition.lost"), reason)
     return Finding(
-        Condition.ABSENT, texts("condition.absent"), texts(f"reason.absent_{twin}", robot=world.robot)
+        Condition.ABSENT, texts("condition.absent"), texts(f"reason.absent_{side}", robot=world.robot)
     )
 
 
@@ -210,25 +210,25 @@ def _faulty(fault: Fault, status: Status, texts: Texts) -> Finding:
     return Finding(Condition.FAULT, text, reason, next_step)
 
 
-def next_step_button(next_step: str, twin: str, texts: Texts, *, starting: bool = False) -> ButtonView:
+def next_step_button(next_step: str, side: str, texts: Texts, *, starting: bool = False) -> ButtonView:
     """Return the button of a next step."""
     key = NEXT_STEPS[next_step]
     off = next_step == "START" and starting
     tooltip = texts("off.starting") if off else texts(f"next.{key}_tip")
-    return ButtonView(texts(f"next.{key}"), tooltip, next_step_intent(next_step, twin), enabled=not off)
+    return ButtonView(texts(f"next.{key}"), tooltip, next_step_intent(next_step, side), enabled=not off)
 
 
-def next_step_intent(next_step: str, twin: str) -> Intent:
+def next_step_intent(next_step: str, side: str) -> Intent:
     """Return the intent of a next step."""
     if next_step == "START":
         return intents.StartSimulation()
     if next_step == "RETRY":
         return intents.Retry()
     if next_step == MAKE_READY:
-        return intents.MakeReady(twin)
+        return intents.MakeReady(side)
     if next_step == WAIT:
-        return intents.AskLease(LeaseAction.WAIT, twin)
-    return intents.RunCommand(Command[next_step], value=True, twin=twin)
+        return intents.AskLease(LeaseAction.WAIT, side)
+    return intents.RunCommand(Command[next_step], value=True, side=side)
 
 
 def details(status: Status, texts: Texts) -> str:

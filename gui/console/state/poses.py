@@ -26,7 +26,7 @@ UNDO_KEPT: Final = 50
 
 def view(memory: Memory, world: World) -> PosesView:
     """Return the list and its buttons."""
-    checked, count = bool(memory.choices.twins), len(memory.poses)
+    checked, count = bool(memory.choices.sides), len(memory.poses)
     reason = "" if checked else "off.unchecked"
     some = reason or ("" if count else "off.no_pose")
     playing = "off.playing" if world.playing else ""
@@ -63,7 +63,7 @@ def _button(memory: Memory, world: World, key: str, intent: Intent, off: str) ->
 
 def _where(memory: Memory) -> tuple[str, ...]:
     """Return the robots whose angles may be saved, the checked ones first."""
-    return tuple(dict.fromkeys((*memory.choices.twins, "sim", "hw")))
+    return tuple(dict.fromkeys((*memory.choices.sides, "sim", "hw")))
 
 
 def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
@@ -102,11 +102,11 @@ def _save(memory: Memory, world: World, name: str) -> None:
 def _play(
     memory: Memory, world: World, file: Path | None, poses: tuple[tuple[float, float, float], ...]
 ) -> list[Action]:
-    twins = memory.choices.twins
-    if unreachable(memory, world, twins, PLACE):
+    sides = memory.choices.sides
+    if unreachable(memory, world, sides, PLACE):
         return []
-    lead_s = lead_of(memory, twins)
-    request = Play(memory.next_row(), twins, file, poses, memory.choices.speed, lead_s)
+    lead_s = lead_of(memory, sides)
+    request = Play(memory.next_row(), sides, file, poses, memory.choices.speed, lead_s)
     return begin(memory, world, request, PLACE)
 
 

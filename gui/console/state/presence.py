@@ -14,9 +14,9 @@ STALE_S = 0.4
 """A robot whose newest positions are older than this (s) is silent; robots publish positions every 20 ms."""
 
 
-def online(world: World, twin: str) -> bool:
+def online(world: World, side: str) -> bool:
     """Return whether a request can reach a robot: there is a router, and the robot's token."""
-    return world.phase is LinkPhase.ON_LINE and world.twin(twin).presence is not Presence.ABSENT
+    return world.phase is LinkPhase.ON_LINE and world.side(side).presence is not Presence.ABSENT
 
 
 def silent(robot: RobotState) -> bool:
@@ -25,18 +25,18 @@ def silent(robot: RobotState) -> bool:
     return robot.status is None or robot.positions is None or age_s is None or age_s > STALE_S
 
 
-def reading(world: World, twin: str) -> Reading | None:
+def reading(world: World, side: str) -> Reading | None:
     """Return the angles of a robot in degrees; None if they are unknown or too old."""
-    robot = world.twin(twin)
-    found = robot.reading if online(world, twin) and not silent(robot) else None
+    robot = world.side(side)
+    found = robot.reading if online(world, side) and not silent(robot) else None
     angles = () if found is None else (*found.arms, *found.commanded, *found.head)
     return found if all(abs(angle) < FURTHEST_DEG for angle in angles) else None
 
 
-def commanded(world: World, twins: tuple[str, ...]) -> ArmAngles | None:
+def commanded(world: World, sides: tuple[str, ...]) -> ArmAngles | None:
     """Return the set point of the arms (deg) of the first robot that reports it; None if none does."""
-    for twin in twins:
-        if (found := reading(world, twin)) is not None:
+    for side in sides:
+        if (found := reading(world, side)) is not None:
             return found.commanded
     return None
 
@@ -61,13 +61,13 @@ def offline(memory: Memory, world: World, place: str) -> bool:
     return True
 
 
-def unreachable(memory: Memory, world: World, twins: tuple[str, ...], place: str) -> bool:
+def unreachable(memory: Memory, world: World, sides: tuple[str, ...], place: str) -> bool:
     """Return whether a request to these robots cannot be sent; if so, show why."""
-    if not twins:
+    if not sides:
         memory.refuse(place, "off.unchecked")
     elif offline(memory, world, place):
         pass
-    elif absent := [twin for twin in twins if not online(world, twin)]:
+    elif absent := [side for side in sides if not online(world, side)]:
         key = "cannot.sim" if absent[0] == "sim" else "cannot.hw"
         memory.refuse(place, key, robot=world.robot)
     else:

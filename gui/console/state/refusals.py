@@ -47,8 +47,8 @@ def at(memory: Memory, places: tuple[str, ...]) -> RefusalView | None:
         text = texts(refusal.key, **refusal.slots)
     elif refusal.robots:
         text = texts("of.robots", robots=", ".join(refusal.robots), text=text)
-    elif refusal.twin and isinstance(refusal.request, Send | SendCommand) and len(refusal.request.twins) > 1:
-        text = texts("of.twin", twin=texts(f"twin.{refusal.twin}"), text=text)
+    elif refusal.side and isinstance(refusal.request, Send | SendCommand) and len(refusal.request.sides) > 1:
+        text = texts("of.side", side=texts(f"side.{refusal.side}"), text=text)
     return RefusalView(refusal.place, text, _button(refusal, texts))
 
 
@@ -71,7 +71,7 @@ def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) 
 
 def record(memory: Memory, row: Row, outcome: Outcome) -> None:
     """Store a refusal, to be shown; the end of an accepted motion is shown in the history only."""
-    ended_elsewhere = outcome.twin in row.accepted or "" in row.accepted
+    ended_elsewhere = outcome.side in row.accepted or "" in row.accepted
     wanted = row.dropped and outcome.reason is Reason.STOPPED
     if outcome.accepted or ended_elsewhere or wanted or outcome.reason in (Reason.OK, Reason.REPLACED):
         return
@@ -80,16 +80,16 @@ def record(memory: Memory, row: Row, outcome: Outcome) -> None:
         reason=outcome.reason,
         message=outcome.message,
         detail=outcome.detail,
-        twin=twin_of(outcome),
+        side=side_of(outcome),
         robots=outcome.failed,
         request=row.request,
     )
 
 
-def twin_of(outcome: Outcome) -> str:
+def side_of(outcome: Outcome) -> str:
     """Return the robot that refused; for a request to two robots the SDK names the refusing robot in the message."""
     named = NAMED.match(outcome.message)
-    return outcome.twin or ("" if named is None else named[1])
+    return outcome.side or ("" if named is None else named[1])
 
 
 def hide_answered(memory: Memory, intent: Intent) -> None:
@@ -113,15 +113,15 @@ def take_alternative(memory: Memory, world: World) -> list[Action]:
         return []
     request = _alternative_request(refusal)
     if isinstance(request, Send):
-        if unreachable(memory, world, memory.choices.twins, refusal.place):
+        if unreachable(memory, world, memory.choices.sides, refusal.place):
             return []
         return begin(memory, world, again(memory, request), refusal.place)
     actions: list[Action] = []
     next_step = next_step_of(refusal)
-    for twin in _twins(refusal) if next_step else ():
-        if unreachable(memory, world, (twin,), refusal.place):
+    for side in _sides(refusal) if next_step else ():
+        if unreachable(memory, world, (side,), refusal.place):
             return actions
-        actions += begin(memory, world, _next_step_action(next_step, twin, memory.next_row()), refusal.place)
+        actions += begin(memory, world, _next_step_action(next_step, side, memory.next_row()), refusal.place)
     return actions
 
 
@@ -132,7 +132,7 @@ def _button(refusal: Refusal, texts: Texts) -> ButtonView | None:
             _alternative_text(request, refusal, texts), texts("alternative.tip"), TakeAlternative()
         )
     next_step = next_step_of(refusal)
-    if not next_step or not _twins(refusal):
+    if not next_step or not _sides(refusal):
         return None
     shown = next_step_button(next_step, "", texts)
     return ButtonView(shown.text, shown.tooltip, TakeAlternative())
@@ -149,24 +149,24 @@ def next_step_of(refusal: Refusal) -> str:
     return needs[0] if needs and needs[0] in NEXT_STEPS else ""
 
 
-def _twins(refusal: Refusal) -> tuple[str, ...]:
+def _sides(refusal: Refusal) -> tuple[str, ...]:
     """Return the robots that refused."""
-    if refusal.twin:
-        return (refusal.twin,)
+    if refusal.side:
+        return (refusal.side,)
     match refusal.request:
-        case Send(twins=twins) | SendCommand(twins=twins):
-            return twins
-        case Ready(twin=twin) | SendLease(twin=twin):
-            return (twin,)
+        case Send(sides=sides) | SendCommand(sides=sides):
+            return sides
+        case Ready(side=side) | SendLease(side=side):
+            return (side,)
     return ()
 
 
-def _next_step_action(next_step: str, twin: str, row: int) -> Ready | SendCommand | SendLease:
+def _next_step_action(next_step: str, side: str, row: int) -> Ready | SendCommand | SendLease:
     if next_step == MAKE_READY:
-        return Ready(row, twin)
+        return Ready(row, side)
     if next_step == WAIT:
-        return SendLease(row, LeaseAction.WAIT, twin)
-    return SendCommand(row, Command[next_step], value=True, twins=(twin,))
+        return SendLease(row, LeaseAction.WAIT, side)
+    return SendCommand(row, Command[next_step], value=True, sides=(side,))
 
 
 def _alternative_request(refusal: Refusal) -> Send | None:

@@ -64,7 +64,7 @@ def _can_change(plan: PlanProgress | None) -> bool:
 
 def _idle(memory: Memory) -> tuple[str, str]:
     texts, lead_s = memory.choices.texts, memory.choices.lead_s
-    match memory.choices.twins:
+    match memory.choices.sides:
         case ():
             return texts("sending.none"), texts("sending.none_text")
         case ("sim",):
@@ -112,7 +112,7 @@ def _restore_target(memory: Memory, world: World) -> None:
 
 
 def _of_both(request: Action) -> bool:
-    return isinstance(request, Send) and len(request.twins) > 1
+    return isinstance(request, Send) and len(request.sides) > 1
 
 
 def _goal(query: object, path: MotionPath | None) -> Orientation | None:

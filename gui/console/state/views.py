@@ -43,7 +43,7 @@ class ButtonView:
 class PillView:
     """State of one robot."""
 
-    twin: str
+    side: str
     title: str
     """Simulation or Hardware"""
     condition: Condition
@@ -215,7 +215,7 @@ class PosesView:
 class EyeView:
     """One picture: its camera, and the text in its place."""
 
-    twin: str
+    side: str
     eye: str
     """`left`, `right` or `outside`"""
     title: str
@@ -241,9 +241,9 @@ class ClassRowView:
     """One robot of the class."""
 
     place: Place
-    """name and twin"""
+    """name and side"""
     cells: tuple[str, ...]
-    """robot, twin, state, holder, waiting seats, positions per second, age of the last positions, remarks"""
+    """robot, side, state, holder, waiting seats, positions per second, age of the last positions, remarks"""
     condition: Condition
     details: str
     """text of the tooltip"""

@@ -82,7 +82,7 @@ class World:
     trouble: str = ""
     """why there is no session or no router; empty if both exist"""
     latency_s: Mapping[str, float | None] = field(default_factory=dict)
-    """by twin: round trip of the last query; None: it was not answered"""
+    """by side: round trip of the last query; None: it was not answered"""
     plan: PlanProgress | None = None
     recording: RecordingProgress | None = None
     starting: bool = False
@@ -111,6 +111,6 @@ class World:
         """Whether this window has the teacher's seat."""
         return self.seat == TEACHER
 
-    def twin(self, twin: str) -> RobotState:
+    def side(self, side: str) -> RobotState:
         """Return the state of `sim` or `hw`."""
-        return self.sim if twin == "sim" else self.hw
+        return self.sim if side == "sim" else self.hw

@@ -104,7 +104,7 @@ ROBOTS: Final[dict[str, str]] = {
         "Emergency stop ({robots}): the motors are off. Look at the robot and set its head upright. Then press Reset, "
         "Enable and Calibrate."
     ),
-    "banner.reset": "Reset {twin}",
+    "banner.reset": "Reset {side}",
     "banner.choose": "Show {robot}",
     "banner.choose_tip": "Watch and drive {robot}.",
 }

@@ -129,7 +129,7 @@ ROBOTS: Final[dict[str, str]] = {
         "Notstopp ({robots}): Die Motoren sind aus. Sieh nach dem Roboter und richte seinen Kopf auf. Drücke dann "
         "Zurücksetzen, Einschalten und Kalibrieren."
     ),
-    "banner.reset": "{twin} zurücksetzen",
+    "banner.reset": "{side} zurücksetzen",
     "banner.choose": "{robot} zeigen",
     "banner.choose_tip": "{robot} ansehen und steuern.",
 }

@@ -3,7 +3,7 @@ import { text } from "./texts.js";
 
 const RETRY_MS = 1000;
 let socket = null;
-let shown = ""; // robot and twin of the socket
+let shown = ""; // robot and side of the socket
 let visible = false;
 let connected = () => false;
 const images = [0, 1].map((eye) => {
@@ -26,7 +26,7 @@ export function connectEyes(isConnected) {
 export function showEyes(robot) {
   const looking = document.getElementById("looking").checked;
   const cameras = robot?.status?.eyes ?? [];
-  const wanted = looking && visible && !document.hidden && cameras.length && connected() ? `${robot.robot} ${robot.twin}` : "";
+  const wanted = looking && visible && !document.hidden && cameras.length && connected() ? `${robot.robot} ${robot.side}` : "";
   let hint = "";
   if (robot?.status && !cameras.length) hint = "eyes.none";
   else if (!looking) hint = "eyes.off";
@@ -42,7 +42,7 @@ function open(wanted, robot) {
   shown = wanted;
   images.forEach((image) => { release(image); image.removeAttribute("src"); });
   if (!wanted) return;
-  const own = socket = new WebSocket(`ws://${location.host}/pictures?robot=${robot.robot}&twin=${robot.twin}`);
+  const own = socket = new WebSocket(`ws://${location.host}/pictures?robot=${robot.robot}&side=${robot.side}`);
   own.binaryType = "arraybuffer";
   own.onmessage = (event) => { if (own === socket) draw(own, event.data); };
   own.onclose = () => { if (own === socket) setTimeout(() => { if (own === socket) shown = ""; }, RETRY_MS); };

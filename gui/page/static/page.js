@@ -158,7 +158,7 @@ function condition() {
 
 function trouble(name) {
   const robot = state?.robot;
-  const title = robot ? text(`robot.${robot.twin}`, robot) : "";
+  const title = robot ? text(`robot.${robot.side}`, robot) : "";
   if (closedFor) return closedFor;
   if (name === "server") return heard || socket?.readyState === WebSocket.CLOSED ? text("trouble.server") : "";
   if (["router", "none"].includes(name)) return text(`trouble.${name}`);
@@ -193,14 +193,14 @@ function set(element, content) {
 
 function showRobots() {
   const list = byId("robots");
-  const places = state.robots.map((place) => `${place.robot} ${place.twin}`);
-  const own = state.robot ? `${state.robot.robot} ${state.robot.twin}` : "";
+  const places = state.robots.map((place) => `${place.robot} ${place.side}`);
+  const own = state.robot ? `${state.robot.robot} ${state.robot.side}` : "";
   if (own && !places.includes(own)) places.unshift(own);
   if (list.dataset.places !== places.join(",")) {
     list.dataset.places = places.join(",");
     list.replaceChildren(...places.map((place) => {
-      const [robot, twin] = place.split(" ");
-      return new Option(text(`robot.${twin}`, { robot }), place);
+      const [robot, side] = place.split(" ");
+      return new Option(text(`robot.${side}`, { robot }), place);
     }));
     if (!places.length) list.replaceChildren(new Option(text("robot.none"), ""));
   }
@@ -339,9 +339,9 @@ byId("stop").onpointerdown = stop;
 byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0) stop(); }; // by an assistive program
 byId("drive").onclick = drive;
 byId("robots").onchange = (event) => {
-  const [robot, twin] = event.target.value.split(" ");
+  const [robot, side] = event.target.value.split(" ");
   event.target.blur();
-  if (twin) send({ do: "watch", robot, twin });
+  if (side) send({ do: "watch", robot, side });
 };
 addEventListener("keydown", keys, true);
 addEventListener("keyup", keys, true);

@@ -72,8 +72,8 @@ class Arms(QFrame):
         grid.setHorizontalSpacing(6)
         grid.setVerticalSpacing(2)
         grid.addWidget(self._modes(), 0, 0, 1, 3)
-        for column, twin in ((3, "sim"), (4, "hw")):
-            grid.addWidget(self._caption(texts(f"label.column_{twin}"), twin), 0, column)
+        for column, side in ((3, "sim"), (4, "hw")):
+            grid.addWidget(self._caption(texts(f"label.column_{side}"), side), 0, column)
             grid.setColumnStretch(column, 1)
         self.rows = {arm: ArmRow(grid, row, arm) for row, arm in enumerate((*ARMS, ALL_ARMS), start=1)}
         for row in self.rows.values():
@@ -100,8 +100,8 @@ class Arms(QFrame):
         return widget
 
     @staticmethod
-    def _caption(text: str, twin: str) -> QLabel:
-        caption = label(text, twin)
+    def _caption(text: str, side: str) -> QLabel:
+        caption = label(text, side)
         caption.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         return caption
 

@@ -21,7 +21,7 @@ from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import IntentButton, label, set_role, set_text
 
-COLUMNS = ("robot", "twin", "state", "driver", "waiting", "rate", "age", "remarks")
+COLUMNS = ("robot", "side", "state", "driver", "waiting", "rate", "age", "remarks")
 STATE = COLUMNS.index("state")
 RIGHT = (COLUMNS.index("rate"), COLUMNS.index("age"))
 WIDTHS_PX = (90, 84, 124, 130, 120, 56, 50)

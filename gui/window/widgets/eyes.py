@@ -11,7 +11,7 @@ from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
 from PyQt5.QtWidgets import QGridLayout, QSizePolicy, QVBoxLayout, QWidget
 
 from beatrix_zenoh.client import CameraImage
-from beatrix_zenoh.contract.names import EYES, OUTSIDE, TWINS
+from beatrix_zenoh.contract.names import EYES, OUTSIDE, SIDES
 from gui.console.state.intents import Theme
 from gui.console.state.views import EyeView
 from gui.console.texts import Texts
@@ -164,7 +164,7 @@ class Picture(QWidget):
             return
         colours, margin = self._style, self._style.px(6)
         painter.fillRect(strip, QColor(colours.panel))
-        painter.fillRect(QRect(0, 0, BAR_PX, strip.height()), QColor(colours.twin(self._view.twin)))
+        painter.fillRect(QRect(0, 0, BAR_PX, strip.height()), QColor(colours.side(self._view.side)))
         inner = strip.adjusted(BAR_PX + margin, 0, -margin, 0)
         stale = self.note.endswith(" s")
         painter.setPen(QColor(colours.warn if stale else colours.dim))
@@ -189,19 +189,19 @@ class Eyes(QWidget):
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
         grid.setSpacing(6)
-        self.pictures = {(twin, eye): Picture(texts) for twin in TWINS for eye in EYES}
-        for (twin, eye), picture in self.pictures.items():
-            grid.addWidget(picture, TWINS.index(twin), EYES.index(eye))
+        self.pictures = {(side, eye): Picture(texts) for side in SIDES for eye in EYES}
+        for (side, eye), picture in self.pictures.items():
+            grid.addWidget(picture, SIDES.index(side), EYES.index(eye))
 
     def show_view(self, eyes: tuple[EyeView, ...]) -> None:
         """Show the eyes among these views."""
         for view in eyes:
             if view.eye != OUTSIDE:
-                self.pictures[view.twin, view.eye].show_view(view)
+                self.pictures[view.side, view.eye].show_view(view)
 
-    def show_image(self, twin: str, image: CameraImage) -> None:
+    def show_image(self, side: str, image: CameraImage) -> None:
         """Show a picture of an eye; ignore the outside view."""
-        picture = self.pictures.get((twin, image.eye))
+        picture = self.pictures.get((side, image.eye))
         if picture is not None:
             picture.show_image(image)
 
@@ -227,7 +227,7 @@ class OutsideView(QWidget):
             if view.eye == OUTSIDE:
                 self.picture.show_view(view)
 
-    def show_image(self, twin: str, image: CameraImage) -> None:  # noqa: ARG002 - only simulations have this view
+    def show_image(self, side: str, image: CameraImage) -> None:  # noqa: ARG002 - only simulations have this view
         """Show a picture of the outside view; ignore those of the eyes."""
         if image.eye == OUTSIDE:
             self.picture.show_image(image)

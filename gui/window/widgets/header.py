@@ -29,7 +29,7 @@ class Header(QWidget):
         self.robots.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         self.robots.setMinimumWidth(70)
         self.robots.textActivated.connect(lambda name: self.intent.emit(ChooseRobot(name)))
-        self.pills = {twin: Pill(twin) for twin in ("sim", "hw")}
+        self.pills = {side: Pill(side) for side in ("sim", "hw")}
         self.page = IntentButton()
         self.page.intent.connect(self.intent)
         self.page.hide()
@@ -101,7 +101,7 @@ class Header(QWidget):
             if self.robots.currentText() != view.robot:
                 self.robots.setCurrentText(view.robot)
         for pill in view.pills:
-            self.pills[pill.twin].show_view(pill)
+            self.pills[pill.side].show_view(pill)
         if view.class_page is not None:
             self.page.show_view(view.class_page.toggle)
         self.page.setVisible(view.class_page is not None)

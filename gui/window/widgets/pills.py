@@ -35,13 +35,13 @@ class Pill(QFrame):
 
     intent = pyqtSignal(object)
 
-    def __init__(self, twin: str) -> None:
+    def __init__(self, side: str) -> None:
         super().__init__()
         self._view: PillView | None = None
         self.setProperty("pill", True)  # noqa: FBT003
-        self.setProperty("twin", twin)
+        self.setProperty("side", side)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
-        self.title, self.state = label(role=twin), ElidedLabel()
+        self.title, self.state = label(role=side), ElidedLabel()
         self.notes = PartsLabel("dim")
         """notes and round trip"""
         self.next_step, self.lease = IntentButton(), IntentButton()

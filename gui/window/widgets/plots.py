@@ -203,14 +203,14 @@ class Plots(QWidget):
         column = QVBoxLayout(self._graphics)
         column.setContentsMargins(4, 2, 4, 2)
         column.setSpacing(0)
-        twins = {"▬": texts("label.hw"), "—": texts("label.sim")}
+        sides = {"▬": texts("label.hw"), "—": texts("label.sim")}
         self.arms = [
             Curves(
                 column,
                 f"<span style='color:{table.hexadecimal(table.ARMS[arm])}'>●</span> "
                 + texts(f"label.plot_{arm}"),
                 LEAST_ARM_DEG,
-                twins if arm == ARMS[0] else dict.fromkeys(twins, ""),
+                sides if arm == ARMS[0] else dict.fromkeys(sides, ""),
             )
             for arm in ARMS
         ]
@@ -232,8 +232,8 @@ class Plots(QWidget):
         self._now_s = world.now_s
         if world.robot != self._robot:
             self._robot, self._histories = world.robot, {"hw": History(), "sim": History()}
-        for twin, history in self._histories.items():
-            state = world.twin(twin)
+        for side, history in self._histories.items():
+            state = world.side(side)
             reading = state.reading
             if reading is not None:
                 arms = reading.arms

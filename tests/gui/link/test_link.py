@@ -22,30 +22,30 @@ from gui.console.state.world import LinkPhase
 
 @pytest.mark.measures_time
 def test_a_motion_of_one_robot_is_accepted_and_done(linked: Linked) -> None:
-    for row, twin in enumerate(("sim", "hw")):
-        linked.do(Send(row, look(10), (twin,)))
-        accepted = linked.accepted(row, twin)
+    for row, side in enumerate(("sim", "hw")):
+        linked.do(Send(row, look(10), (side,)))
+        accepted = linked.accepted(row, side)
         assert not accepted.done
-        end = linked.end_of(row, twin)
+        end = linked.end_of(row, side)
         assert (end.accepted, end.reason) == (True, Reason.OK)
-        reading = linked.world.twin(twin).reading
+        reading = linked.world.side(side).reading
         assert reading is not None
         assert reading.commanded.short == pytest.approx(10, abs=0.1)
-        until(partial(recorded, linked, twin), "the event")
+        until(partial(recorded, linked, side), "the event")
         in_time(abs(end.duration_s - accepted.duration_s), 0.3, "duration apart from the one announced")
 
 
-def recorded(linked: Linked, twin: str) -> bool:
+def recorded(linked: Linked, side: str) -> bool:
     """Return whether an event shows that the window has requested a yaw of 10 deg."""
-    asked = [event.pose_query for event in linked.world.twin(twin).events if event.source is Source.WINDOW]
+    asked = [event.pose_query for event in linked.world.side(side).events if event.source is Source.WINDOW]
     return any(query is not None and 0.17 < query.yaw < 0.18 for query in asked)
 
 
 def test_a_command_reaches_both_robots_and_each_answers(linked: Linked) -> None:
-    linked.do(SendCommand(1, Command.ENABLE, value=False, twins=("sim", "hw")))
-    for twin in ("sim", "hw"):
-        assert linked.end_of(1, twin).accepted
-        linked.until(lambda world, twin=twin: not world.twin(twin).status.enabled, "motors off")  # type: ignore[misc]
+    linked.do(SendCommand(1, Command.ENABLE, value=False, sides=("sim", "hw")))
+    for side in ("sim", "hw"):
+        assert linked.end_of(1, side).accepted
+        linked.until(lambda world, side=side: not world.side(side).status.enabled, "motors off")  # type: ignore[misc]
     linked.do(Send(2, look(5), ("hw",)))
     end = linked.end_of(2, "hw")
     assert (end.accepted, end.reason, len(linked.of(2))) == (False, Reason.NOT_ENABLED, 1)
@@ -71,14 +71,14 @@ def test_the_newer_motion_of_one_robot_replaces_the_older(linked: Linked) -> Non
 
 
 def test_stop_ends_the_motions_of_both_robots(linked: Linked) -> None:
-    for row, twin in ((1, "sim"), (2, "hw")):
-        linked.do(Send(row, look(90, 30), (twin,)))
+    for row, side in ((1, "sim"), (2, "hw")):
+        linked.do(Send(row, look(90, 30), (side,)))
     linked.accepted(1, "sim")
     linked.accepted(2, "hw")
     linked.do(StopBoth(3))
-    for row, twin in ((1, "sim"), (2, "hw")):
-        assert linked.end_of(row, twin).reason is Reason.STOPPED
-        assert linked.end_of(3, twin).accepted
+    for row, side in ((1, "sim"), (2, "hw")):
+        assert linked.end_of(row, side).reason is Reason.STOPPED
+        assert linked.end_of(3, side).accepted
     world = linked.until(lambda world: not (world.sim.status.moving or world.hw.status.moving), "both rest")  # type: ignore[union-attr]
     assert world.sim.reading is not None
     assert world.sim.reading.commanded.short < 60
@@ -201,8 +201,8 @@ def test_a_suspended_router_counts_as_lost_and_delays_no_request(stage: Stage) -
         linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "the router is lost", 4.0)
         linked.do(StopBoth(1))
         linked.do(Send(2, look(5), ("sim", "hw")))
-        for twin in ("sim", "hw"):
-            assert linked.end_of(1, twin, 6.0).reason is Reason.NO_ROUTER
+        for side in ("sim", "hw"):
+            assert linked.end_of(1, side, 6.0).reason is Reason.NO_ROUTER
         linked.do(StopBoth(3))
         linked.close()
     router.end()

@@ -14,9 +14,9 @@ from gui.console.state.world import PlanPhase, World
 BOTH = ("sim", "hw")
 
 
-def steps(linked: Linked, twin: str = "hw") -> Steps:
+def steps(linked: Linked, side: str = "hw") -> Steps:
     """Return the set points of a robot, in steps."""
-    positions = linked.world.twin(twin).positions
+    positions = linked.world.side(side).positions
     assert positions is not None
     return positions.steps
 
@@ -39,8 +39,8 @@ def test_both_robots_move_together_without_a_lead(linked: Linked) -> None:
     end = linked.end_of(1)
     assert (end.accepted, [found.done for found in linked.of(1)]) == (True, [False, True])
     assert linked.world.plan is None
-    for twin in BOTH:
-        linked.until(lambda world, twin=twin: short(world, twin) == pytest.approx(12, abs=0.1), "there")  # type: ignore[misc]
+    for side in BOTH:
+        linked.until(lambda world, side=side: short(world, side) == pytest.approx(12, abs=0.1), "there")  # type: ignore[misc]
 
 
 def test_the_hardware_follows_after_the_lead_with_a_countdown(linked: Linked) -> None:
@@ -87,8 +87,8 @@ def test_stop_within_the_lead_leaves_the_hardware_unmoved(linked: Linked) -> Non
     leading(linked, 1)
     linked.do(StopBoth(2))
     assert linked.end_of(1).reason is Reason.STOPPED
-    for twin in BOTH:
-        assert linked.end_of(2, twin).accepted
+    for side in BOTH:
+        assert linked.end_of(2, side).accepted
     linked.until(lambda world: world.plan is None, "nothing is under way")
     assert steps(linked) == before
 
@@ -98,8 +98,8 @@ def test_a_newer_motion_of_both_robots_replaces_one_in_its_lead(linked: Linked) 
     linked.do(Send(2, look(5, 60), BOTH))
     assert linked.end_of(1).reason is Reason.REPLACED
     assert linked.end_of(2).accepted
-    for twin in BOTH:
-        linked.until(lambda world, twin=twin: short(world, twin) == pytest.approx(5, abs=0.1), "there")  # type: ignore[misc]
+    for side in BOTH:
+        linked.until(lambda world, side=side: short(world, side) == pytest.approx(5, abs=0.1), "there")  # type: ignore[misc]
 
 
 def test_the_newest_of_many_motions_is_carried_out_and_each_row_ends_once(linked: Linked) -> None:
@@ -178,5 +178,5 @@ def test_home_of_both_robots_is_previewed_and_keeps_them_together(linked: Linked
     linked.do(Send(2, arms(0, 0, 0), BOTH))
     assert linked.accepted(2).message.startswith("Possible")
     assert linked.end_of(2).accepted
-    for twin in BOTH:
-        linked.until(lambda world, twin=twin: short(world, twin) == pytest.approx(0, abs=0.1), "home")  # type: ignore[misc]
+    for side in BOTH:
+        linked.until(lambda world, side=side: short(world, side) == pytest.approx(0, abs=0.1), "home")  # type: ignore[misc]

@@ -52,7 +52,7 @@ def test_a_file_that_is_too_large_is_refused(linked: Linked, tmp_path: Path) -> 
     large = tmp_path / "large.csv"
     large.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n" + "0,0,0,0\n" * 100_000, encoding="utf-8")
     linked.do(Play(1, ("sim",), large))
-    end = linked.end_of(1, timeout_s=2.0, twin="sim")
+    end = linked.end_of(1, timeout_s=2.0, side="sim")
     assert end.reason is Reason.BAD_VALUE
     assert "0.8 MB" in end.message
 
