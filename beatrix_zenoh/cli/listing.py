@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from beatrix_zenoh import printable
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.cli.output import columns, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
@@ -17,6 +16,7 @@ from beatrix_zenoh.client.request import infos as answered_infos
 from beatrix_zenoh.client.robot_state import Presence
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.silence import title
+from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, FollowState, Info, Status
 from beatrix_zenoh.settings import resolve
 
@@ -132,15 +132,14 @@ def state(status: Status) -> str:
 
 
 def problems(status: Status | None) -> list[str]:
-    """Return sentences about fault, warnings and lease of a robot; `status` is None if it did not answer."""
+    """Return sentences about fault, warnings and lease of a robot; `status` is None if none could be read."""
     if status is None:
-        return ["is online but does not answer: its node hangs, or its connection is interrupted."]
+        return ["is online but sends no readable status: its node hangs, is cut off, or has another version."]
     found = [*status.warnings[:WARNINGS], *lease_notes(status)]
     if len(status.warnings) > WARNINGS:
         found.append(f"It has {len(status.warnings) - WARNINGS} more warnings.")
     if status.fault is not Fault.NONE and not (status.fault in BOARD_FAULTS and status.warnings):
-        text = FAULT_TEXT.get(status.fault, f"It reports {status.fault}, which is unknown in this version.")
-        found.insert(0, text)
+        found.insert(0, FAULT_TEXT[status.fault])
     return [printable.line(problem, PROBLEM) for problem in found]
 
 

@@ -16,16 +16,35 @@ import msgspec
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import CLOSED, Bus, Incoming, ProcessBound, Reply
-from beatrix_zenoh.client import tolerance
+from beatrix_zenoh.contract import codec, printable
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason, Source
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import Refused, WrongUsage
 from beatrix_zenoh.settings import Settings
 
 LOG = logging.getLogger("beatrix_zenoh.client")
 M = TypeVar("M", bound=msgspec.Struct)
 Place = tuple[str, str]
 """Name and side of a robot."""
+SENDERS = 1000
+"""Largest number of reported senders; further senders are not reported."""
+
+
+class Reporter:
+    """Logs errors of messages once for each sender, or for each key if the sender is unknown."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._reported: set[str] = set()
+
+    def report(self, sender: str, key: str, what: str) -> None:
+        """Log a warning; `sender` is a Zenoh session, empty if unknown."""
+        with self._lock:
+            if (sender or key) in self._reported or len(self._reported) >= SENDERS:
+                return
+            self._reported.add(sender or key)
+        source = f"{key or 'error reply'}{f' from session {sender}' if sender else ''}"
+        LOG.warning("%s", printable.line(f"{source}: {what}"))
 
 
 class Client(ProcessBound):
@@ -50,7 +69,7 @@ class Client(ProcessBound):
         self.replied_s: dict[Place, float] = {}
         """Time of the last reply to a command or motion of each robot (monotonic clock, s): earlier publications may
         not show its effect."""
-        self._reporter = tolerance.Reporter()
+        self._reporter = Reporter()
         self.dispatcher = Dispatcher()
         """The thread for the user's callbacks; it starts with the first callback."""
         self._lock = threading.Lock()
@@ -103,18 +122,12 @@ class Client(ProcessBound):
         return present
 
     def read(self, answer: Reply, kind: type[M]) -> M | None:
-        """Decode a reply or publication; log errors once for each sender.
-
-        Returns None if it cannot be decoded.
-        """
+        """Decode a reply or publication; if it cannot be decoded, log this once for each sender and return None."""
         try:
-            message, wrong = tolerance.decode(answer.payload, kind)
-        except tolerance.Undecodable as error:
-            self.report(answer, f"ignored: {error}. The sender is a foreign program or has another version.")
+            return codec.decode(answer.payload, kind)
+        except Refused as error:
+            self.report(answer, f"ignored: {error} The sender is a foreign program or has another version.")
             return None
-        if wrong:
-            self.report(answer, f"{wrong}: only the known parts were read. The sender has another version.")
-        return message
 
     def report(self, answer: Reply, what: str) -> None:
         """Log an error of a reply or publication once for each sender."""

@@ -10,6 +10,7 @@ from typing import Final, TypeVar
 import msgpack
 import msgspec
 
+from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated import messages
 from beatrix_zenoh.contract._generated.messages import FLOAT32_MAX, Detail, Reason
 from beatrix_zenoh.contract.errors import QUOTED, Refused
@@ -62,7 +63,7 @@ def encode_json(message: msgspec.Struct) -> bytes:
 
 
 def decode(data: bytes, kind: type[M]) -> M:
-    """Decode a message from msgpack.
+    """Decode a message from msgpack; all text of a reply or publication is printable.
 
     Raises:
         Refused: BAD_VALUE; message and detail contain the wrong field and, if there are any, the allowed values.
@@ -71,8 +72,9 @@ def decode(data: bytes, kind: type[M]) -> M:
         message = msgspec.msgpack.decode(data, type=kind)
     except UNREADABLE as error:
         raise bad_value(kind, str(error)) from error
-    if is_request(kind):
-        _check_names(msgpack.unpackb(data, object_pairs_hook=tuple, strict_map_key=False), kind)
+    if not is_request(kind):
+        return printable.message(message)
+    _check_names(msgpack.unpackb(data, object_pairs_hook=tuple, strict_map_key=False), kind)
     return message
 
 

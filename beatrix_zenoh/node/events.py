@@ -12,7 +12,7 @@ from typing import Final
 
 import msgspec
 
-from beatrix_zenoh import printable
+from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import (
     Detail,
     Event,

@@ -12,8 +12,9 @@ from contextlib import contextmanager
 from logging.handlers import QueueHandler
 from pathlib import Path
 
-from beatrix_zenoh import printable, threads
+from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import events

@@ -7,10 +7,10 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
-from beatrix_zenoh import printable
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.bus.query_forms import read
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import NoteQuery, NoteReply, Reason
 from beatrix_zenoh.contract.codec import encode_json

@@ -12,14 +12,13 @@ import pytest
 from statuses import READY
 
 from beatrix_zenoh.bus import Received, Reply
-from beatrix_zenoh.client import tolerance
 from beatrix_zenoh.client.robot_state import Channel, EventLog, Presence, Record
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription, message
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Status
-from beatrix_zenoh.contract.errors import NoAnswer
+from beatrix_zenoh.contract.errors import NoAnswer, Refused
 
 KEY = keys.status("bea", "hw")
 M = TypeVar("M", bound=msgspec.Struct)
@@ -54,8 +53,8 @@ class FakeClient:
     def read(self, answer: Reply, kind: type[M]) -> M | None:
         self.reads += 1
         try:
-            return tolerance.decode(answer.payload, kind)[0]
-        except tolerance.Undecodable:
+            return codec.decode(answer.payload, kind)
+        except Refused:
             return None
 
 

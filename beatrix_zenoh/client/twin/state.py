@@ -171,9 +171,7 @@ def check_board(status: Status) -> None:
     """Raise NoAnswer unless the robot is connected to its board."""
     if not status.board.connected:
         reason = Reason.CONTRACT_MISMATCH if status.fault is Fault.CONTRACT_MISMATCH else Reason.BOARD_LOST
-        raise NoAnswer(
-            reason, " ".join(status.warnings[:1]) or FAULT_TEXT.get(status.fault, str(status.fault))
-        )
+        raise NoAnswer(reason, " ".join(status.warnings[:1]) or FAULT_TEXT[status.fault])
 
 
 def check_holder(status: Status, seat: str) -> None:
