@@ -1,12 +1,16 @@
-"""Shutdown of a serving process, by a signal or by a thread."""
+"""The end of a process: its exit code, and shutdown by a signal or by a thread."""
 
 from __future__ import annotations
 
 import queue
 import signal
+import sys
+import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+
+from beatrix_zenoh import hiding
 
 FAULT = 70
 """Exit code after an exception that no code handles (EX_SOFTWARE of sysexits.h), unlike that of a refusal."""
@@ -96,3 +100,23 @@ def _handled(handler: Callable[[int, FrameType | None], None] | signal.Handlers)
     finally:
         for number, previous in before:
             signal.signal(number, previous)
+
+
+def process(work: Callable[[], int]) -> None:
+    """Run `work`, the whole task of this process; raise SystemExit with its exit code.
+
+    The exit code is 130 after Ctrl-C, and FAULT after an exception, whose traceback is printed.
+    """
+    try:
+        code = work()
+        ignore_signals()  # so that a signal cannot change the exit code now that the work is done
+    except KeyboardInterrupt:
+        code = 130  # the exit code that shells use for Ctrl-C
+    except Exception as error:  # noqa: BLE001 - prints the traceback, as Python would before it ends with exit code 1
+        code = 1
+        if why := hiding.cause(error):
+            sys.stderr.write(f"{why}\n")
+        else:
+            traceback.print_exc()
+            code = FAULT
+    sys.exit(code)

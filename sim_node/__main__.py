@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh.cli.app import process
+from beatrix_zenoh.shutdown import process
 
 
 def work() -> int:

@@ -16,7 +16,7 @@ from known_cases import Case, cases
 from known_robots import Known, as_recordings, from_file
 
 from beatrix_zenoh.cli.comparison_text import lag_sentence, lead_sentences
-from beatrix_zenoh.cli.output import columns
+from beatrix_zenoh.output import columns
 from beatrix_zenoh.recording.compare import Comparison, compare
 from beatrix_zenoh.recording.diagnosis import findings
 from beatrix_zenoh.recording.finding import Cause, Finding

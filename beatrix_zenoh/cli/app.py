@@ -3,40 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+
+from beatrix_zenoh.shutdown import process
 
 
 def main() -> None:
     """Run the command line of this process, and raise SystemExit with its exit code."""
     process(lambda: run(sys.argv[1:]))
-
-
-def process(work: Callable[[], int]) -> None:
-    """Run `work`, the whole task of this process; raise SystemExit with its exit code.
-
-    The exit code is 130 after Ctrl-C, and FAULT after an exception, whose traceback is printed.
-    """
-    try:
-        code = work()
-        from beatrix_zenoh.shutdown import ignore_signals
-
-        ignore_signals()  # so that a signal cannot change the exit code now that the work is done
-    except KeyboardInterrupt:
-        code = 130  # the exit code that shells use for Ctrl-C
-    except Exception as error:  # noqa: BLE001 - prints the traceback, as Python would before it ends with exit code 1
-        from beatrix_zenoh import hiding
-
-        code = 1
-        if why := hiding.cause(error):
-            sys.stderr.write(f"{why}\n")
-        else:
-            import traceback
-
-            from beatrix_zenoh.shutdown import FAULT
-
-            traceback.print_exc()
-            code = FAULT
-    sys.exit(code)
 
 
 def run(words: list[str]) -> int:

@@ -13,10 +13,10 @@ import typer
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.cli.output import exit_code, note, say
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.files import write_private
+from beatrix_zenoh.output import exit_code, note, say
 
 STDIN = Path("-")
 

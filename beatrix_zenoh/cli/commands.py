@@ -9,11 +9,11 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
-from beatrix_zenoh.cli.output import print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client.twin.twin import check_reachable
 from beatrix_zenoh.contract._generated.messages import Command
 from beatrix_zenoh.contract.errors import naming
+from beatrix_zenoh.output import print_json, say
 
 
 def enable(

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from beatrix_zenoh.cli.options import Connect, Json, Name, Which, Who, finite
-from beatrix_zenoh.cli.output import FAILED, note, print_json, say
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.files import replace_when_complete
+from beatrix_zenoh.output import FAILED, note, print_json, say
 from beatrix_zenoh.shutdown import signals_interrupt
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import msgspec
 
-from beatrix_zenoh.cli.output import columns
+from beatrix_zenoh.output import columns
 from beatrix_zenoh.recording.compare import AxisDifference, Comparison
 from beatrix_zenoh.recording.diagnosis import findings
 from beatrix_zenoh.recording.finding import count

@@ -11,14 +11,14 @@ import msgspec
 import typer
 
 from beatrix_zenoh.cli.options import Json
-from beatrix_zenoh.cli.output import FAILED, note, print_json, say
-from beatrix_zenoh.cli.processes import Role, Supervisor
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.up import advice, end_on_interrupt, open_window, watch
 from beatrix_zenoh.client.choreography import Choreography, Step, shipped
 from beatrix_zenoh.client.twin.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.output import FAILED, note, print_json, say
+from beatrix_zenoh.processes import Role, Supervisor
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import signals_interrupt
 

@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from beatrix_zenoh.cli.output import note
-from beatrix_zenoh.cli.processes import Child, Supervisor
 from beatrix_zenoh.contract._generated.messages import Positions
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.files import replace_when_complete
+from beatrix_zenoh.output import note
+from beatrix_zenoh.processes import Child, Supervisor
 from beatrix_zenoh.recording.compare import Comparison
 from beatrix_zenoh.recording.series import AXES
 from beatrix_zenoh.settings import Settings

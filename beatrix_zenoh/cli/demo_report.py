@@ -14,7 +14,6 @@ import msgspec
 
 from beatrix_zenoh.cli.comparison_text import AFTER, axes_table, lag_sentence
 from beatrix_zenoh.cli.demo_files import Files
-from beatrix_zenoh.cli.output import columns
 from beatrix_zenoh.client.choreography import Choreography, Step
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.play import play
@@ -23,6 +22,7 @@ from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.client.twin.twin import Twin
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PlantStatus, PoseQuery, Positions
 from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.output import columns
 from beatrix_zenoh.recording.compare import AxisDifference, Comparison, compare
 from beatrix_zenoh.recording.series import recording
 

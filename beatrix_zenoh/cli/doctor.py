@@ -10,10 +10,10 @@ import typer
 from beatrix_zenoh.cli.checks import Finding, graphics_probe, this_computer
 from beatrix_zenoh.cli.jog import jog
 from beatrix_zenoh.cli.options import Connect, Json, Name, Who
-from beatrix_zenoh.cli.output import FAILED, print_json, say
 from beatrix_zenoh.cli.robot_checks import network
 from beatrix_zenoh.cli.targets import Selection
 from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.output import FAILED, print_json, say
 from beatrix_zenoh.settings import resolve
 
 MARKS = {"ok": "ok", "advice": "-", "todo": "!"}

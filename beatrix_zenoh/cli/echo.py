@@ -15,7 +15,6 @@ import typer
 from beatrix_zenoh.cli.listing import problems, state, state_row
 from beatrix_zenoh.cli.motions import reading_row
 from beatrix_zenoh.cli.options import Connect, Name, On, Who
-from beatrix_zenoh.cli.output import print_json, say
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
 from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.camera import START_S, CameraImage, images
@@ -26,6 +25,7 @@ from beatrix_zenoh.client.subscription import Arrival
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.sentences.events import sentence
+from beatrix_zenoh.output import print_json, say
 
 T = TypeVar("T")
 PAST = 10

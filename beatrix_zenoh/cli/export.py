@@ -10,10 +10,10 @@ import typer
 
 from beatrix_zenoh.cli.film import FILM, EyeName, check_video, written_film
 from beatrix_zenoh.cli.options import Json, Names, Which, finite
-from beatrix_zenoh.cli.output import print_json, say
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import check_new, new_file
+from beatrix_zenoh.output import print_json, say
 from beatrix_zenoh.shutdown import signals_interrupt
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb

@@ -12,8 +12,8 @@ import typer
 from beatrix_zenoh.cli import network
 from beatrix_zenoh.cli.network import Program, short
 from beatrix_zenoh.cli.options import Connect, Json, Who
-from beatrix_zenoh.cli.output import print_json, say
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.output import print_json, say
 from beatrix_zenoh.settings import resolve
 
 LINE_PX, PAD_PX, BOX_PX, GAP_PX = 18, 12, 330, 26

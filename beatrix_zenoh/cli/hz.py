@@ -12,7 +12,6 @@ from typing import Annotated, NamedTuple, Protocol, cast
 import typer
 
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who, finite
-from beatrix_zenoh.cli.output import columns, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client import camera
 from beatrix_zenoh.client.clocks import clock_offset
@@ -20,6 +19,7 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.subscription import Arrival, Subscription
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
+from beatrix_zenoh.output import columns, print_json, say
 
 TAKE_S = 0.5
 PICTURES = 100

@@ -13,7 +13,6 @@ import typer
 
 from beatrix_zenoh.cli.motions import stop_on_interrupt
 from beatrix_zenoh.cli.options import Which
-from beatrix_zenoh.cli.output import FAILED, note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client.readings import ArmAngles
 from beatrix_zenoh.client.robot import Robot
@@ -21,6 +20,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT
 from beatrix_zenoh.contract.errors import Refused, WrongUsage
 from beatrix_zenoh.motion.robot_file import fingerprint
+from beatrix_zenoh.output import FAILED, note, print_json, say
 
 ARMS = ArmAngles._fields
 PLUGS = ("X", "Y", "Z")

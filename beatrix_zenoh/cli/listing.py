@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
-from beatrix_zenoh.cli.output import columns, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.readings import RobotInfo
@@ -18,6 +17,7 @@ from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.silence import title
 from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, FollowState, Info, Status
+from beatrix_zenoh.output import columns, print_json, say
 from beatrix_zenoh.settings import resolve
 
 HEADS = ("robot", "side", "state", "driver", "version", "firmware")

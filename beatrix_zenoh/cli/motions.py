@@ -11,7 +11,6 @@ import typer
 from msgspec import structs
 
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
-from beatrix_zenoh.cli.output import note, print_failure, print_json, say
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
 from beatrix_zenoh.client.queries import motion_query, pose_query
 from beatrix_zenoh.client.readings import Reading
@@ -22,6 +21,7 @@ from beatrix_zenoh.client.twin.motion import TwinMotion
 from beatrix_zenoh.client.twin.plan import Plan
 from beatrix_zenoh.client.twin.twin import Twin
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source
+from beatrix_zenoh.output import note, print_failure, print_json, say
 
 Relative = Annotated[bool, typer.Option("--relative", help="Turn by these angles from the present position.")]
 Speed = Annotated[

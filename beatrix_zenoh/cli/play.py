@@ -11,13 +11,13 @@ import typer
 
 from beatrix_zenoh.cli.motions import check_lead, show_positions, stop_on_interrupt
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
-from beatrix_zenoh.cli.output import note
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
 from beatrix_zenoh.client import choreography
 from beatrix_zenoh.client.choreography import Choreography, Step
 from beatrix_zenoh.client.play import play as perform
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin.twin import Twin
+from beatrix_zenoh.output import note
 
 MANY = 1000
 """Number of poses above which a note is printed before the check, which then takes seconds."""

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from beatrix_zenoh.cli.options import Cameras, Connect, Json, Names, On, ViewerPort, Which, Who, finite
-from beatrix_zenoh.cli.output import note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.cli.view import leave, open_viewer
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.output import note, print_json, say
 from beatrix_zenoh.recording.viewer import PORT, program
 from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.shutdown import POLL_S, Shutdown

@@ -5,9 +5,9 @@ from __future__ import annotations
 import contextlib
 from pathlib import Path
 
-from beatrix_zenoh.cli.output import note, print_json, say
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.output import note, print_json, say
 from beatrix_zenoh.recording.samples import Recorded
 from beatrix_zenoh.recording.viewer import complete, program, repair, verify
 

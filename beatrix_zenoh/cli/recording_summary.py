@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from beatrix_zenoh.cli.output import FAILED, exit_code, note, print_json, say
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.output import FAILED, exit_code, note, print_json, say
 from beatrix_zenoh.recording.file_output import FileOutput
 from beatrix_zenoh.recording.losses import CONTESTED, PICTURES, Count, Stream, findings, total
 from beatrix_zenoh.recording.recorder import Recorder

@@ -11,7 +11,6 @@ import typer
 
 from beatrix_zenoh.cli.motions import check_lead, show_positions, stop_on_interrupt
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who, finite
-from beatrix_zenoh.cli.output import note
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
 from beatrix_zenoh.client import motion_file
@@ -21,6 +20,7 @@ from beatrix_zenoh.client.twin.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.output import note
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
     from beatrix_zenoh.recording.follow import Following

@@ -13,7 +13,9 @@ from typing import cast
 import typer
 from typer.core import TyperOption
 
-from beatrix_zenoh.cli.output import (
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.output import (
     FAILED,
     INTERRUPTED,
     STDOUT,
@@ -23,8 +25,6 @@ from beatrix_zenoh.cli.output import (
     note,
     print_failure,
 )
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 
 EXTRA_ARGUMENT = "Got unexpected extra argument"
 """The beginning of typer's message about a word without an option."""

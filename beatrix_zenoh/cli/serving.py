@@ -10,9 +10,9 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.cli.output import say
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.output import say
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from beatrix_zenoh.shutdown import POLL_S, Shutdown
 

@@ -10,7 +10,6 @@ from typing import Annotated, NamedTuple
 import typer
 
 from beatrix_zenoh.cli.options import Connect, Json, Which, Who
-from beatrix_zenoh.cli.output import USAGE, exit_code, note, print_json, say
 from beatrix_zenoh.cli.targets import Selection, is_named
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.silence import absent_reason
@@ -18,6 +17,7 @@ from beatrix_zenoh.client.stopping import OFF_LINE, Answer, SentGroupStop, match
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, WrongUsage
+from beatrix_zenoh.output import USAGE, exit_code, note, print_json, say
 from beatrix_zenoh.settings import resolve_valid
 
 ALL = "*"

@@ -11,17 +11,14 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.account import Account
 from beatrix_zenoh.cli.listing import look_up, problems, state
 from beatrix_zenoh.cli.options import Connect, Json, Legacy, LogFile, OwnName, RobotFile
-from beatrix_zenoh.cli.output import columns, note, print_json, say
-from beatrix_zenoh.cli.processes import Child, Role, Supervisor
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.contract._generated.messages import Reason, Status
-from beatrix_zenoh.contract.errors import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Status
 from beatrix_zenoh.contract.names import SIDE_TITLES
 from beatrix_zenoh.motion.robot_file import load
+from beatrix_zenoh.output import columns, note, print_json, say
+from beatrix_zenoh.processes import Child, Role, Supervisor, start_router
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
 from beatrix_zenoh.shutdown import Shutdown, signals_interrupt
 
@@ -221,28 +218,6 @@ def open_window(supervisor: Supervisor, settings: Settings) -> Child:
     """Start a window that shows one robot; wait for it with `wait_ready`."""
     where = ("--name", settings.robot, "--connect", settings.connect)
     return supervisor.start(WINDOW, "gui", *where, role=Role.WINDOW)
-
-
-def start_router(supervisor: Supervisor, endpoint: str, account: Account | None = None) -> str:
-    """Start a router if none answers, and return its state as text.
-
-    Raises:
-        NoAnswer: NO_ROUTER, no router answers, and the endpoint is on another computer or that of a class.
-    """
-    if zbus.is_listening(endpoint):
-        return "runs already"
-    if account is not None:
-        zbus.connect(endpoint, account=account).close()  # raises NoAnswer with advice
-    if not zbus.is_local(endpoint):
-        port = endpoint.rpartition(":")[2]
-        raise NoAnswer(
-            Reason.NO_ROUTER,
-            f"No router answers at {endpoint}, which is another computer. Start one there with "
-            f"`beatrix router --listen tcp/0.0.0.0:{port}`, or omit --connect to start one here.",
-        )
-    supervisor.start("router", "router", "--listen", endpoint)
-    supervisor.wait_ready()
-    return "started"
 
 
 def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:

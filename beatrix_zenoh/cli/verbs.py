@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.cli.output import say
+from beatrix_zenoh.output import say
 
 VERBS = {
     "demo": "demo",

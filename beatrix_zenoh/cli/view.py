@@ -11,11 +11,11 @@ from urllib.parse import quote
 import typer
 
 from beatrix_zenoh.cli.options import Cameras, Connect, Names, ViewerPort, Who
-from beatrix_zenoh.cli.output import FAILED, note, say
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.output import FAILED, note, say
 from beatrix_zenoh.recording.viewer import PORT, WEB_PORT, check_recording
 from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.shutdown import POLL_S, Shutdown

@@ -14,7 +14,7 @@ from PyQt5.QtCore import QSize, Qt, QTimer
 from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtWidgets import QApplication
 
-from beatrix_zenoh.cli.output import say
+from beatrix_zenoh.output import say
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown, ignore_signals
 from gui.console.link import Link

@@ -17,9 +17,9 @@ from shell import beatrix
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.cli.output import exit_code
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.output import exit_code
 from gui.console.state.actions import Connect
 from gui.console.state.world import LinkPhase
 

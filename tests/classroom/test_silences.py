@@ -21,12 +21,12 @@ from shell import beatrix
 from beatrix_zenoh import NoAnswer, Robot
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Bus, Incoming
-from beatrix_zenoh.cli.output import exit_code
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.silence import ABSENT_S
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.keys import POSITIONS_HZ
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.output import exit_code
 from beatrix_zenoh.settings import Settings
 from gui.console.state.actions import StopBoth
 from gui.console.state.state import State

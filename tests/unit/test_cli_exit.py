@@ -16,12 +16,12 @@ import typer
 from beatrix_zenoh import BeatrixError, Interrupted, NoAnswer, Refused
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.cli.options import Json
-from beatrix_zenoh.cli.output import CODES, columns
 from beatrix_zenoh.cli.run import run_command
 from beatrix_zenoh.cli.verbs import VERBS
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.shutdown import FAULT
+from beatrix_zenoh.output import CODES, columns
+from beatrix_zenoh.shutdown import FAULT, process
 
 CLI = (sys.executable, "-m", "beatrix_zenoh.cli")
 
@@ -258,6 +258,6 @@ def test_an_unexpected_exception_ends_the_process_with_the_code_of_a_fault(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     with pytest.raises(SystemExit) as end:
-        app.process(lambda: 1 // 0)
+        process(lambda: 1 // 0)
     assert end.value.code == FAULT
     assert "ZeroDivisionError" in capsys.readouterr().err

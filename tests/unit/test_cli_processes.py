@@ -9,11 +9,10 @@ from pathlib import Path
 import pytest
 from robots import free_endpoint, until
 
-from beatrix_zenoh import NoAnswer, Refused
-from beatrix_zenoh.cli import processes
-from beatrix_zenoh.cli.output import CODES
-from beatrix_zenoh.cli.processes import CRASHES_S, Ending, Role, Supervisor, classify
+from beatrix_zenoh import NoAnswer, Refused, processes
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.output import CODES
+from beatrix_zenoh.processes import CRASHES_S, Ending, Role, Supervisor, classify
 from beatrix_zenoh.shutdown import FAULT
 
 

@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 
 import hw_node.app
 import sim_node.app
-from beatrix_zenoh.cli.output import USAGE
 from beatrix_zenoh.contract._generated.messages import PoseQuery
 from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion import robot_file
 from beatrix_zenoh.node.planner import Planner
+from beatrix_zenoh.output import USAGE
 
 HOME = Telemetry(0, 1, 3, 0, 0, (0, 0, 0), (0, 0, 0), 0, 0)
 NEAR = math.radians(2.0)

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 import pytest
 from shell import settings_of_this_process
 
-from beatrix_zenoh.cli.processes import Supervisor
 from beatrix_zenoh.cli.up import watch
+from beatrix_zenoh.processes import Supervisor
 from beatrix_zenoh.shutdown import Shutdown, signals_interrupt
 
 EVERY_S = 20e-6
@@ -55,7 +55,7 @@ def test_sighup_stays_ignored_after_nohup(signals_as_before: None) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_while_python_exits_does_not_change_the_exit_code(number: signal.Signals) -> None:
-    code = "import atexit, signal; from beatrix_zenoh.cli.app import process\n"
+    code = "import atexit, signal; from beatrix_zenoh.shutdown import process\n"
     code += f"atexit.register(signal.raise_signal, {number:d}); process(lambda: 7)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 7
 

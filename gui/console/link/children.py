@@ -6,9 +6,8 @@ import itertools
 from collections.abc import Callable
 from pathlib import Path
 
-from beatrix_zenoh.cli.processes import Child
 from beatrix_zenoh.contract.errors import BeatrixError
-from gui.console.link.processes import Processes
+from beatrix_zenoh.processes import Child, Supervisor, start_router
 from gui.console.link.worker import Worker
 
 
@@ -19,9 +18,9 @@ class Children(Worker):
         """Start the thread but no process; `started` is called when the router runs."""
         super().__init__("window-children")
         self._started = started
-        self._serving: Processes | None = None
+        self._serving: Supervisor | None = None
         """Router and simulation."""
-        self._viewers: Processes | None = None
+        self._viewers: Supervisor | None = None
         self._simulation: Child | None = None
         self._numbers = itertools.count(1)
         self.starting = False
@@ -62,9 +61,7 @@ class Children(Worker):
 
     def _serve(self, robot: str, endpoint: str) -> None:
         """Start router and simulation and wait until they serve; raises Refused, NoAnswer or OSError."""
-        from beatrix_zenoh.cli.up import start_router  # noqa: PLC0415  # typer would delay the window by 0.2 s
-
-        serving = self._serving = self._serving or Processes()
+        serving = self._serving = self._serving or Supervisor()
         serving.forget_ended()
         try:
             start_router(serving, endpoint)
@@ -84,7 +81,7 @@ class Children(Worker):
 
     def _view(self, file: Path) -> None:
         try:
-            viewers = self._viewers = self._viewers or Processes()
+            viewers = self._viewers = self._viewers or Supervisor()
             viewers.forget_ended()
             viewers.start(f"viewer-{next(self._numbers)}", "view", str(file))
         except BeatrixError as error:

@@ -8,11 +8,10 @@ import time
 from datetime import datetime
 from pathlib import Path
 
-from beatrix_zenoh.cli.output import exit_code
-from beatrix_zenoh.cli.processes import POLL_S, READY_S, Child
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
-from gui.console.link.processes import Processes
+from beatrix_zenoh.output import exit_code
+from beatrix_zenoh.processes import POLL_S, READY_S, Child, Supervisor
 from gui.console.link.worker import Worker
 from gui.console.state.world import RecordingProgress
 
@@ -28,7 +27,7 @@ class Recordings(Worker):
         super().__init__("window-recorder")
         self._lock = threading.Lock()
         self._file: Path | None = None
-        self._processes: Processes | None = None
+        self._processes: Supervisor | None = None
         self._child: Child | None = None
         self._began_s: float | None = None
         self._lasted_s: float | None = None
@@ -68,7 +67,7 @@ class Recordings(Worker):
         words = ("record", str(file), "--name", robot, "--connect", endpoint)
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
-            processes = self._processes = self._processes or Processes()
+            processes = self._processes = self._processes or Supervisor()
             processes.forget_ended()
             self._child = processes.start("recorder", *words)
         except OSError as error:

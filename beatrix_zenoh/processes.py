@@ -1,4 +1,4 @@
-"""A supervisor of child processes: it starts, watches and ends them."""
+"""Child processes of the command line and of the window: a supervisor starts, watches and ends them."""
 
 from __future__ import annotations
 
@@ -8,15 +8,19 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Container, Sequence
 from enum import Enum
 from pathlib import Path
 from typing import Self
 
-from beatrix_zenoh.cli.output import CODES, FAILED, INTERRUPTED, USAGE, note
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh import threads
+from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.output import CODES, FAILED, INTERRUPTED, USAGE, note
 from beatrix_zenoh.shutdown import signals_ignored
 
 READY_S = 20.0
@@ -27,6 +31,8 @@ REFUSALS = (FAILED, USAGE, CODES[Reason.ACCOUNT_REFUSED], CODES[Reason.ACCESS_DE
 """Exit codes of a process that cannot do what it was started for; it would end in the same way again."""
 END_S = 4.0
 """Time to end (s), in which a node also stops its robot; after this time the child is killed."""
+KILL_S = 0.4
+"""Time (s) before a deadline at which children that do not end are killed, and the folder of their output deleted."""
 POLL_S = 0.02
 LAST_LINES = 5
 """Number of output lines of a failed child that are shown."""
@@ -136,22 +142,27 @@ class Supervisor:
     """Child processes that run during a `with` block; the last one started ends first.
 
     Their output goes to a temporary folder. The folder is deleted at the end, unless a child has failed and the error
-    message does not show all of its output.
+    message does not show all of its output. `end_all` may be called while another thread starts or awaits a child.
     """
 
     def __init__(self) -> None:
         self.folder = Path(tempfile.mkdtemp(prefix="beatrix-"))
         self._kept = False
+        self._starting = threading.Lock()
+        self._closed = False
         self.children: list[Child] = []
         self._crashed_s: dict[str, float] = {}
         """time of the last crash by title (monotonic clock, s)"""
 
     def start(self, title: str, *arguments: str, role: Role = Role.REQUIRED) -> Child:
-        """Start `beatrix …`; wait for it with `wait_ready`."""
-        number = len(list(self.folder.glob(f"{title}*.log")))
-        log = self.folder / (f"{title}-{number + 1}.log" if number else f"{title}.log")
-        child = Child(title, arguments, log, role)
-        self.children.append(child)
+        """Start `beatrix …`; wait for it with `wait_ready`. Raises Refused (SHUTDOWN) after `end_all`."""
+        with self._starting:
+            if self._closed:
+                raise Refused(Reason.SHUTDOWN, f"The {title} is not started, because this program ends.")
+            number = len(list(self.folder.glob(f"{title}*.log")))
+            log = self.folder / (f"{title}-{number + 1}.log" if number else f"{title}.log")
+            child = Child(title, arguments, log, role)
+            self.children.append(child)
         return child
 
     def wait_ready(self) -> None:
@@ -182,6 +193,20 @@ class Supervisor:
         """End one child."""
         self.children.remove(child)
         child.end()
+
+    def forget_ended(self) -> None:
+        """Remove the children that have ended."""
+        for child in list(self.children):
+            if child.code is not None:
+                self.finish(child)
+
+    def failure(self) -> str:
+        """Return a sentence with the exit code and last lines of a child that has ended; empty if all run."""
+        try:
+            self.check()
+        except Refused as refusal:
+            return refusal.message
+        return ""
 
     def check(self, roles: Container[Role] = (Role.REQUIRED,)) -> None:
         """Raise Refused if a child with one of these roles has ended."""
@@ -240,6 +265,22 @@ class Supervisor:
         if not self._kept:
             shutil.rmtree(self.folder, ignore_errors=True)
 
+    def end_all(self, deadline_s: float) -> None:
+        """End all children at the same time.
+
+        Those that still run shortly before `deadline_s` (monotonic clock, s) are killed.
+        """
+        with self._starting:
+            self._closed = True
+        grace_s = max(0.0, deadline_s - KILL_S - time.monotonic())
+        ending = [
+            threads.start(lambda child=child: child.end(grace_s), f"end-{child.title}")  # type: ignore[misc]
+            for child in list(self.children)
+        ]
+        for thread in ending:
+            thread.join()
+        self.end()
+
     def __enter__(self) -> Self:
         return self
 
@@ -250,3 +291,25 @@ class Supervisor:
                     self.check((Role.REQUIRED, Role.ROBOT))  # its end is the cause of the error
             finally:
                 self.end()
+
+
+def start_router(supervisor: Supervisor, endpoint: str, account: Account | None = None) -> str:
+    """Start a router if none answers, and return its state as text.
+
+    Raises:
+        NoAnswer: NO_ROUTER, no router answers, and the endpoint is on another computer or that of a class.
+    """
+    if zbus.is_listening(endpoint):
+        return "runs already"
+    if account is not None:
+        zbus.connect(endpoint, account=account).close()  # raises NoAnswer with advice
+    if not zbus.is_local(endpoint):
+        port = endpoint.rpartition(":")[2]
+        raise NoAnswer(
+            Reason.NO_ROUTER,
+            f"No router answers at {endpoint}, which is another computer. Start one there with "
+            f"`beatrix router --listen tcp/0.0.0.0:{port}`, or omit --connect to start one here.",
+        )
+    supervisor.start("router", "router", "--listen", endpoint)
+    supervisor.wait_ready()
+    return "started"
