@@ -9,8 +9,8 @@ FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
 # The first Python that starts and is new enough: a name on PATH may be a shim without a Python behind it.
 PYTHON := $(shell for name in python3 python3.14 python3.13 python3.12 python3.11; do \
 	$$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$name && break; done)
-# Three processes whose tests often wait for robots keep two cores busy, and one at low priority computes meanwhile. With
-# more processes, robots get too little processor time. A CI computer may be slow, and measures coverage: it runs three.
+# Four processes keep two cores busy, because their tests often wait for robots. With more processes, robots get too little
+# processor time. A CI computer may be slow, and measures coverage: it runs three.
 PROCESSES := $(if $(CI),3,4)
 COVERAGE := $(if $(CI),--cov --cov-report=term --cov-fail-under=90)
 SETUP = $(if $(PYTHON),$(PYTHON) tools/setup.py,$(error BEATRIX needs Python 3.11 or newer on PATH. Install one, then try again))
@@ -26,7 +26,7 @@ demo: ## show the robot's twin on this computer (needs only Python 3.11)
 # prints the stacks of all threads of the process.
 test: ## run all tests, in parallel; with CI=true, measure branch coverage
 	@$(SETUP) test
-	$(BIN)/python tools/crash.py $(BIN)/pytest -n $(PROCESSES) --dist loadgroup --max-worker-restart 0 $(COVERAGE)
+	$(BIN)/python tools/crash.py $(BIN)/pytest -n $(PROCESSES) --dist loadscope --no-loadscope-reorder --max-worker-restart 0 $(COVERAGE)
 
 check: ## check style, types, layers, contract, links and firmware, without running BEATRIX
 	@$(SETUP) test

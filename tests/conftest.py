@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
+import fcntl
 import os
 import re
 import signal
@@ -13,13 +13,11 @@ from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
-from file_locks import Turns
 from hypothesis import settings
 from late_tests import Excuses
 from stall_monitor import Witness
 from xdist.remote import Producer  # type: ignore[import-untyped]
 from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped]
-from xdist.workermanage import WorkerController  # type: ignore[import-untyped]
 
 # Hypothesis has no deadline, because tests of correct code may be slow on a busy machine; pytest's timeout applies.
 # Each run draws new examples.
@@ -29,21 +27,10 @@ settings.load_profile("beatrix")
 LOOPBACK = ("127.0.0.1", "127.0.0.2", "::1", "localhost")
 SECONDS_TO_GO = 10.0
 """How long (s) threads and processes may take to end after their test."""
-COMPUTING_WORKER = "gw0"
-"""Process of `make test` that executes the tests that keep a processor busy; see `computes`."""
-FEWEST_WORKERS = 3
-"""With fewer processes, each executes tests that keep a processor busy, and others."""
-NICE = 5
-"""Added to the niceness of COMPUTING_WORKER. With 19 its tests would get so little time that they exceed `timeout`."""
-LONGEST = (
-    "sim",
-    "mega",
-    "tests/nodes/test_demo.py",
-    "tests/nodes/test_legacy.py",
-    "tests/nodes/test_cli_verbs.py",
-    "tests/docs/test_code_in_docs.py",
-)
-"""The scopes that take longest, 45 to 105 s on two cores."""
+COMPUTING = ("tests/unit/", "tests/firmware/", "tests/avr/")
+"""Folders whose tests keep a processor busy; the other tests often wait for robots."""
+RUNNING, BEGINS = Path(__file__), Path(__file__).with_name("README.md")
+"""Files that the processes of `make test` lock, so that a test can have the computer for itself."""
 LONG_LIVED = (
     "tests/support/stall_monitor.py",
     "multiprocessing.resource_tracker",
@@ -51,7 +38,6 @@ LONG_LIVED = (
 )
 """Processes that outlive a test: the witness, and those of Python's multiprocessing."""
 EXCUSES = pytest.StashKey[Excuses]()
-TURNS = pytest.StashKey[Turns]()
 
 
 def refuse_other_networks(event: str, args: tuple[object, ...]) -> None:
@@ -68,72 +54,52 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def computes(nodeid: str) -> bool:
-    """Return whether a test keeps a processor busy all the time; the other tests have robots that move in real time."""
-    return nodeid.startswith(("tests/unit/", "tests/firmware/", "tests/avr/"))
+class OneProcessForEachBody(LoadScopeScheduling):  # type: ignore[misc]
+    """`--dist loadscope`, which keeps the tests of a file in one process, with one more scope.
 
-
-class Sharing(LoadScopeScheduling):  # type: ignore[misc]
-    """Keeps tests that share robots, or a build, in one process; else each process would start its own.
-
-    The mark `xdist_group` has no effect: pytest-xdist 3.8 writes its group where pytest 9.2 no longer reads it.
-
-    The first process executes the tests that compute, at low priority, so that they do not delay robots in the other
-    processes.
+    A simulation, or a simulated Mega, is shared by the contract tests of all files. The mark `xdist_group` has no effect:
+    pytest-xdist 3.8 writes its group where pytest 9.2 no longer reads it.
     """
 
     def _split_scope(self, nodeid: str) -> str:
-        file = nodeid.partition("::")[0]
-        if body := re.search(r"^tests/contract/.*[\[-](sim|mega)[\]-]", nodeid):
-            return body[1]
-        return nodeid if file.startswith("tests/unit/") else file
-
-    def _assign_work_unit(self, node: WorkerController) -> None:
-        """Assign the next scope of the process's kind; at the end, the others also get scopes of the first process.
-
-        LONGEST go first: begun last, they would leave the other processes idle at the end.
-        """
-        first = node.gateway.id == COMPUTING_WORKER and self.numnodes >= FEWEST_WORKERS
-        own = [scope for scope, tests in self.workqueue.items() if computes(next(iter(tests))) == first]
-        scope = min(own, key=lambda scope: scope not in LONGEST, default=None)
-        if scope is not None:
-            self.workqueue.move_to_end(scope, last=False)
-        elif first:
-            node.shutdown()
-            return
-        super()._assign_work_unit(node)
+        body = re.search(r"^tests/contract/.*[\[-](sim|mega)[\]-]", nodeid)
+        return body[1] if body else nodeid.partition("::")[0]
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Sharing | None:
-    """Return the scheduler of `make test`."""
-    return Sharing(config, log) if config.getoption("dist") == "loadgroup" else None
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> OneProcessForEachBody:
+    """Return the scheduler of all runs with several processes."""
+    return OneProcessForEachBody(config, log)
 
 
-def pytest_sessionstart(session: pytest.Session) -> None:
-    """Lower the priority of the process whose tests compute; start a witness in the others."""
-    worker = os.environ.get("PYTEST_XDIST_WORKER")
-    workers = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
-    if worker == COMPUTING_WORKER and workers >= FEWEST_WORKERS:
-        os.nice(NICE)
-    elif worker or session.config.getoption("numprocesses", None) is None:
-        session.config.stash[EXCUSES].witness = Witness()
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the files that wait for others, end with short ones: a long file, begun last, would run by itself."""
+    first = {item.path for item in items if item.get_closest_marker("alone")}
+    items.sort(key=lambda item: (item.path not in first, item.nodeid.startswith(COMPUTING)))
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Let tests that are marked `alone` run while no test runs in another process; register the rule for excuses."""
+    """Register the rule for excuses."""
     config.stash[EXCUSES] = Excuses(counts=not hasattr(config, "workerinput"))
     config.pluginmanager.register(config.stash[EXCUSES])
-    if cache := getattr(config, "cache", None):  # missing with `-p no:cacheprovider`
-        config.stash[TURNS] = Turns(cache.mkdir("turns"))
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Start a witness in each process that runs tests."""
+    if "PYTEST_XDIST_WORKER" in os.environ or session.config.getoption("numprocesses", None) is None:
+        session.config.stash[EXCUSES].witness = Witness()
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
-    """Wait for the turn of the test, before its time limit begins."""
-    turns = item.config.stash.get(TURNS, None)
+    """Let a test that is marked `alone` run while no test runs in another process; wait before its time limit begins."""
     alone = item.get_closest_marker("alone") is not None
-    with contextlib.nullcontext() if turns is None else turns.turn(alone=alone):
+    with RUNNING.open("rb") as running:
+        with BEGINS.open("rb") as begins:
+            fcntl.flock(
+                begins, fcntl.LOCK_EX
+            )  # without it, new tests could delay one that runs alone indefinitely
+            fcntl.flock(running, fcntl.LOCK_EX if alone else fcntl.LOCK_SH)
         return (yield)
 
 
