@@ -1,9 +1,11 @@
-"""A font of 5 x 7 points, for test pictures and for signs in simulated pictures."""
+"""A font of 5 x 7 points, for test pictures and for the badge on pictures that were not drawn with OpenGL."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Final
+
+import numpy as np
+import numpy.typing as npt
 
 COLUMNS: Final = 5
 ROWS: Final = 7
@@ -37,7 +39,13 @@ _GLYPHS: Final = {
 """The available characters: one byte (hexadecimal) for each row from the top, whose bit 4 is the left column."""
 
 
-def points(letter: str) -> Sequence[Sequence[bool]]:
-    """Return the rows of a letter from the top, True for ink; raises KeyError for an unknown letter."""
-    rows = (int(row, 16) for row in _GLYPHS[letter].split())
-    return [[bool(row >> bit & 1) for bit in reversed(range(COLUMNS))] for row in rows]
+def cells(text: str) -> npt.NDArray[np.bool_]:
+    """Return the text as cells, rows from the top, True for ink; each letter ends with an empty column.
+
+    Raises KeyError for an unknown letter.
+    """
+    rows = ([int(row, 16) << 1 for row in _GLYPHS[letter].split()] for letter in text)
+    bits = np.arange(COLUMNS, -1, -1)
+    return np.concatenate(
+        [(np.array(letter)[:, None] >> bits & 1).astype(np.bool_) for letter in rows], axis=1
+    )

@@ -13,9 +13,8 @@ import mujoco
 import numpy as np
 
 from sim_node.painter import Image, PosedModel
-from sim_node.person import Place
 from sim_node.piped_process import environment
-from sim_node.shapes import Vector
+from sim_node.shapes import Point, Vector
 
 _BACKENDS: Final = {"linux": ("egl", "osmesa"), "darwin": ("cgl",), "win32": ("glfw",)}
 _OFF: Final = {"off", "disable", "disabled", "false", "0"}
@@ -91,7 +90,7 @@ class GlPainter:
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
         self._size = mujoco.MjrRect(0, 0, width, height)
 
-    def pose(self, posture: Vector, target: Place | None = None) -> None:
+    def pose(self, posture: Vector, target: Point | None = None) -> None:
         """Set the posture and the person's place as `PosedModel.pose` does."""
         self._posed.pose(posture, target)
 

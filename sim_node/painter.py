@@ -10,8 +10,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim_node.person import Place
-from sim_node.shapes import Vector
+from sim_node.shapes import Point, Vector
 from sim_node.visuals import COLLISION
 
 _WORLD: Final = 0
@@ -27,7 +26,7 @@ class SceneState:
     """monotonic clock of this computer"""
     posture: Vector
     """joint positions, from `Plant.posture`"""
-    target: Place
+    target: Point
     """place of the person's eyes"""
 
 
@@ -39,7 +38,7 @@ class PosedModel:
         self.data = mujoco.MjData(model)
         self._groups = model.geom_group.copy()
 
-    def pose(self, posture: Vector, target: Place | None = None) -> None:
+    def pose(self, posture: Vector, target: Point | None = None) -> None:
         """Set the robot's joint positions (of `Plant.posture`) and the place of the person's eyes (m) if it is given.
 
         The person faces the neck's axis.
@@ -68,7 +67,7 @@ class Painter(Protocol):
     def source(self) -> str:
         """The method of drawing: `egl`, `osmesa`, `cgl`, `glfw` or `rays`."""
 
-    def pose(self, posture: Vector, target: Place | None = None) -> None:
+    def pose(self, posture: Vector, target: Point | None = None) -> None:
         """Set the posture and the person's place as `PosedModel.pose` does."""
 
     def paint(self, camera: str) -> Image:

@@ -10,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim_node.painter import Image, PosedModel
-from sim_node.person import Place
-from sim_node.shapes import Vector
+from sim_node.shapes import Point, Vector
 from sim_node.visuals import COLLISION, SKY, TILE, TILES, VISUAL
 
 _FAR: Final = 8.0
@@ -34,7 +33,7 @@ class RayPainter:
         colours = np.where(model.geom_matid[:, None] >= 0, model.mat_rgba[model.geom_matid], model.geom_rgba)
         self._colours: Vector = colours[:, :3].astype(np.float64)
 
-    def pose(self, posture: Vector, target: Place | None = None) -> None:
+    def pose(self, posture: Vector, target: Point | None = None) -> None:
         """Set the posture and the person's place as `PosedModel.pose` does."""
         self._posed.pose(posture, target)
 

@@ -22,8 +22,8 @@ import simplejpeg
 
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.robot import RobotData
+from beatrix_zenoh.lettering import cells
 from sim_node.gl import GlPainter
-from sim_node.lettering import cells
 from sim_node.painter import Image, Painter, SceneState
 from sim_node.piped_process import NICE, OPENING_S, PipedProcess
 from sim_node.rays import RayPainter
@@ -93,7 +93,7 @@ def paint_view(painter: Painter, view: str) -> Image:
 
 def stamp(image: Image, size: int = 3) -> None:
     """Write BADGE into the lower left corner of an image, dark on yellow; a cell of a letter has `size` px."""
-    ink = np.pad(cells(BADGE), 2).repeat(size, axis=0).repeat(size, axis=1)
+    ink = np.pad(cells(BADGE)[:, :-1], 2).repeat(size, axis=0).repeat(size, axis=1)
     image[-ink.shape[0] :, : ink.shape[1]] = np.where(ink[..., None], (30, 20, 10), (255, 214, 10))
 
 

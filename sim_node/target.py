@@ -14,12 +14,14 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetQuery, TargetReply
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.node import Component, Context
-from sim_node.person import HOME, Place
+from sim_node.shapes import Point
 
 BOUNDS: Final = {"x": (-1.9, 2.3), "y": (-2.0, 2.0), "z": (-0.6, 1.1)}
 """Allowed place of the person's eyes (m): inside the room."""
 NEAREST: Final = 0.35
 """Smallest allowed distance (m) of the person's eyes from the neck's axis, so that person and robot do not overlap."""
+HOME: Final[Point] = (1.15, 0.0, 0.16)
+"""The middle between the person's eyes at the start: behind the desk, in front of the robot, as in the model."""
 PERIOD_S: Final = 12.0
 """Period of a path."""
 _SWAY: Final = math.radians(40.0)
@@ -34,7 +36,7 @@ class TargetPath(StrEnum):
     CIRCLE = "circle"
 
 
-def on_path(path: TargetPath, t_s: float) -> Place:
+def on_path(path: TargetPath, t_s: float) -> Point:
     """Return the place (m) of the person's eyes `t_s` after the start; every path begins at HOME."""
     x, z = HOME[0], HOME[2]
     turn = math.tau * t_s / PERIOD_S
@@ -48,7 +50,7 @@ def on_path(path: TargetPath, t_s: float) -> Place:
             return HOME
 
 
-def check(place: Place) -> None:
+def check(place: Point) -> None:
     """Raise Refused (BAD_VALUE) for a place outside the room or inside the robot."""
     for (field, (low, high)), value in zip(BOUNDS.items(), place, strict=True):
         if not low <= value <= high:
@@ -72,14 +74,14 @@ class Target:
 
     def __init__(self, path: TargetPath, start_s: float) -> None:
         self._path, self._start_s = path, start_s
-        self._set: Place | None = None
+        self._set: Point | None = None
 
-    def place(self, t_s: float) -> Place:
+    def place(self, t_s: float) -> Point:
         """Return the place (m) of the person's eyes at this time (s, the clock of `start_s`)."""
         chosen = self._set
         return on_path(self._path, t_s - self._start_s) if chosen is None else chosen
 
-    def move(self, place: Place) -> None:
+    def move(self, place: Point) -> None:
         """Set the place of the person's eyes (m), which ends the path; raises the errors of `check`."""
         check(place)
         self._set = place

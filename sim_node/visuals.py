@@ -18,7 +18,7 @@ from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.contract.names import ARMS
 from sim_node.shapes import Shape, Vector, internal_gear, superellipsoid, twisted_rod
 
-Point = Sequence[float] | Vector
+Numbers = Sequence[float] | Vector
 
 VISUAL: Final = 2
 """Geom group of all visible geoms."""
@@ -90,8 +90,8 @@ class VisualGeoms:
         material: str,
         shape: mujoco.mjtGeom,
         size: Sequence[float],
-        pos: Point = (0.0, 0.0, 0.0),
-        axis: Point = (0.0, 0.0, 1.0),
+        pos: Numbers = (0.0, 0.0, 0.0),
+        axis: Numbers = (0.0, 0.0, 1.0),
     ) -> None:
         """Add a primitive (m) to a body at `pos`, with its z axis along `axis`."""
         self._geom(body, material, type=shape, size=[*size, 0.0, 0.0][:3], pos=list(pos), zaxis=list(axis))
@@ -101,14 +101,14 @@ class VisualGeoms:
         body: str,
         material: str,
         radius: float,
-        *points: Point,
+        *points: Numbers,
         shape: mujoco.mjtGeom = _CAPSULE,
     ) -> None:
         """Add a round bar of this radius (m) through points."""
         for start, end in itertools.pairwise(points):
             self._geom(body, material, type=shape, size=[radius, 0.0, 0.0], fromto=[*start, *end])
 
-    def mesh(self, body: str, material: str, name: str, shape: Shape, pos: Point = (0.0, 0.0, 0.0)) -> None:
+    def mesh(self, body: str, material: str, name: str, shape: Shape, pos: Numbers = (0.0, 0.0, 0.0)) -> None:
         """Add a mesh; `shape` is used only for the first mesh of this name."""
         if not any(mesh.name == name for mesh in self._spec.meshes):
             self._spec.add_mesh(
@@ -189,7 +189,7 @@ def _surroundings(spec: mujoco.MjSpec) -> None:
     spec.stat.center, spec.stat.extent = [0.0, 0.0, 0.0], 1.0
 
 
-def add_camera(world: mujoco.MjsBody, name: str, place: Point, target: Point, fovy: float) -> None:
+def add_camera(world: mujoco.MjsBody, name: str, place: Numbers, target: Numbers, fovy: float) -> None:
     """Add an upright camera at `place` that looks at `target` (m); `fovy` is the vertical angle of view (deg)."""
     ahead = np.asarray(target) - np.asarray(place)
     ahead /= np.linalg.norm(ahead)

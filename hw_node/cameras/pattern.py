@@ -9,7 +9,7 @@ import numpy as np
 import simplejpeg
 from numpy.typing import NDArray
 
-from beatrix_zenoh import lettering
+from beatrix_zenoh.lettering import cells
 from beatrix_zenoh.node import Frame
 from hw_node.cameras.source import HEIGHT, HZ, WIDTH, FrameTimer
 
@@ -41,8 +41,7 @@ def letters() -> dict[str, Pixels]:
     """Return pictures of the letters, with a gap of one point to their right, white on black."""
     pictures = {}
     for letter in CHARACTERS:
-        points = np.pad(lettering.points(letter), ((0, 0), (0, 1)))
-        big = np.kron(points, np.ones((SCALE, SCALE), int)) * 255
+        big = np.kron(cells(letter), np.ones((SCALE, SCALE), int)) * 255
         pictures[letter] = np.repeat(big[:, :, None], 3, axis=2).astype(np.uint8)
     return pictures
 

@@ -27,8 +27,8 @@ from beatrix_zenoh.node import Node
 from sim_node import eyes, gl
 from sim_node import renderer as drawing
 from sim_node.body import Simulation
-from sim_node.person import HOME
 from sim_node.renderer import HEIGHT, WIDTH, Renderer
+from sim_node.target import HOME
 
 OPENGL = gl.backend()
 

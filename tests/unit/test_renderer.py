@@ -14,9 +14,9 @@ from beatrix_zenoh.contract.errors import Refused
 from sim_node import piped_process
 from sim_node import renderer as rendering
 from sim_node.painter import SceneState
-from sim_node.person import HOME
 from sim_node.plant import Plant
 from sim_node.renderer import HEIGHT, WIDTH, Renderer
+from sim_node.target import HOME
 from sim_node.viewer import Viewer
 
 NOW = SceneState(0, Plant().posture(), HOME)

@@ -12,24 +12,36 @@ import pytest
 import simplejpeg
 
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.lettering import ROWS
+from beatrix_zenoh.lettering import ROWS, cells
 from beatrix_zenoh.motion.kinematics import Neck
 from sim_node import gl
-from sim_node.lettering import cells
 from sim_node.model import build
 from sim_node.painter import Image, PosedModel
-from sim_node.person import HOME, TARGET, Place
 from sim_node.plant import Plant
 from sim_node.rays import RayPainter
 from sim_node.renderer import BADGE, CELL, HEIGHT, WIDTH, encode, open_painter, paint_view
-from sim_node.room import DESK, OBJECTS, SIGNS, wall_at
 from sim_node.scene import eye_scene, scene_spec
+from sim_node.shapes import Point, Vector
+from sim_node.target import HOME
 from sim_node.visuals import EYE_FORWARD, EYE_UP, FLOOR, VISUAL
 
 FOCUS = HEIGHT / 2 / math.tan(math.radians(ROBOT.head.eye_fov) / 2)
 """Focal length of the eyes (px)."""
 ROOT = Path(__file__).resolve().parents[2]
-NEAR: Place = (0.7, 0.0, 0.16)
+PERSON = "room/person"
+OBJECTS = ("cube", "cylinder", "ball", "pyramid", "books", "plant")
+NEAR: Point = (0.7, 0.0, 0.16)
+
+
+SCENE = scene_spec().compile()
+PLACES = mujoco.MjData(SCENE)
+mujoco.mj_kinematics(SCENE, PLACES)
+
+
+def place_of(name: str) -> Vector:
+    """Return the place (m) of an object of the room, in the frame of the neck."""
+    place: Vector = PLACES.body(f"room/{name}").xpos
+    return place
 
 
 def posture(yaw: float = 0.0, pitch: float = 0.0) -> npt.NDArray[np.float64]:
@@ -63,13 +75,17 @@ def test_the_scene_has_the_joints_of_the_plant() -> None:
     ]
 
 
+def test_the_person_is_first_where_its_paths_begin() -> None:
+    assert PLACES.body(PERSON).xpos == pytest.approx(HOME)
+
+
 def test_the_model_of_the_physics_does_not_contain_the_scene() -> None:
-    assert mujoco.mj_name2id(build(), mujoco.mjtObj.mjOBJ_BODY, TARGET) == -1
+    assert mujoco.mj_name2id(build(), mujoco.mjtObj.mjOBJ_BODY, PERSON) == -1
 
 
 @pytest.mark.parametrize("place", [NEAR, HOME, (2.0, 0.3, 0.2)])
 def test_both_eyes_see_the_person_with_the_parallax_of_its_distance(
-    painter: RayPainter, place: Place
+    painter: RayPainter, place: Point
 ) -> None:
     painter.pose(posture(), place)
     left, right = (cap(painter.paint(f"eye_{eye}")) for eye in ("left", "right"))
@@ -79,10 +95,10 @@ def test_both_eyes_see_the_person_with_the_parallax_of_its_distance(
 
 
 @pytest.mark.parametrize("place", [HOME, (0.5, 0.9, 0.1), (-1.0, -1.0, 0.3)])
-def test_the_person_faces_the_robot(place: Place) -> None:
+def test_the_person_faces_the_robot(place: Point) -> None:
     posed = PosedModel(scene_spec().compile())
     posed.pose(posture(), place)
-    person = posed.data.body(TARGET)
+    person = posed.data.body(PERSON)
     back = -np.array((*place[:2], 0.0)) / math.hypot(*place[:2])
     assert person.xpos == pytest.approx(place)
     assert person.xmat.reshape(3, 3)[:, 0] == pytest.approx(back)
@@ -99,9 +115,10 @@ def test_turning_the_head_changes_the_picture(painter: RayPainter) -> None:
             assert np.abs(means[first] - means[second]).max() > 15
 
 
-@pytest.mark.parametrize("yaw", SIGNS)
+@pytest.mark.parametrize("yaw", range(-150, 181, 30))
 def test_signs_are_on_the_wall_in_their_direction(yaw: int) -> None:
-    place, inward = wall_at(yaw)
+    sign = SCENE.geom(f"room/sign_{yaw}")
+    place, inward = PLACES.geom_xpos[sign.id], -PLACES.geom_xmat[sign.id].reshape(3, 3)[:, 0]
     assert math.degrees(math.atan2(place[1], place[0])) == pytest.approx(yaw)
     posed = PosedModel(scene_spec().compile())
     posed.pose(posture())
@@ -117,10 +134,9 @@ def test_signs_are_on_the_wall_in_their_direction(yaw: int) -> None:
 
 @pytest.mark.parametrize(("name", "colour"), [("cube", 0), ("cylinder", 1), ("ball", 2)])
 def test_objects_are_seen_at_their_places(painter: RayPainter, name: str, colour: int) -> None:
-    item = next(item for item in OBJECTS if item.name == name)
     painter.pose(posture(), HOME)  # another test may have put the person in front of the ball
     image = painter.paint("eye_left").astype(int)
-    x, y, z = item.place
+    x, y, z = place_of(name)
     depth = x - EYE_FORWARD
     column = WIDTH / 2 - FOCUS * (y - ROBOT.head.eye_baseline / 2) / depth
     row = HEIGHT / 2 - FOCUS * (z - ROBOT.head.centre_height - EYE_UP) / depth
@@ -130,18 +146,19 @@ def test_objects_are_seen_at_their_places(painter: RayPainter, name: str, colour
 
 def test_the_page_lists_the_objects_and_their_places() -> None:
     page = (ROOT / "docs/how-to/simulated-eyes.md").read_text(encoding="utf-8")
-    for item in OBJECTS:
-        x, y, z = item.place
-        assert f"| {item.name} | {item.colour} | {x:.3f} | {y:.3f} | {z:.3f} |" in page
+    for name in OBJECTS:
+        x, y, z = place_of(name)
+        first = SCENE.geom(int(SCENE.body(f"room/{name}").geomadr[0]))
+        colour = SCENE.material(int(first.matid[0])).name.removeprefix("room/").replace("_", " ")
+        assert f"| {name} | {colour} | {x:.3f} | {y:.3f} | {z:.3f} |" in page
 
 
 def test_objects_stand_on_the_desk() -> None:
-    (x0, x1), (y0, y1) = DESK
-    for item in OBJECTS:
-        x, y, z = item.place
-        assert x0 < x < x1
-        assert y0 < y < y1
-        assert z > FLOOR
+    desk = SCENE.geom("room/desk").id
+    for name in OBJECTS:
+        away = np.abs(place_of(name) - PLACES.geom_xpos[desk])
+        assert (away[:2] < SCENE.geom_size[desk, :2]).all()
+        assert place_of(name)[2] > FLOOR
 
 
 @pytest.mark.parametrize("yaw", [0, 75])
@@ -162,7 +179,7 @@ def test_hiding_geoms_outside_the_picture_does_not_change_it(yaw: int) -> None:
 
 
 def test_only_a_picture_drawn_by_ray_casting_has_a_badge() -> None:
-    ink = cells(BADGE)
+    ink = cells(BADGE)[:, :-1]
     painter = open_painter(ROBOT, "rays")
     painter.pose(posture(), HOME)
     image = paint_view(painter, "left")

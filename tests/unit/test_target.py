@@ -6,8 +6,7 @@ from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import Reason, TargetQuery, TargetReply
 from beatrix_zenoh.contract.errors import Refused
-from sim_node.person import HOME
-from sim_node.target import BOUNDS, PERIOD_S, Target, TargetPath, check, on_path, reply
+from sim_node.target import BOUNDS, HOME, PERIOD_S, Target, TargetPath, check, on_path, reply
 
 
 @pytest.mark.parametrize("path", list(TargetPath))
