@@ -60,9 +60,10 @@ class Request:
         key: str,
         request: msgspec.Struct | None,
         lasts_s: float,
+        priority: str | None = None,
     ) -> None:
-        """Send the query; replies are received for `lasts_s` and 2 s more."""
-        self._client, self._place, self._key = client, place, key
+        """Send the query, by default with the priority of its key; replies are received for `lasts_s` and 2 s more."""
+        self._client, self._place, self._key, self._priority = client, place, key, priority
         self._payload = None if request is None else codec.encode(request)
         self._lasts_s = lasts_s + LATE_S
         self._unanswered = Unanswered(client, place, client.losses)
@@ -70,7 +71,7 @@ class Request:
         self._query = self._ask()
 
     def _ask(self) -> Query:
-        return self._client.bus.query(self._key, self._payload, codec.MSGPACK, timeout_s=self._lasts_s)
+        return self._client.bus.query(self._key, self._payload, codec.MSGPACK, self._priority, self._lasts_s)
 
     def next(self, kind: type[M], timeout_s: float) -> M:
         """Return the robot's next reply; wait for it up to `timeout_s` (s).

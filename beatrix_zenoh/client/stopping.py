@@ -75,13 +75,26 @@ def stop_robots(robots: Iterable[R]) -> Iterator[tuple[R, Answer]]:
         yield robot, stop.answer()
 
 
-class SentStop:
-    """STOP that was sent to one robot."""
+def press_stop(
+    client: Client, place: Place, *, emergency: bool
+) -> tuple[str, CommandQuery | None, str | None]:
+    """Publish STOP; return key, payload and priority of its query. EMERGENCY_STOP is only queried, as a command."""
+    if emergency:
+        query = CommandQuery(command=Command.EMERGENCY_STOP.value, source=client.source)
+        return keys.command(*place, client.settings.who), query, "real_time"
+    publish_stop(client, place)
+    return stop_key(client, place), None, None
 
-    def __init__(self, client: Client, place: Place, timeout_s: float = ROBOT_S) -> None:
-        publish_stop(client, place)
+
+class SentStop:
+    """STOP or EMERGENCY_STOP that was sent to one robot."""
+
+    def __init__(
+        self, client: Client, place: Place, timeout_s: float = ROBOT_S, *, emergency: bool = False
+    ) -> None:
+        key, query, priority = press_stop(client, place, emergency=emergency)
         self.place, self._timeout_s = place, timeout_s
-        self._request = Request(client, place, stop_key(client, place), None, timeout_s)
+        self._request = Request(client, place, key, query, timeout_s, priority)
         self.close = self._request.close
 
     def answer(self) -> Answer:
@@ -99,12 +112,7 @@ class SentGroupStop:
     """STOP or EMERGENCY_STOP that was sent to all robots of a place with `*`."""
 
     def __init__(self, client: Client, place: Place, *, emergency: bool = False) -> None:
-        query, key, priority = None, stop_key(client, place), None
-        if emergency:
-            query = CommandQuery(command=Command.EMERGENCY_STOP.value, source=client.source)
-            key, priority = keys.command(*place, client.settings.who), "real_time"
-        else:
-            publish_stop(client, place)
+        key, query, priority = press_stop(client, place, emergency=emergency)
         self._client, self._place = client, place
         self._request = GroupRequest(client, key, query, CommandReply, GROUP_S, priority)
         self.close = self._request.close
@@ -173,21 +181,27 @@ def no_answer(place: Place, limit_s: float, *, publishes: bool) -> NoAnswer:
 
 @dataclass(eq=False)
 class Press:
-    """STOP for one place."""
+    """STOP or EMERGENCY_STOP for one place."""
 
     clients: Sequence[Client]
     place: Place
+    emergency: bool
     expected: Collection[Place]
     reports: list[Report]
     """those of all presses that this one stands for"""
     sent: SentStop | SentGroupStop | None = None
 
+    @property
+    def key(self) -> tuple[Place, bool]:
+        """Place and `emergency`: one press stands for others of the same key."""
+        return self.place, self.emergency
+
     def send(self) -> None:
         """Send STOP through the first session that is connected, else through the last."""
         *preferred, last = self.clients
         client = next((client for client in preferred if client.bus.connected), last)
-        group = "*" in self.place
-        self.sent = SentGroupStop(client, self.place) if group else SentStop(client, self.place)
+        kind = SentGroupStop if "*" in self.place else SentStop
+        self.sent = kind(client, self.place, emergency=self.emergency)
 
     def stand_for(self, older: Press | None) -> None:
         """Let the answers of this press be reported for an older one, too, if there is one."""
@@ -211,7 +225,7 @@ class Press:
 
 
 class StopSender:
-    """Sends STOP on a thread that waits for nothing else.
+    """Sends STOP and EMERGENCY_STOP on a thread that waits for nothing else.
 
     While the answers of a place are awaited it has a thread for them, so that a silent robot delays no other report.
     Presses for one place that queue up are sent as one STOP. Presses while its answers are awaited are sent, too; the
@@ -226,8 +240,8 @@ class StopSender:
         self._batches = 0
         self._sent = Wakeup()
         self._lock = threading.Lock()
-        self._awaited: dict[Place, Press | None] = {}
-        """For each thread for answers, what it awaits next."""
+        self._awaited: dict[tuple[Place, bool], Press | None] = {}
+        """For each thread for answers, by place and emergency, what it awaits next."""
         self._waiting: list[threading.Thread] = []
         self._sending = threads.start(self._send_all, f"{name}-stop")
 
@@ -238,8 +252,10 @@ class StopSender:
         report: Report,
         expected: Collection[Place] = (),
         yield_s: float = 0.0,
+        *,
+        emergency: bool = False,
     ) -> None:
-        """Send STOP to these places, in this order; returns at once.
+        """Send STOP, or EMERGENCY_STOP, to these places, in this order; returns at once.
 
         Args:
             clients: sessions for sending: the first that is connected is used, else the last.
@@ -248,9 +264,10 @@ class StopSender:
             expected: robots online; those of a group should answer.
             yield_s: longest time (s) that this thread yields to the thread for sending: otherwise Python may run this
                 thread for 5 ms before it switches. Only one thread may use it.
+            emergency: whether to send EMERGENCY_STOP.
         """
         before = self._batches
-        self._pressed.put([Press(clients, place, expected, [report]) for place in places])
+        self._pressed.put([Press(clients, place, emergency, expected, [report]) for place in places])
         if yield_s:
             self._sent.wait_for(lambda: self._batches != before, yield_s)
 
@@ -261,10 +278,10 @@ class StopSender:
             while not self._pressed.empty():
                 batch.append(self._pressed.get())
             closed = None in batch
-            presses: dict[Place, Press] = {}
+            presses: dict[tuple[Place, bool], Press] = {}
             for press in itertools.chain.from_iterable(filter(None, batch)):
-                press.stand_for(presses.get(press.place))
-                presses[press.place] = press
+                press.stand_for(presses.get(press.key))
+                presses[press.key] = press
             sent = [press for press in presses.values() if self._guarded(press, press.send)]
             self._batches += 1
             self._sent.set()
@@ -275,25 +292,25 @@ class StopSender:
         """Let the thread of the place wait for the answers; start it if there is none."""
         assert press.sent is not None
         with self._lock:
-            served = press.place in self._awaited
+            served = press.key in self._awaited
             if not served and len(self._awaited) >= PLACES_MAX:
                 press.sent.close()
                 return
-            press.stand_for(self._awaited.get(press.place))
-            self._awaited[press.place] = press
+            press.stand_for(self._awaited.get(press.key))
+            self._awaited[press.key] = press
         if not served:
             self._waiting = [thread for thread in self._waiting if thread.is_alive()]
             self._waiting.append(
-                threads.start(lambda: self._report_all(press.place), f"{self._name}-stop-answers")
+                threads.start(lambda: self._report_all(press.key), f"{self._name}-stop-answers")
             )
 
-    def _report_all(self, place: Place) -> None:
+    def _report_all(self, key: tuple[Place, bool]) -> None:
         """Report the answers of a place until none is awaited."""
         while True:
             with self._lock:
-                press, self._awaited[place] = self._awaited[place], None
+                press, self._awaited[key] = self._awaited[key], None
                 if press is None:
-                    del self._awaited[place]
+                    del self._awaited[key]
                     return
             self._guarded(press, press.wait)
 

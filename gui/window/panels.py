@@ -174,7 +174,7 @@ class Panels(QWidget):
         self.eyes.show_view(view.eyes)
         self.class_page.show_view(view.class_page)
         self._show_page(view.page)
-        self.stop_bar.show_view(view.stop)
+        self.stop_bar.show_view(view)
         self.stop_bar.show_last(view.last)
         refusals = (view.head.refusal, view.arms.refusal, view.commands.refusal)
         self._refusal = next((refusal for refusal in refusals if refusal is not None), None)

@@ -230,6 +230,9 @@ QPushButton#stop {{ background: {style.stop}; color: {style.stop_text}; border: 
   padding: 0px; min-height: {STOP_PX}px; max-height: {STOP_PX}px; }}
 QPushButton#stop:focus {{ border: 3px solid {style.stop_text}; }}
 QPushButton#stop:pressed {{ background: {style.stop_pressed}; }}
+QPushButton#emergency {{ background: {style.stop_pressed}; color: {style.stop_text}; font-weight: bold;
+  border: 2px solid {style.stop_text}; min-height: {style.px(26)}px; }}
+QPushButton#emergency:focus, QPushButton#emergency[armed="yes"] {{ background: {style.stop_text}; color: {style.stop}; }}
 QLineEdit, QDoubleSpinBox, QComboBox {{ background: {style.field}; border: 1px solid {style.edge};
   border-radius: 3px; padding: 1px {style.px(4)}px; min-height: {style.px(19)}px;
   selection-background-color: {style.accent}; selection-color: {style.accent_text}; }}

@@ -11,7 +11,16 @@ from PyQt5.QtWidgets import QMainWindow
 from beatrix_zenoh.client import CameraImage
 from gui.console.link import Link
 from gui.console.state.actions import Action, Outcome, Ready, Send, SendCommand, SendLease
-from gui.console.state.intents import Intent, SendHead, Stop, Tab, TogglePage, ToggleRecording, Undo
+from gui.console.state.intents import (
+    EmergencyStop,
+    Intent,
+    SendHead,
+    Stop,
+    Tab,
+    TogglePage,
+    ToggleRecording,
+    Undo,
+)
 from gui.console.state.state import State
 from gui.console.state.views import View
 from gui.console.texts import Texts
@@ -76,7 +85,7 @@ class Window(QMainWindow):
 
     def handle(self, intent: Intent) -> None:
         """Carry out an intent and show its effect: at once, or after REFRESH_DELAY_MS if a robot answers it."""
-        if not isinstance(intent, Stop):  # reading the world would delay STOP
+        if not isinstance(intent, Stop | EmergencyStop):  # reading the world would delay STOP
             self._world = self._link.world()
         actions = self._state.handle(intent, self._world)
         self._do(actions)

@@ -28,7 +28,7 @@ from beatrix_zenoh.contract._generated.keys import POSITIONS_HZ
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.output import exit_code
 from beatrix_zenoh.settings import Settings
-from gui.console.state.actions import StopBoth
+from gui.console.state.actions import SendStop
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase
 
@@ -309,7 +309,7 @@ def test_the_window_reports_that_the_router_refuses_the_account(lesson: Lesson) 
         assert banner is not None
         assert "refuses this window's account" in banner.text
         assert "refuses account ana of class 8b" in world.trouble
-        linked.do(StopBoth(1))
+        linked.do(SendStop(1))
         assert linked.end_of(1).reason is Reason.ACCOUNT_REFUSED
 
 

@@ -14,7 +14,7 @@ from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, WatchedState
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction
-from gui.console.state.actions import Govern, SendLease, StopAll, WatchClass
+from gui.console.state.actions import Govern, SendLease, SendStop, WatchClass
 from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat
 from gui.window.widgets.class_page import STATE, ClassPage
 from gui.window.window import Window
@@ -140,7 +140,7 @@ def test_a_row_shows_the_new_state_of_its_robot(window: Window, page: ClassPage,
 def test_space_stops_all_robots(page: ClassPage, link: RecordingLink) -> None:
     page.limit.setFocus()
     QTest.keyClick(page.limit, Qt.Key.Key_Space)
-    assert isinstance(link.done[-1], StopAll)
+    assert isinstance(link.done[-1], SendStop)
 
 
 def test_the_tab_key_reaches_all_controls_of_the_page(qtbot: QtBot, window: Window, page: ClassPage) -> None:

@@ -189,6 +189,28 @@ def test_stop_stops_both_moving_robots(user: Windowed, sim: Robot, hw: Robot) ->
         way = -way
 
 
+def test_an_emergency_stop_switches_off_both_moving_robots_and_offers_reset(
+    user: Windowed, robots: dict[str, Robot]
+) -> None:
+    panels = user.window.panels
+    user.type_number(panels.arms.speed.box, 30)
+    user.type_number(panels.arms.increment.box, 60)
+    user.press(panels.arms.rows["all"].plus)
+    user.until(lambda: all(robot.status().moving for robot in robots.values()), "both move")
+    user.press(panels.stop_bar.emergency)
+    assert all(robot.status().fault is Fault.NONE for robot in robots.values()), "the button asks first"
+    user.press(panels.stop_bar.emergency)
+    user.until(
+        lambda: all(robot.status().fault is Fault.EMERGENCY for robot in robots.values()), "both are latched"
+    )
+    user.until_last("emergency stop done", "both")
+    assert all(robot.positions().arms.long < 55 for robot in robots.values())
+    for pill in panels.header.pills.values():
+        user.until(lambda pill=pill: pill.next_step.text() == "Reset", "the next step is RESET")  # type: ignore[misc]
+        user.press(pill.next_step)
+    user.until(lambda: all(robot.status().fault is Fault.NONE for robot in robots.values()), "both are reset")
+
+
 # -- head -----------------------------------------------------------------------------------------
 
 

@@ -34,7 +34,7 @@ from gui.console.state.actions import (
     Ready,
     Select,
     SendCommand,
-    StopBoth,
+    SendStop,
     ViewRecording,
     WatchCameras,
 )
@@ -210,8 +210,18 @@ def test_a_number_outside_the_range_of_the_message_is_refused() -> None:
 
 @pytest.mark.parametrize("now", [world(), NOWHERE, world(phase=LinkPhase.NO_ROUTER)])
 def test_stop_is_always_sent_to_both_robots(now: World) -> None:
-    assert state_after(NOT_SIM).handle(intents.Stop(), now) == [StopBoth(1)]
+    assert state_after(NOT_SIM).handle(intents.Stop(), now) == [SendStop(1)]
     assert state_after().view(now).stop.enabled
+
+
+@pytest.mark.parametrize("now", [world(), NOWHERE, world(phase=LinkPhase.NO_ROUTER)])
+def test_an_emergency_stop_asks_first_and_is_always_sent_to_both_robots(now: World) -> None:
+    button = state_after(NOT_SIM).view(now).emergency
+    assert button.enabled
+    assert "fall" in button.question
+    state = state_after(NOT_SIM)
+    assert state.handle(button.intent, now) == [SendStop(1, emergency=True)]
+    assert state.view(now).history[0].what == "emergency stop"
 
 
 # -- window ------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from gui_worlds import status, world
 
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason
 from gui.console.state import intents
-from gui.console.state.actions import Govern, Outcome, Select, StopAll, StopBoth, WatchCameras, WatchClass
+from gui.console.state.actions import Govern, Outcome, Select, SendStop, WatchCameras, WatchClass
 from gui.console.state.intents import (
     ChooseRobot,
     GovernClass,
@@ -193,12 +193,22 @@ def test_without_a_router_nothing_is_sent() -> None:
 def test_stop_on_the_page_of_the_class_stops_all_robots() -> None:
     state = opened()
     assert state.view(TEACHER).stop.text == "STOP ALL"
-    assert state.handle(Stop(), TEACHER) == [StopAll(1)]
+    assert state.handle(Stop(), TEACHER) == [SendStop(1, everywhere=True)]
     state.report(Outcome(1, "", accepted=True, done=True, robots=8))
     assert state.view(TEACHER).last == "last: stop all robots done by 8 robots"
     assert state.handle(TogglePage(), TEACHER)[0] == WatchClass(on=False)
-    assert state.handle(Stop(), TEACHER) == [StopBoth(2)]
-    assert state.handle(intents.Repeat(1), TEACHER) == [StopAll(3)]
+    assert state.handle(Stop(), TEACHER) == [SendStop(2)]
+    assert state.handle(intents.Repeat(1), TEACHER) == [SendStop(3, everywhere=True)]
+
+
+def test_an_emergency_stop_on_the_page_of_the_class_goes_to_all_robots() -> None:
+    state = opened()
+    button = state.view(TEACHER).emergency
+    assert (button.text, button.intent) == ("EMERGENCY STOP ALL", intents.EmergencyStop())
+    assert state.handle(button.intent, TEACHER) == [SendStop(1, everywhere=True, emergency=True)]
+    state.report(Outcome(1, "", accepted=True, done=True, robots=8))
+    assert page(state).result == "emergency stop of all robots: done by 8 robots"
+    assert "--all --emergency" in state.view(TEACHER).history[0].command_line
 
 
 def test_requests_to_the_robot_are_not_sent_while_the_class_is_shown() -> None:

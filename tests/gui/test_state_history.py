@@ -206,6 +206,10 @@ def test_the_command_line_names_the_robot_if_several_are_online() -> None:
     )
 
 
+def test_the_command_line_of_an_emergency_stop() -> None:
+    assert newest(intents.EmergencyStop()).command_line == "beatrix stop --emergency"
+
+
 # -- other seats -------------------------------------------------------------------------------------
 
 

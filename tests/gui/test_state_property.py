@@ -38,8 +38,7 @@ from gui.console.state.actions import (
     Send,
     SendCommand,
     SendLease,
-    StopAll,
-    StopBoth,
+    SendStop,
 )
 from gui.console.state.intents import ALL_ARMS, Intent, Page, Tab, Theme
 from gui.console.state.state import State
@@ -71,6 +70,7 @@ DETAILS = st.sampled_from(
 )
 INTENTS: st.SearchStrategy[Intent] = st.one_of(
     st.builds(intents.Stop),
+    st.builds(intents.EmergencyStop),
     st.builds(intents.Jog, st.sampled_from([*ARMS, ALL_ARMS]), st.sampled_from([1, -1])),
     st.builds(intents.AimHead, ANY_NUMBER, ANY_NUMBER, ANY_NUMBER),
     st.builds(intents.SendHead),
@@ -204,12 +204,15 @@ class AnyOrder(RuleBasedStateMachine):
         asked = ("sim",) * sending.sim + ("hw",) * sending.hw
         for action in actions:
             self.check(action, asked)
-        if isinstance(intent, intents.Stop):
+        if isinstance(intent, intents.Stop | intents.EmergencyStop):
             everywhere = self.state.view(self.world).page is Page.CLASS
-            assert [type(action) for action in actions] == [StopAll if everywhere else StopBoth]
+            (action,) = actions
+            assert isinstance(action, SendStop)
+            emergency = isinstance(intent, intents.EmergencyStop)
+            assert (action.everywhere, action.emergency) == (everywhere, emergency)
 
     def check(self, action: Action, asked: tuple[str, ...]) -> None:
-        if isinstance(action, Send | Play | SendCommand | SendLease | Ready | StopBoth | StopAll | Govern):
+        if isinstance(action, Send | Play | SendCommand | SendLease | Ready | SendStop | Govern):
             self.rows += 1
             assert action.row > 0
         if isinstance(action, Govern) and action.action is not LeaseAction.GIVE_BACK:
@@ -251,6 +254,8 @@ class AnyOrder(RuleBasedStateMachine):
         assert view == self.state.view(self.world), "making a view changes nothing"
         assert view.stop.enabled
         assert view.stop.intent == intents.Stop()
+        assert view.emergency.enabled
+        assert view.emergency.question
         assert all(pill.text and pill.symbol for pill in view.pills)
         places = [
             found.place for found in (view.head.refusal, view.arms.refusal, view.commands.refusal) if found

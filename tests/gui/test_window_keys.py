@@ -12,9 +12,10 @@ from PyQt5.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink
 
-from gui.console.state.actions import BeginRecording, Send, StopBoth
+from gui.console.state.actions import BeginRecording, Send, SendStop
 from gui.console.state.intents import (
     AimHead,
+    EmergencyStop,
     Intent,
     Jog,
     SavePose,
@@ -80,7 +81,7 @@ def test_stop_works_with_any_focus(
     for count, key in enumerate(STOP_KEYS, start=1):
         press(key)
         assert intents() == [Stop()]
-        assert sum(isinstance(action, StopBoth) for action in link.done) == count
+        assert sum(isinstance(action, SendStop) for action in link.done) == count
 
 
 @pytest.mark.parametrize("key", STOP_KEYS)
@@ -134,6 +135,23 @@ def test_stop_is_sent_when_the_mouse_is_pressed(window: Window, intents: Taken) 
     assert intents() == [Stop()]
     QTest.mouseRelease(window.panels.stop_bar, Qt.MouseButton.LeftButton)
     assert intents() == []
+
+
+def test_an_emergency_stop_needs_a_second_press_and_never_hinders_stop(
+    window: Window, intents: Taken
+) -> None:
+    bar = window.panels.stop_bar
+    before = bar.last.text()
+    QTest.mouseClick(bar.emergency, Qt.MouseButton.LeftButton)
+    assert intents() == []
+    assert "fall" in bar.last.text()
+    press(Qt.Key.Key_Space)
+    QTest.mousePress(bar, Qt.MouseButton.LeftButton)
+    assert intents() == [Stop(), Stop()]
+    QTest.mouseClick(bar.emergency, Qt.MouseButton.LeftButton)
+    QTest.mouseClick(bar.emergency, Qt.MouseButton.LeftButton)
+    assert intents() == [EmergencyStop()]
+    assert "fall" not in bar.last.text() != before
 
 
 def test_stop_is_sent_at_the_first_press_beside_an_open_menu(window: Window, intents: Taken) -> None:

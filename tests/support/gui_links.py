@@ -14,7 +14,7 @@ from beatrix_zenoh.client.queries import motion_query, pose_query
 from beatrix_zenoh.contract._generated.messages import Command, MotionQuery, PoseQuery
 from beatrix_zenoh.settings import Settings
 from gui.console.link import Link
-from gui.console.state.actions import Action, Outcome, Ready, SendCommand, StopBoth
+from gui.console.state.actions import Action, Outcome, Ready, SendCommand, SendStop
 from gui.console.state.world import World
 
 PATIENCE_S = 40.0
@@ -128,7 +128,7 @@ def at_home(linked: Linked) -> None:
     """Stop both robots, make them ready, and wait until all their commanded angles are 0."""
     linked.outcomes.clear()
     linked.online("sim", "hw")
-    linked.do(StopBoth(-1))
+    linked.do(SendStop(-1))
     for side in ("sim", "hw"):
         linked.end_of(-1, side)
         linked.do(SendCommand(-2, Command.ENABLE, value=False, sides=(side,)))

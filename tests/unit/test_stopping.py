@@ -132,7 +132,8 @@ def test_stop_of_a_group_is_published_before_it_is_queried_and_answered_by_each_
 def test_an_emergency_stop_is_a_command_and_no_stop() -> None:
     network = Network({HW: RESTS})
     assert SentGroupStop(network.client(), ("*", "*"), emergency=True).replies() == {HW: RESTS}
-    assert network.sent == [("get", "beatrix/*/*/cmd/ana/command")]
+    assert SentStop(network.client(), HW, emergency=True).answer() == RESTS
+    assert network.sent == [("get", "beatrix/*/*/cmd/ana/command"), ("get", "beatrix/bea/hw/cmd/ana/command")]
 
 
 def test_stop_reaches_all_robots_before_one_is_waited_for() -> None:
@@ -195,7 +196,7 @@ class Robots:
         self.may_send = threading.Event()
         self.may_send.set()
         self.sending = threading.Event()
-        self.waits, self.closes = 0, 0
+        self.waits, self.closes, self.emergencies = 0, 0, 0
         self.error: Exception | None = None
         self.reported: queue.SimpleQueue[tuple[object, Answers]] = queue.SimpleQueue()
 
@@ -226,9 +227,10 @@ def robots(monkeypatch: pytest.MonkeyPatch) -> Robots:
     made = Robots()
 
     class Sent:
-        def __init__(self, client: object, place: Place) -> None:
+        def __init__(self, client: object, place: Place, *, emergency: bool) -> None:
             self.place = place
             made.send(client, place)
+            made.emergencies += emergency
 
         def answer(self) -> Answer:
             return made.answer(self.place)
@@ -302,6 +304,20 @@ def test_a_flood_for_one_place_is_sent_as_one_stop_and_delays_no_other_place(
     while not {"first", "other"} <= {*reported}:
         reported.append(robots.next_report()[0])
     assert len({*reported}) == len(reported) <= REPORTS_MAX + 2
+
+
+def test_a_stop_never_stands_for_an_emergency_stop(sender: StopSender, robots: Robots) -> None:
+    robots.may_send.clear()
+    robots.silent.add(HW)
+    sender.send([CLIENT], [HW], robots.report("first"))
+    assert robots.sending.wait(PATIENCE_S)
+    sender.send([CLIENT], [HW], robots.report("emergency"), emergency=True)
+    sender.send([CLIENT], [HW], robots.report("stop"))
+    robots.may_send.set()
+    assert [robots.sent.get(timeout=PATIENCE_S) for _ in range(3)] == [HW, HW, HW]
+    robots.go_on.set()
+    assert {robots.next_report()[0] for _ in range(3)} == {"first", "emergency", "stop"}
+    assert robots.emergencies == 1
 
 
 def test_stop_is_sent_to_more_places_than_are_awaited(sender: StopSender, robots: Robots) -> None:

@@ -16,7 +16,7 @@ from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.settings import Settings
 from gui.console.link.cameras import Cameras
 from gui.console.link.children import Children
-from gui.console.link.connection import Connection, Session
+from gui.console.link.connection import Connection
 from gui.console.link.governing import ClassStates, Governing
 from gui.console.link.outcomes import deselected, done, failed, replaced, stopped
 from gui.console.link.pictures import OnImage
@@ -25,7 +25,7 @@ from gui.console.link.playing import Playing
 from gui.console.link.probe import Probe
 from gui.console.link.recordings import Recordings
 from gui.console.link.request_queue import RequestQueue
-from gui.console.link.stopping import stop_all, stop_both
+from gui.console.link.stopping import send_stop
 from gui.console.link.worker import Part, Worker
 from gui.console.state import actions
 from gui.console.state.actions import Action, Outcome
@@ -107,10 +107,8 @@ class Link:
     def do(self, action: Action) -> None:
         """Carry out an action; its results are reported as `Outcome`s."""
         match action:
-            case actions.StopBoth():
-                self._stop(stop_both, action.row)
-            case actions.StopAll():
-                self._stop(stop_all, action.row)
+            case actions.SendStop():
+                self._stop(action)
             case actions.SendPlanNow():
                 self._plans.send_now()
             case actions.AbortPlan():
@@ -243,12 +241,12 @@ class Link:
 
     # -- STOP ---------------------------------------------------------------------------------------
 
-    def _stop(self, send: Callable[[StopSender, Session, int, OnOutcome], None], row: int) -> None:
+    def _stop(self, action: actions.SendStop) -> None:
         session = self._connection.session
         if session is None:
-            self._report(self._no_session(row))
+            self._report(self._no_session(action.row))
         else:
-            send(self._stop_sender, session, row, self._report)
+            send_stop(self._stop_sender, session, action, self._report)
         self._drop_all()  # in this thread, so that requests made after STOP are not dropped
 
     def _no_session(self, row: int) -> Outcome:

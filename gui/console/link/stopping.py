@@ -1,4 +1,4 @@
-"""STOP of the window: which robots it goes to, and the outcomes of their answers."""
+"""STOP and EMERGENCY_STOP of the window: which robots it goes to, and the outcomes of their answers."""
 
 from __future__ import annotations
 
@@ -9,33 +9,32 @@ from beatrix_zenoh.client.stopping import Answers, StopSender
 from beatrix_zenoh.contract.errors import BeatrixError
 from gui.console.link.connection import Session
 from gui.console.link.outcomes import done, failed, of_several
-from gui.console.state.actions import Outcome
+from gui.console.state.actions import Outcome, SendStop
 
 YIELD_S = 0.002
 """Longest time that Qt's thread yields to the thread that sends STOP."""
 Report = Callable[[Outcome], None]
 
 
-def stop_both(sender: StopSender, session: Session, row: int, report: Report) -> None:
-    """Send STOP to hardware and simulation; report an outcome for each."""
+def send_stop(sender: StopSender, session: Session, action: SendStop, report: Report) -> None:
+    """Send STOP or EMERGENCY_STOP; report an outcome for each of both robots, or one for all robots at the router."""
     began_s = time.monotonic()
 
     def answered(answers: Answers) -> None:
+        failures = {place: answer for place, answer in answers.items() if isinstance(answer, BeatrixError)}
+        if action.everywhere:
+            report(of_several(action.row, len(answers), failures))
+            return
         for (_, side), answer in answers.items():
             if isinstance(answer, BeatrixError):
-                report(failed(row, side, answer))
+                report(failed(action.row, side, answer))
             else:
-                report(done(row, side, answer.message, time.monotonic() - began_s))
+                report(done(action.row, side, answer.message, time.monotonic() - began_s))
 
-    twin = session.twin
-    sender.send([session.client], [twin.hw.place, twin.sim.place], answered, yield_s=YIELD_S)
-
-
-def stop_all(sender: StopSender, session: Session, row: int, report: Report) -> None:
-    """Send STOP to all robots at the router; report one outcome."""
-
-    def answered(answers: Answers) -> None:
-        failures = {place: answer for place, answer in answers.items() if isinstance(answer, BeatrixError)}
-        report(of_several(row, len(answers), failures))
-
-    sender.send([session.client], [("*", "*")], answered, session.monitor.present(), YIELD_S)
+    sim, hw = session.twin.sim.place, session.twin.hw.place
+    places = [("*", "*")] if action.everywhere else [hw, sim]
+    if action.emergency:
+        # The router of a class does not forward EMERGENCY_STOP to simulations of other seats.
+        sender.send([session.client], [("*", "sim") if action.everywhere else sim], lambda _: None)
+    expected = session.monitor.present() if action.everywhere else ()
+    sender.send([session.client], places, answered, expected, YIELD_S, emergency=action.emergency)

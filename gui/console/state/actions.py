@@ -52,17 +52,12 @@ class Ready(Action):
 
 
 @dataclass(frozen=True)
-class StopBoth(Action):
-    """STOP for both robots, on a thread of its own."""
+class SendStop(Action):
+    """STOP or EMERGENCY_STOP for both robots, or for all robots at the router; sent on a thread of its own."""
 
     row: int
-
-
-@dataclass(frozen=True)
-class StopAll(Action):
-    """STOP for all robots at the router, on the thread of `StopBoth`."""
-
-    row: int
+    everywhere: bool = False
+    emergency: bool = False
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
 from gui.console.state import history, pills, refusals
-from gui.console.state.actions import Action, Govern, StopAll, WatchCameras, WatchClass
+from gui.console.state.actions import Action, Govern, SendStop, WatchCameras, WatchClass
 from gui.console.state.eyes import wanted
 from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat, Page, TogglePage
 from gui.console.state.leases import limit_text
@@ -126,7 +126,7 @@ def _limit_now(limits: set[int], texts: Texts) -> str:
 def _result(memory: Memory, texts: Texts) -> tuple[str, bool | None]:
     """Return the outcome of this page's last request, or why it was not sent, and whether it succeeded (None: open)."""
     refused = refusals.at(memory, (PLACE,))
-    sent = [row for row in memory.rows if isinstance(row.request, Govern | StopAll) and row.place == PLACE]
+    sent = [row for row in memory.rows if isinstance(row.request, Govern | SendStop) and row.place == PLACE]
     if refused is not None and memory.refusal is not None and memory.refusal.key:
         return refused.text, False
     if not sent:

@@ -9,7 +9,7 @@ from pathlib import Path
 from beatrix_zenoh.client.readings import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
-from gui.console.state.actions import Govern, Play, Ready, Send, SendCommand, SendLease, StopAll, StopBoth
+from gui.console.state.actions import Govern, Play, Ready, Send, SendCommand, SendLease, SendStop
 from gui.console.state.memory import Request
 from gui.console.state.world import World
 
@@ -43,7 +43,7 @@ def python(request: Request) -> str:
             line = f"{_robot(sides)}.{_verb(command, on=value)}()"
         case Ready(side=side):
             line = f"twin.{side}.make_ready()"
-        case StopBoth():
+        case SendStop(everywhere=False, emergency=False):
             line = "twin.stop()"
         case SendLease(action=LeaseAction.TAKE, side=side):
             line = f"twin.{side}.lease()"
@@ -63,10 +63,9 @@ def command_line(request: Request, world: World) -> str:
         case Ready(side=side):
             enable = shlex.join(["beatrix", "enable", *_where((side,), world)])
             return f"{enable} && {shlex.join(['beatrix', 'calibrate', *_where((side,), world)])}"
-        case StopBoth():
-            words = ["stop", *_names(world)]
-        case StopAll():
-            words = ["stop", "--all", *_router(world)]
+        case SendStop(everywhere=everywhere, emergency=emergency):
+            options = ["--all"] * everywhere + ["--emergency"] * emergency
+            words = ["stop", *options, *(_router(world) if everywhere else _names(world))]
         case SendLease(action=action, side=side):
             words = ["lease", *LEASES[action], *_where((side,), world)]
         case Govern(action=action) if action in GOVERNS:

@@ -11,11 +11,10 @@ from gui.console.state.actions import (
     Ready,
     Send,
     SendCommand,
-    StopAll,
-    StopBoth,
+    SendStop,
     WriteFile,
 )
-from gui.console.state.intents import Intent, MakeReady, Page, Repeat, RunCommand, Stop, Undo
+from gui.console.state.intents import EmergencyStop, Intent, MakeReady, Page, Repeat, RunCommand, Stop, Undo
 from gui.console.state.memory import Memory
 from gui.console.state.motions import again, begin, send_arms
 from gui.console.state.poses import last_undo
@@ -42,10 +41,17 @@ def view(memory: Memory) -> CommandsView:
 
 def stop_button(memory: Memory) -> ButtonView:
     """Return the STOP button, which is always enabled; on the page *Class* it stops all robots."""
-    texts = memory.choices.texts
-    if memory.choices.page is Page.CLASS:
-        return ButtonView(texts("stop_all"), texts("stop_all_tip"), Stop())
-    return ButtonView(texts("stop"), texts("stop_tip"), Stop())
+    texts, page = memory.choices.texts, memory.choices.page
+    return ButtonView(texts(f"stop.{page}"), texts(f"stop.{page}_tip"), Stop())
+
+
+def emergency_button(memory: Memory) -> ButtonView:
+    """Return the button of EMERGENCY_STOP, which is enabled like STOP and asks first, because heads fall."""
+    texts, page = memory.choices.texts, memory.choices.page
+    question = texts(f"emergency.{page}_question")
+    return ButtonView(
+        texts(f"emergency.{page}"), texts(f"emergency.{page}_tip"), EmergencyStop(), question=question
+    )
 
 
 def _button(memory: Memory, key: str, intent: Intent, question: str = "") -> ButtonView:
@@ -66,11 +72,13 @@ def _undo(memory: Memory) -> ButtonView:
     return ButtonView(texts("command.undo"), tooltip, Undo())
 
 
-def handle(memory: Memory, world: World, intent: Stop | RunCommand | MakeReady | Repeat) -> list[Action]:
+def handle(
+    memory: Memory, world: World, intent: Stop | EmergencyStop | RunCommand | MakeReady | Repeat
+) -> list[Action]:
     """Return the actions of a command, or of a request that is sent again."""
     match intent:
-        case Stop():
-            return stop(memory, world)
+        case Stop() | EmergencyStop():
+            return stop(memory, world, emergency=isinstance(intent, EmergencyStop))
         case RunCommand():
             return run(memory, world, intent)
         case MakeReady(side=side):
@@ -79,12 +87,12 @@ def handle(memory: Memory, world: World, intent: Stop | RunCommand | MakeReady |
             return repeat(memory, world, number)
 
 
-def stop(memory: Memory, world: World) -> list[Action]:
+def stop(memory: Memory, world: World, *, emergency: bool) -> list[Action]:
     """Return the action that stops both robots, or on the page *Class* all robots, even if none is online."""
     memory.mark_dropped()
-    if memory.choices.page is Page.CLASS:
-        return begin(memory, world, StopAll(memory.next_row()), CLASS)
-    return begin(memory, world, StopBoth(memory.next_row()), PLACE)
+    everywhere = memory.choices.page is Page.CLASS
+    request = SendStop(memory.next_row(), everywhere, emergency)
+    return begin(memory, world, request, CLASS if everywhere else PLACE)
 
 
 def run(memory: Memory, world: World, intent: RunCommand) -> list[Action]:
@@ -110,7 +118,7 @@ def repeat(memory: Memory, world: World, number: int) -> list[Action]:
     row = memory.row(number)
     if row is None:
         return memory.refuse(PLACE, "cannot.row")
-    if isinstance(row.request, StopBoth | StopAll):
+    if isinstance(row.request, SendStop):
         memory.mark_dropped()
         return begin(memory, world, again(memory, row.request), row.place)
     sides = memory.choices.sides if isinstance(row.request, Send | Play) else row.sides

@@ -17,8 +17,7 @@ from gui.console.state.actions import (
     Send,
     SendCommand,
     SendLease,
-    StopAll,
-    StopBoth,
+    SendStop,
     WriteFile,
 )
 from gui.console.state.memory import HistoryCache, Memory, Request, Row
@@ -232,10 +231,9 @@ def _other(request: Request, texts: Texts) -> str:
             text = texts(other_seats.WHATS[command.name])
         case Ready():
             text = texts("what.ready")
-        case StopBoth():
-            text = texts("what.stop")
-        case StopAll():
-            text = texts("what.stop_all")
+        case SendStop(everywhere=everywhere, emergency=emergency):
+            verb = "emergency_stop" if emergency else "stop"
+            text = texts(f"what.{verb}_all" if everywhere else f"what.{verb}")
         case SendLease(action=action):
             text = texts(other_seats.WHATS[action.value])
         case Govern():

@@ -48,6 +48,11 @@ class Stop(Intent):
 
 
 @dataclass(frozen=True)
+class EmergencyStop(Intent):
+    """Switch the motors of the robots of the shown page off at once; their heads fall."""
+
+
+@dataclass(frozen=True)
 class Jog(Intent):
     """+ or - of an arm: in relative mode turn it by the increment, in absolute mode send it to + or - the increment."""
 

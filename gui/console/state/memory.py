@@ -17,8 +17,7 @@ from gui.console.state.actions import (
     Send,
     SendCommand,
     SendLease,
-    StopAll,
-    StopBoth,
+    SendStop,
     WriteFile,
 )
 from gui.console.state.choices import Choices
@@ -27,7 +26,7 @@ from gui.console.state.views import HistoryRowView
 
 KEPT = 200
 """Largest number of rows of the history."""
-Request = Send | SendCommand | SendLease | Ready | StopBoth | StopAll | Govern | Play | WriteFile
+Request = Send | SendCommand | SendLease | Ready | SendStop | Govern | Play | WriteFile
 """Actions with a row in the history."""
 
 
@@ -66,7 +65,7 @@ class Row:
                 return sides
             case Ready(side=side) | SendLease(side=side):
                 return (side,)
-            case StopBoth():
+            case SendStop(everywhere=False):
                 return ("sim", "hw")
         return ()
 

@@ -74,6 +74,7 @@ class State:
             record=recording.view(memory, world),
             last=history.last(memory, world),
             stop=commands.stop_button(memory),
+            emergency=commands.emergency_button(memory),
             theme=memory.choices.theme,
             language=memory.choices.language,
             class_page=class_page.view(memory, world),
@@ -102,7 +103,13 @@ class State:
             refusals.hide_answered(memory, intent)
             return eyes.watch(chosen, intent)
         match intent:
-            case intents.Stop() | intents.RunCommand() | intents.MakeReady() | intents.Repeat():
+            case (
+                intents.Stop()
+                | intents.EmergencyStop()
+                | intents.RunCommand()
+                | intents.MakeReady()
+                | intents.Repeat()
+            ):
                 actions = commands.handle(memory, world, intent)
             case intents.Jog():
                 actions = arms.jog(memory, world, intent)

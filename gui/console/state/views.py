@@ -312,6 +312,7 @@ class View:
     last: str
     """the last request with its outcome"""
     stop: ButtonView
+    emergency: ButtonView
     theme: Theme
     language: str
     class_page: ClassView | None

@@ -57,8 +57,11 @@ CLASS: Final[dict[str, str]] = {
     "result.done_partly": "done by {done:.0f} of {count:.0f} robots, not by {robots}: {text}",
     "of.robots": "{robots}: {text}",
     # -- the page of the class
-    "stop_all": "STOP ALL",
-    "stop_all_tip": "Stop all robots at the router at once (Space, Esc, Pause)",
+    "stop.class": "STOP ALL",
+    "stop.class_tip": "Stop all robots at the router at once (Space, Esc, Pause)",
+    "emergency.class": "EMERGENCY STOP ALL",
+    "emergency.class_tip": "Switch the motors of all robots at the router off at once. Their heads fall; STOP ALL holds them.",
+    "emergency.class_question": "The motors of all robots go off and the heads fall. Press EMERGENCY STOP ALL again.",
     "class.show": "Class",
     "class.show_tip": "Show all robots and seats (F2)",
     "class.hide": "Robot",

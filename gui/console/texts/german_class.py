@@ -59,8 +59,11 @@ CLASS: Final[dict[str, str]] = {
     "result.done_partly": "fertig bei {done:.0f} von {count:.0f} Robotern, nicht bei {robots}: {text}",
     "of.robots": "{robots}: {text}",
     # -- the page of the class
-    "stop_all": "STOP ALLE",
-    "stop_all_tip": "Alle Roboter am Router sofort anhalten (Leertaste, Esc, Pause)",
+    "stop.class": "STOP ALLE",
+    "stop.class_tip": "Alle Roboter am Router sofort anhalten (Leertaste, Esc, Pause)",
+    "emergency.class": "NOTSTOPP ALLE",
+    "emergency.class_tip": "Die Motoren aller Roboter am Router sofort ausschalten. Die Köpfe fallen; STOP ALLE hält sie.",
+    "emergency.class_question": "Die Motoren aller Roboter gehen aus und die Köpfe fallen. Drücke NOTSTOPP ALLE noch einmal.",
     "class.show": "Klasse",
     "class.show_tip": "Alle Roboter und Plätze zeigen (F2)",
     "class.hide": "Roboter",

@@ -1,13 +1,13 @@
-"""The STOP button over the whole width, with the last request beside it."""
+"""The STOP button over the whole width, with the last request and a small button for EMERGENCY_STOP."""
 
 from __future__ import annotations
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QPushButton
 
-from gui.console.state.views import ButtonView
+from gui.console.state.views import View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import label, set_text
+from gui.window.widgets.controls import IntentButton, label, set_text
 
 
 class StopBar(QPushButton):
@@ -17,7 +17,13 @@ class StopBar(QPushButton):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
-        self._view: ButtonView | None = None
+        self._view: View | None = None
+        self._last = self._question = ""
+        self.emergency = IntentButton()
+        """within this button, so that a press beside it is STOP"""
+        self.emergency.setObjectName("emergency")
+        self.emergency.intent.connect(self.intent)
+        self.emergency.asking.connect(self._ask)
         self.setObjectName("stop")
         self.setAutoDefault(False)
         self.word, self.last = label(role="stop_word"), label(role="stop", wrap=True)
@@ -30,19 +36,25 @@ class StopBar(QPushButton):
         layout.addSpacing(12)
         layout.addWidget(self.keys)
         layout.addWidget(self.last, 1)
+        layout.addSpacing(12)
+        layout.addWidget(self.emergency)
         for part in (self.word, self.keys, self.last):
             part.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.pressed.connect(self.stop)
 
     def show_last(self, text: str) -> None:
-        """Show the last request with its outcome."""
-        set_text(self.last, text)
+        """Show the last request with its outcome, unless EMERGENCY_STOP asks its question there."""
+        self._last = text
+        set_text(self.last, f"▲ {self._question}" if self._question else text)
 
-    def show_view(self, stop: ButtonView) -> None:
-        """Show the text of the button."""
-        if stop == self._view:
-            return
-        self._view = stop
+    def _ask(self, question: str) -> None:
+        self._question = question
+        self.show_last(self._last)
+
+    def show_view(self, view: View) -> None:
+        """Show the texts of both buttons."""
+        stop, self._view = view.stop, view
+        self.emergency.show_view(view.emergency)
         set_text(self.word, stop.text)
         self.setToolTip(stop.tooltip)
         self.setAccessibleName(stop.text)
@@ -51,4 +63,4 @@ class StopBar(QPushButton):
     def stop(self) -> None:
         """Report the intent."""
         if self._view is not None:
-            self.intent.emit(self._view.intent)
+            self.intent.emit(self._view.stop.intent)

@@ -15,9 +15,9 @@ from robots import Process, Stage, free_endpoint, start_router, until
 
 from beatrix_zenoh.client import Client, Place, Presence, stopping
 from beatrix_zenoh.client.queries import pose_query
-from beatrix_zenoh.contract._generated.messages import Command, Reason, Source
-from gui.console.state.actions import Connect, Ready, Select, Send, SendCommand, StopBoth
-from gui.console.state.world import LinkPhase
+from beatrix_zenoh.contract._generated.messages import Command, Fault, Reason, Source
+from gui.console.state.actions import Connect, Ready, Select, Send, SendCommand, SendStop
+from gui.console.state.world import LinkPhase, World
 
 
 @pytest.mark.measures_time
@@ -75,7 +75,7 @@ def test_stop_ends_the_motions_of_both_robots(linked: Linked) -> None:
         linked.do(Send(row, look(90, 30), (side,)))
     linked.accepted(1, "sim")
     linked.accepted(2, "hw")
-    linked.do(StopBoth(3))
+    linked.do(SendStop(3))
     for row, side in ((1, "sim"), (2, "hw")):
         assert linked.end_of(row, side).reason is Reason.STOPPED
         assert linked.end_of(3, side).accepted
@@ -100,7 +100,7 @@ def test_stop_is_sent_at_once_while_the_window_is_busy(
     for row in range(15):
         sent_s.clear()
         began_s = time.monotonic()
-        linked.do(StopBoth(row))
+        linked.do(SendStop(row))
         while time.monotonic() < began_s + 0.03 or len(sent_s) < 2:
             linked.link.world()
         took_s.append(sent_s[0] - began_s)
@@ -135,7 +135,7 @@ def test_stop_without_a_session_is_reported_at_once() -> None:
         world = linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
         assert f"No router at {endpoint}" in world.trouble
         assert world.sim.presence is world.hw.presence is Presence.ABSENT
-        linked.do(StopBoth(1))
+        linked.do(SendStop(1))
         end = linked.end_of(1, timeout_s=0.5)
         assert (end.accepted, end.reason) == (False, Reason.NO_ROUTER)
         linked.do(Send(2, look(5), ("sim", "hw")))
@@ -156,7 +156,7 @@ def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_los
             router.end()
             world = linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "the router is lost", 0.5)
             assert endpoint in world.trouble
-            linked.do(StopBoth(1))
+            linked.do(SendStop(1))
             assert linked.end_of(1, "hw").reason is Reason.NO_ROUTER
             router = start_router(endpoint)
             try:
@@ -199,11 +199,11 @@ def test_a_suspended_router_counts_as_lost_and_delays_no_request(stage: Stage) -
         linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "there is a router")
         router.send(signal.SIGSTOP)
         linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "the router is lost", 4.0)
-        linked.do(StopBoth(1))
+        linked.do(SendStop(1))
         linked.do(Send(2, look(5), ("sim", "hw")))
         for side in ("sim", "hw"):
             assert linked.end_of(1, side, 6.0).reason is Reason.NO_ROUTER
-        linked.do(StopBoth(3))
+        linked.do(SendStop(3))
         linked.close()
     router.end()
 
@@ -233,7 +233,7 @@ def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
         linked.do(Send(2, look(90, 30), ("hw",)))
         linked.do(Send(3, look(40, 30), ("sim",)))
         linked.accepted(3, "sim", 0.5)
-        linked.do(StopBoth(4))
+        linked.do(SendStop(4))
         assert linked.end_of(4, "sim", 1.0).accepted
         assert linked.end_of(3, "sim", 0.5).reason is Reason.STOPPED
         assert not linked.of(4, "hw")
@@ -245,13 +245,37 @@ def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
         for row in rows:
             linked.do(Ready(row, "hw"))
         assert linked.end_of(rows[-1], "hw", 0.5).reason is Reason.BUSY
-        linked.do(StopBoth(5))
+        linked.do(SendStop(5))
         assert linked.end_of(rows[1], "hw", 0.5).reason is Reason.STOPPED
         hardware.send(signal.SIGCONT)
         linked.online("hw")
         until(lambda: retried(linked), "the robot carries out requests again")
         hardware.end(signal.SIGKILL)
         linked.until(lambda world: world.hw.presence is Presence.ABSENT, "it was killed", 0.5)
+
+
+@pytest.mark.measures_time
+def test_an_emergency_stop_reaches_a_moving_robot_while_the_other_one_is_suspended(
+    own: tuple[Stage, Process, Process],
+) -> None:
+    stage, _, hardware = own
+    with Linked(stage.endpoint) as linked:
+        linked.online("sim", "hw")
+        hardware.send(signal.SIGSTOP)
+        linked.do(Ready(1, "hw"))  # never answered
+        linked.do(Send(2, look(90, 30), ("sim",)))
+        linked.accepted(2, "sim")
+        linked.do(SendStop(3, emergency=True))
+        assert linked.end_of(3, "sim", 1.0).accepted
+        linked.until(lambda world: fault_of(world) is Fault.EMERGENCY, "the motors are off", 1.0)
+        assert linked.end_of(2, "sim", 0.5).reason is not Reason.OK
+        assert linked.end_of(3, "hw").reason in (Reason.NODE_HANGS, Reason.NODE_LOST)
+        hardware.send(signal.SIGCONT)
+
+
+def fault_of(world: World) -> Fault:
+    """Return the fault of the simulation."""
+    return Fault.NONE if world.sim.status is None else world.sim.status.fault
 
 
 def test_close_takes_at_most_3_s_with_suspended_robots(own: tuple[Stage, Process, Process]) -> None:
@@ -262,7 +286,7 @@ def test_close_takes_at_most_3_s_with_suspended_robots(own: tuple[Stage, Process
     hardware.send(signal.SIGSTOP)
     linked.do(Send(1, look(20), ("sim", "hw"), 2.0))
     linked.do(Ready(2, "hw"))
-    linked.do(StopBoth(3))
+    linked.do(SendStop(3))
     linked.close()
 
 

@@ -11,7 +11,7 @@ from robots import Stage
 
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
-from gui.console.state.actions import Govern, StopAll, WatchClass
+from gui.console.state.actions import Govern, SendStop, WatchClass
 from gui.console.state.intents import MuteSeat, TogglePage
 from gui.console.state.state import State
 from gui.console.state.world import World
@@ -31,7 +31,7 @@ def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> No
                 lambda world: any(robot.status and robot.status.frozen for robot in world.robots),
                 "the other robot is frozen",
             )
-            linked.do(StopAll(2))
+            linked.do(SendStop(2, everywhere=True))
             frozen, stop = linked.end_of(1), linked.end_of(2)
             assert frozen.reason in (Reason.TIMED_OUT, Reason.NODE_LOST), (
                 "its session is lost after 2 s, and the time limit is 2 s, too"
@@ -75,7 +75,7 @@ def page_seats(now: World) -> list[str]:
 def test_without_a_robot_requests_to_all_robots_are_refused() -> None:
     with Stage() as stage, Linked(stage.endpoint, who="teacher") as linked:
         linked.do(Govern(1, LeaseAction.FREEZE))
-        linked.do(StopAll(2))
+        linked.do(SendStop(2, everywhere=True))
         for row in (1, 2):
             assert not linked.end_of(row).accepted
 

@@ -8,7 +8,7 @@ from robots import Stage, until
 
 from beatrix_zenoh.client.queries import pose_query
 from beatrix_zenoh.contract._generated.messages import Reason, Steps
-from gui.console.state.actions import AbortPlan, Select, Send, SendPlanNow, StopBoth
+from gui.console.state.actions import AbortPlan, Select, Send, SendPlanNow, SendStop
 from gui.console.state.world import PlanPhase, World
 
 BOTH = ("sim", "hw")
@@ -85,7 +85,7 @@ def test_send_now_ends_the_lead(linked: Linked) -> None:
 def test_stop_within_the_lead_leaves_the_hardware_unmoved(linked: Linked) -> None:
     before = steps(linked)
     leading(linked, 1)
-    linked.do(StopBoth(2))
+    linked.do(SendStop(2))
     assert linked.end_of(1).reason is Reason.STOPPED
     for side in BOTH:
         assert linked.end_of(2, side).accepted

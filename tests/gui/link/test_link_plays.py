@@ -12,7 +12,7 @@ from robots import Process, Stage, until
 
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import Reason
-from gui.console.state.actions import Play, Select, Send, StopBoth
+from gui.console.state.actions import Play, Select, Send, SendStop
 
 BOTH = ("sim", "hw")
 
@@ -33,7 +33,7 @@ def test_stop_ends_a_choreography_of_both_robots(linked: Linked) -> None:
     linked.do(Play(1, BOTH, poses=((40.0,) * 3, (-40.0,) * 3, (0.0,) * 3), speed=30.0))
     linked.accepted(1)
     linked.until(lambda world: short(world, "sim") > 2 and short(world, "hw") > 2, "both move")
-    linked.do(StopBoth(2))
+    linked.do(SendStop(2))
     assert linked.end_of(1).reason is Reason.STOPPED
     world = linked.until(lambda world: not world.playing and not world.hw.status.moving, "it has ended")  # type: ignore[union-attr]
     assert short(world, "hw") < 39
@@ -100,7 +100,7 @@ def test_a_plan_that_waits_for_a_suspended_node_delays_no_motion_of_the_simulati
     assert frozen.end_of(1, timeout_s=0.5).reason is Reason.REPLACED
     assert frozen.end_of(2, "sim", 1.5).accepted
     frozen.do(Send(3, look(20, 30), BOTH, 1.0))
-    frozen.do(StopBoth(4))
+    frozen.do(SendStop(4))
     assert frozen.end_of(3, timeout_s=0.5).reason is Reason.STOPPED
     assert frozen.end_of(4, "sim", 0.5).accepted
     frozen.do(Send(5, look(10, 30), BOTH, 1.0))
