@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import struct
 import zlib
-from pathlib import Path
 from typing import Final
 
 import mujoco
@@ -44,11 +43,6 @@ def _painter(spec: mujoco.MjSpec, width: int, height: int) -> Painter:
     if name is None:
         return RayPainter(spec, width, height)
     return GlPainter(spec, width, height, name=name, shadows=True, samples=_SAMPLES)
-
-
-def write_picture(path: Path, arms: Arms, width: int = 1280, height: int = 960) -> None:
-    """Write a picture as a PNG file; raises OSError, or BeatrixError as `picture` does."""
-    path.write_bytes(png(picture(arms, width, height)))
 
 
 def png(image: Image) -> bytes:

@@ -17,9 +17,9 @@ from tempfile import TemporaryDirectory
 
 from bench_node import ROOT, Served
 from PIL import Image
+from viewer_pictures import FILES, pictures
 
 from beatrix_zenoh import Interrupted, Refused, Twin
-from beatrix_zenoh.recording.rrd.picture import FILES, pictures
 
 NAME = "bea1"
 LARGEST = 300_000

@@ -1,33 +1,42 @@
-"""`beatrix demo`: a simulation and a virtual robot make the same movement, in less than a minute."""
+"""`beatrix demo`: simulation and robot make the same movement, are recorded and compared, in less than a minute."""
 
 from __future__ import annotations
 
+import os
+import shutil
+import subprocess
+import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import util
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
-import msgspec
 import typer
 
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.up import advice, end_on_interrupt, open_window, watch
 from beatrix_zenoh.client.choreography import Choreography, Step, shipped
+from beatrix_zenoh.client.play import play
 from beatrix_zenoh.client.twin.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.files import replace_when_complete
 from beatrix_zenoh.output import FAILED, note, print_json, say
-from beatrix_zenoh.processes import Role, Supervisor
+from beatrix_zenoh.processes import JOIN, Role, Supervisor
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import signals_interrupt
 
-if TYPE_CHECKING:
-    from beatrix_zenoh.cli.demo_files import DemoRecording
-    from beatrix_zenoh.cli.demo_report import Measurement
-
 ROBOT = "demo"
+RECORDING, PLOT = "demo.rrd", "demo.png"
+REST_DEG = "0.5"
+"""Largest difference at rest (deg) that counts as the same movement; a full motor step is 0.7 deg of an arm."""
+SETTLE_S = 0.5
+"""Time at rest before and after the movement (s)."""
 NEXT = ("look --yaw 20 --on both", "top", "stop")
+CLI = (sys.executable, "-m", "beatrix_zenoh.cli")
 
 
 def demo(
@@ -36,36 +45,42 @@ def demo(
         bool,
         typer.Option("--gui", help="Show both robots in the window, and run until the window is closed."),
     ] = False,
-    out: Annotated[
-        Path, typer.Option(metavar="DIR", help="Folder for recording, pictures, plot and table.")
-    ] = Path("demo-out"),
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for recording and plot.")] = Path(
+        "demo-out"
+    ),
     as_json: Json = False,
 ) -> None:
     """Show simulation and robot moving together.
 
     Starts a simulation and a second robot, which runs the same firmware on a virtual board. Both nod, shake and look
-    around. The demo records both, prints their differences, and opens the recording if there is a display (not with
-    --gui, which opens the window). It needs no robot, no display and no network. The exit code is 1 if the movements
-    differ or a file could not be written.
+    around. The demo records both, compares them as `beatrix compare` does, and opens the recording if there is a
+    display (not with --gui, which opens the window). It needs no robot, no display and no network. The exit code is 1
+    if the movements differ or a file could not be written.
     """
-    from beatrix_zenoh.cli.demo_files import begin_recording
-
     make_folder(out)
     with signals_interrupt() as shutdown, Supervisor() as supervisor:
         settings = start(supervisor)
         window = open_window(supervisor, settings) if gui else None
         supervisor.wait_ready()
-        with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
-            recording = begin_recording(supervisor, settings)
-            good = present(twin, out, recording, as_json=as_json, show=not gui)
+        recording = perform(supervisor, settings)
+        if recording is None:
+            good = True
+            if as_json:
+                print_json({"result": True, "message": "Both made the movement. It was not recorded."})
+        else:
+            good = compared(copied(recording, out), out, as_json=as_json)
+            if not gui:
+                show_recording(out / RECORDING)
         if keep or window is not None:
-            supervisor.new_lines()  # discards the output so far, because the report contains its results
+            supervisor.new_lines()  # discards the output so far, because the comparison contains its results
             with end_on_interrupt():
                 note(advice(settings.connect, NEXT, supervisor.folder))
                 last = None if keep else window
                 if last is not None:
                     note("The robots run until the window is closed.")
                 watch(supervisor, shutdown, last)
+        else:
+            note("\nTo drive both robots yourself: beatrix up --hw virtual: --gui")
     if not good:
         raise typer.Exit(FAILED)
 
@@ -92,43 +107,36 @@ def start(supervisor: Supervisor) -> Settings:
     return settings
 
 
-def present(twin: Twin, out: Path, recording: DemoRecording | None, *, as_json: bool, show: bool) -> bool:
-    """Play, compare and report; return whether both made the same movement and all files were written."""
-    from beatrix_zenoh.cli.demo_report import measure
+def perform(supervisor: Supervisor, settings: Settings) -> Path | None:
+    """Record both robots while they play a choreography, and return the recording; None if Rerun is not installed.
 
+    Raises:
+        Refused, Interrupted, NoAnswer: from the first step that failed.
+    """
+    path, recorder = supervisor.folder / RECORDING, None
     choreography = shipped("hello")
-    with progress(choreography) as show_step:
-        done = measure(twin, choreography, show_step)
-    if recording is not None:
-        recording.finish()
-    return conclude(done, out, recording, as_json=as_json, show=show)
-
-
-def conclude(
-    done: Measurement, out: Path, recording: DemoRecording | None, *, as_json: bool, show: bool = True
-) -> bool:
-    """Write the files and print the report, even if a file could not be written; return the result of `present`."""
-    from beatrix_zenoh.cli.demo_files import RECORDING, show_recording, write_files
-    from beatrix_zenoh.cli.demo_report import as_text, compare_twins, make_report
-
-    note("Writing the files.")
-    comparison = compare_twins(done)
-    more = {} if recording is None else recording.writers(done.hw.positions)
-    files = write_files(out, comparison, more)
-    found = make_report(done, comparison, files)
-    if as_json:
-        print_json(msgspec.to_builtins(found))
-    else:
-        say(f"\n{as_text(found)}")
-        if show and str(out / RECORDING) in files.written:
-            show_recording(out / RECORDING)
-    return found.result and not found.unwritten
+    with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
+        twin.make_ready()
+        if util.find_spec("rerun") is None:
+            note('The demo continues without a recording. To record: pip install ".[rerun]"')
+        else:
+            where = ("--name", ROBOT, "--connect", settings.connect)
+            recorder = supervisor.start("recorder", "record", str(path), *where)
+            supervisor.wait_ready()
+        with progress(choreography) as show_step:
+            time.sleep(SETTLE_S)
+            play(twin, choreography, show_step)
+            time.sleep(SETTLE_S)
+    if recorder is None:
+        return None
+    supervisor.finish(recorder)
+    return path
 
 
 @contextmanager
 def progress(choreography: Choreography) -> Iterator[Callable[[str, Step], None]]:
     """Yield a function that shows a step: in a bar or, if stderr is not a terminal, as a note for each new title."""
-    with progress_bar("Calibrating", len(choreography.steps)) as bar:
+    with progress_bar("Both", len(choreography.steps)) as bar:
         titles: list[str] = []
 
         def show_step(title: str, pose: Step) -> None:
@@ -139,3 +147,47 @@ def progress(choreography: Choreography) -> Iterator[Callable[[str, Step], None]
             titles.append(title)
 
         yield show_step
+
+
+def copied(recording: Path, out: Path) -> Path:
+    """Copy the recording into the folder, completely or not at all; raises Refused (BAD_VALUE) if that fails."""
+    path = out / RECORDING
+    try:
+        with replace_when_complete(path) as unfinished:
+            shutil.copyfile(recording, unfinished)
+    except OSError as error:
+        raise Refused(Reason.BAD_VALUE, f"{path} could not be written: {error.strerror}.") from error
+    return path
+
+
+def compared(recording: Path, out: Path, *, as_json: bool) -> bool:
+    """Run `beatrix compare` on the recording, and return whether both robots made the same movement."""
+    plot = ("--png", str(out / PLOT)) if util.find_spec("matplotlib") is not None else ()
+    words = ("compare", str(recording), "--max-rest", REST_DEG, *plot)
+    note(f"\nbeatrix {JOIN(words)}")
+    done = subprocess.run(
+        [*CLI, *words, *(["--json"] if as_json else [])], stdin=subprocess.DEVNULL, check=False
+    )
+    same = done.returncode == 0
+    if not as_json:
+        limit = (
+            f"their arms are at most {REST_DEG}° apart" if same else f"see above ({REST_DEG}° are allowed)"
+        )
+        say(f"\nBoth {'made' if same else 'did NOT make'} the same movement: at rest {limit}.")
+    return same
+
+
+def show_recording(path: Path) -> None:
+    """Open the recording in a viewer that keeps running after the demo, if there is a display."""
+    if not (
+        sys.platform in ("win32", "darwin") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    ):
+        return
+    note(f"Opening {path} in the Rerun viewer.")
+    subprocess.Popen(
+        [*CLI, "view", str(path)],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )

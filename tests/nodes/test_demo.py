@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import signal
 import subprocess
@@ -15,15 +14,14 @@ from late_tests import in_time
 from PIL import Image
 from robots import ROOT, Process
 
-from beatrix_zenoh.cli.demo_report import BUSY_FACTOR
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.viewer import verify
 
 CLI = ("-m", "beatrix_zenoh.cli")
 RMS_DEG = 0.15
 """Largest RMS difference, with each motion shifted by its own lag: docs/explanation/what-the-twin-shows.md."""
-MOTIONS_S = 34.0
-"""Time that the demo's motions take."""
+GAP_S = 0.1
+"""Longest time between two positions of a robot on a computer that is not busy."""
 
 
 @pytest.mark.alone
@@ -38,30 +36,19 @@ def test_demo_moves_both_robots_alike_and_writes_its_files(tmp_path: Path) -> No
         cwd=ROOT,
     )
     report = json.loads(done.stdout)
-    if "too busy for a result" in report["message"]:
-        in_time(MOTIONS_S / report["real_time_factor"], MOTIONS_S / BUSY_FACTOR, report["message"])
+    rms_deg = max(axis["rms_after"] for axis in report["axes_deg"])
+    if rms_deg > RMS_DEG:
+        gap_s = max(robot["longest_ms"] for robot in report["robots"]) / 1e3
+        in_time(gap_s, GAP_S, f"rms {rms_deg:.2f} deg; longest gap between positions")
     assert done.returncode == 0, done.stdout + done.stderr
     assert report["result"] is True
-    assert [axis["axis"] for axis in report["axes"]] == [
-        "short", "middle", "long", "yaw", "pitch", "roll", "head"
-    ]  # fmt: skip
-    assert max(axis["rms_after"] for axis in report["axes"]) <= RMS_DEG
-    assert max(axis["at_rest"] for axis in report["axes"][:3]) < 0.5
-    assert report["real_time_factor"] == pytest.approx(1, abs=0.05)
-    assert 45 < report["hw"]["positions_hz"] < 55
+    assert rms_deg <= RMS_DEG
+    assert max(axis["at_rest"] for axis in report["axes_deg"][:3]) < 0.5
     assert "look around" in done.stderr
-    for name, width in (("demo.png", 1500), ("head.png", 1280)):
-        with Image.open(tmp_path / name) as picture:
-            assert picture.width == width
-    with Image.open(tmp_path / "twins.png") as picture:
-        assert picture.width > 1000
+    with Image.open(tmp_path / "demo.png") as picture:
+        assert picture.width == 1500
     assert not verify(tmp_path / "demo.rrd")
-    recorded = read(tmp_path / "demo.rrd")
-    assert set(recorded.robots) == {("demo", "sim"), ("demo", "hw")}
-    with (tmp_path / "demo.csv").open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) > 1500
-    assert max(float(row["hw_yaw_deg"]) for row in rows) > 35
+    assert set(read(tmp_path / "demo.rrd").robots) == {("demo", "sim"), ("demo", "hw")}
 
 
 def test_an_interrupted_demo_stops_the_robots_and_ends_all_processes(tmp_path: Path) -> None:

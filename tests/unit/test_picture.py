@@ -20,7 +20,7 @@ from sim_node import gl
 from sim_node.gl import GlPainter
 from sim_node.model import build_spec
 from sim_node.painter import Image
-from sim_node.picture import picture, png, write_picture
+from sim_node.picture import picture, png
 from sim_node.plant import Plant
 from sim_node.rays import RayPainter
 from sim_node.visuals import VISUAL
@@ -123,14 +123,6 @@ def test_a_png_file_contains_the_exact_pixels() -> None:
     with PIL.Image.open(io.BytesIO(png(image))) as again:
         assert again.mode == "RGB"
         assert np.asarray(again).tolist() == image.tolist()
-
-
-@pytest.mark.usefixtures("without_gl")
-def test_a_picture_is_written_as_png(tmp_path: Path) -> None:
-    path = tmp_path / "robot.png"
-    write_picture(path, HOME, WIDTH, HEIGHT)
-    with PIL.Image.open(path) as image:
-        assert image.size == (WIDTH, HEIGHT)
 
 
 def probed(environment: dict[str, str], before: str = "") -> str:

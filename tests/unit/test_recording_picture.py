@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from viewer_pictures import pictures
 
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.kinematics import Neck
@@ -18,7 +19,6 @@ from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import Numbers, Orientation, Row, of_model, of_robot
 from beatrix_zenoh.recording.rrd.layout import BACKGROUND
-from beatrix_zenoh.recording.rrd.picture import pictures
 from beatrix_zenoh.recording.rrd.stream import Stream
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
