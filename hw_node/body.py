@@ -10,7 +10,7 @@ from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Gear
-from beatrix_zenoh.node import Component, Context, Pose
+from beatrix_zenoh.node import ArmState, Component, Context
 from hw_node.cameras import PATTERN, Camera, CameraChoice, same_for_both
 from hw_node.port import VIRTUAL, SerialPort, find
 
@@ -30,9 +30,9 @@ class Hardware:
         """Open the serial port; raises NoAnswer if there is no board."""
         return SerialPort(self._device or find(", or try `--port virtual:` for a virtual board"))
 
-    def pose(self, telemetry: Telemetry, t_mono_ns: int) -> Pose:
+    def pose(self, telemetry: Telemetry, t_mono_ns: int) -> ArmState:
         """Return the arm angles that the firmware has counted; the robot has no angle sensors."""
-        return Pose(
+        return ArmState(
             t_mono_ns=t_mono_ns,
             position=self._gear.to_rad(telemetry.position),
             velocity=self._gear.to_rad(telemetry.velocity),

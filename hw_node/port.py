@@ -11,7 +11,7 @@ from typing import Final
 import serial
 from serial.tools import list_ports
 
-from beatrix_zenoh.board.handshake import BOOT_S
+from beatrix_zenoh.board.timing import BOOT_S
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import BAUD
 from beatrix_zenoh.contract.errors import NoAnswer

@@ -11,7 +11,7 @@ from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
-from beatrix_zenoh.node import Component, Context, Pose, Preview, PreviewHandler
+from beatrix_zenoh.node import ArmState, Component, Context, Preview, PreviewHandler
 from sim_node.clock import StepClock
 from sim_node.eyes import Eyes
 from sim_node.following.handler import FollowHandler
@@ -106,11 +106,11 @@ class Simulation:
             self._resting, self._pulses = pulses == self._pulses, pulses
             steps -= together
 
-    def pose(self, telemetry: Telemetry, t_mono_ns: int) -> Pose:  # noqa: ARG002
+    def pose(self, telemetry: Telemetry, t_mono_ns: int) -> ArmState:  # noqa: ARG002
         """Return the measured arms and head, after making the steps that are due: the thread may be 20 ms behind."""
         with self._lock:
             self._catch_up()
-            return Pose(
+            return ArmState(
                 t_mono_ns=round(self._clock.reached_s * 1e9),  # the time at which the last step was due
                 position=self._plant.arms(),
                 velocity=self._plant.velocities(),

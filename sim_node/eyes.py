@@ -16,7 +16,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.robot import RobotData
-from beatrix_zenoh.node import CameraPublisher, Component, Context, Frame, StatusFields
+from beatrix_zenoh.node import CameraFrame, CameraPublisher, Component, Context, StatusFields
 from sim_node import gl
 from sim_node.painter import SceneState
 from sim_node.rate import FrameRate
@@ -117,7 +117,7 @@ class Eyes(Component):
             begin_s, late_before = time.monotonic(), self._late_steps()
             state = self._scene_state()
             for view, jpeg in renderer.draw(state, views):
-                frame = Frame(jpeg, WIDTH, HEIGHT, state.t_mono_ns, renderer.source)
+                frame = CameraFrame(jpeg, WIDTH, HEIGHT, state.t_mono_ns, renderer.source)
                 self._publishers[view].publish(frame)
         except OSError as error:
             self._fail(error)

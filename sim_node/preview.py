@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from beatrix_zenoh.board.link import Decoder, Frame, encode
+from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import (
@@ -24,7 +24,7 @@ from beatrix_zenoh.contract._generated.serial import (
 )
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms
-from beatrix_zenoh.node.hardware import PREVIEW_MAX_S, Preview
+from beatrix_zenoh.node.interfaces import PREVIEW_MAX_S, Preview
 from sim_node.model import TIMESTEP_MS
 from sim_node.plant import Plant
 
@@ -149,7 +149,7 @@ class _MotionSimulation:
                 _check(frame)
 
 
-def _check(ack: Frame) -> None:
+def _check(ack: SerialFrame) -> None:
     error = Error(ack.payload[0])
     if error is not Error.OK:
         raise Refused(ERROR_REASON[error], f"The firmware refuses this motion: {ERROR_TEXT[error]}.")

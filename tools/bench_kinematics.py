@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.motion.limits import MotionLimits
 
 _POSES = 500
 _REPEATS = 20
@@ -37,7 +37,7 @@ def main() -> None:
     arms = [neck.inverse(*pose) for pose in poses]
     print(f"inverse kinematics: {median_us(lambda pose: neck.inverse(*pose), poses):.1f} us (required: 10)")
     print(f"forward kinematics: {median_us(neck.forward, arms):.1f} us (required: 20)")
-    limits, rest, speed = Limits(), (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+    limits, rest, speed = MotionLimits(), (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
 
     def check(start: Arms, target: Arms) -> None:
         limits.check_motion(start, rest, target, speed, straight=True)

@@ -7,9 +7,9 @@ import threading
 from collections.abc import Callable
 from typing import Final
 
-from beatrix_zenoh.board.connection import Connection
-from beatrix_zenoh.board.link import Frame, encode
-from beatrix_zenoh.board.state import Link, Port, Sample, not_connected
+from beatrix_zenoh.board.connection import BoardConnection
+from beatrix_zenoh.board.link import SerialFrame, encode
+from beatrix_zenoh.board.state import BoardLink, Port, TelemetrySample, not_connected
 from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import (
@@ -50,7 +50,7 @@ class Board:
         on_text: Callable[[int, Text | TextWarning], None] = lambda *_: None,
     ) -> None:
         """Store the callbacks; `start` opens the port."""
-        self._connection = Connection(open_port, on_telemetry, on_link, self._receive)
+        self._connection = BoardConnection(open_port, on_telemetry, on_link, self._receive)
         self._on_text = on_text
         self._lock = threading.Lock()
         self._pending: dict[tuple[int, int], queue.SimpleQueue[int]] = {}
@@ -61,7 +61,7 @@ class Board:
         self._connection.start()
 
     @property
-    def link(self) -> Link:
+    def link(self) -> BoardLink:
         """The present state of the connection."""
         return self._connection.link
 
@@ -71,7 +71,7 @@ class Board:
         return self._connection.connected
 
     @property
-    def sample(self) -> Sample | None:
+    def sample(self) -> TelemetrySample | None:
         """The newest telemetry with its time; None before the first."""
         return self._connection.sample
 
@@ -170,7 +170,7 @@ class Board:
                 continue
         return None
 
-    def _receive(self, frame: Frame) -> None:
+    def _receive(self, frame: SerialFrame) -> None:
         if frame.type == FrameType.TEXT and len(frame.payload) > 1:
             self._on_text(frame.seq, Text.unpack(frame.payload))
         elif frame.type == FrameType.TEXT_WARNING and len(frame.payload) == wire.TEXT_WARNING_SIZE:

@@ -9,10 +9,16 @@ from collections.abc import Callable
 from typing import Final
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.board.board_clock import BoardClock
-from beatrix_zenoh.board.handshake import Handshake
-from beatrix_zenoh.board.link import Decoder, Frame, encode
-from beatrix_zenoh.board.state import Link, Port, Sample, mismatch_text, not_connected, same_contract
+from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
+from beatrix_zenoh.board.state import (
+    BoardLink,
+    Port,
+    TelemetrySample,
+    mismatch_text,
+    not_connected,
+    same_contract,
+)
+from beatrix_zenoh.board.timing import BoardClock, Handshake
 from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import FrameType, HelloReply, Telemetry
@@ -30,7 +36,7 @@ LOST_S: Final = 0.4
 """Silence (s) after which the board counts as lost; together with READ_S less than 0.5 s."""
 
 
-class Connection:
+class BoardConnection:
     """A thread that opens the port, sends handshake and heartbeat, and decodes the frames of the board.
 
     `on_frame` is called for every frame that is neither HELLO_REPLY nor TELEMETRY, `on_telemetry` for every TELEMETRY,
@@ -42,13 +48,13 @@ class Connection:
         open_port: Callable[[], Port],
         on_telemetry: Callable[[Telemetry], None],
         on_link: Callable[[], None],
-        on_frame: Callable[[Frame], None],
+        on_frame: Callable[[SerialFrame], None],
     ) -> None:
         """Store the callbacks; `start` opens the port."""
         self._open_port = open_port
         self._on_telemetry, self._on_link, self._on_frame = on_telemetry, on_link, on_frame
         self.sample_changed = threading.Condition()
-        self.sample: Sample | None = None
+        self.sample: TelemetrySample | None = None
         self.connected = False
         self.retries = 0
         self._clock = BoardClock()
@@ -67,7 +73,7 @@ class Connection:
         self._thread = threads.start(self._run, "board")
 
     @property
-    def link(self) -> Link:
+    def link(self) -> BoardLink:
         """The present state of the connection."""
         hello, trouble, sample = self._hello, self._trouble, self.sample
         if not trouble and not self.connected:
@@ -76,7 +82,7 @@ class Connection:
             else:
                 trouble = f"{self._port_name or 'The port'} is silent{SILENT if sample else NEVER_CONNECTED}"
         overflowed = 0 if sample is None else sample.telemetry.overflowed
-        return Link(
+        return BoardLink(
             port=self._port_name,
             connected=self.connected,
             trouble=trouble,
@@ -179,7 +185,7 @@ class Connection:
         self._silent_s += min(time.monotonic() - began_s, 2 * READ_S)
         return data
 
-    def _receive(self, frame: Frame, received_ns: int) -> None:
+    def _receive(self, frame: SerialFrame, received_ns: int) -> None:
         if frame.type == FrameType.TELEMETRY and len(frame.payload) == wire.TELEMETRY_SIZE:
             hello = self._hello
             if hello is None or not same_contract(hello):
@@ -191,7 +197,7 @@ class Connection:
                 return
             t_mono_ns = self._clock.feed(telemetry.tick, received_ns)
             with self.sample_changed:
-                self.sample = Sample(telemetry, t_mono_ns)
+                self.sample = TelemetrySample(telemetry, t_mono_ns)
                 self.sample_changed.notify_all()
             self._set_connected(connected=True)
             self._on_telemetry(telemetry)

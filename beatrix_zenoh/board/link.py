@@ -11,7 +11,7 @@ _SHORTEST: Final = 2 + _CRC_SIZE
 """Size of type, seq and CRC (bytes)."""
 
 
-class Frame(NamedTuple):
+class SerialFrame(NamedTuple):
     """A decoded frame whose CRC was correct."""
 
     type: int
@@ -66,7 +66,7 @@ class Decoder:
         """Invalid blocks: wrong CRC, length or stuffing."""
         self._block = bytearray()
 
-    def feed(self, data: bytes) -> list[Frame]:
+    def feed(self, data: bytes) -> list[SerialFrame]:
         """Return the frames completed by `data`, in order of arrival."""
         frames = []
         *ended, rest = data.split(b"\0")
@@ -87,7 +87,7 @@ class Decoder:
         self._block += part[: MAX_ENCODED + 1 - len(self._block)]
 
 
-def _decode(block: bytes) -> Frame | None:
+def _decode(block: bytes) -> SerialFrame | None:
     if len(block) > MAX_ENCODED:
         return None
     body = bytearray()
@@ -104,4 +104,4 @@ def _decode(block: bytes) -> Frame | None:
         return None
     if crc16(body[:-_CRC_SIZE]) != int.from_bytes(body[-_CRC_SIZE:], "little"):
         return None
-    return Frame(body[0], body[1], bytes(body[2:-_CRC_SIZE]))
+    return SerialFrame(body[0], body[1], bytes(body[2:-_CRC_SIZE]))

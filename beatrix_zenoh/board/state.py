@@ -41,7 +41,7 @@ class Port(Protocol):
 
 
 @dataclass(frozen=True)
-class Sample:
+class TelemetrySample:
     """Telemetry with its time on the host's clock."""
 
     telemetry: Telemetry
@@ -50,7 +50,7 @@ class Sample:
 
 
 @dataclass(frozen=True)
-class Link:
+class BoardLink:
     """State of the connection to the board."""
 
     port: str
@@ -98,7 +98,7 @@ def same_contract(hello: HelloReply) -> bool:
     return hello.contract == wire.CONTRACT
 
 
-def not_connected(link: Link) -> NoAnswer:
+def not_connected(link: BoardLink) -> NoAnswer:
     """Return the error for a request while the board is not connected."""
     if link.foreign:
         return NoAnswer(Reason.CONTRACT_MISMATCH, link.trouble)

@@ -24,4 +24,4 @@ from beatrix_zenoh.bus.session import Bus as Bus
 from beatrix_zenoh.bus.session import connect as connect
 from beatrix_zenoh.bus.session import hanging_router as hanging_router
 from beatrix_zenoh.bus.sessions import Sessions as Sessions
-from beatrix_zenoh.bus.watchdog import SessionWatchdog as SessionWatchdog
+from beatrix_zenoh.bus.sessions import SessionWatchdog as SessionWatchdog

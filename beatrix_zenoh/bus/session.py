@@ -16,11 +16,11 @@ import zenoh
 from zenoh.handlers import Callback
 
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.bus import credentials, forks, newest
+from beatrix_zenoh.bus import credentials, forks
 from beatrix_zenoh.bus.declarations import Declarations, Declared
 from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe
 from beatrix_zenoh.bus.forks import ProcessBound
-from beatrix_zenoh.bus.incoming import Incoming, Received
+from beatrix_zenoh.bus.incoming import Incoming, Received, subscribe_newest
 from beatrix_zenoh.bus.publication import Publication
 from beatrix_zenoh.bus.query import QUERY_S, Query, intersects, priority_of
 from beatrix_zenoh.bus.transport import OPEN_MS, opened
@@ -188,7 +188,7 @@ class Bus(ProcessBound):
         A publication is dropped before it is read if `skips` returns True for its key: that costs little.
         """
         return self._declarations.add(
-            SUBSCRIBER, key, lambda session: newest.subscribe_newest(session, key, handle, skips)
+            SUBSCRIBER, key, lambda session: subscribe_newest(session, key, handle, skips)
         )
 
     def put(self, key: str, payload: bytes, encoding: str, priority: str | None = None) -> None:

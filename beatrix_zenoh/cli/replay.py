@@ -19,7 +19,7 @@ from beatrix_zenoh.client.readings import RobotInfo
 from beatrix_zenoh.client.twin.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
-from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.output import note
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
@@ -99,7 +99,7 @@ def path_of_file(read: motion_file.MotionFile, info: RobotInfo) -> ArmPath:
     from beatrix_zenoh.recording.follow import robot_of
     from beatrix_zenoh.recording.path import path_of
 
-    return path_of(read, Limits(robot_of(info)))
+    return path_of(read, MotionLimits(robot_of(info)))
 
 
 def recorded_path(file: Path, name: str) -> ArmPath:

@@ -43,7 +43,7 @@ _CONVERGED: Final = 1e-12
 """Square of the last Newton step (rad2): convergence is quadratic, so the remaining error is below 1e-11 rad."""
 
 
-class Head(NamedTuple):
+class HeadDerivatives(NamedTuple):
     """Yaw and tilt for given arms, and their derivatives."""
 
     yaw: float
@@ -179,7 +179,7 @@ class Neck:
             z,
         )
 
-    def head(self, arms: Sequence[float]) -> Head:
+    def head(self, arms: Sequence[float]) -> HeadDerivatives:
         """Return yaw and tilt with their derivatives by the arms; raises the errors of `forward`.
 
         Closure in rates: n_i . omega = n_iz * dt_i with n_i = v_i x w_i.
@@ -192,7 +192,7 @@ class Neck:
         for nz, (x, y, z) in zip(solution.linear.normal_z, solution.linear.inverse, strict=True):
             yaw_by.append(nz * (z - slope * (x * ax + y * ay)))
             up_by.append(nz * (x * hy - y * hx))
-        return Head(
+        return HeadDerivatives(
             solution.mean + math.atan2(ay, ax),
             up,
             (yaw_by[0], yaw_by[1], yaw_by[2]),

@@ -16,7 +16,7 @@ from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT, Range, Robot
 from beatrix_zenoh.contract.errors import QUOTED, BeatrixError, Refused, WrongUsage, quoted
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.motion.limits import TILT_KNOWN_BEYOND, Limits, known_tilt
+from beatrix_zenoh.motion.limits import TILT_KNOWN_BEYOND, MotionLimits, known_tilt
 from beatrix_zenoh.motion.rotation import leaning
 
 codec.prepare(RobotData)
@@ -163,7 +163,7 @@ def check_motions(robot: RobotData) -> None:
         neck = Neck(robot.geometry)
         snaps = snaps_at(neck, known_tilt(neck, math.radians(robot.limits.tilt_max)))
         if snaps is None:
-            limits = Limits(robot)
+            limits = MotionLimits(robot)
             speed = (limits.default_speed,) * 3
             for yaw, pitch, roll in near_home():
                 limits.check_motion(HOME, HOME, neck.inverse(yaw, pitch, roll), speed, straight=True)

@@ -26,9 +26,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract.names import OLD_PROGRAMS, TEACHER
-from beatrix_zenoh.node.known_sessions import KnownSessions
-from beatrix_zenoh.node.lease import NO_CALLER, Caller, Lease
-from beatrix_zenoh.node.pauses import Pauses
+from beatrix_zenoh.node.callers import NO_CALLER, Caller, KnownSessions, Pauses, RobotLease
 
 TEXT_SESSION = "text-port"
 """Used as the session of programs of 2023, which have no Zenoh session."""
@@ -118,7 +116,7 @@ class Access:
 
     def __init__(self) -> None:
         self.lock = threading.RLock()
-        self.lease, self._pauses = Lease(), Pauses()
+        self.lease, self._pauses = RobotLease(), Pauses()
         self.last_stop = LastStop()
         self.begun = 0
         """Counts each motion when it is authorised, and again when it begins: while it stays equal, none can begin."""

@@ -12,9 +12,8 @@ from beatrix_zenoh.contract._generated import messages as msg
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract._generated.serial import State, Telemetry, Text, TextWarning
 from beatrix_zenoh.node.access import Access
-from beatrix_zenoh.node.component import Component, StatusFields
-from beatrix_zenoh.node.hardware import HardwareInterface
-from beatrix_zenoh.node.request_queue import RequestQueue
+from beatrix_zenoh.node.interfaces import Component, HardwareInterface, StatusFields
+from beatrix_zenoh.node.requests import RequestQueue
 
 BOARD_READY_S = 1.7
 """Time (s) within which a board that was reset by opening its port sends telemetry."""

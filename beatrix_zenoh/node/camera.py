@@ -32,8 +32,8 @@ from beatrix_zenoh.bus import Publication, Sessions
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CameraStatus, EventKind, FrameHeader, Reason
-from beatrix_zenoh.node.component import StatusFields
 from beatrix_zenoh.node.context import Context
+from beatrix_zenoh.node.interfaces import StatusFields
 
 JPEG: Final = "image/jpeg"
 WINDOW_S: Final = 2.0
@@ -42,7 +42,7 @@ _SEQS: Final = 2**32
 
 
 @dataclass(frozen=True)
-class Frame:
+class CameraFrame:
     """One picture."""
 
     jpeg: bytes
@@ -65,7 +65,7 @@ class CameraPublisher:
         Args:
             context: context of the node.
             eye: `left` or `right`; of simulations also `outside`.
-            source: source of the pictures, as in `Frame`.
+            source: source of the pictures, as in `CameraFrame`.
             on_subscribed: called when `subscribed` may have changed; may run on Zenoh's thread, must return at once.
         """
         self._key = keys.camera(context.name, context.side, eye)
@@ -87,7 +87,7 @@ class CameraPublisher:
         """Whether a client subscribes; take pictures only while this is True."""
         return self._publication is not None and self._publication.subscribed
 
-    def publish(self, frame: Frame) -> None:
+    def publish(self, frame: CameraFrame) -> None:
         """Publish a picture, and report that the camera works."""
         if self._publication is None:
             return

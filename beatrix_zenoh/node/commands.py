@@ -1,12 +1,17 @@
-"""Command queries: ENABLE, CALIBRATE, HOME, RESET. STOP and EMERGENCY_STOP go to the stop handler."""
+"""Command queries: ENABLE, CALIBRATE, HOME, RESET. STOP and EMERGENCY_STOP go to the stop handler.
+
+Each command requests a change from the board and waits until the telemetry shows it.
+"""
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
+from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
 from beatrix_zenoh.contract import names, refusals
 from beatrix_zenoh.contract._generated import keys
@@ -19,14 +24,101 @@ from beatrix_zenoh.contract._generated.messages import (
     Source,
     Vector3,
 )
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.node import lifecycle, replies
+from beatrix_zenoh.contract._generated.serial import FrameType, State, Telemetry
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.access import Action
-from beatrix_zenoh.node.component import Component, StatusFields
 from beatrix_zenoh.node.context import Context
-from beatrix_zenoh.node.request_handle import RequestHandle, check_own_key, request_handle
-from beatrix_zenoh.node.request_queue import Task
+from beatrix_zenoh.node.interfaces import Component, HardwareInterface, StatusFields
+from beatrix_zenoh.node.planner import degrees
+from beatrix_zenoh.node.requests import RequestHandle, Task, check_own_key, request_handle
 from beatrix_zenoh.node.stop import FRAMES, StopHandler
+
+TELEMETRY_S = 1.0
+"""Longest wait until telemetry shows an acknowledged change; usually 10 ms, longer on a busy computer."""
+HOME_SHIFT_MAX = math.radians(15.0)
+"""Largest angle (rad) by which CALIBRATE may shift a known home, and with it the limits that protect the cables."""
+
+
+def switch_motors(board: Board, *, on: bool) -> str:
+    """Switch the motors on or off and return the new state as a sentence.
+
+    Raises:
+        Refused, NoAnswer: as `Board.request` and `wait_until_shown`.
+    """
+    board.enable(on=on)
+    wait_until_shown(board, lambda telemetry: bool(telemetry.state & State.ENABLED) == on)
+    if not on:
+        return "The motors are off, and home is no longer known."
+    if board.state & State.CALIBRATED:
+        return "The motors are on, and home is known."
+    return "The motors are on. If the head is upright, calibrate; otherwise disable and set it upright first."
+
+
+def calibrate(board: Board, hardware: HardwareInterface, arms: Arms) -> str:
+    """Declare the present position home and return the new state as a sentence; `arms`: angles from the old home (rad).
+
+    Raises:
+        Refused, NoAnswer: as `Board.request` and `wait_until_shown`; NOT_AT_REST, NOT_ENABLED, HOME_KNOWN.
+    """
+    board.check_connected()
+    state = board.state
+    if state & State.MOVING:
+        raise refusals.not_at_rest()
+    if not state & State.ENABLED:
+        raise refusals.not_enabled()
+    if state & State.CALIBRATED and max(map(abs, arms)) > HOME_SHIFT_MAX:
+        raise refusals.home_known(arms, HOME_SHIFT_MAX)
+    hardware.straighten()
+    board.request(FrameType.CALIBRATE)
+    # If home was known before, CALIBRATED is already set, and only the position 0 shows the change.
+    wait_until_shown(
+        board, lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position)
+    )
+    if state & State.CALIBRATED and any(arms):
+        return (
+            f"The present position is home now. Home was known already, and the arms were at {degrees(arms)} from it. "
+            "Limits count from home: if this was a mistake, disable, set the head upright, enable, calibrate."
+        )
+    return "The present position is home now."
+
+
+def reset(board: Board) -> str:
+    """Clear the emergency latch of the board and return the new state as a sentence.
+
+    Raises:
+        Refused, NoAnswer: as `Board.request`; EMERGENCY, the telemetry still shows the latch after TELEMETRY_S.
+    """
+    board.check_connected()
+    if not board.state & State.EMERGENCY:
+        return "EMERGENCY_STOP is not latched."
+    board.request(FrameType.RESET)
+    # Not `wait_until_shown`, which fails under the latch: telemetry from before RESET may still arrive and show it.
+    if not board.wait_for(lambda telemetry: not telemetry.state & State.EMERGENCY, TELEMETRY_S):
+        raise refusals.emergency_latched()
+    return "EMERGENCY_STOP is reset, and the motors are off. Set the head upright, enable, calibrate."
+
+
+def wait_until_shown(board: Board, holds: Callable[[Telemetry], bool]) -> None:
+    """Wait until later telemetry shows an acknowledged change (`holds`), so that the next request sees the new state.
+
+    Raises:
+        NoAnswer: BOARD_LOST, the telemetry does not show the change.
+        Refused: EMERGENCY, EMERGENCY_STOP was pressed meanwhile.
+    """
+    before = board.telemetry
+    if not board.wait_for(
+        lambda new: new is not before and (holds(new) or bool(new.state & State.EMERGENCY)), TELEMETRY_S
+    ):
+        raise NoAnswer(
+            Reason.BOARD_LOST,
+            "The board acknowledged the request, but its telemetry does not show the change. Try again.",
+        )
+    newest = board.telemetry
+    if newest is not None and not holds(newest) and newest.state & State.EMERGENCY:
+        raise refusals.emergency_latched()
+
 
 HOME: Final = MotionQuery(position=Vector3(0.0, 0.0, 0.0))
 
@@ -98,11 +190,11 @@ class CommandHandler(Component):
         access, now_s = self._context.access, time.monotonic()
         if command is Command.ENABLE:
             access.authorize(Action.ENABLE if query.value else Action.DISABLE, handle.caller, now_s)
-            return lifecycle.switch_motors(self._board, on=query.value)
+            return switch_motors(self._board, on=query.value)
         if command is Command.CALIBRATE:
             access.authorize(Action.CALIBRATE, handle.caller, now_s)
             self._context.controller.last_goal = None
-            text = lifecycle.calibrate(self._board, self._context.hardware, self._context.controller.arms())
+            text = calibrate(self._board, self._context.hardware, self._context.controller.arms())
             self.calibrations += 1
             return text
         access.authorize(Action.RESET, handle.caller, now_s)
@@ -113,7 +205,7 @@ class CommandHandler(Component):
         latched, teacher = access.latched, access.teacher.latch
         access.reset(received_s)
         try:
-            text = lifecycle.reset(self._board)
+            text = reset(self._board)
         except BeatrixError:
             if latched:
                 access.latch(time.monotonic(), teacher=teacher)

@@ -7,13 +7,11 @@ from typing import Protocol
 
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.board_watch import BoardWatch
-from beatrix_zenoh.node.component import Component
 from beatrix_zenoh.node.controller import MotionController
-from beatrix_zenoh.node.diagnostics import Diagnostics
-from beatrix_zenoh.node.events import EventLog
-from beatrix_zenoh.node.hardware import HardwareInterface
+from beatrix_zenoh.node.events import Diagnostics, NodeEvents
+from beatrix_zenoh.node.interfaces import Component, HardwareInterface
 from beatrix_zenoh.node.planner import Planner
-from beatrix_zenoh.node.request_queue import RequestQueue
+from beatrix_zenoh.node.requests import RequestQueue
 from beatrix_zenoh.node.snapshot import Snapshot
 
 
@@ -23,10 +21,10 @@ class Context:
 
     name: str
     side: str
-    hardware: Body
+    hardware: RobotBody
     planner: Planner
     access: Access
-    events: EventLog
+    events: NodeEvents
     diagnostics: Diagnostics
     queue: RequestQueue
     board_watch: BoardWatch
@@ -34,7 +32,7 @@ class Context:
     snapshot: Snapshot
 
 
-class Body(HardwareInterface, Protocol):
+class RobotBody(HardwareInterface, Protocol):
     """A robot with the components that only its kind has."""
 
     def components(self, context: Context) -> list[Component]:

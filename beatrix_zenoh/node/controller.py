@@ -14,8 +14,8 @@ from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.access import Access, Action
-from beatrix_zenoh.node.diagnostics import Diagnostics
-from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.callers import Caller
+from beatrix_zenoh.node.events import Diagnostics
 from beatrix_zenoh.node.planner import Goal, Planner
 from beatrix_zenoh.node.readiness import ready_telemetry
 

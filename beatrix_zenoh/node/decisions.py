@@ -14,8 +14,8 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
-from beatrix_zenoh.node.component import Component, StatusFields
 from beatrix_zenoh.node.context import Context
+from beatrix_zenoh.node.interfaces import Component, StatusFields
 
 LONGEST: Final = 64 * 1024
 """Largest size of the file (bytes)."""

@@ -1,4 +1,4 @@
-"""The event log of the robot: the newest events, for queries and the publisher; equal events of a flood are counted."""
+"""The events of the robot: the newest ones, for queries and the publisher; warnings, which the status also shows."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from typing import Final
 
 import msgspec
 
+from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import (
     Detail,
@@ -26,7 +27,8 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.contract.sentences.events import sentence
-from beatrix_zenoh.node.lease import NO_CALLER, Caller
+from beatrix_zenoh.node.callers import NO_CALLER, Caller
+from beatrix_zenoh.node.interfaces import Component
 
 KEPT: Final = 200
 """Number of newest events that the log keeps, for queries and for the publisher."""
@@ -51,7 +53,7 @@ class _Window:
     """the newest event not yet published, with the number of such events as `count`"""
 
 
-class EventLog:
+class NodeEvents:
     """The event log; any thread adds events, the publisher takes them, queries read the newest ones."""
 
     def __init__(self, monotonic_s: Callable[[], float] = time.monotonic) -> None:
@@ -151,3 +153,65 @@ def write(events: list[Event]) -> None:
             log.warning("%s", event.message)
         elif event.kind is not EventKind.LOG and log.isEnabledFor(logging.INFO):
             log.info("%s", sentence(event))
+
+
+SHOWN_S = 10.0
+LENGTH = 5
+RESTARTED = "The board was restarted, and home is not known. Set the head upright, enable, calibrate."
+
+
+class Diagnostics:
+    """The newest warnings; written on one thread, read on any."""
+
+    def __init__(self, events: NodeEvents, monotonic_s: Callable[[], float] = time.monotonic) -> None:
+        self._events, self._monotonic_s = events, monotonic_s
+        self._warnings: deque[tuple[float, str]] = deque(maxlen=LENGTH)
+        self._boot = 0
+        self._restarted = False
+
+    def warn(self, text: str, reason: Reason = Reason.OK) -> None:
+        """Record a sentence as an event and show it for SHOWN_S; a repetition replaces the earlier warning."""
+        others = [warning for warning in self._warnings if warning[1] != text]
+        self._warnings = deque([*others, (self._monotonic_s(), text)], maxlen=LENGTH)
+        self._events.add(EventKind.WARNING, reason=reason, message=text)
+
+    def follow_boot(self, boot: int, *, calibrated: bool) -> None:
+        """Compare the boot number with the last one; after a restart record an event and warn until calibration."""
+        restarted = bool(self._boot and boot != self._boot) and not calibrated
+        if restarted:
+            self._events.add(EventKind.BOARD, message=RESTARTED)
+        self._restarted = not calibrated and (self._restarted or restarted)
+        self._boot = boot
+
+    def warnings(self) -> list[str]:
+        """Return the warnings to show now."""
+        now_s = self._monotonic_s()
+        recent = [text for at_s, text in list(self._warnings) if now_s - at_s < SHOWN_S]
+        return [RESTARTED, *recent] if self._restarted else recent
+
+
+LOGGERS = ("beatrix_zenoh", "sim_node", "hw_node")
+
+
+class LogEvents(Component, logging.Handler):
+    """Adds each record of our loggers to the event log, except the records of the event log itself."""
+
+    def __init__(self, log: NodeEvents) -> None:
+        logging.Handler.__init__(self, logging.INFO)
+        self._events = log
+
+    def start(self, sessions: Sessions) -> None:  # noqa: ARG002
+        for name in LOGGERS:
+            logging.getLogger(name).addHandler(self)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Add a record; called by logging, on any thread."""
+        if record.name != log.name:
+            message = f"{record.name}: {record.getMessage()}"
+            self._events.add(EventKind.LOG, action=record.levelname, message=message)
+
+    def close(self) -> None:
+        """Remove the handler."""
+        for name in LOGGERS:
+            logging.getLogger(name).removeHandler(self)
+        logging.Handler.close(self)

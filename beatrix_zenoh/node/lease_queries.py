@@ -20,12 +20,11 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.node.access import Access, Action
-from beatrix_zenoh.node.component import Component, StatusFields
+from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.context import Context
-from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.interfaces import Component, StatusFields
 from beatrix_zenoh.node.replies import StopCause
-from beatrix_zenoh.node.request_handle import RequestHandle, check_own_key, request_handle
-from beatrix_zenoh.node.request_queue import Task
+from beatrix_zenoh.node.requests import RequestHandle, Task, check_own_key, request_handle
 
 GOVERNS: Final = (
     LeaseAction.FREEZE,
@@ -38,7 +37,7 @@ MUTED_MAX: Final = 256
 """Largest number of muted seats."""
 
 
-class Standing(NamedTuple):
+class LeaseState(NamedTuple):
     """The holder of the robot and the waiting seats."""
 
     holder: str
@@ -49,11 +48,11 @@ class Standing(NamedTuple):
     """seats, the next first"""
 
 
-def standing(access: Access, now_s: float) -> Standing:
+def standing(access: Access, now_s: float) -> LeaseState:
     """Return the holder of the robot and the waiting seats."""
     with access.lock:
         holder, number = access.lease.holder(now_s), access.lease.number(now_s)
-        return Standing(holder, number, tuple(access.lease.waiting()))
+        return LeaseState(holder, number, tuple(access.lease.waiting()))
 
 
 def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False) -> int:

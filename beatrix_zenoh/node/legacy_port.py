@@ -16,10 +16,10 @@ from beatrix_zenoh.contract.names import OLD_PROGRAMS
 from beatrix_zenoh.legacy import Cause, Effect, Terminal, TextPort
 from beatrix_zenoh.node.access import TEXT_SESSION, Action
 from beatrix_zenoh.node.board_watch import Observer
+from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.commands import CommandHandler
-from beatrix_zenoh.node.component import Component
 from beatrix_zenoh.node.context import Context
-from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.interfaces import Component
 from beatrix_zenoh.node.planner import vector
 from beatrix_zenoh.node.stop import StopHandler
 

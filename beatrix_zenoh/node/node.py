@@ -14,25 +14,21 @@ from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import FrameType
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.node.access import Access
-from beatrix_zenoh.node.arm_topics import ArmTopics
 from beatrix_zenoh.node.board_watch import BoardWatch, Observer
 from beatrix_zenoh.node.commands import CommandHandler
-from beatrix_zenoh.node.component import Component, StatusFields
-from beatrix_zenoh.node.context import Body, Context
+from beatrix_zenoh.node.context import Context, RobotBody
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.decisions import TeacherDecisions
-from beatrix_zenoh.node.diagnostics import Diagnostics
-from beatrix_zenoh.node.events import EventLog
+from beatrix_zenoh.node.events import Diagnostics, LogEvents, NodeEvents
+from beatrix_zenoh.node.interfaces import Component, StatusFields
 from beatrix_zenoh.node.lease_queries import LeaseHandler
 from beatrix_zenoh.node.legacy_port import LegacyPort
-from beatrix_zenoh.node.logs import LogEvents
-from beatrix_zenoh.node.motions import MotionHandler
+from beatrix_zenoh.node.motions import ArmTopics, MotionHandler
 from beatrix_zenoh.node.planner import Planner
-from beatrix_zenoh.node.presence import Presence, claim_name
-from beatrix_zenoh.node.publisher import Publisher
-from beatrix_zenoh.node.queries import StateQueries
-from beatrix_zenoh.node.request_queue import RequestQueue
+from beatrix_zenoh.node.presence import ClientWatch, claim_name
+from beatrix_zenoh.node.requests import RequestQueue
 from beatrix_zenoh.node.snapshot import Snapshot
+from beatrix_zenoh.node.state import Publisher, StateQueries
 from beatrix_zenoh.node.stop import StopHandler
 
 
@@ -55,7 +51,7 @@ def components(context: Context, terminal: Terminal | None, kept: Path | None) -
         ArmTopics(context),
         *context.hardware.components(context),
         *([] if terminal is None else [LegacyPort(context, stop, commands, terminal)]),
-        Presence(context),
+        ClientWatch(context),
     ]
 
 
@@ -96,7 +92,7 @@ class Node:
         self,
         sessions: Sessions,
         name: str,
-        hardware: Body,
+        hardware: RobotBody,
         robot: RobotData = ROBOT,
         terminal: Terminal | None = None,
         kept: Path | None = None,
@@ -148,9 +144,9 @@ class Node:
                 later.callback(component.close)
 
 
-def build_context(sessions: Sessions, name: str, hardware: Body, robot: RobotData) -> Context:
+def build_context(sessions: Sessions, name: str, hardware: RobotBody, robot: RobotData) -> Context:
     """Return the context of a node's components."""
-    planner, access, events, queue = Planner(robot), Access(), EventLog(), RequestQueue()
+    planner, access, events, queue = Planner(robot), Access(), NodeEvents(), RequestQueue()
     diagnostics = Diagnostics(events)
     board_watch = BoardWatch(hardware, access, queue)
     controller = MotionController(board_watch.board, planner, access, diagnostics)

@@ -24,7 +24,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.motion.limits import SLOWEST_LIMIT_DEG, Limits, with_alternative
+from beatrix_zenoh.motion.limits import SLOWEST_LIMIT_DEG, MotionLimits, with_alternative
 from beatrix_zenoh.motion.trajectory import Trajectory
 
 
@@ -68,7 +68,7 @@ class Planner:
         self.robot = robot
         self.gear = Gear(robot.drive)
         self.neck = Neck(robot.geometry)
-        self.limits = Limits(robot)
+        self.limits = MotionLimits(robot)
         half_deg = 180 / self.gear.steps_per_turn
         self._not_yet = (
             f" The arms do not turn yet, because the goal is less than half a microstep ({half_deg:.3f}°) away; the next "
@@ -96,7 +96,7 @@ class Planner:
         speed = math.radians(round(math.degrees(speed), 3))
         speed_max = math.degrees(speed) if speed else own.speed_max
         limits = structs.replace(own, speed_max=speed_max, speed_default=min(own.speed_default, speed_max))
-        self.limits = Limits(structs.replace(self.robot, limits=limits))
+        self.limits = MotionLimits(structs.replace(self.robot, limits=limits))
         self.speed_limit = speed
 
     def exceeds_limit(self, goal: Goal) -> bool:

@@ -8,13 +8,12 @@ from beatrix_zenoh.bus import Bus, Sessions, SessionWatchdog
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
-from beatrix_zenoh.node.component import Component
+from beatrix_zenoh.node.callers import RETURN_S, SETTLE_S, Caller
 from beatrix_zenoh.node.context import Context
-from beatrix_zenoh.node.known_sessions import RETURN_S, SETTLE_S
-from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.interfaces import Component
 
 
-class Presence(Component):
+class ClientWatch(Component):
     """Declares the robot's token, watches the tokens of clients and the router, and runs the session watchdog."""
 
     def __init__(self, context: Context) -> None:

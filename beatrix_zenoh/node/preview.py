@@ -15,12 +15,11 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Head, PreviewReply, Reason
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight
 from beatrix_zenoh.contract.errors import BeatrixError
-from beatrix_zenoh.node.component import Component
 from beatrix_zenoh.node.context import Context
-from beatrix_zenoh.node.hardware import PREVIEW_MAX_S, Preview
+from beatrix_zenoh.node.interfaces import PREVIEW_MAX_S, Component, Preview
 from beatrix_zenoh.node.planner import vector
 from beatrix_zenoh.node.readiness import ready_telemetry
-from beatrix_zenoh.node.request_handle import RequestHandle, request_handle
+from beatrix_zenoh.node.requests import RequestHandle, request_handle
 
 CAPACITY: Final = 8
 """Largest number of waiting previews; further ones are refused."""

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from importlib import metadata
 
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.board.state import NO_TELEMETRY, Sample
+from beatrix_zenoh.board.state import NO_TELEMETRY, TelemetrySample
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated import messages as msg
 from beatrix_zenoh.contract._generated.messages import Head, Info, Positions, Status, Steps
@@ -18,11 +18,10 @@ from beatrix_zenoh.contract._generated.robot import Geometry
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.robot_file import fingerprint
-from beatrix_zenoh.node.component import Component, StatusFields
-from beatrix_zenoh.node.hardware import HardwareInterface
+from beatrix_zenoh.node.interfaces import Component, HardwareInterface, StatusFields
 from beatrix_zenoh.node.planner import Planner, vector
 
-NO_SAMPLE = Sample(NO_TELEMETRY, 0)
+NO_SAMPLE = TelemetrySample(NO_TELEMETRY, 0)
 _SEQS = 2**32
 
 

@@ -26,12 +26,12 @@ from beatrix_zenoh.contract._generated.serial import FrameType, State
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.board_watch import Observer
-from beatrix_zenoh.node.component import Component
+from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.context import Context
 from beatrix_zenoh.node.controller import MotionController
-from beatrix_zenoh.node.events import EventLog
-from beatrix_zenoh.node.lease import Caller
-from beatrix_zenoh.node.request_handle import RequestHandle, request_handle, seat_of
+from beatrix_zenoh.node.events import NodeEvents
+from beatrix_zenoh.node.interfaces import Component
+from beatrix_zenoh.node.requests import RequestHandle, request_handle, seat_of
 
 FRAMES: Final = {
     Command.EMERGENCY_STOP: FrameType.EMERGENCY_STOP,
@@ -119,7 +119,7 @@ class StopHandler(Component):
             events = self._events(caller, "put")
             self.press(Command.STOP, RequestHandle(caller, Command.STOP.name, events, kind=EventKind.STOP))
 
-    def _events(self, caller: Caller, form: str) -> EventLog | None:
+    def _events(self, caller: Caller, form: str) -> NodeEvents | None:
         """Return the event log for a press of STOP; None if its other form (put or query) was recorded just before."""
         now_s = time.monotonic()
         with self._changed:

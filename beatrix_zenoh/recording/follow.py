@@ -24,7 +24,7 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
-from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.recording.path import ArmPath
 from beatrix_zenoh.recording.series import Floats
 
@@ -109,7 +109,7 @@ def follow(path: ArmPath, robot: RobotData) -> Following:
         WrongUsage: the path is too long.
     """
     path.check_length()
-    limits = Limits(robot)
+    limits = MotionLimits(robot)
     for t, arms in zip(path.t, path.arms, strict=True):
         with _placing(path, float(t)):
             limits.check_pose([math.radians(angle) for angle in arms])
@@ -131,7 +131,7 @@ class OffThePath(Exception):
         self.deg, self.t = deg, t
 
 
-def planned(path: ArmPath, limits: Limits) -> tuple[list[Target], Floats]:
+def planned(path: ArmPath, limits: MotionLimits) -> tuple[list[Target], Floats]:
     """Return the targets, and the planned arm angles as in `Following.planned`.
 
     Raises:
@@ -164,7 +164,9 @@ def planned(path: ArmPath, limits: Limits) -> tuple[list[Target], Floats]:
     return targets, np.array(way, dtype=np.float64)
 
 
-def _aim(coming: Floats, position: Arms, velocity: Arms, limits: Limits) -> tuple[list[float], list[float]]:
+def _aim(
+    coming: Floats, position: Arms, velocity: Arms, limits: MotionLimits
+) -> tuple[list[float], list[float]]:
     """Return goal (deg) and speed (deg/s) of each arm; `coming`: the next part of the path (deg) in steps of STEP_S."""
     slowest, fastest = math.degrees(limits.speed_min), math.degrees(limits.speed_max)
     look = round(LOOK_S / STEP_S)
@@ -210,7 +212,7 @@ def furthest(coming: Floats, sign: float, enough: float) -> float:
     return sign * float(peak[ends[0] if len(ends) else -1])
 
 
-def too_fast(path: ArmPath, limits: Limits, off: OffThePath) -> str:
+def too_fast(path: ArmPath, limits: MotionLimits, off: OffThePath) -> str:
     """Return the message for a path that is too fast."""
     return (
         f"{path.where(off.t)}: the path is too fast. The arms would deviate by {off.deg:.1f}° from the path; "
@@ -219,7 +221,7 @@ def too_fast(path: ArmPath, limits: Limits, off: OffThePath) -> str:
     )
 
 
-def advice(path: ArmPath, limits: Limits) -> str:
+def advice(path: ArmPath, limits: MotionLimits) -> str:
     """Return the advice for a path that is too fast, with the largest factor of SLOWER that works."""
     for factor in SLOWER:
         with suppress(OffThePath, BeatrixError):

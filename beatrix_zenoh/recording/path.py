@@ -14,7 +14,7 @@ from beatrix_zenoh.client.queries import DAY_S, checked_factor
 from beatrix_zenoh.client.readings import HeadAngles
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
-from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.recording.series import REST_DEG, Floats, Recording
 
 POINT_S = 0.05
@@ -130,7 +130,7 @@ class ArmPath:
         return slopes
 
 
-def path_of(read: MotionFile, limits: Limits) -> ArmPath:
+def path_of(read: MotionFile, limits: MotionLimits) -> ArmPath:
     """Return the path of a motion file, for a robot with these limits.
 
     Raises:
@@ -160,7 +160,7 @@ def path_of(read: MotionFile, limits: Limits) -> ArmPath:
     return ArmPath(read.source, t - t[0], arms, lines, begin_s=points[0].t)
 
 
-def arms_at(source: str, point: Point, limits: Limits) -> tuple[float, float, float]:
+def arms_at(source: str, point: Point, limits: MotionLimits) -> tuple[float, float, float]:
     """Return the arm angles (deg) of a point; raises Refused, which names the line, if the point is out of reach."""
     try:
         return arms_of(point.place, limits)
@@ -169,7 +169,7 @@ def arms_at(source: str, point: Point, limits: Limits) -> tuple[float, float, fl
         raise type(error)(error.reason, f"{where}: {error.message}", error.detail) from error
 
 
-def arms_of(place: Place, limits: Limits) -> tuple[float, float, float]:
+def arms_of(place: Place, limits: MotionLimits) -> tuple[float, float, float]:
     """Return the arm angles (deg) for angles of head or arms (deg); raises Refused if the head may not tilt so far."""
     if not isinstance(place, HeadAngles):
         return place

@@ -10,7 +10,7 @@ from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import Frame
+from beatrix_zenoh.node import CameraFrame
 from hw_node.cameras import jpeg
 from hw_node.cameras.source import HZ, FrameTimer
 
@@ -69,7 +69,7 @@ class Files:
         self._pictures, hz = avi(self._video)
         return hz
 
-    def next(self, timeout_s: float) -> Frame | None:
+    def next(self, timeout_s: float) -> CameraFrame | None:
         """Wait for the next picture and return it; None if it is due after `timeout_s`."""
         if not self._timer.wait(timeout_s):
             return None
@@ -80,7 +80,7 @@ class Files:
             width, height = jpeg.size(picture)
         except (OSError, ValueError) as error:
             raise self._unreadable(f"{one if isinstance(one, Path) else 'a picture'}: {error}") from error
-        return Frame(picture, width, height, time.monotonic_ns(), self.name)
+        return CameraFrame(picture, width, height, time.monotonic_ns(), self.name)
 
     def _read(self, one: Path | Range) -> bytes:
         if isinstance(one, Path):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import Frame
+from beatrix_zenoh.node import CameraFrame
 from hw_node.cameras.source import HEIGHT, HZ, WIDTH
 
 Pixels = NDArray[np.uint8]
@@ -85,7 +85,7 @@ class UsbCamera:
         if not self._reader.begun.wait(OPEN_S):
             raise self._stuck()
 
-    def next(self, timeout_s: float) -> Frame | None:
+    def next(self, timeout_s: float) -> CameraFrame | None:
         """Return the next picture; None if none arrives within `timeout_s`.
 
         Its time is that of its arrival, because OpenCV does not report the time of exposure.
@@ -101,7 +101,7 @@ class UsbCamera:
         pixels, t_mono_ns = taken
         jpeg = simplejpeg.encode_jpeg(pixels, quality=QUALITY, colorspace="BGR", colorsubsampling="420")
         height, width = pixels.shape[:2]
-        return Frame(jpeg, width, height, t_mono_ns, self.name)
+        return CameraFrame(jpeg, width, height, t_mono_ns, self.name)
 
     def close(self) -> None:
         """Release the camera; if its driver blocks, this happens later, and `open` fails until then."""

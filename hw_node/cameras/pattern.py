@@ -10,7 +10,7 @@ import simplejpeg
 from numpy.typing import NDArray
 
 from beatrix_zenoh.lettering import cells
-from beatrix_zenoh.node import Frame
+from beatrix_zenoh.node import CameraFrame
 from hw_node.cameras.source import HEIGHT, HZ, WIDTH, FrameTimer
 
 Pixels = NDArray[np.uint8]
@@ -73,7 +73,7 @@ class Pattern:
         """Restart the timer."""
         self._timer = FrameTimer(HZ)
 
-    def next(self, timeout_s: float) -> Frame | None:
+    def next(self, timeout_s: float) -> CameraFrame | None:
         """Wait for the next picture and return it; None if it is due after `timeout_s`."""
         if not self._timer.wait(timeout_s):
             return None
@@ -81,7 +81,7 @@ class Pattern:
         t_mono_ns = time.monotonic_ns()
         self._draw(t_mono_ns)
         jpeg = simplejpeg.encode_jpeg(self._image, quality=QUALITY, colorspace="RGB", colorsubsampling="420")
-        return Frame(jpeg, WIDTH, HEIGHT, t_mono_ns, self.name)
+        return CameraFrame(jpeg, WIDTH, HEIGHT, t_mono_ns, self.name)
 
     def close(self) -> None:
         """Do nothing: there are no resources to free."""

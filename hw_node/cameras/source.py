@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import Protocol
 
-from beatrix_zenoh.node import Frame
+from beatrix_zenoh.node import CameraFrame
 
 WIDTH, HEIGHT, HZ = 640, 480, 30
 """Format requested from cameras: pixels, and pictures a second."""
@@ -19,7 +19,7 @@ class FrameSource(Protocol):
 
     @property
     def name(self) -> str:
-        """Kind of source, as in `Frame.source`."""
+        """Kind of source, as in `CameraFrame.source`."""
 
     def trouble(self) -> str:
         """Return why there can be no picture now, empty if no reason is known; quick, and does not open the source."""
@@ -27,7 +27,7 @@ class FrameSource(Protocol):
     def open(self) -> None:
         """Start taking pictures."""
 
-    def next(self, timeout_s: float) -> Frame | None:
+    def next(self, timeout_s: float) -> CameraFrame | None:
         """Wait for the next picture and return it; None if none arrives within `timeout_s`."""
 
     def close(self) -> None:

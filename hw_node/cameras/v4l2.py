@@ -13,7 +13,7 @@ from linuxpy.video import device as v4l2
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import Frame
+from beatrix_zenoh.node import CameraFrame
 from hw_node.cameras import jpeg
 from hw_node.cameras.source import HEIGHT, HZ, WIDTH
 
@@ -75,7 +75,7 @@ class UsbCamera:
         self._capture.set_fps(hz)
         self._capture.open()
 
-    def next(self, timeout_s: float) -> Frame | None:
+    def next(self, timeout_s: float) -> CameraFrame | None:
         """Return the next picture with the time of its exposure; None if it is damaged or does not arrive in time."""
         if self._device is None or self._capture is None:
             return None
@@ -122,13 +122,13 @@ class UsbCamera:
         return f"{self._path} cannot be read ({said})."
 
 
-def to_frame(one: v4l2.Frame) -> Frame:
+def to_frame(one: v4l2.Frame) -> CameraFrame:
     """Return the picture as a JPEG file; raises ValueError if it is damaged."""
     if v4l2.BufferFlag.ERROR in one.flags:
         raise ValueError("the camera has marked it as damaged")
     picture = jpeg.complete(bytes(one.data))
     width, height = jpeg.size(picture)
-    return Frame(picture, width, height, exposed_ns(one), UsbCamera.name)
+    return CameraFrame(picture, width, height, exposed_ns(one), UsbCamera.name)
 
 
 def exposed_ns(one: v4l2.Frame) -> int:

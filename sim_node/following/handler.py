@@ -14,10 +14,9 @@ from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.motion.robot_file import fingerprint
 from beatrix_zenoh.node import Component, Context, StatusFields, replies
 from beatrix_zenoh.node.access import Action
-from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.readiness import ready_telemetry
-from beatrix_zenoh.node.request_handle import RequestHandle, check_own_key, request_handle
-from beatrix_zenoh.node.request_queue import Task
+from beatrix_zenoh.node.requests import RequestHandle, Task, check_own_key, request_handle
 from sim_node.following.arms import OwnArms, follows
 from sim_node.following.follower import NO_STATUS, Follower, Sample
 from sim_node.following.hardware import HardwareMessages

@@ -15,7 +15,7 @@ from beatrix_zenoh import Robot, Subscription
 from beatrix_zenoh.client import Client, lease
 from beatrix_zenoh.contract._generated.messages import Status
 from beatrix_zenoh.contract.errors import BeatrixError
-from beatrix_zenoh.node.known_sessions import RETURN_S
+from beatrix_zenoh.node.callers import RETURN_S
 from beatrix_zenoh.settings import Settings
 
 

@@ -18,7 +18,7 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, PoseQuery, Positions, Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Gear
-from beatrix_zenoh.node.lease import QUIET_S
+from beatrix_zenoh.node.callers import QUIET_S
 
 pytestmark = pytest.mark.bodies("sim", "in-process")  # no mega: the node alone decides about access
 FLOOD_S = 40.0

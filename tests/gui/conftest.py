@@ -16,7 +16,7 @@ from robots import Stage, ready, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import EventKind
-from beatrix_zenoh.node.lease import QUIET_S
+from beatrix_zenoh.node.callers import QUIET_S
 from gui.console.state.intents import Intent
 from gui.console.state.saved import Saved
 from gui.window.window import Window

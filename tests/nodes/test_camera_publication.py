@@ -18,7 +18,7 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.node import CameraPublisher, Component, Context, Frame, Node, StatusFields
+from beatrix_zenoh.node import CameraFrame, CameraPublisher, Component, Context, Node, StatusFields
 from hw_node.body import VirtualHardware
 
 PERIOD_S = 0.02
@@ -58,7 +58,7 @@ class Eyes(Component):
             subscribed = [name for name, eye in self.eyes.items() if eye.subscribed]
             for name in subscribed:
                 self.taken[name] += 1
-                self.eyes[name].publish(Frame(PICTURE, 640, 480, time.monotonic_ns(), "test"))
+                self.eyes[name].publish(CameraFrame(PICTURE, 640, 480, time.monotonic_ns(), "test"))
             self._wake.wait(PERIOD_S if subscribed else 10.0)
             self._wake.clear()
 

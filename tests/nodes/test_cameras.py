@@ -15,7 +15,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import Component, Context, Frame, Node
+from beatrix_zenoh.node import CameraFrame, Component, Context, Node
 from hw_node.body import VirtualHardware
 from hw_node.cameras import Camera, camera
 
@@ -38,14 +38,14 @@ class FakeSource:
     def open(self) -> None:
         self.opened += 1
 
-    def next(self, timeout_s: float) -> Frame | None:
+    def next(self, timeout_s: float) -> CameraFrame | None:
         try:
             error = self.feed.get(timeout=timeout_s)
         except queue.Empty:
             return None
         if error is not None:
             raise error
-        return Frame(PICTURE, 4, 3, time.monotonic_ns(), self.name)
+        return CameraFrame(PICTURE, 4, 3, time.monotonic_ns(), self.name)
 
     def close(self) -> None:
         self.closed += 1

@@ -16,7 +16,7 @@ from robots import Stage, free_endpoint, ready, until
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.node import Node
-from beatrix_zenoh.node.lease import QUIET_S
+from beatrix_zenoh.node.callers import QUIET_S
 from hw_node.body import VirtualHardware
 
 GET = """

@@ -12,7 +12,7 @@ from robots import Stage, until
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Bus, Incoming, Received
-from beatrix_zenoh.bus.newest import WAITING
+from beatrix_zenoh.bus.incoming import WAITING
 from beatrix_zenoh.contract import codec
 
 KEY = "beatrix/bea/sim/stop/ana"

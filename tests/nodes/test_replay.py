@@ -19,7 +19,7 @@ from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Positions, Source, Steps
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.follow import Following, follow
 from beatrix_zenoh.recording.path import STILL_S, path_of
@@ -62,7 +62,7 @@ def replay(
 
 def following(text: str) -> Following:
     """Return the targets that follow the path of a motion file."""
-    return follow(path_of(motion_file.parse(text, "nod.csv"), Limits()), ROBOT)
+    return follow(path_of(motion_file.parse(text, "nod.csv"), MotionLimits()), ROBOT)
 
 
 def steps(robot: Robot) -> Steps:
@@ -146,7 +146,7 @@ def test_a_recorded_motion_file_is_replayed(stage: Stage, twin: Twin, tmp_path: 
     assert recorded.points[0].t == 0
     assert recorded.points[1].t <= STILL_S, "the rest before the motion is left out"
     assert max(point.place[0] for point in recorded.points) == pytest.approx(20, abs=0.2)
-    played = follow(path_of(recorded, Limits()), ROBOT)
+    played = follow(path_of(recorded, MotionLimits()), ROBOT)
     sim, _ = recorded_during(stage, played.duration_s + 3.0, lambda: replay(twin.sim, played))
     check_path(sim, played)
 

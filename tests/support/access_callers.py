@@ -8,7 +8,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import OLD_PROGRAMS, TEACHER
 from beatrix_zenoh.node.access import TEXT_SESSION, Access, Action
-from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.callers import Caller
 
 ANA: Final = Caller("ana", "a1")
 ANA_AGAIN: Final = Caller("ana", "a2")

@@ -8,7 +8,7 @@ import struct
 from pathlib import Path
 from typing import Protocol
 
-from beatrix_zenoh.board.link import Decoder, Frame, encode
+from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract._generated.serial import (
@@ -97,7 +97,7 @@ class Rig:
     def __init__(self, core: Core | None = None) -> None:
         self.core = core or Firmware()
         self.telemetry: list[Telemetry] = []
-        self.others: list[Frame] = []
+        self.others: list[SerialFrame] = []
         self._decoder = Decoder()
         self._seq = 0
         self.motion = 0
@@ -137,7 +137,7 @@ class Rig:
         move = MoveStraight(self.motion, target, speeds[0]) if straight else Move(self.motion, target, speeds)
         return self.ask(move.kind, move.pack())
 
-    def raw(self, data: bytes) -> list[Frame]:
+    def raw(self, data: bytes) -> list[SerialFrame]:
         """Send bytes unchanged; return all received frames but telemetry."""
         self.others.clear()
         self.core.receive(data)

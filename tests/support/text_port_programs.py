@@ -9,7 +9,7 @@ from typing import Final
 
 from firmware_host import Core, Steps
 
-from beatrix_zenoh.board.link import Decoder, Frame, encode
+from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import (
     FrameType,
@@ -43,7 +43,7 @@ class Program:
         self.flags: list[int] = []
         self.warnings: list[WarningCode] = []
         self.telemetry: list[Telemetry] = []
-        self.others: list[Frame] = []
+        self.others: list[SerialFrame] = []
         self._decoder = Decoder()
         self._rest = b""
         self._read = 0

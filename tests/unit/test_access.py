@@ -9,8 +9,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Action
-from beatrix_zenoh.node.known_sessions import ENDED_SESSIONS
-from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.callers import ENDED_SESSIONS, Caller
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from access_callers import ANA, BEN, BOSS, OLD, begin_motion, finish_motion, ref
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Action
-from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.callers import Caller
 from sim_node.following.arms import follows
 
 

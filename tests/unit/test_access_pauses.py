@@ -20,8 +20,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Action
-from beatrix_zenoh.node.lease import NO_CALLER, QUIET_S, Caller
-from beatrix_zenoh.node.pauses import LOOP_S, QUIET_OLD_PROGRAM_S
+from beatrix_zenoh.node.callers import LOOP_S, NO_CALLER, QUIET_OLD_PROGRAM_S, QUIET_S, Caller
 
 
 @pytest.fixture

@@ -7,15 +7,14 @@ from access_callers import ANA, BEN, CLEO, begin_motion, refusal
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.node.access import Access, Action
-from beatrix_zenoh.node.known_sessions import RETURN_S, SETTLE_S
-from beatrix_zenoh.node.lease import IDLE_S
-from beatrix_zenoh.node.lease_queries import Standing, standing, take
+from beatrix_zenoh.node.callers import IDLE_S, RETURN_S, SETTLE_S
+from beatrix_zenoh.node.lease_queries import LeaseState, standing, take
 
 LOST_S, BACK_S = 10.0, 20.0
 NOTICED_S = 0.001
 """Time from the disappearance of the tokens to the notice of the lost router."""
 GIVEN_UP_S = BACK_S + RETURN_S
-BEFORE = Standing("ana", 1, ("ben", "cleo"))
+BEFORE = LeaseState("ana", 1, ("ben", "cleo"))
 
 
 @pytest.fixture
@@ -64,7 +63,7 @@ def test_a_session_that_does_not_return_keeps_its_lease_for_return_s(access: Acc
     assert standing(access, just_before_s) == BEFORE
     assert refusal(access, CLEO, just_before_s) is Reason.NOT_HOLDER
     access.give_up_sessions(GIVEN_UP_S)
-    assert standing(access, GIVEN_UP_S) == Standing("cleo", 2, ())
+    assert standing(access, GIVEN_UP_S) == LeaseState("cleo", 2, ())
     assert refusal(access, ANA, GIVEN_UP_S) is Reason.CLIENT_LOST
 
 
@@ -82,7 +81,7 @@ def test_a_second_loss_restarts_the_time(access: Access) -> None:
     access.give_up_sessions(BACK_S + 5)
     assert standing(access, BACK_S + 5) == BEFORE
     access.give_up_sessions(BACK_S + 5 + RETURN_S)
-    assert standing(access, BACK_S + 5 + RETURN_S) == Standing("", 0, ())
+    assert standing(access, BACK_S + 5 + RETURN_S) == LeaseState("", 0, ())
 
 
 def test_the_holder_is_not_idle_while_it_cannot_send_requests(access: Access) -> None:
@@ -96,7 +95,7 @@ def test_the_holder_is_not_idle_while_it_cannot_send_requests(access: Access) ->
 def test_a_seat_that_is_disconnected_after_the_return_loses_its_lease_as_usual(access: Access) -> None:
     return_of(access, ANA, BEN, CLEO).session_changed(ANA, BACK_S + 1, alive=False)
     access.give_up_sessions(BACK_S + 1 + SETTLE_S)
-    assert standing(access, BACK_S + 1 + SETTLE_S) == Standing("ben", 2, ("cleo",))
+    assert standing(access, BACK_S + 1 + SETTLE_S) == LeaseState("ben", 2, ("cleo",))
 
 
 def test_a_notice_before_the_tokens_is_enough() -> None:
@@ -105,4 +104,4 @@ def test_a_notice_before_the_tokens_is_enough() -> None:
     access.router_changed(LOST_S, connected=False)
     access.session_changed(ANA, LOST_S + NOTICED_S, alive=False)
     access.give_up_sessions(LOST_S + 1)
-    assert standing(access, LOST_S + 1) == Standing("ana", 1, ())
+    assert standing(access, LOST_S + 1) == LeaseState("ana", 1, ())

@@ -8,7 +8,7 @@ from access_callers import ANA, ANA_AGAIN, BEN, BOSS, begin_motion, refusal
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node.access import Access, Action
-from beatrix_zenoh.node.lease import Caller
+from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.lease_queries import end_turn, mute, unmute
 
 

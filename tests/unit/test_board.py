@@ -12,9 +12,9 @@ from robots import until
 
 from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.board.handshake import LOADER_S
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.state import not_connected
+from beatrix_zenoh.board.timing import LOADER_S
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import (

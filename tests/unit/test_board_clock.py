@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from beatrix_zenoh.board.board_clock import BoardClock
+from beatrix_zenoh.board.timing import BoardClock
 
 MS = 1_000_000
 PERIOD_MS = 10

@@ -20,7 +20,7 @@ from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.recording.choreography_check import check_choreography
 
 REST: Arms = (0.0, 0.0, 0.0)
@@ -28,7 +28,7 @@ REST: Arms = (0.0, 0.0, 0.0)
 
 def durations(played: Choreography) -> list[float]:
     """Return the duration (s) of each motion; raises Refused for a motion that is not allowed."""
-    neck, limits, here = Neck(), Limits(), REST
+    neck, limits, here = Neck(), MotionLimits(), REST
     found = []
     for _, pose in played.steps:
         assert isinstance(pose, Pose)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from beatrix_zenoh.contract._generated.messages import EventKind
-from beatrix_zenoh.node.diagnostics import RESTARTED, SHOWN_S, Diagnostics
-from beatrix_zenoh.node.events import EventLog
+from beatrix_zenoh.node.events import RESTARTED, SHOWN_S, Diagnostics, NodeEvents
 
 
-def diagnostics(now_s: Callable[[], float] = lambda: 0.0) -> tuple[Diagnostics, EventLog]:
-    events = EventLog()
+def diagnostics(now_s: Callable[[], float] = lambda: 0.0) -> tuple[Diagnostics, NodeEvents]:
+    events = NodeEvents()
     return Diagnostics(events, now_s), events
 
 

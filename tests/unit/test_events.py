@@ -7,9 +7,9 @@ import pytest
 from statuses import BOARD, READY
 
 from beatrix_zenoh.contract._generated.messages import EventKind, Fault, Phase
-from beatrix_zenoh.node.events import BURST, KEPT, WINDOW_S, EventLog
-from beatrix_zenoh.node.lease import Caller
-from beatrix_zenoh.node.publisher import StatusEvents
+from beatrix_zenoh.node.callers import Caller
+from beatrix_zenoh.node.events import BURST, KEPT, WINDOW_S, NodeEvents
+from beatrix_zenoh.node.state import StatusEvents
 
 ANA = Caller("ana", "s1")
 
@@ -30,22 +30,22 @@ def clock() -> Clock:
 
 
 @pytest.fixture
-def log(clock: Clock) -> EventLog:
-    return EventLog(clock)
+def log(clock: Clock) -> NodeEvents:
+    return NodeEvents(clock)
 
 
-def add(log: EventLog, message: str, seat: Caller = ANA) -> None:
+def add(log: NodeEvents, message: str, seat: Caller = ANA) -> None:
     log.add(EventKind.MOTION, action="pose", caller=seat, phase=Phase.ACCEPTED, message=message)
 
 
-def test_events_are_numbered_and_published_once(log: EventLog) -> None:
+def test_events_are_numbered_and_published_once(log: NodeEvents) -> None:
     add(log, "one")
     add(log, "two")
     assert [(event.seq, event.message) for event in log.take()] == [(1, "one"), (2, "two")]
     assert log.take() == []
 
 
-def test_latest_returns_the_newest_events(log: EventLog, clock: Clock) -> None:
+def test_latest_returns_the_newest_events(log: NodeEvents, clock: Clock) -> None:
     for number in range(KEPT + 50):
         clock.now_s += WINDOW_S
         add(log, str(number))
@@ -54,7 +54,7 @@ def test_latest_returns_the_newest_events(log: EventLog, clock: Clock) -> None:
     assert (latest[0].message, latest[-1].message) == ("50", str(KEPT + 49))
 
 
-def test_a_flood_is_counted_and_its_count_is_published(log: EventLog, clock: Clock) -> None:
+def test_a_flood_is_counted_and_its_count_is_published(log: NodeEvents, clock: Clock) -> None:
     for number in range(1000):
         add(log, str(number))
     assert len(log.take()) == BURST
@@ -64,7 +64,7 @@ def test_a_flood_is_counted_and_its_count_is_published(log: EventLog, clock: Clo
     assert log.take() == []
 
 
-def test_every_event_of_a_long_flood_is_counted_once(log: EventLog, clock: Clock) -> None:
+def test_every_event_of_a_long_flood_is_counted_once(log: NodeEvents, clock: Clock) -> None:
     counted = 0
     for _ in range(5000):
         add(log, "x")
@@ -75,14 +75,14 @@ def test_every_event_of_a_long_flood_is_counted_once(log: EventLog, clock: Clock
     assert counted == 5000
 
 
-def test_a_flood_of_one_seat_does_not_hide_events_of_another(log: EventLog) -> None:
+def test_a_flood_of_one_seat_does_not_hide_events_of_another(log: NodeEvents) -> None:
     for _ in range(100):
         add(log, "flood")
     add(log, "alone", Caller("ben", "s2"))
     assert log.take()[-1].message == "alone"
 
 
-def test_windows_of_inactive_seats_are_deleted(log: EventLog, clock: Clock) -> None:
+def test_windows_of_inactive_seats_are_deleted(log: NodeEvents, clock: Clock) -> None:
     for number in range(100):
         add(log, "x", Caller(f"seat{number}", ""))
     for _ in range(3):
@@ -91,7 +91,7 @@ def test_windows_of_inactive_seats_are_deleted(log: EventLog, clock: Clock) -> N
     assert not log._windows
 
 
-def test_a_new_holder_and_a_lost_board_are_events(log: EventLog) -> None:
+def test_a_new_holder_and_a_lost_board_are_events(log: NodeEvents) -> None:
     changes = StatusEvents(log)
     lost = msgspec.structs.replace(
         READY,

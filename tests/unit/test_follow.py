@@ -17,7 +17,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Arms
-from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.follow import LEAD_IN_S, STEP_S, Following, follow
 from beatrix_zenoh.recording.path import ArmPath, path_of, path_of_recording
@@ -27,7 +27,7 @@ from beatrix_zenoh.recording.series import Floats, Recording
 REST: Arms = (0.0, 0.0, 0.0)
 HEADER = "# mine\nt_s,yaw_deg,pitch_deg,roll_deg\n"
 ANGLES = st.floats(-400, 400)
-LIMITS = Limits()
+LIMITS = MotionLimits()
 
 
 def path(text: str) -> ArmPath:

@@ -13,7 +13,7 @@ from access_callers import ANA
 from msgspec.structs import replace
 from statuses import READY
 
-from beatrix_zenoh.board.state import NO_TELEMETRY, Link, Sample
+from beatrix_zenoh.board.state import NO_TELEMETRY, BoardLink, TelemetrySample
 from beatrix_zenoh.bus import Received, Sessions
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -23,10 +23,9 @@ from beatrix_zenoh.contract._generated.serial import FrameType, Move, MoveStraig
 from beatrix_zenoh.node import Context, StatusFields
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.controller import MotionController
-from beatrix_zenoh.node.diagnostics import Diagnostics
-from beatrix_zenoh.node.events import EventLog
+from beatrix_zenoh.node.events import Diagnostics, NodeEvents
 from beatrix_zenoh.node.planner import Planner, vector
-from beatrix_zenoh.node.request_queue import Task
+from beatrix_zenoh.node.requests import Task
 from sim_node.following import follower
 from sim_node.following.handler import FollowHandler
 
@@ -45,16 +44,16 @@ class FakeBoard:
         self._telemetry = NO_TELEMETRY._replace(state=State.ENABLED | State.CALIBRATED)
 
     @property
-    def link(self) -> Link:
+    def link(self) -> BoardLink:
         self.reached()
-        return Link(
+        return BoardLink(
             "", connected=True, trouble="", hello=None, rejected=0, overflowed=0, retries=0, reset=False
         )
 
     @property
-    def sample(self) -> Sample:
+    def sample(self) -> TelemetrySample:
         self.reached()
-        return Sample(self._telemetry, time.monotonic_ns())
+        return TelemetrySample(self._telemetry, time.monotonic_ns())
 
     @property
     def telemetry(self) -> object:
@@ -102,7 +101,7 @@ class Following:
 
     def __init__(self) -> None:
         self.board, self.queue, self.access = FakeBoard(), FakeQueue(), Access()
-        board, events, planner = cast("Any", self.board), EventLog(), Planner(ROBOT)
+        board, events, planner = cast("Any", self.board), NodeEvents(), Planner(ROBOT)
         self.controller = MotionController(board, planner, self.access, Diagnostics(events))
         here = SimpleNamespace(positions=lambda: positions(0.0, 0))
         context = Context(

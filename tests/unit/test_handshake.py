@@ -6,7 +6,7 @@ import itertools
 
 import pytest
 
-from beatrix_zenoh.board.handshake import BOOT_S, FOREIGN_S, HELLO_S, LOADER_S, TRIES, Handshake
+from beatrix_zenoh.board.timing import BOOT_S, FOREIGN_S, HELLO_S, LOADER_S, TRIES, Handshake
 
 STEP_S = 0.01
 LOADER_LISTENS_S, LOADER_WAITS_S = 0.9, 5.0

@@ -10,8 +10,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Action
-from beatrix_zenoh.node.known_sessions import SETTLE_S
-from beatrix_zenoh.node.lease import IDLE_S, WAITING_MAX, Caller
+from beatrix_zenoh.node.callers import IDLE_S, SETTLE_S, WAITING_MAX, Caller
 from beatrix_zenoh.node.lease_queries import give_back, standing, take
 
 

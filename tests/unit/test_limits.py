@@ -13,14 +13,14 @@ from beatrix_zenoh.contract._generated.robot import Limits as LimitData
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.motion.limits.path_check import TOLERANCE
 from beatrix_zenoh.motion.rotation import tilt_of
 from beatrix_zenoh.motion.trajectory import Trajectory
 
 NECK = Neck()
-LIMITS = Limits()
-CLOSE_ARMS = Limits(RobotData(limits=LimitData(gap_min=60.0)))
+LIMITS = MotionLimits()
+CLOSE_ARMS = MotionLimits(RobotData(limits=LimitData(gap_min=60.0)))
 """Limits of a robot for which the arm gap is the tightest one."""
 REST: Arms = (0.0, 0.0, 0.0)
 SPEED: Arms = (1.0, 1.0, 1.0)
@@ -42,7 +42,7 @@ def allowed(
     start: Arms = REST,
     velocity: Arms = REST,
     straight: bool = False,
-    limits: Limits = LIMITS,
+    limits: MotionLimits = LIMITS,
 ) -> Trajectory:
     return limits.check_motion(start, velocity, target, SPEED, straight=straight)
 
@@ -53,7 +53,7 @@ def refused(
     start: Arms = REST,
     velocity: Arms = REST,
     straight: bool = False,
-    limits: Limits = LIMITS,
+    limits: MotionLimits = LIMITS,
 ) -> Refused:
     with pytest.raises(Refused) as caught:
         limits.check_motion(start, velocity, target, SPEED, straight=straight)
@@ -331,7 +331,7 @@ def test_the_speed_limit_itself_is_accepted() -> None:
 
 def test_a_neck_that_cannot_reach_its_tilt_limit_is_refused() -> None:
     with pytest.raises(Refused, match=r"'tilt_max' is 35\.0°; with these rods at most 29\.0°"):
-        Limits(RobotData(geometry=Geometry(rod_twist=80, mount_angle=85)))
+        MotionLimits(RobotData(geometry=Geometry(rod_twist=80, mount_angle=85)))
 
 
 @pytest.mark.parametrize(
@@ -344,7 +344,7 @@ def test_a_neck_that_cannot_reach_its_tilt_limit_is_refused() -> None:
     ],
 )
 def test_other_necks_are_checked_by_their_own_geometry(geometry: Geometry) -> None:
-    limits, neck = Limits(RobotData(geometry=geometry)), Neck(geometry)
+    limits, neck = MotionLimits(RobotData(geometry=geometry)), Neck(geometry)
     limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max, 0), SPEED, straight=True)
     with pytest.raises(Refused):
         limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max + 0.01, 0), SPEED, straight=True)

@@ -14,7 +14,7 @@ from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.motion.limits.path_check import TOLERANCE
 from beatrix_zenoh.motion.rotation import leaning, tilt_of
 from beatrix_zenoh.motion.trajectory import Trajectory
@@ -24,8 +24,8 @@ from beatrix_zenoh.motion.trajectory import plan as time_law
 pytestmark = pytest.mark.no_cover
 
 NECK = Neck()
-LIMITS = Limits()
-CLOSE_ARMS = Limits(RobotData(limits=LimitData(gap_min=60.0)))
+LIMITS = MotionLimits()
+CLOSE_ARMS = MotionLimits(RobotData(limits=LimitData(gap_min=60.0)))
 """Limits of a robot for which the arm gap is the tightest one."""
 REST: Arms = (0.0, 0.0, 0.0)
 SPEED: Arms = (1.0, 1.0, 1.0)
@@ -63,7 +63,7 @@ speeds = st.tuples(*[st.floats(0.1, 1.5)] * 3)
     st.sampled_from([LIMITS, CLOSE_ARMS]),
 )
 def test_accepted_paths_keep_the_limits_and_refused_paths_do_not(
-    start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool, limits: Limits
+    start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool, limits: MotionLimits
 ) -> None:
     assume(min(NECK.gaps(start)) > limits.gap_min)
     outcome = verdict(limits, start, velocity, target, speed, straight)
@@ -81,7 +81,7 @@ def test_accepted_paths_keep_the_limits_and_refused_paths_do_not(
     st.sampled_from([LIMITS, CLOSE_ARMS]),
 )
 def test_short_accepted_paths_keep_the_limits_and_refused_paths_do_not(
-    start: Arms, velocity: Arms, way: Arms, straight: bool, limits: Limits
+    start: Arms, velocity: Arms, way: Arms, straight: bool, limits: MotionLimits
 ) -> None:
     assume(min(NECK.gaps(start)) > limits.gap_min)
     target = (start[0] + way[0], start[1] + way[1], start[2] + way[2])
@@ -94,7 +94,7 @@ def test_short_accepted_paths_keep_the_limits_and_refused_paths_do_not(
 
 @pytest.mark.parametrize("arm", [0, 1, 2])
 @pytest.mark.parametrize("limits", [LIMITS, CLOSE_ARMS])
-def test_short_paths_of_one_arm_near_a_limit_are_checked_correctly(arm: int, limits: Limits) -> None:
+def test_short_paths_of_one_arm_near_a_limit_are_checked_correctly(arm: int, limits: MotionLimits) -> None:
     for index in range(24):
         start = tilted(limits, math.tau * index / 24)
         for way in (-0.1, -0.04, -0.015, 0.015, 0.04, 0.1):
@@ -109,7 +109,7 @@ def test_short_paths_of_one_arm_near_a_limit_are_checked_correctly(arm: int, lim
                     assert_keeps(limits, outcome)
 
 
-def tilted(limits: Limits, direction: float) -> Arms:
+def tilted(limits: MotionLimits, direction: float) -> Arms:
     """Return arms (rad) with allowed gaps, as close to the tilt limit in this direction as possible."""
     for tenths in range(349, 0, -2):
         arms = NECK.inverse(0, *leaning(math.radians(tenths / 10), direction))
@@ -119,7 +119,7 @@ def tilted(limits: Limits, direction: float) -> Arms:
 
 
 def verdict(
-    limits: Limits, start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
+    limits: MotionLimits, start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
 ) -> Trajectory | Refused:
     try:
         return limits.check_motion(start, velocity, target, speed, straight=straight)
@@ -127,7 +127,7 @@ def verdict(
         return refusal
 
 
-def assert_keeps(limits: Limits, way: Trajectory) -> None:
+def assert_keeps(limits: MotionLimits, way: Trajectory) -> None:
     """Assert that the densely sampled path keeps the limits."""
     ways = dense(way)
     heads = [NECK.forward(arms) for arms in ways]
@@ -140,7 +140,13 @@ def assert_keeps(limits: Limits, way: Trajectory) -> None:
 
 
 def exceeds(
-    limits: Limits, reason: Reason, start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
+    limits: MotionLimits,
+    reason: Reason,
+    start: Arms,
+    velocity: Arms,
+    target: Arms,
+    speed: Arms,
+    straight: bool,
 ) -> bool:
     """Return whether a densely sampled path exceeds the limit of this reason."""
     trajectory = time_law(start, velocity, target, speed, limits.acceleration, straight=straight)
@@ -148,7 +154,7 @@ def exceeds(
     return any(breaks_at(limits, reason, arms) for arms in ways)
 
 
-def breaks_at(limits: Limits, reason: Reason, arms: Arms) -> bool:
+def breaks_at(limits: MotionLimits, reason: Reason, arms: Arms) -> bool:
     if reason == Reason.ARM_GAP:
         return min(NECK.gaps(arms)) < limits.gap_min
     try:

@@ -9,17 +9,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh.board.link import Decoder, Frame, crc16, encode
+from beatrix_zenoh.board.link import Decoder, SerialFrame, crc16, encode
 from beatrix_zenoh.contract._generated.serial import MAX_ENCODED, MAX_PAYLOAD, FrameType
 
 VECTORS = json.loads(
     (Path(__file__).resolve().parents[2] / "schemas/vectors/serial.json").read_text(encoding="utf-8")
 )
 BYTE = st.integers(0, 255)
-FRAMES = st.builds(Frame, BYTE, BYTE, st.binary(max_size=MAX_PAYLOAD))
+FRAMES = st.builds(SerialFrame, BYTE, BYTE, st.binary(max_size=MAX_PAYLOAD))
 
 
-def on_wire(frames: list[Frame]) -> bytes:
+def on_wire(frames: list[SerialFrame]) -> bytes:
     return b"".join(encode(*frame) for frame in frames)
 
 
@@ -36,7 +36,7 @@ def test_golden_frames_are_decoded_and_encoded(vector: dict[str, str]) -> None:
 
 
 @given(FRAMES)
-def test_an_encoded_frame_contains_no_delimiter_and_does_not_begin_like_text(frame: Frame) -> None:
+def test_an_encoded_frame_contains_no_delimiter_and_does_not_begin_like_text(frame: SerialFrame) -> None:
     block = encode(*frame)[1:-1]
     assert 0 not in block
     assert len(block) <= MAX_ENCODED
@@ -44,7 +44,7 @@ def test_an_encoded_frame_contains_no_delimiter_and_does_not_begin_like_text(fra
 
 
 @given(st.lists(FRAMES, max_size=5), st.lists(st.integers(0, 400), max_size=12))
-def test_chunks_of_any_size_give_the_same_frames(frames: list[Frame], cuts: list[int]) -> None:
+def test_chunks_of_any_size_give_the_same_frames(frames: list[SerialFrame], cuts: list[int]) -> None:
     wire, decoder, got, at = on_wire(frames), Decoder(), [], 0
     for cut in [*sorted(cuts), len(wire)]:
         got += decoder.feed(wire[at:cut])
@@ -54,7 +54,7 @@ def test_chunks_of_any_size_give_the_same_frames(frames: list[Frame], cuts: list
 
 
 @given(st.lists(st.binary(max_size=300), max_size=8), FRAMES)
-def test_garbage_never_raises_and_the_next_frame_is_decoded(garbage: list[bytes], frame: Frame) -> None:
+def test_garbage_never_raises_and_the_next_frame_is_decoded(garbage: list[bytes], frame: SerialFrame) -> None:
     decoder = Decoder()
     for chunk in garbage:
         decoder.feed(chunk)
@@ -62,7 +62,7 @@ def test_garbage_never_raises_and_the_next_frame_is_decoded(garbage: list[bytes]
 
 
 @given(FRAMES, st.data())
-def test_one_wrong_bit_is_detected(frame: Frame, data: st.DataObject) -> None:
+def test_one_wrong_bit_is_detected(frame: SerialFrame, data: st.DataObject) -> None:
     wire = bytearray(encode(*frame))
     wire[data.draw(st.integers(1, len(wire) - 2))] ^= 1 << data.draw(st.integers(0, 7))
     decoder = Decoder()
@@ -71,7 +71,7 @@ def test_one_wrong_bit_is_detected(frame: Frame, data: st.DataObject) -> None:
 
 
 @given(FRAMES, st.data())
-def test_a_truncated_frame_is_rejected(frame: Frame, data: st.DataObject) -> None:
+def test_a_truncated_frame_is_rejected(frame: SerialFrame, data: st.DataObject) -> None:
     wire = encode(*frame)
     half = wire[: data.draw(st.integers(2, len(wire) - 2))]
     decoder = Decoder()

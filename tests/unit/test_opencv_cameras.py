@@ -14,7 +14,7 @@ from fake_opencv import PLUM, FakeOpenCv, plain
 from robots import until
 
 from beatrix_zenoh import NoAnswer
-from beatrix_zenoh.node import Frame
+from beatrix_zenoh.node import CameraFrame
 from hw_node import cameras
 from hw_node.cameras import opencv
 from hw_node.cameras.opencv import UsbCamera
@@ -39,7 +39,7 @@ def opencv_threads() -> list[str]:
     return [thread.name for thread in threading.enumerate() if thread.name.startswith("beatrix-opencv")]
 
 
-def picture(camera: UsbCamera) -> Frame:
+def picture(camera: UsbCamera) -> CameraFrame:
     frame = camera.next(5.0)
     assert frame is not None
     return frame

@@ -7,7 +7,7 @@ import time
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
-from beatrix_zenoh.node.request_queue import CAPACITY, RequestQueue, Task
+from beatrix_zenoh.node.requests import CAPACITY, RequestQueue, Task
 
 
 class Log:

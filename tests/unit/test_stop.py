@@ -16,10 +16,10 @@ from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract._generated.serial import FrameType
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node.access import Action
+from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.context import Context
-from beatrix_zenoh.node.lease import Caller
 from beatrix_zenoh.node.node import ControllerThread, build_context
-from beatrix_zenoh.node.request_handle import RequestHandle
+from beatrix_zenoh.node.requests import RequestHandle
 from beatrix_zenoh.node.stop import REPEAT_S, SAME_PUT_S, StopHandler
 from hw_node.body import VirtualHardware
 

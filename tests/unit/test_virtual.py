@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import pytest
 
 from beatrix_zenoh.board import virtual
-from beatrix_zenoh.board.link import Decoder, Frame, encode
+from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -29,7 +29,7 @@ def board() -> Iterator[VirtualBoard]:
     board.close()
 
 
-def frames(data: bytes) -> list[Frame]:
+def frames(data: bytes) -> list[SerialFrame]:
     return Decoder().feed(data)
 
 
@@ -60,7 +60,7 @@ def test_a_board_answers_hello(board: VirtualBoard) -> None:
 def test_a_written_request_is_answered_at_once(board: VirtualBoard) -> None:
     board.read(0)
     board.write(encode(FrameType.PING, 9, b""))
-    assert frames(board.read(0)) == [Frame(FrameType.PING | 0x80, 9, b"\0")]
+    assert frames(board.read(0)) == [SerialFrame(FrameType.PING | 0x80, 9, b"\0")]
 
 
 def test_many_requests_in_one_write_are_all_answered(board: VirtualBoard) -> None:

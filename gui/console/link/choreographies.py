@@ -11,7 +11,7 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.motion.limits import Limits
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.recording.choreography_check import check_choreography
 from beatrix_zenoh.recording.follow import follow, robots_of
 from beatrix_zenoh.recording.path import path_of
@@ -47,7 +47,7 @@ def prepared(
             check()
         lasts_s = found.steps[-1][1].at
         return lasts_s, lambda: play(robots, found, lambda _title, _pose: None, lead_s=lead_s, check=check)
-    path = path_of(found, Limits(checked[0]))
+    path = path_of(found, MotionLimits(checked[0]))
     check()
     following, *_ = [follow(path, robot) for robot in checked]
     return following.duration_s, lambda: replay(robots, following, lambda _passed_s: check(), lead_s=lead_s)

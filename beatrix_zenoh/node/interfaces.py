@@ -1,21 +1,55 @@
-"""The interface of a node to its robot, which hardware and simulation implement."""
+"""The interfaces of a node: to its components, and to its robot, which hardware and simulation implement."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from beatrix_zenoh.board.state import Port
-from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
+from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract._generated.messages import CameraStatus, Fault, PlantStatus
 from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Arms
+
+
+@dataclass
+class StatusFields:
+    """Fields of a Status under construction; `warnings` are sentences for the user, the most important first."""
+
+    values: dict[str, object] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+    cameras: list[CameraStatus] = field(default_factory=list)
+
+
+class Component(Protocol):
+    """A part of a node; overrides the methods that it needs. Its constructor starts no thread and does not wait.
+
+    A node starts its components in the order of its list and closes them in reverse order. A new component needs a
+    file, a line in `node.components`, and rows in schemas for its publications and queries.
+    """
+
+    def start(self, sessions: Sessions) -> None:  # noqa: ARG002
+        """Start threads and declare keys."""
+        return
+
+    def contribute(self, status: StatusFields) -> None:  # noqa: ARG002
+        """Add fields and warnings to a status; several threads call it, so it must be thread-safe and must not wait."""
+        return
+
+    def close(self) -> None:
+        """End threads and reply to every open request; called even if `start` has failed.
+
+        The node undeclares the keys later.
+        """
+        return
+
 
 PREVIEW_MAX_S = 60.0
 """Longest duration (s) of a motion in a preview."""
 
 
 @dataclass(frozen=True)
-class Pose:
+class ArmState:
     """Angles (rad) and velocities (rad/s) of the arms at one time, and the firmware's step counters."""
 
     t_mono_ns: int
@@ -53,7 +87,7 @@ class HardwareInterface(Protocol):
     def open_port(self) -> Port:
         """Open the port of the board; raises OSError or BeatrixError if that is not possible now."""
 
-    def pose(self, telemetry: Telemetry, t_mono_ns: int) -> Pose:
+    def pose(self, telemetry: Telemetry, t_mono_ns: int) -> ArmState:
         """Return the pose of the arms: measured if possible, else from the telemetry, which is of `t_mono_ns`."""
 
     def straighten(self) -> None:

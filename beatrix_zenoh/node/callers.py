@@ -1,0 +1,367 @@
+"""The callers of one robot: their leases, their sessions, their pauses after STOP. No I/O; callers pass the time.
+
+A seat holds the robot in one of two ways:
+
+* by moving it: from the start of a motion until LINGER_S after its end;
+* by taking it: until the seat gives the robot back, its session ends, the teacher takes the robot or ends the lease, or
+  the seat is idle for IDLE_S while another seat waits. Each lease that is taken has a number of its own, the fencing
+  token: a request that names the number of an earlier lease is refused.
+
+All tokens of sessions disappear when the router is lost, and at a node just before it notices that loss. So a session
+whose token has disappeared is missing for SETTLE_S, and if the router was lost, until RETURN_S after its return. It
+keeps its lease, and if its token does not appear again, `KnownSessions.given_up` returns it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.names import OLD_PROGRAMS, TEACHER
+from beatrix_zenoh.contract.refusals import LINGER_S
+
+QUIET_S = 3.0
+"""Time without motion requests after which a stopped seat may move again. It is longer than a program usually pauses
+between motions."""
+IDLE_S = 60.0
+"""Time after which a taken robot with an idle holder goes to a waiting seat."""
+WAITING_MAX = 64
+"""Largest number of waiting seats."""
+
+
+class Caller(NamedTuple):
+    """The sender of a request: its seat (empty: none given) and its Zenoh session (empty: unknown)."""
+
+    seat: str
+    session: str
+
+
+NO_CALLER = Caller("", "")
+
+
+class MotionLease:
+    """The lease of a seat by its motion, until LINGER_S after the end of the motion."""
+
+    def __init__(self) -> None:
+        self._mover = NO_CALLER
+        self._rested_s: float | None = None
+        """time at which the last motion ended (monotonic clock, s); None while it runs"""
+        self._released = False
+        self._before: tuple[Caller, float | None, bool] = NO_CALLER, None, False
+
+    def holder(self, now_s: float) -> str:
+        """Return the seat that holds the robot by its motion; empty if there is none."""
+        over = self._rested_s is not None and now_s - self._rested_s >= LINGER_S
+        return "" if over or self._released else self._mover.seat
+
+    def wait_s(self, now_s: float) -> float | None:
+        """Return the time (s) until the robot is free; None while the motion runs."""
+        return None if self._rested_s is None else LINGER_S - (now_s - self._rested_s)
+
+    def begin(self, caller: Caller) -> None:
+        """Record that a motion of the caller begins."""
+        self._before = self._mover, self._rested_s, self._released
+        self._mover, self._rested_s, self._released = caller, None, False
+
+    def undo_begin(self) -> None:
+        """Undo `begin`: restore the previous holder, because the motion did not begin."""
+        self._mover, self._rested_s, self._released = self._before
+
+    def rested(self, now_s: float) -> None:
+        """Record that the motion has ended."""
+        if self._mover.seat and self._rested_s is None:
+            self._rested_s = now_s
+
+    def release(self, now_s: float) -> None:
+        """Free the robot at once; `driver` still returns the caller that moved it."""
+        self.rested(now_s)
+        self._released = True
+
+    def runs(self, caller: Caller) -> bool:
+        """Return whether a motion of this caller is running; False if its session is unknown."""
+        return bool(caller.session) and self._mover == caller and self._rested_s is None
+
+    def moves(self, seat: str) -> bool:
+        """Return whether a motion of this seat is running."""
+        return self._mover.seat == seat and self._rested_s is None
+
+    def driver(self, now_s: float) -> Caller | None:
+        """Return the caller whose motion is running or ended less than QUIET_S ago, also after `release`."""
+        recent = self._rested_s is None or now_s - self._rested_s < QUIET_S
+        return self._mover if self._mover.seat and recent else None
+
+
+class RobotLease:
+    """The lease of one robot, by a motion or because a seat has taken the robot, and the queue of waiting seats."""
+
+    def __init__(self) -> None:
+        self.motion = MotionLease()
+        self._taker = NO_CALLER
+        self._used_s = 0.0
+        """Time of the last request of the taker (s)."""
+        self._number = 0
+        self._waiting: dict[str, Caller] = {}
+
+    def holder(self, now_s: float) -> str:
+        """Grant a free robot to the first waiting seat; return the seat that holds the robot, empty if none does."""
+        self._hand_over(now_s)
+        return self._taker.seat or self.motion.holder(now_s)
+
+    def number(self, now_s: float) -> int:
+        """Return the number of the present lease; 0 if the robot is not taken."""
+        self._hand_over(now_s)
+        return self._number if self._taker.seat else 0
+
+    def waiting(self) -> list[str]:
+        """Return the waiting seats, the next one first."""
+        return list(self._waiting)
+
+    def check(self, caller: Caller, number: int, now_s: float) -> None:
+        """Check that no other seat holds the robot, and that the lease `number` of a request (0: none) has not ended.
+
+        The teacher is accepted even while another seat holds the robot. A request of the seat that has taken the robot
+        restarts its idle time.
+
+        Raises:
+            Refused: NOT_HOLDER.
+        """
+        holder = self.holder(now_s)
+        if number and (number != self._number or not self._taker.seat):
+            raise refusals.lease_ended(number, holder)
+        if holder not in ("", caller.seat) and caller.seat != TEACHER:
+            if self._taker.seat:
+                raise refusals.taken_by(holder)
+            raise refusals.driven_by(holder, self.motion.wait_s(now_s))
+        if caller.seat == self._taker.seat:
+            self._used_s = now_s
+
+    def take(self, caller: Caller, now_s: float) -> int:
+        """Grant the robot to a caller that has passed `check`; return the number of its lease.
+
+        A session that takes the robot again keeps its lease; another session of the same seat gets a new one.
+        """
+        if caller != self._taker:
+            self._grant(caller, now_s)
+        self._used_s = now_s
+        return self._number
+
+    def wait(self, caller: Caller) -> None:
+        """Append the caller to the queue, or replace the waiting caller of its seat.
+
+        Raises:
+            Refused: BUSY, the queue is full.
+        """
+        if caller.seat not in self._waiting and len(self._waiting) >= WAITING_MAX:
+            raise refusals.queue_full(WAITING_MAX)
+        self._waiting[caller.seat] = caller
+
+    def give_back(self, seat: str) -> bool:
+        """End the lease of a seat (teacher: any lease) and its place in the queue; return whether either existed."""
+        return self.end(self._taker.seat if seat == TEACHER and self._taker.seat else seat)
+
+    def end(self, seat: str) -> bool:
+        """End the lease of a seat and its place in the queue; return whether either existed."""
+        waited = self._waiting.pop(seat, None) is not None
+        held = bool(seat) and seat == self._taker.seat
+        if held:
+            self._taker = NO_CALLER
+        return held or waited
+
+    def router_changed(self, now_s: float, *, connected: bool) -> None:
+        """Stop the idle time of the holder while no seat can send requests; restart it when the router is back."""
+        self._used_s = now_s if connected else math.inf
+
+    def session_ended(self, caller: Caller) -> None:
+        """End the lease of a session that has ended, and its place in the queue."""
+        if self._taker == caller:
+            self._taker = NO_CALLER
+        if self._waiting.get(caller.seat) == caller:
+            del self._waiting[caller.seat]
+
+    def _hand_over(self, now_s: float) -> None:
+        """Grant a free robot, or one with an idle holder, to the first waiting seat, if there is one."""
+        if not self._waiting:
+            return
+        idle = now_s - self._used_s >= IDLE_S and not self.motion.moves(self._taker.seat)
+        if self._taker.seat and not idle:
+            return
+        first = next(iter(self._waiting.values()))
+        if self.motion.holder(now_s) in ("", first.seat, self._taker.seat):
+            self._grant(first, now_s)
+
+    def _grant(self, caller: Caller, now_s: float) -> None:
+        self._waiting.pop(caller.seat, None)
+        self._taker, self._used_s = caller, now_s
+        self._number += 1
+
+
+ENDED_SESSIONS = 256
+"""Number of ended sessions to remember, because their last requests may still arrive; and of those without a token."""
+SETTLE_S = 0.1
+"""Time in which a node notices a lost router after the tokens have disappeared; 0.1 to 11 ms was measured."""
+RETURN_S = 3.0
+"""Time in which sessions of clients connect to a router again after the node; they try twice a second."""
+
+
+class KnownSessions:
+    """Sessions, known by their tokens or, because these may arrive later or never, by their requests."""
+
+    def __init__(self) -> None:
+        self._began: dict[Caller, float] = {}
+        """Times at which sessions with a token were first heard; kept as long as the session or its end."""
+        self._heard: dict[Caller, float] = {}
+        """Times of the first requests of the newest sessions without a token."""
+        self._ended: dict[Caller, None] = {}
+        self._missing: dict[Caller, float] = {}
+        """Sessions whose tokens have disappeared, and the times at which they are given up (s)."""
+        self._router = True
+
+    def heard(self, caller: Caller, now_s: float) -> float | None:
+        """Record a request; return the time of the first token or request of its session; None if it names none."""
+        if not caller.session:
+            return None
+        began_s = self._began.get(caller)
+        if began_s is None:
+            began_s = self._heard.setdefault(caller, now_s)
+            if len(self._heard) > ENDED_SESSIONS:
+                del self._heard[next(iter(self._heard))]
+        return began_s
+
+    def began(self, caller: Caller, now_s: float) -> None:
+        """Record that the token of a session has appeared, perhaps again."""
+        self._ended.pop(caller, None)
+        self._missing.pop(caller, None)
+        self._began.setdefault(caller, self._heard.pop(caller, now_s))
+
+    def ended(self, caller: Caller, now_s: float) -> None:
+        """Record that the token of a session has disappeared."""
+        self._missing[caller] = now_s + SETTLE_S if self._router else math.inf
+        self._end(caller)
+
+    def router_changed(self, now_s: float, *, connected: bool) -> None:
+        """Record that the router was lost or is connected again.
+
+        Requests that arrive after its return come from sessions that have returned, even before their tokens do.
+        """
+        self._router = connected
+        for caller in self._missing:
+            self._missing[caller] = now_s + RETURN_S if connected else math.inf
+            if connected:
+                self._ended.pop(caller, None)
+
+    def given_up(self, now_s: float) -> list[Caller]:
+        """Return the sessions that have been missing for too long; they count as ended."""
+        over = [caller for caller, due_s in self._missing.items() if due_s <= now_s]
+        for caller in over:
+            del self._missing[caller]
+            self._end(caller)
+        return over
+
+    def _end(self, caller: Caller) -> None:
+        self._ended[caller] = None
+        if len(self._ended) > ENDED_SESSIONS:
+            oldest = next(iter(self._ended))
+            del self._ended[oldest]
+            self._began.pop(oldest, None)
+
+    def has_ended(self, caller: Caller) -> bool:
+        """Return whether the session has ended."""
+        return caller in self._ended
+
+
+QUIET_OLD_PROGRAM_S = 5.0
+"""Used instead of QUIET_S for programs of 2023; longer, because they cannot read the reason of a refusal."""
+
+LOOP_S = 10.0
+"""If another seat stops a second program of a seat this soon (s) after the first, new programs must pause, too."""
+
+
+@dataclass
+class _Pause:
+    """The pause of a stopped seat."""
+
+    stopped_s: float
+    """time of STOP"""
+
+    requested_s: float
+    """time of STOP, or of the last motion request of the seat since then"""
+    stopped: Caller
+    """caller whose motion was stopped"""
+    presser: Caller
+    """caller that need not pause: it sent STOP"""
+    others_s: float = -math.inf
+    """time of the last STOP by another seat"""
+    again: bool = False
+    """whether other seats have stopped two programs of this seat, one after the other: perhaps a loop of programs"""
+
+
+class Pauses:
+    """Pauses of stopped seats.
+
+    A pause ends after QUIET_S without a motion request of the seat, for programs of 2023 after QUIET_OLD_PROGRAM_S. It
+    is for streams of motions that go on: a session that has begun after STOP need not pause, because a person has
+    started a program again. If another seat stops this program too, sessions that begin later must pause.
+    """
+
+    def __init__(self) -> None:
+        self._pauses: dict[str, _Pause] = {}
+
+    def begin(
+        self, mover: Caller | None, presser: Caller, now_s: float, presser_began_s: float | None
+    ) -> None:
+        """Begin the pause of `mover` (None: no seat drove), whose motion `presser` has stopped.
+
+        A second STOP never shortens a pause. A seat that was stopped by another seat frees itself with a STOP of its own
+        only from a session that began after that (`presser_began_s`; None: unknown), because a program may have two.
+        """
+        if mover is not None:
+            pause = self._pauses.get(mover.seat)
+            if pause is None or now_s - pause.requested_s >= LOOP_S:
+                pause = self._pauses[mover.seat] = _Pause(now_s, now_s, mover, presser)
+            elif pause.stopped.session != mover.session and _is_other(presser, mover):
+                pause.again = pause.others_s > -math.inf
+            pause.stopped_s = pause.requested_s = now_s
+            pause.stopped = mover
+        for pause in self._pauses.values():
+            if _is_other(presser, pause.stopped):
+                pause.presser, pause.others_s = presser, now_s
+            elif presser_began_s is not None and presser_began_s > pause.others_s:
+                pause.presser = presser
+
+    def restart(self, caller: Caller, now_s: float, began_s: float | None) -> Refused | None:
+        """If this caller must pause, restart the pause of its seat and return the refusal; otherwise return None.
+
+        The caller that sent STOP need not pause, nor a session that has begun after it (`began_s`; None: unknown).
+        Their seat keeps the pause, because another session of the seat may still send the stream that was stopped.
+        """
+        pause = self._pauses.get(caller.seat)
+        if pause is None or is_same(pause.presser, caller):
+            return None
+        if began_s is not None and began_s > pause.stopped_s and not pause.again:
+            return None
+        quiet_s = QUIET_OLD_PROGRAM_S if caller.seat == OLD_PROGRAMS else QUIET_S
+        if now_s - pause.requested_s >= quiet_s:
+            del self._pauses[caller.seat]
+            return None
+        pause.requested_s = now_s
+        return refusals.stopped_pause(caller.seat, quiet_s, again=pause.again, presser=pause.presser.seat)
+
+    def end(self, seat: str) -> None:
+        """End the pause of a seat."""
+        self._pauses.pop(seat, None)
+
+
+def _is_other(presser: Caller, mover: Caller) -> bool:
+    return presser.seat != mover.seat and not is_same(presser, mover)
+
+
+def is_same(presser: Caller, mover: Caller) -> bool:
+    """Return whether a STOP came from the caller of a motion.
+
+    A client can forge the session of its STOP, but in a class not the seat. So a STOP that names another seat is never
+    that of the mover. A STOP without a seat comes, in a class, from the teacher only.
+    """
+    return bool(presser.session) and presser.session == mover.session and presser.seat in ("", mover.seat)
