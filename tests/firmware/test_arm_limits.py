@@ -86,13 +86,6 @@ def test_a_motion_back_from_a_limit_is_accepted(ready: Rig) -> None:
     assert (ready.steps, ready.outcome) == ((0, 0, 0), Outcome.DONE)
 
 
-@pytest.mark.parametrize("target", [(529, -529, 0), (1058, 0, 529), (0, 529, -529), (2324, 2325, 2325)])
-def test_a_target_on_the_limit_is_reached(ready: Rig, target: Steps) -> None:
-    assert ready.move(target, straight=True) == Error.OK
-    ready.run()
-    assert (ready.steps, ready.outcome) == (target, Outcome.DONE)
-
-
 @pytest.mark.parametrize("ms", range(1900, 2000, 20))
 def test_a_straight_motion_near_the_limit_can_be_replaced(ready: Rig, ms: int) -> None:
     # With full ramps, as in a motion that replaces another, the slow arm ahead would rest so early that the fast one

@@ -123,13 +123,6 @@ def test_the_table_contains_each_request_in_each_state() -> None:
     assert len(TABLE) == len({before for before, _ in TABLE}) * len(COMMANDS)
 
 
-def test_telemetry_reports_a_change_of_state_at_once(rig: Rig) -> None:
-    rig.enable()
-    assert rig.state == ON
-    rig.ask(FrameType.CALIBRATE)
-    assert rig.state == HOME
-
-
 def test_an_emergency_stop_takes_effect_when_it_is_received(ready: Rig) -> None:
     ready.move((400, 400, 400))
     ready.tick(300)
@@ -145,15 +138,6 @@ def test_telemetry_contains_the_velocity_of_each_arm(ready: Rig) -> None:
     ready.move((400, -400, 0), (1000, 2002, 1000))
     ready.tick(400)
     assert ready.last.velocity == (250, -501, 0)  # 500.5 is rounded away from zero
-
-
-def test_reset_clears_the_latch_and_leaves_the_motors_off(ready: Rig) -> None:
-    ready.ask(FrameType.EMERGENCY_STOP)
-    assert ready.enable() == Error.EMERGENCY
-    assert ready.ask(FrameType.RESET) == Error.OK
-    assert ready.state == OFF
-    assert ready.enable() == Error.OK
-    assert ready.state == ON
 
 
 def test_telemetry_reports_motors_switched_off_during_a_motion(ready: Rig) -> None:

@@ -27,13 +27,6 @@ def test_a_new_board_has_no_name_and_boot_number_1() -> None:
         assert not mega.avr.enabled
 
 
-def test_a_board_that_receives_nothing_sends_nothing() -> None:
-    with Mega() as mega:
-        mega.restart()
-        mega.avr.run_ms(5000)
-        assert mega.avr.receive() == b""
-
-
 def test_the_drivers_stay_off_at_start() -> None:
     with Mega() as mega:
         assert len(mega.avr.edges("enable")) == 0

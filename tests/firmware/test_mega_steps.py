@@ -11,7 +11,7 @@ from avr.bench import BUDGETS, VECTORS
 from avr.mega import HEX, Mega
 from firmware_host import KEEP_ALIVE_MS, SPEED_MAX, Steps
 
-from beatrix_zenoh.contract._generated.serial import Error, FrameType, Outcome, State
+from beatrix_zenoh.contract._generated.serial import FrameType, Outcome, State
 
 
 @pytest.fixture(params=["shipped", "sketch"])
@@ -25,26 +25,6 @@ def ready(request: pytest.FixtureRequest) -> Iterator[Mega]:
         yield mega
         longest = {name: mega.avr.work(vector).longest for vector, name in VECTORS.items()}
         assert [name for name, cycles in longest.items() if cycles > BUDGETS[name]] == [], longest
-
-
-@pytest.mark.parametrize(
-    ("target", "speed", "straight"),
-    [
-        ((300, -100, 70), SPEED_MAX, True),
-        ((300, 300, 300), SPEED_MAX, False),
-        ((1, 0, -1), 1, False),
-        ((-400, -390, -380), (4000, 2000, 300), False),
-        ((700, 600, 800), 1400, True),
-    ],
-)
-def test_a_motion_ends_exactly_at_its_target(
-    ready: Mega, target: Steps, speed: Steps | int, straight: bool
-) -> None:
-    assert ready.move(target, speed, straight=straight) == Error.OK
-    ready.run()
-    ready.settle()
-    assert ready.last.position == ready.steps == target
-    assert ready.outcome == Outcome.DONE
 
 
 def test_reported_positions_equal_the_steps_on_the_pins() -> None:
@@ -121,11 +101,3 @@ def test_an_emergency_stop_switches_the_drivers_off_at_once(ready: Mega) -> None
     ready.settle()
     assert (ready.steps, ready.outcome) == (at, Outcome.EMERGENCY)
     assert ready.last.position == at
-
-
-def test_without_a_heartbeat_the_arms_stop_and_the_motors_stay_on(ready: Mega) -> None:
-    ready.move((1500, 1500, 1500), 2000)
-    ready.tick(1000)
-    assert (ready.state, ready.outcome) == (State.ENABLED | State.CALIBRATED, Outcome.HOST_LOST)
-    assert ready.avr.enabled
-    assert ready.last.position == ready.steps

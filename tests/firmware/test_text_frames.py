@@ -27,22 +27,6 @@ DONE, REFUSED = [ACK, ACK], [ACK, NACK]
 PING = encode(FrameType.PING, 1, b"")
 
 
-def test_a_board_that_receives_nothing_sends_nothing() -> None:
-    firmware = Firmware()
-    firmware.tick(10_000)
-    assert firmware.transmit() == b""
-
-
-def test_without_frames_the_board_sends_plain_replies_only() -> None:
-    firmware = Firmware()
-    firmware.receive(b"@ENMOTORS ON\r@CALNOW\r@GETXPOS\r@GETALLPOS\r@MOVRX 200 200\r@FOO\r")
-    firmware.tick(3000)
-    assert (
-        firmware.transmit()
-        == b"ACK\nACK\n" * 2 + b"ACK\n0\r\nACK\n" + b"ACK\n\n0 0 0\nACK\n" + b"ACK\nACK\nNACK\n"
-    )
-
-
 def test_telemetry_ends_two_seconds_after_the_last_frame_of_the_host() -> None:
     firmware = Firmware()
     firmware.tick(500)

@@ -210,13 +210,6 @@ def test_opening_the_port_resets_everything_except_home(framed: Program) -> None
     assert framed.core.steps()[0] > 150
 
 
-def test_opening_the_port_makes_the_present_position_0(framed: Program) -> None:
-    framed.ready().run("@MOVRALL 10 20 30")
-    framed.tick(100)
-    framed.frame(FrameType.TEXT_OPEN)
-    assert framed.position == (0, 0, 0)
-
-
 def test_opening_the_port_does_not_stop_a_motion_of_the_host(framed: Program) -> None:
     framed.ready()
     framed.frame(FrameType.MOVE_STRAIGHT, MoveStraight(7, (200, 200, 200), 2000).pack())

@@ -26,13 +26,6 @@ def framed() -> Program:
     return Program(framed=True).ready()
 
 
-def test_an_idle_board_answers_at_once(program: Program) -> None:
-    program.send(b"@COMSTATUS\r")
-    assert program.new() == DONE
-    program.send(b"@MOVRX 100 200\r")
-    assert program.new() == [ACK]
-
-
 def test_32_lines_of_maximum_length_are_queued(program: Program) -> None:
     assert len(LONGEST) == 127
     program.send(b"@MOVRALL 100 100 100\r")
@@ -57,14 +50,6 @@ def test_commands_are_executed_and_answered_in_order(program: Program) -> None:
         *DONE,
         *(ACK, "0\r\n", ACK),
     ]
-
-
-def test_later_commands_are_answered_when_the_arms_rest(program: Program) -> None:
-    program.send(b"@MOVRX 100\r@COMSTATUS\r")
-    program.tick(400)
-    assert program.new() == [ACK]
-    program.tick(300)
-    assert program.new() == [ACK, *DONE]
 
 
 def test_a_line_beyond_the_queue_is_refused_in_order(framed: Program) -> None:
@@ -140,10 +125,6 @@ def test_stopall_cancels_motions_when_every_queue_slot_is_used(program: Program)
     assert answers[: 2 + 32 * 2] == REFUSED * 33
     assert len(answers) >= 33 * 2 + 40 * 3 - 40
     assert program.say("@COMSTATUS") == DONE
-
-
-def test_stopall_at_rest_is_done_at_once(program: Program) -> None:
-    assert program.say("@STOPALL") == DONE
 
 
 @pytest.mark.parametrize("ms", [0, 1, 30, 100, 250, 480])

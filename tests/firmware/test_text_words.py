@@ -67,11 +67,6 @@ def test_text_without_an_at_sign_is_not_answered(program: Program, line: str) ->
     assert program.say("@COMSTATUS") == DONE
 
 
-def test_a_line_after_noise_is_answered(program: Program) -> None:
-    program.send(b"\xff\xf8x@COMSTATUS\r")
-    assert program.new() == DONE
-
-
 WHOLE = [
     "CALNOW",
     "CALSTATUS",
@@ -106,11 +101,6 @@ def test_words_with_arguments_must_be_followed_by_a_space(program: Program, word
     assert program.say(f"@{word}") == UNKNOWN
     assert program.say(f"@{word} ") == (REFUSED if word == "ENMOTORS" else DONE)
     assert program.position == (0, 0, 0)
-
-
-@pytest.mark.parametrize("word", ["@GETMICS", "@CALXS", "@CALT", "@MOVRT 1 1", "@MOVAT 1 1"])
-def test_words_of_other_robots_are_unknown(program: Program, word: str) -> None:
-    assert program.say(word) == UNKNOWN
 
 
 @pytest.mark.parametrize(

@@ -123,12 +123,6 @@ def test_a_reset_received_before_an_emergency_is_refused(rig: Rig) -> None:
     assert rig.state == State.EMERGENCY
 
 
-def test_a_frame_may_arrive_byte_by_byte(ready: Rig) -> None:
-    for byte in MOVE[:-1]:
-        assert ready.raw(bytes([byte])) == []
-    assert [reply.payload for reply in ready.raw(MOVE[-1:])] == [b"\0"]
-
-
 def test_rejected_frames_are_counted(rig: Rig) -> None:
     rig.raw(b"\0\0\x05\x02\xff\x70\xcd\0" + b"\x02" * 100 + b"\0\x01\0\0")
     rig.tick(10)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 from gui_windows import Windowed, windowed
-from robots import Stage, until
+from robots import Stage
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import lease
@@ -55,34 +55,6 @@ def test_freeze_all_stops_the_robots_and_refuses_students(
     user.window.handle(SetIncrement(2.0))
     user.press(panels.arms.rows["all"].minus)
     user.until_last("move", "under way")
-
-
-def test_a_waiting_seat_gets_the_robot_and_the_teacher_takes_it(
-    user: Windowed, teacher: Windowed, stage: Stage, hw: Robot
-) -> None:
-    panels, page = user.window.panels, teacher.window.panels.class_page
-    pill, ben = panels.header.pills["hw"], stage.robot("bea", "hw", "ben")
-    until(lambda: hw.status().holder == "", "the robot is free")
-    with ben.lease():
-        user.until(lambda: "taken by ben" in pill.state.text(), "it is taken")
-        user.send_to("hw")
-        user.press(panels.arms.rows["all"].plus)
-        user.until(lambda: "ben has taken this robot" in panels.refusal.text.text(), "it is refused")
-        user.press(panels.refusal.alternative)
-        user.until(lambda: "queue: 1 of 1" in pill.notes.text(), "the seat waits")
-    user.until(lambda: "It is your turn" in panels.banner.text.text(), "the banner reports the lease")
-    assert hw.status().lease
-    assert pill.lease.text() == "Give back"
-    rows = [page.list.topLevelItem(i) for i in range(page.list.topLevelItemCount())]
-    (row,) = [row for row in rows if row is not None and (row.text(0), row.text(1)) == ("bea", "Hardware")]
-    teacher.until(lambda: row.text(3) == "ana (taken)", "the class shows the lease")
-    page.list.setCurrentItem(row)
-    teacher.press(page.take)
-    user.until(lambda: "teacher has taken the hardware of bea from you" in panels.banner.text.text(), "lost")
-    assert hw.status().holder == "teacher"
-    teacher.until(lambda: page.take.text() == "Give back", "the class shows the teacher's lease")
-    teacher.press(page.take)
-    teacher.until(lambda: hw.status().holder == "", "given back")
 
 
 def test_the_teacher_limits_the_speed_and_stops_all_robots(

@@ -16,7 +16,7 @@ from recording_link import RecordingLink, WatchedState
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from gui.console.state.actions import Govern, SendLease, SendStop, WatchClass
 from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat
-from gui.window.widgets.class_page import STATE, ClassPage
+from gui.window.widgets.class_page import ClassPage
 from gui.window.window import Window
 
 LEFT = Qt.MouseButton.LeftButton
@@ -47,13 +47,6 @@ def test_the_page_takes_the_place_of_the_robot(window: Window, page: ClassPage) 
     QTest.mouseClick(window.panels.header.page, LEFT)
     assert window.panels.body.isVisible()
     assert not page.isVisible()
-
-
-def test_students_have_no_button_for_the_page(window: Window, link: RecordingLink) -> None:
-    assert window.panels.header.page.isVisible()
-    link.known = world()
-    window.refresh()
-    assert not window.panels.header.page.isVisible()
 
 
 def test_the_chosen_seat_is_muted_and_stays_chosen(
@@ -126,15 +119,6 @@ def test_the_selected_robot_stays_selected(window: Window, page: ClassPage, link
     window.refresh()
     assert page.empty.isVisible()
     assert not page.freeze.isVisible()
-
-
-def test_a_row_shows_the_new_state_of_its_robot(window: Window, page: ClassPage, link: RecordingLink) -> None:
-    first, *others = link.known.robots
-    link.known = replace(link.known, robots=(replace(first, status=status("sim", frozen=True)), *others))
-    window.refresh()
-    item = page.list.topLevelItem(0)
-    assert item is not None
-    assert item.text(STATE) == "■ frozen"
 
 
 def test_space_stops_all_robots(page: ClassPage, link: RecordingLink) -> None:

@@ -184,15 +184,6 @@ def test_the_outside_view_shows_no_picture_of_an_eye(qtbot: QtBot) -> None:
     assert alike(colour(shown, 0.5, 0.5), RED)
 
 
-@pytest.mark.parametrize("theme", Theme)
-def test_each_theme_has_its_colours(picture: Picture, theme: Theme) -> None:
-    picture.show_theme(theme)
-    strip = QColor(style_of(theme).panel)
-    assert alike(colour(picture, 0.7, 0.02), (strip.red(), strip.green(), strip.blue()))
-    bar = QColor(style_of(theme).sim)
-    assert alike(colour(picture, 0.005, 0.02), (bar.red(), bar.green(), bar.blue()))
-
-
 def test_a_picture_whose_header_claims_too_many_pixels_is_not_decoded(picture: Picture) -> None:
     """Height and width follow the marker 0xFFC0, the length of its segment and the precision."""
     jpeg = bytearray(picture_of(RED).jpeg)

@@ -6,13 +6,12 @@ import re
 from dataclasses import replace
 
 import pytest
-from gui_views import class_world, example
+from gui_views import example
 from PyQt5.QtCore import QPointF, Qt
 from PyQt5.QtGui import QColor
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel
 from pytestqt.qtbot import QtBot
-from recording_link import RecordingLink
 from robots import ROOT
 
 from gui.console.state.intents import Theme
@@ -69,34 +68,6 @@ def test_on_the_pad_the_simulation_is_a_cross_the_hardware_a_square_and_the_path
         for centre in (pad.tilt_point(at, shown.tilt_max), pad.yaw_point(at.yaw)):
             assert shows(centre, style.dim)
             assert not shows(centre + QPointF(5, 5), style.dim)
-
-
-def test_the_page_of_the_class_shows_state_driver_queue_rate_and_age_of_each_robot(
-    window: Window, link: RecordingLink
-) -> None:
-    link.known = class_world()
-    window.refresh()
-    QTest.keyClick(window, Qt.Key.Key_F2)
-    page = window.panels.class_page
-    head = page.list.headerItem()
-    assert head is not None
-    titles = [head.text(column) for column in range(page.list.columnCount())]
-    assert titles == ["Robot", "Twin", "State", "Driven by", "Waiting", "Pos./s", "Age", "Remarks"]
-    items = [page.list.topLevelItem(row) for row in range(page.list.topLevelItemCount())]
-    rows = [[item.text(column) for column in range(7)] for item in items if item is not None]
-    assert [row[0] for row in rows] == [name for name in ("bea1", "bea2", "bea3", "bea4") for _ in range(2)]
-    assert [row[1] for row in rows] == ["Simulation", "Hardware"] * 4
-    states = ["► moving", "■ frozen", "○ motors off", "▲ board lost"]
-    assert [row[2] for row in rows[::2]] == states
-    assert [(row[3], row[4]) for row in rows[::2]] == [
-        ("ana (taken)", "ben, cleo"),
-        ("dora", ""),
-        ("", ""),
-        ("", ""),
-    ]
-    assert rows[0][5:7] == ["50", "0.0 s"]
-    assert (rows[-1][2], rows[-1][5:7]) == ("◌ silent", ["0", "3.2 s"])
-    assert all(seat in page.summary.text() for seat in ("ana", "ben", "cleo", "dora", "teacher"))
 
 
 def test_the_sheet_shows_each_key_of_the_page(window: Window) -> None:

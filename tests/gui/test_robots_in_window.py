@@ -1,4 +1,4 @@
-"""Every control of the window, pressed by mouse and keys; the robots show the effect."""
+"""The window with real robots: angles, commands, STOP, the pad, the lead, the next steps and the cameras."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from PyQt5.QtWidgets import QApplication, QLabel
 from robots import Stage
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.client.readings import arm_angles
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract.names import ARMS
 
@@ -20,72 +19,7 @@ pytestmark = [
 ]
 
 
-def turned(**arms: float) -> tuple[float, float, float]:
-    """Return the angles of short, middle and long arm (deg); 0 for an arm that is not given."""
-    by_all = arms.get("all", 0.0)
-    return arms.get("short", by_all), arms.get("middle", by_all), arms.get("long", by_all)
-
-
 # -- arms -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("sides", [("sim",), ("hw",)], ids="-".join)
-def test_plus_and_minus_turn_arms_of_the_checked_robots_only(
-    user: Windowed, robots: dict[str, Robot], sides: tuple[str, ...]
-) -> None:
-    user.send_to(*sides)
-    resting = [robot for side, robot in robots.items() if side not in sides]
-    for arm, row in user.window.panels.arms.rows.items():
-        user.press(row.plus)
-        for side in sides:
-            user.until_at(robots[side], *turned(**{arm: 5.0}))
-        assert all(near(robot.positions().arms, HOME) for robot in resting)
-        user.until_last("done")
-        user.press(row.minus)
-        for side in sides:
-            user.until_at(robots[side], *HOME)
-        user.until_last("done")
-
-
-def test_absolute_mode_goes_to_the_increment_on_either_side(user: Windowed, sim: Robot) -> None:
-    arms = user.window.panels.arms
-    user.send_to("sim")
-    user.check(arms.absolute)
-    for _ in range(2):  # the second press changes nothing: the arm is at its goal
-        user.press(arms.rows["long"].plus)
-        user.until_at(sim, 0, 0, 5)
-        user.until_last("done")
-    user.press(arms.rows["long"].minus)
-    user.until_at(sim, 0, 0, -5)
-    user.press(arms.rows["all"].plus)
-    user.until_at(sim, 5, 5, 5)
-    user.check(arms.relative)
-    user.press(arms.rows["all"].plus)
-    user.until_at(sim, 10, 10, 10)
-
-
-def test_sliders_change_distance_and_speed(user: Windowed, hw: Robot) -> None:
-    arms = user.window.panels.arms
-    user.send_to("hw")
-    for slider, presses in ((arms.increment.slider, 3), (arms.speed.slider, -6)):
-        slider.setFocus()
-        user.until(slider.hasFocus, "the slider has the focus")
-        for _ in range(abs(presses)):
-            user.key(Qt.Key.Key_PageUp if presses > 0 else Qt.Key.Key_PageDown)
-    assert (arms.increment.box.value(), arms.speed.box.value()) == (20.0, 50.0)
-    assert fastest(user, hw, (20, 20, 20)) == pytest.approx(50, abs=1)
-    user.type_number(arms.speed.box, 25)
-    user.type_number(arms.increment.box, 10)
-    assert (arms.increment.slider.value(), arms.speed.slider.value()) == (100, 250)
-    assert fastest(user, hw, (30, 30, 30)) == pytest.approx(25, abs=1)
-
-
-def fastest(user: Windowed, robot: Robot, goal: tuple[float, float, float]) -> float:
-    """Press + of all arms; return the top speed (deg/s) that the robot reports on its way."""
-    with robot.positions_stream() as stream:
-        user.press(user.window.panels.arms.rows["all"].plus)
-        user.until_at(robot, *goal)
-        return max(arm_angles(sample.velocity).long for sample in stream.take())
 
 
 def test_labels_show_where_the_robots_are(user: Windowed, robots: dict[str, Robot]) -> None:
@@ -239,41 +173,6 @@ def test_the_user_drags_a_target_on_the_pad_and_sends_it(user: Windowed, sim: Ro
         assert (at.yaw, at.pitch, at.roll) == pytest.approx((0, target.pitch, target.roll), abs=0.25)
 
 
-def test_keys_move_the_target_of_the_pad_and_send_it(user: Windowed, sim: Robot) -> None:
-    user.send_to("sim")
-    pad = user.window.panels.head.pad
-    pad.setFocus()
-    user.until(pad.hasFocus, "the pad has the focus")
-    shift = Qt.KeyboardModifier.ShiftModifier
-    for key, modifier in (
-        (Qt.Key.Key_Down, shift),
-        (Qt.Key.Key_Up, Qt.KeyboardModifier.NoModifier),
-        (Qt.Key.Key_Right, shift),
-        (Qt.Key.Key_PageUp, shift),
-        (Qt.Key.Key_PageUp, shift),
-    ):
-        user.key(key, modifier)
-    assert near(sim.positions().arms, HOME)
-    user.key(Qt.Key.Key_Return)
-    user.until_last("look 10/4/5 done")
-    at = sim.positions().head
-    assert (at.yaw, at.pitch, at.roll) == pytest.approx((10, 4, 5), abs=0.25)
-
-
-def test_a_refusal_at_the_pad_offers_an_alternative(user: Windowed, sim: Robot) -> None:
-    user.send_to("sim")
-    panels = user.window.panels
-    aim(user, 39.0, 0.0)
-    user.press(panels.head.send)
-    user.until(panels.refusal.isVisible, "the refusal")
-    assert "at most 35.0° is allowed" in panels.refusal.text.text()
-    assert near(sim.positions().arms, HOME)
-    user.press(panels.refusal.alternative)
-    user.until_last("done")
-    assert not panels.refusal.isVisible()
-    assert sim.positions().head.pitch == pytest.approx(35, abs=0.5)
-
-
 # -- lead -----------------------------------------------------------------------------------------
 
 
@@ -284,15 +183,6 @@ def leading(user: Windowed, sim: Robot) -> None:
     user.press(panels.arms.rows["all"].plus)
     user.until_at(sim, 5, 5, 5)
     user.until(lambda: "follows in 5" in panels.sending.countdown.text(), "the countdown")
-
-
-def test_send_now_ends_the_lead(user: Windowed, sim: Robot, hw: Robot) -> None:
-    leading(user, sim)
-    assert near(hw.positions().arms, HOME)
-    user.press(user.window.panels.sending.send_now)
-    user.until_at(hw, 5, 5, 5)
-    user.until_last("done")
-    assert not user.window.panels.sending.countdown.text()
 
 
 @pytest.mark.parametrize("name", ["change", "abort"])
@@ -312,15 +202,6 @@ def test_during_the_lead_the_hardware_can_be_kept_unmoved(
     assert shown.target.yaw == pytest.approx(expected_yaw, abs=0.2)
 
 
-def test_the_hardware_follows_after_the_lead(user: Windowed, sim: Robot, hw: Robot) -> None:
-    panels = user.window.panels
-    user.type_number(panels.sending.lead, 2)
-    user.press(panels.arms.rows["all"].plus)
-    user.until(lambda: sim.positions().arms.long > 1, "the simulation moves")
-    assert hw.positions().commanded == HOME
-    user.until_at(hw, 5, 5, 5)
-
-
 def test_the_next_steps_of_a_pill_make_the_robot_ready(
     user: Windowed, stage: Stage, sim: Robot, hw: Robot
 ) -> None:
@@ -338,3 +219,20 @@ def test_the_next_steps_of_a_pill_make_the_robot_ready(
         user.press(pills["hw"].next_step)
     user.until_ready("sim", "hw")
     assert all(robot.status().calibrated for robot in (sim, hw))
+
+
+def test_cameras_work_only_while_they_are_watched(user: Windowed, hw: Robot) -> None:
+    panels = user.window.panels
+
+    def streaming() -> list[bool]:
+        return [camera.streaming for camera in hw.status().cameras]
+
+    user.until(lambda: panels.heads.picture._newest is not None, "the head from outside")
+    assert not any(streaming())
+    panels.tabs.setCurrentWidget(panels.eyes)
+    user.check(panels.sending.cameras)
+    user.until(lambda: all(streaming()), "the cameras of the hardware work")
+    pictures = [panels.eyes.pictures[side, eye] for side in ("sim", "hw") for eye in ("left", "right")]
+    user.until(lambda: all(picture._newest is not None for picture in pictures), "all pictures")
+    user.check(panels.sending.cameras, on=False)
+    user.until(lambda: not any(streaming()), "they no longer stream")

@@ -111,11 +111,6 @@ def test_angles_of_both_robots_are_shown_side_by_side() -> None:
     assert (row.sim, row.hw, row.difference) == ("0.0°", "–", "")
 
 
-def test_limits_are_the_defaults_until_the_robot_reports_its_own() -> None:
-    view = State().view(world())
-    assert (view.head.tilt_max, view.head.yaw_max, view.arms.speed_max, view.arms.speed) == (35, 180, 90, 30)
-
-
 # -- destinations ------------------------------------------------------------------------------------
 
 

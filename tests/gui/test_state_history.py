@@ -71,12 +71,6 @@ def test_a_row_ends_when_every_robot_has_ended() -> None:
     assert row.result.startswith("refused: Hardware: The motors are off.")
 
 
-def test_an_outcome_of_a_dropped_row_is_ignored() -> None:
-    state = State()
-    state.report(Outcome(99, "sim", accepted=True, done=True))
-    assert state.view(world()).history == ()
-
-
 def test_a_motion_is_sent_again_to_the_robots_that_are_checked_now() -> None:
     state = State()
     (first,) = state.handle(Jog("short", 1), world())
@@ -191,13 +185,6 @@ def parsed(words: list[str]) -> dict[str, Any]:
             assert inner.args == []
             parameters: dict[str, Any] = inner.params
             return parameters
-
-
-def test_the_command_line_sends_the_same_request() -> None:
-    words = shlex.split(newest(BOTH, *LOOK).command_line)[1:]
-    found = parsed(words)
-    assert (found["yaw"], found["pitch"], found["roll"], found["speed"], found["lead"]) == (20, -10, 0, 30, 2)
-    assert found["on"] == "both"
 
 
 def test_the_command_line_names_the_robot_if_several_are_online() -> None:

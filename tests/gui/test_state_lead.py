@@ -28,9 +28,8 @@ from gui.console.state.actions import (
     SendPlanNow,
 )
 from gui.console.state.intents import Jog
-from gui.console.state.state import State
 from gui.console.state.views import Orientation
-from gui.console.state.world import PlanPhase, PlanProgress
+from gui.console.state.world import PlanPhase
 
 
 def test_the_countdown_is_shown_with_its_buttons() -> None:
@@ -45,13 +44,6 @@ def test_the_countdown_is_shown_with_its_buttons() -> None:
         assert [view.send_now.enabled, view.change.enabled] == [False] * 2
         assert view.abort.enabled is (now.plan is not None), "the button stops both robots"
         assert view.send_now.tooltip == "No motion waits to be sent to the hardware."
-
-
-def test_a_warning_of_the_preview_is_shown() -> None:
-    now = world(
-        plan=PlanProgress(PlanPhase.LEADING, "Possible: 1.2 s. The hardware stands 3.0° away.", 1.2, 2.0, 1.0)
-    )
-    assert State().view(now).sending.text == "The hardware stands 3.0° away."
 
 
 def test_a_waiting_motion_is_sent_changed_or_aborted() -> None:

@@ -86,11 +86,6 @@ def test_a_pill_shows_the_holder_and_the_settings_of_the_teacher(
     assert (found.text, found.notes) == (text, notes)
 
 
-def test_the_tooltip_names_the_waiting_seats() -> None:
-    found = pill(sim_with(holder="ana", lease=2, waiting=("cleo", "ben")))
-    assert "cleo, ben" in found.details
-
-
 def test_a_refusal_because_of_a_lease_offers_to_wait() -> None:
     state = state_after(Jog("short", 1))
     refused(state, taken_by("ana").detail, Reason.NOT_HOLDER)

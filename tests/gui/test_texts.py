@@ -101,10 +101,6 @@ def test_numbers_have_the_decimal_sign_of_the_language() -> None:
     assert Texts("de")("angle", degrees=-0.04) == "0,0°"
 
 
-def test_words_in_slots_keep_their_dots() -> None:
-    assert "tcp/127.0.0.1:7447" in Texts("de")("reason.no_router", endpoint="tcp/127.0.0.1:7447")
-
-
 def test_a_missing_text_is_an_error() -> None:
     with pytest.raises(KeyError):
         Texts("en")("no.such")

@@ -19,9 +19,8 @@ from recording_link import RecordingLink, WatchedState
 
 from beatrix_zenoh.client.readings import HeadAngles
 from beatrix_zenoh.contract._generated.messages import Command
-from gui.console.state.actions import Outcome, Play, Send, SendCommand, WriteFile
+from gui.console.state.actions import Outcome, Play, Send, WriteFile
 from gui.console.state.intents import (
-    ChooseRobot,
     Intent,
     Jog,
     PlayFile,
@@ -126,13 +125,6 @@ def test_a_question_follows_its_button(window: Window) -> None:
     assert panels.refusal.geometry().right() < panels.commands.x()
 
 
-def test_disable_without_a_question_is_sent_at_once(window: Window, link: RecordingLink) -> None:
-    QTest.mouseClick(window.panels.commands.buttons["disable"], LEFT)
-    (action,) = link.done
-    assert isinstance(action, SendCommand)
-    assert not action.value
-
-
 def test_a_theme_applies_to_all_widgets(window: Window) -> None:
     for theme in (Theme.LIGHT, Theme.PROJECTOR, Theme.DARK):
         window.handle(SetTheme(theme))
@@ -159,25 +151,11 @@ def test_the_language_changes_while_the_window_runs(
     qtbot.waitUntil(window.panels.isVisible)
 
 
-def test_the_menu_chooses_the_theme(window: Window, intents: Taken) -> None:
-    window.panels.header.choices["projector"].trigger()
-    assert intents() == [SetTheme(Theme.PROJECTOR)]
-    assert window.panels.header.choices["projector"].isChecked()
-
-
 def test_the_choice_of_a_tab_is_reported(window: Window, intents: Taken) -> None:
     for number, name in enumerate(Tab):
         window.panels.tabs.setCurrentIndex(number)
         assert window.panels.tabs.currentIndex() == number, name
     assert intents() == [ShowTab(Tab.EYES), ShowTab(Tab.PLOTS)]
-
-
-def test_another_robot_is_chosen_by_keyboard(qtbot: QtBot, window: Window, intents: Taken) -> None:
-    robots = window.panels.header.robots
-    robots.setFocus()
-    qtbot.waitUntil(robots.hasFocus)
-    QTest.keyClick(robots, Qt.Key.Key_Down)
-    assert intents() == [ChooseRobot("bea2")]
 
 
 @pytest.mark.qt_log_ignore("This plugin does not support")

@@ -12,7 +12,7 @@ from PyQt5.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink
 
-from gui.console.state.actions import BeginRecording, Send, SendStop
+from gui.console.state.actions import Send, SendStop
 from gui.console.state.intents import (
     AimHead,
     EmergencyStop,
@@ -189,12 +189,6 @@ def test_ctrl_z_undoes_and_ctrl_r_records(
     intents()
     press(key, Qt.KeyboardModifier.ControlModifier)
     assert intents() == [intent]
-
-
-def test_ctrl_r_makes_the_link_begin_a_recording(window: Window, link: RecordingLink) -> None:
-    link.done.clear()
-    press(Qt.Key.Key_R, Qt.KeyboardModifier.ControlModifier)
-    assert link.done == [BeginRecording()]
 
 
 def test_ctrl_z_in_a_text_field_undoes_typing(qtbot: QtBot, window: Window, intents: Taken) -> None:

@@ -59,11 +59,6 @@ def test_the_lease_ends_exactly_linger_s_after_the_motion(access: Access) -> Non
     assert refusal(access, BEN, 10 + LINGER_S) is Reason.OK
 
 
-def test_the_teacher_becomes_the_holder(access: Access) -> None:
-    begin_motion(begin_motion(access, ANA, 0), BOSS, 1)
-    assert refusal(access, ANA, 1) is Reason.NOT_HOLDER
-
-
 def test_undo_take_restores_the_previous_lease(access: Access) -> None:
     begin_motion(access, ANA, 0)
     access.undo_take()
@@ -73,11 +68,6 @@ def test_undo_take_restores_the_previous_lease(access: Access) -> None:
     access.undo_take()
     assert access.lease.holder(2 + LINGER_S - 0.1) == "ana"
     assert access.lease.holder(2 + LINGER_S) == "", "the end of the lease has not changed"
-
-
-def test_a_released_robot_is_free_immediately(access: Access) -> None:
-    begin_motion(access, ANA, 0).release(0)
-    assert refusal(access, BEN, 0) is Reason.OK
 
 
 # -- emergency latch ----------------------------------------------------------------------------
@@ -161,10 +151,6 @@ def test_the_end_of_a_token_of_another_seat_ends_no_session(access: Access) -> N
     begin_motion(access, ANA, 0)
     assert not access.session_changed(Caller("ben", ANA.session), 0, alive=False)
     assert refusal(access, ANA, 0) is Reason.OK
-
-
-def test_the_end_of_a_session_without_a_motion_is_not_a_lost_client(access: Access) -> None:
-    assert not finish_motion(access, ANA, 0).session_changed(ANA, 0, alive=False)
 
 
 def test_a_caller_without_a_session_is_never_a_lost_client(access: Access) -> None:

@@ -18,7 +18,6 @@ from beatrix_zenoh.board.timing import LOADER_S
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import (
-    Error,
     FrameType,
     HelloReply,
     MoveStraight,
@@ -198,24 +197,6 @@ def test_a_silent_board_is_reported_lost_within_half_a_second(rig: Rig) -> None:
     assert time.monotonic() - began_s < 3, "the limit is 0.5 s; the rest is tolerance for a busy machine"
 
 
-def test_an_unknown_error_code_raises_refused(rig: Rig) -> None:
-    rig.port.lose = [FrameType.STOP | 0x80] * 3
-    errors: list[Refused] = []
-
-    def request() -> None:
-        try:
-            rig.board.request(FrameType.STOP)
-        except Refused as error:
-            errors.append(error)
-
-    thread = threading.Thread(target=request)
-    thread.start()
-    for seq in range(1, 30):
-        rig.port.forged += encode(FrameType.STOP | 0x80, seq, bytes([max(Error) + 40]))
-    thread.join()
-    assert "unknown error" in errors[0].message
-
-
 def test_only_a_reply_to_the_request_answers_it(rig: Rig) -> None:
     rig.port.lose = [FrameType.STOP | 0x80] * 10
     unasked = [
@@ -230,17 +211,6 @@ def test_only_a_reply_to_the_request_answers_it(rig: Rig) -> None:
     assert rig.board.link.connected
 
 
-def test_a_port_that_was_unplugged_is_opened_again(rig: Rig) -> None:
-    rig.port.unplugged = True
-    rig.lost()
-    with pytest.raises(NoAnswer):
-        rig.board.enable(on=True)
-    rig.port.unplugged = False
-    until(lambda: rig.board.connected, "found again")
-    rig.board.enable(on=True)
-    assert rig.link_changes >= 3
-
-
 def test_a_reset_is_detected_by_the_boot_number(rig: Rig) -> None:
     rig.board.enable(on=True)
     with rig.virtual.lock:
@@ -248,13 +218,6 @@ def test_a_reset_is_detected_by_the_boot_number(rig: Rig) -> None:
     assert rig.board.wait_for(lambda telemetry: telemetry.boot == 2, 3.0)
     assert rig.board.link.hello is not None
     assert rig.board.link.hello.boot == 2
-
-
-def test_the_heartbeat_lets_a_motion_finish_without_further_requests(rig: Rig) -> None:
-    rig.board.enable(on=True)
-    rig.board.request(FrameType.CALIBRATE)
-    rig.board.move(MoveStraight(7, (500, 500, 500), 1600))
-    assert rig.board.wait_for(lambda telemetry: telemetry.position == (500, 500, 500), 5.0)
 
 
 def test_board_time_pauses_while_the_reader_thread_does_not_run(rig: Rig) -> None:

@@ -48,12 +48,6 @@ def test_hello_keeps_the_limits_and_its_times_and_lasts_about_twenty_seconds() -
     assert 15 < times[-1] + taken[-1] < 22
 
 
-def test_hello_ends_at_home() -> None:
-    _, last = shipped("hello").steps[-1]
-    assert isinstance(last, Pose)
-    assert (last.yaw, last.pitch, last.roll) == (0, 0, 0)
-
-
 HEAD = "t_s,yaw_deg,pitch_deg,roll_deg,short_deg,middle_deg,long_deg,speed_deg_s,figure\n"
 ROWS = HEAD + "0,0,5,0,,,,60,nod\n1.5,,,,10,-5,0,,\n2,1,0,0,,,,30,shake\n"
 
@@ -73,13 +67,6 @@ def test_a_line_of_a_choreography_turns_the_head_or_the_arms() -> None:
     assert [str(pose) for _, pose in steps[:2]] == [
         "yaw +0°, pitch +5°, roll +0°",
         "arms short +10°, middle -5°, long +0°",
-    ]
-
-
-def test_without_a_figure_the_gesture_has_the_name_of_the_file() -> None:
-    text = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,5,0,60\n"
-    assert choreography(motion_file.parse(text, "folder/greet.csv")).steps == [
-        ("greet", Pose(0, 0, 5, 0, 60))
     ]
 
 

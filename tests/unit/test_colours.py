@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import re
 
 import numpy as np
 import numpy.typing as npt
@@ -72,12 +71,6 @@ def test_arms_and_head_axes_have_six_different_colours() -> None:
     assert min(np.linalg.norm(a - b) for a, b in itertools.combinations(seen, 2)) > 40
 
 
-@pytest.mark.parametrize("name", colours.ALL)
-def test_the_thin_curve_is_visible_on_the_wide_one_of_its_colour(name: str) -> None:
-    colour = colours.ALL[name]
-    assert contrast(colour, colours.pale(colour)) > 2
-
-
 def test_models_and_viewer_use_the_table() -> None:
     model = build()
     for body in Figure().bodies[1:4]:
@@ -100,13 +93,6 @@ def test_plots_use_the_table() -> None:
     assert {line.get_label(): line.get_color() for line in lines} == {
         name: colours.hexadecimal(colour) for name, colour in colours.ALL.items()
     }
-
-
-def test_the_drawing_of_the_arms_uses_the_table() -> None:
-    drawing = (ROOT / "docs/images/arms.svg").read_text(encoding="utf-8")
-    assert re.findall(r'stroke="(#\w{6})"', drawing) == [
-        colours.hexadecimal(colour) for colour in colours.ARMS.values()
-    ]
 
 
 def test_no_other_module_contains_a_colour_of_the_table() -> None:

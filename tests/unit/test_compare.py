@@ -18,7 +18,6 @@ from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.lag import best_shift, lag
 from beatrix_zenoh.recording.requests import HOME, Request
-from beatrix_zenoh.recording.samples import lost
 from beatrix_zenoh.recording.series import (
     AXES,
     Floats,
@@ -26,7 +25,6 @@ from beatrix_zenoh.recording.series import (
     heads_apart,
     recording,
     regularity,
-    resample,
     resting,
     unbroken,
 )
@@ -95,14 +93,6 @@ def test_a_constant_offset_of_an_arm_is_its_difference(
     assert found["short"].largest == pytest.approx(0, abs=1e-9)
 
 
-def test_a_late_robot_differs_in_motion_and_not_at_rest() -> None:
-    targets = [(30.0, 30.0, 30.0), (-30.0, -30.0, -30.0)]
-    found = compare(recorded(targets, 0.0, 0.0), recorded(targets, 0.02, 0.003))
-    assert found.axes[0].largest == pytest.approx(60 * 0.02, abs=0.05)
-    assert found.arms_at_rest < 0.4
-    assert found.lag_s == pytest.approx(0.02, abs=0.002)
-
-
 def test_without_movement_there_is_no_lag() -> None:
     still = Recording(np.arange(0.0, 5.0, 0.02), np.zeros((250, 6)))
     found = compare(still, still)
@@ -141,24 +131,9 @@ def test_each_motion_has_its_own_lag(lags_s: list[float]) -> None:
     assert found.axes[0].rms >= found.axes[0].rms_after - 1e-9
 
 
-def test_a_lag_of_two_hundred_milliseconds_and_an_offset_are_both_found() -> None:
-    found = compare(shaken([0.0] * 4), shaken([0.2] * 4, offset=1.5))
-    assert found.lag_s == pytest.approx(0.2, abs=0.005)
-    assert found.axes[1].lag_s == pytest.approx(0.2, abs=0.005)
-    assert found.axes[1].offset == pytest.approx(1.5, abs=0.05)
-    assert found.axes[1].rms_after == pytest.approx(1.5, abs=0.05)
-    assert found.axes[0].offset == pytest.approx(0, abs=0.05)
-
-
 def test_a_lag_of_seconds_is_found() -> None:
     found = compare(shaken([0.0, -0.4, 0.3, 0.0, -0.2, 0.1]), shaken([2.5, 2.1, 2.8, 2.5, 2.3, 2.6]))
     assert found.lag_s == pytest.approx(2.5, abs=0.005)
-
-
-def test_heads_apart_returns_the_angle_between_two_heads() -> None:
-    first = np.array([[0.0, 0.0, 0.0], [40.0, 0.0, 0.0], [90.0, 0.0, 30.0]])
-    second = np.array([[0.0, 0.0, 10.0], [-10.0, 0.0, 0.0], [90.0, 0.0, 30.0]])
-    assert heads_apart(first, second) == pytest.approx([10.0, 50.0, 0.0], abs=1e-6)
 
 
 @given(st.lists(st.tuples(*[st.floats(-80, 80)] * 3), min_size=2, max_size=2))
@@ -259,21 +234,6 @@ def test_an_empty_comparison_has_no_figures() -> None:
     assert found.axes[0].largest_after == pytest.approx(0.0, abs=0.3)
 
 
-@pytest.mark.parametrize(
-    ("numbers", "missing"),
-    [
-        ([1, 2, 3], 0),
-        ([1, 2, 5, 6, 8], 3),
-        ([1, 1, 2, 2, 4], 1),
-        ([2**32 - 2, 2**32 - 1, 0, 2], 1),
-        ([500, 501, 0, 1], 0),
-        ([1, -1, 3], None),
-    ],
-)
-def test_missing_numbers_are_counted(numbers: list[int], missing: int | None) -> None:
-    assert lost(numbers) == missing
-
-
 def test_thresholds_that_cannot_be_checked_are_reported() -> None:
     still = Recording(np.arange(0.0, 5.0, 0.02), np.zeros((250, 6)))
     sentences = ALLOWED.exceeded(compare(still, still), slipped=None)
@@ -292,12 +252,6 @@ def test_a_threshold_that_is_negative_or_not_finite_is_refused(value: float) -> 
         Thresholds(rms_deg=value)
 
 
-def test_without_rest_there_is_no_difference_at_rest() -> None:
-    t = np.arange(0.0, 5.0, 0.02)
-    turning = Recording(t, np.tile(20 * t[:, None], (1, 6)))
-    assert math.isnan(compare(turning, turning).arms_at_rest)
-
-
 def test_yaw_is_compared_modulo_a_turn() -> None:
     t = np.arange(0.0, 2.0, 0.02)
     first = Recording(t, np.full((100, 6), 179.5))
@@ -314,11 +268,6 @@ def test_recordings_that_hardly_overlap_are_refused() -> None:
 def test_an_empty_recording_is_refused() -> None:
     with pytest.raises(ValueError, match="fewer than two"):
         compare(recording([]), recording([]))
-
-
-def test_resampling_at_the_recorded_times_keeps_the_angles() -> None:
-    first = recorded([(10.0, 20.0, 30.0), (5.0, 6.0, 7.0)], 0.0, 0.0)
-    assert resample(first, first.t) == pytest.approx(first.angles)
 
 
 def test_a_robot_rests_at_times_that_are_not_close_to_a_motion() -> None:

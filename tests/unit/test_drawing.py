@@ -12,7 +12,7 @@ from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording import drawing
 from beatrix_zenoh.recording.drawing import Array, Drawing, Pixels
-from beatrix_zenoh.recording.figure import Body, Figure, Form, Solid, ellipsoid
+from beatrix_zenoh.recording.figure import Body, Figure, ellipsoid
 
 SIZE = 320, 240
 MARK = (250, 10, 240)
@@ -66,28 +66,6 @@ def test_a_mark_behind_the_head_is_hidden() -> None:
         where(picture, MARK)
     turned = Drawing(figure, *SIZE).picture(arms(150, 0, 0), np.array((150.0, 0, 0)))
     where(turned, MARK)
-
-
-def test_a_ball_covers_the_area_of_its_circle() -> None:
-    radius = 0.05
-    picture = Drawing(Marked((0.2, 0.0, 0.1), radius), *SIZE).picture(arms(0, 0, 0), np.zeros(3))
-    hue = picture.astype(float) / picture.max(axis=2, keepdims=True)
-    count = int((np.abs(hue - np.array(MARK) / max(MARK)).max(axis=2) < 0.08).sum())
-    assert count == pytest.approx(math.pi * (radius * SIZE[1] / drawing.VISIBLE_M) ** 2, rel=0.05)
-
-
-def test_a_tilted_cylinder_shows_its_mantle_and_its_end() -> None:
-    """The area of its picture is that of the mantle's rectangle and of one ellipse."""
-    radius, length = 0.02, 0.1
-    figure = Figure()
-    post = Solid(Form.CYLINDER, (radius, length), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), MARK)
-    figure.bodies = (Body("base", (post,)),)
-    picture = Drawing(figure, *SIZE).picture(np.zeros(3), np.zeros(3))
-    along = drawing.camera()[:, 2]
-    flat = math.hypot(along[0], along[1])
-    area = 2 * radius * length * flat + math.pi * radius**2 * along[2]
-    count = int((picture != drawing.BACKGROUND).any(axis=2).sum())
-    assert count == pytest.approx(area * (SIZE[1] / drawing.VISIBLE_M) ** 2, rel=0.08)
 
 
 def test_the_robot_and_all_its_arms_are_inside_the_picture() -> None:

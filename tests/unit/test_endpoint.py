@@ -7,7 +7,6 @@ import re
 import pytest
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus.transport import RUNTIME, RUNTIME_FORM
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.settings import Settings
@@ -72,16 +71,3 @@ def test_a_runtime_setting_that_zenoh_cannot_parse_raises_wrong_usage(
     expected = f"ZENOH_RUNTIME is {re.escape(repr(text))}.*Unset it"
     with pytest.raises(WrongUsage, match=expected):
         zbus.open_router("tcp/127.0.0.1:0")
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        RUNTIME[1],
-        "()",
-        "(rx: (worker_threads: 2, max_blocking_threads: 5), tx: (handover: app),)",
-        "( net:( ) )",
-    ],
-)
-def test_a_runtime_setting_that_zenoh_can_parse_is_accepted(text: str) -> None:
-    assert RUNTIME_FORM.fullmatch(text)

@@ -8,7 +8,7 @@ from statuses import BOARD, READY
 
 from beatrix_zenoh.contract._generated.messages import EventKind, Fault, Phase
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.events import BURST, KEPT, WINDOW_S, NodeEvents
+from beatrix_zenoh.node.events import KEPT, WINDOW_S, NodeEvents
 from beatrix_zenoh.node.state import StatusEvents
 
 ANA = Caller("ana", "s1")
@@ -52,16 +52,6 @@ def test_latest_returns_the_newest_events(log: NodeEvents, clock: Clock) -> None
     latest = log.latest().events
     assert len(latest) == KEPT
     assert (latest[0].message, latest[-1].message) == ("50", str(KEPT + 49))
-
-
-def test_a_flood_is_counted_and_its_count_is_published(log: NodeEvents, clock: Clock) -> None:
-    for number in range(1000):
-        add(log, str(number))
-    assert len(log.take()) == BURST
-    clock.now_s = WINDOW_S
-    (rest,) = log.take()
-    assert (rest.count, rest.message) == (1000 - BURST, "999")
-    assert log.take() == []
 
 
 def test_every_event_of_a_long_flood_is_counted_once(log: NodeEvents, clock: Clock) -> None:

@@ -108,14 +108,6 @@ def test_robots_stand_side_by_side_with_units_in_the_names() -> None:
     np.testing.assert_allclose(found["bea_sim_yaw_deg"], -(np.arange(10) + 0.75) + 2)
 
 
-def test_long_recordings_have_one_row_for_each_point_of_the_grid() -> None:
-    """The table is made in blocks of a minute."""
-    times = [k * STEP_NS for k in range(7001)]
-    found = grid(table([recorded({SIM: samples(times, np.outer(np.arange(7001.0), (1, 0, 0)))})], Span()))
-    np.testing.assert_array_equal(found["time_s"], np.round(np.arange(7001) / 50, 2))
-    np.testing.assert_array_equal(found["bea_sim_short_deg"], np.arange(7001.0))
-
-
 @given(st.integers(0, 1200), st.integers(0, 1200))
 def test_both_ends_of_a_span_are_included(one_ms: int, other_ms: int) -> None:
     begin, end = (bound / 1000 for bound in sorted((one_ms, other_ms)))
@@ -180,11 +172,6 @@ def test_a_long_recording_of_one_robot_may_contain_a_short_one_of_another() -> N
     assert set(table(parts, Span()).robots) == {SIM, HW, ("cleo", "hw")}
 
 
-def test_a_robot_that_is_not_in_the_recording_is_refused() -> None:
-    with pytest.raises(Refused, match="contains bea, and not cleo"):
-        table([recorded({SIM: samples([0])})], Span(), ["bea", "cleo"])
-
-
 def test_notes_are_in_the_first_row_after_them() -> None:
     texts = {
         -1_000_000_000: "trial 1",
@@ -209,17 +196,3 @@ def test_a_note_is_no_formula_of_a_spreadsheet() -> None:
     made = recorded({SIM: samples([0])})
     (block,) = table([replace(made, notes=(Note(BEGAN_NS, "ana", "=1+1"),))], Span()).grid()
     assert block["note"] == [" =1+1"]
-
-
-def test_each_note_is_in_one_block() -> None:
-    made = recorded({SIM: samples([k * STEP_NS for k in range(6001)])})
-    notes = tuple(Note(BEGAN_NS + k * STEP_NS // 2, "ana", str(k)) for k in range(12000))
-    found = [note for block in table([replace(made, notes=notes)], Span()).grid() for note in block["note"]]
-    assert [text for note in found for text in str(note).split("; ")] == [str(k) for k in range(12000)]
-
-
-def test_an_old_recording_has_no_sequence_numbers() -> None:
-    (block,) = table([recorded({SIM: samples([0, STEP_NS], seq=None)})], Span()).samples()
-    assert list(block["seq"]) == list(block["repeats"]) == [-1, -1]
-    assert list(block)[:7] == ["robot", "side", "seq", "repeats", "time_s", "time_ns", "robot_time_ns"]
-    assert np.isnan(np.asarray(block["yaw_measured_deg"], np.float64)).all()

@@ -17,7 +17,7 @@ from PIL import Image
 from written_recordings import BEGAN_NS, write_lesson
 
 from beatrix_zenoh.cli import app
-from beatrix_zenoh.recording.drawing import BACKGROUND, Drawing, Pixels
+from beatrix_zenoh.recording.drawing import Drawing, Pixels
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.film import EMPTY, EYE, PANEL
 from beatrix_zenoh.recording.rows import Frame, of_robot
@@ -108,49 +108,6 @@ def test_both_robots_stand_beside_each_other(folder: Path, capsys: pytest.Captur
     left, right = last[PANEL[1] + 40, 40], last[PANEL[1] + 40, EYE[0] + 40]
     assert np.abs(left.astype(int) - COLOURS[2]).max() < 12, "the newest picture"
     assert np.abs(right.astype(int) - EMPTY).max() < 12
-
-
-def test_a_film_of_the_only_robot_shows_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    write_lesson(tmp_path / "hw.rrd", (HW,), rows=3)
-    assert app.run(["export", "hw.rrd", "--video", "hw.mp4"]) == 0
-    assert capsys.readouterr().out == (
-        "hw.mp4: 2 frames, 0.0 s of ada, hardware, without pictures of the eyes, which were not recorded "
-        "(`beatrix record --cameras 5`).\n"
-    )
-    assert decoded(tmp_path / "hw.mp4").pictures[0].shape == (PANEL[1], PANEL[0], 3)
-
-
-def test_a_robot_without_samples_is_not_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    write_lesson(tmp_path / "a.rrd", (SIM,), rows=26)
-    write_lesson(tmp_path / "b.rrd", (HW,), rows=11)
-    assert app.run(["export", "a.rrd", "b.rrd", "--video", "both.mp4"]) == 0
-    film = decoded(tmp_path / "both.mp4")
-    assert len(film.times_s) == 13
-    last = film.pictures[-1]
-    assert last.shape == (PANEL[1], 2 * PANEL[0], 3), "no eyes were recorded"
-
-    def drawn(picture: Pixels, column: int) -> bool:
-        face = picture[120, column + PANEL[0] // 2 - 60 : column + PANEL[0] // 2 + 60]
-        return bool((np.abs(face.astype(int) - BACKGROUND).max(axis=1) > 20).mean() > 0.2)
-
-    assert drawn(film.pictures[0], 0)
-    assert drawn(film.pictures[0], PANEL[0])
-    assert drawn(last, 0)
-    assert not drawn(last, PANEL[0])
-
-
-def test_a_film_without_eye_says_how_to_get_that_of_one(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert app.run(["export", "lesson.rrd", "--video", "both.mp4", "--to", "0.1"]) == 0
-    assert capsys.readouterr().out == (
-        "both.mp4: 3 frames, 0.1 s of ada, simulation and hardware, with what the eyes saw "
-        "(--eye left or --eye right: a film of one eye alone).\n"
-    )
 
 
 def test_damaged_pictures_and_other_sizes_are_survived(

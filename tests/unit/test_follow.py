@@ -220,14 +220,6 @@ def test_a_path_written_by_hand_is_followed_or_refused_with_its_line(yaw: float,
         assert found.off_deg <= 3
 
 
-def test_a_limit_between_points_is_reported_with_its_line() -> None:
-    with pytest.raises(Refused) as refusal:
-        follow(path("0,0,0,0\n2,30,0,0\n4,185,0,0\n"), ROBOT)
-    assert refusal.value.message.startswith(
-        "mine.csv, line 5 (t = 4.00 s): The head would turn to yaw 185.0°"
-    )
-
-
 def test_a_path_is_accepted_at_the_speed_factor_of_its_refusal() -> None:
     fast = path("0,0,0,0\n1,90,0,0\n2,0,0,0\n")
     with pytest.raises(Refused, match=r"line 4 .*too fast") as refusal:

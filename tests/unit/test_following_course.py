@@ -14,7 +14,7 @@ from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import HEARTBEAT_PERIOD, FrameType, Move
 from beatrix_zenoh.motion.gear import Arms, Gear
-from sim_node.following.course import AHEAD_S, Course, SetPoint, advanced, course_to, distance, resting_place
+from sim_node.following.course import AHEAD_S, Course, SetPoint, course_to, distance, resting_place
 from sim_node.following.follower import Limits
 
 GEAR = Gear()
@@ -127,16 +127,6 @@ def test_a_stream_of_targets_is_followed_within_two_degrees() -> None:
     assert max(distance(*both) for both in pair.places) < math.radians(2)
 
 
-def test_the_speed_never_exceeds_the_limit() -> None:
-    pair = Pair(delay_ms=60)
-    pair.run(40)
-    for target in (50, -50, 20):
-        pair.move((target, target, target), 90)
-        pair.run(700)
-    fastest = max(distance(now[1], then[1]) for then, now in zip(pair.places, pair.places[1:], strict=False))
-    assert fastest <= LIMITS.speed_max / 1000 * 1.01
-
-
 angles = st.floats(-60.0, 60.0)
 
 
@@ -172,7 +162,3 @@ def test_every_course_is_within_the_limits(place: Arms, velocity: Arms, own: Arm
         distance(course.target, resting_place(point, LIMITS.acceleration))
         <= LIMITS.speed_max * AHEAD_S * 1.001
     )
-
-
-def test_set_points_advance_at_constant_velocity() -> None:
-    assert advanced(SetPoint(deg(1, 2, 3), deg(10, 0, -10)), 0.1).place == pytest.approx(deg(2, 2, 2))

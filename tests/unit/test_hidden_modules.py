@@ -61,13 +61,6 @@ def test_the_error_of_a_program_names_the_file_that_hides_a_module(name: str, tm
     assert f" {name}, which BEATRIX needs: rename it" in last
 
 
-@pytest.mark.parametrize("name", NEEDED[:6])
-def test_a_program_that_hides_a_module_itself_is_named(name: str, tmp_path: Path) -> None:
-    (tmp_path / f"{name}.py").write_text(PROGRAM, encoding="utf-8")
-    done = python(tmp_path, f"{name}.py")
-    assert f"ImportError: {tmp_path / name}.py hides " in done.stderr
-
-
 @pytest.mark.parametrize("name", HARMLESS)
 def test_a_file_that_hides_nothing_that_the_program_needs_is_accepted(name: str, tmp_path: Path) -> None:
     (tmp_path / f"{name}.py").touch()

@@ -14,7 +14,7 @@ from beatrix_zenoh.contract._generated.robot import Geometry
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.motion.rotation import dot, rotation_of, tilt_of
+from beatrix_zenoh.motion.rotation import dot, rotation_of
 
 ANGLES = ((45, 90, 90), (54, 90, 90), (45, 80, 85), (45, 95, 100), (60, 90, 90))
 NECKS = [
@@ -79,10 +79,6 @@ def test_home_is_upright(neck: Neck) -> None:
     assert neck.inverse(0, 0, 0) == pytest.approx((0, 0, 0), abs=1e-12)
     assert neck.forward((0, 0, 0)) == pytest.approx((0, 0, 0), abs=1e-12)
     assert neck.gaps((0, 0, 0)) == pytest.approx([math.radians(120)] * 3)
-
-
-def test_turning_all_arms_left_turns_the_head_left() -> None:
-    assert SHIPPED.forward((0.5, 0.5, 0.5)) == pytest.approx((0.5, 0, 0), abs=1e-12)
 
 
 @pytest.mark.no_cover
@@ -198,12 +194,6 @@ def test_derivatives_agree_with_differences(neck: Neck, share: float, direction:
 def tuple3(values: list[float]) -> Arms:
     x, y, z = values
     return x, y, z
-
-
-@given(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
-def test_tilt_is_the_angle_of_the_head_axis(pitch: float, roll: float) -> None:
-    up = rotation_of(0.7, pitch, roll)[2][2]
-    assert math.cos(tilt_of(pitch, roll)) == pytest.approx(up, abs=1e-12)
 
 
 def test_gaps_are_in_the_order_of_the_arms() -> None:

@@ -20,25 +20,12 @@ def axes(solids: tuple[Solid, ...]) -> list[Solid]:
     return [solid for solid in solids if solid.form is Form.CAPSULE and solid.size[0] == AXIS_RADIUS]
 
 
-def test_the_mechanism_has_a_part_on_each_body_of_the_figure() -> None:
-    figure = Figure()
-    assert {body.path for body in mechanism(figure)} == {body.path for body in figure.bodies}
-
-
 @pytest.mark.parametrize("geometry", [ROBOT.geometry, Geometry(hand=-1, rod_twist=80.0, mount_angle=100.0)])
 def test_all_axes_of_elbows_and_mounts_begin_in_the_neck_centre(geometry: Geometry) -> None:
     moving = [body for body in mechanism(Figure(geometry)) if "arm_" in body.path]
     found = [axis for body in moving for axis in axes(body.solids)]
     assert len(found) == 6
     assert all(axis.position == (0.0, 0.0, 0.0) for axis in found)
-
-
-def test_each_arm_has_its_colour_from_motor_to_mount() -> None:
-    parts = {body.path: body.solids for body in mechanism(Figure())}
-    for name, colour in colours.ARMS.items():
-        assert {solid.colour for solid in parts[f"arm_{name}"]} == {colour}
-        assert colour in {solid.colour for solid in parts[f"arm_{name}/rod_{name}"]}
-        assert colour in {solid.colour for solid in parts["base"]}
 
 
 def test_solids_are_where_the_figure_has_them_in_mujoco() -> None:

@@ -26,10 +26,6 @@ def model() -> mujoco.MjModel:
     return build()
 
 
-def test_three_motors_drive_nine_degrees_of_freedom(model: mujoco.MjModel) -> None:
-    assert (model.nq, model.nv, model.nu, model.neq) == (10, 9, 3, 3)
-
-
 @pytest.mark.parametrize("geometry", GEOMETRIES)
 def test_home_is_qpos0_with_a_closed_loop(geometry: Geometry) -> None:
     model = build(RobotData(geometry=geometry))
@@ -37,13 +33,6 @@ def test_home_is_qpos0_with_a_closed_loop(geometry: Geometry) -> None:
     mujoco.mj_forward(model, data)
     assert model.qpos0.tolist() == [1.0] + [0.0] * 9
     assert np.abs(data.efc_pos[: 3 * model.neq]).max() < 1e-12
-
-
-def test_the_loop_has_the_measured_solver_parameters(model: mujoco.MjModel) -> None:
-    assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_DISCRETE
-    assert model.opt.timestep == 0.002
-    assert model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
-    assert model.eq_solref[:, 0].tolist() == [0.002] * 3
 
 
 def test_visible_geoms_have_no_mass_and_no_contact(model: mujoco.MjModel) -> None:
@@ -107,20 +96,6 @@ def test_rod_angle_closes_the_loop_of_any_pose(geometry: Geometry) -> None:
 def test_joint_stops_keep_the_rods_inside_the_home_assembly() -> None:
     for chain in chains(ROBOT.geometry):
         assert np.degrees(chain.rod_range()) == pytest.approx([-80.0, 80.0])
-
-
-def test_dense_and_sparse_solvers_agree() -> None:
-    ends = []
-    for jacobian in (mujoco.mjtJacobian.mjJAC_DENSE, mujoco.mjtJacobian.mjJAC_SPARSE):
-        spec = build_spec()
-        spec.option.jacobian = jacobian
-        model = spec.compile()
-        data = mujoco.MjData(model)
-        for step in range(500):
-            data.ctrl[:] = [0.001 * step, 0.0005 * step, -0.0002 * step]
-            mujoco.mj_step(model, data)
-        ends.append(data.qpos.copy())
-    assert ends[0] == pytest.approx(ends[1], abs=1e-9)
 
 
 def test_the_model_can_be_written_as_mjcf() -> None:

@@ -183,28 +183,6 @@ def test_a_callback_runs_in_a_thread_of_its_own_or_after_the_end_in_the_calling_
     assert setting.called.get(timeout=0) == threading.current_thread().name
 
 
-def test_there_is_no_thread_before_the_first_callback(setting: Setting) -> None:
-    setting.replies.send(DONE)
-    setting.motion.result()
-    assert setting.dispatcher._thread is None
-
-
-def test_a_callback_added_before_the_reply_is_read_runs(setting: Setting) -> None:
-    setting.replies.send(DONE)
-    setting.motion.add_done_callback(setting.record)
-    setting.called.get(timeout=PATIENCE_S)
-
-
-def test_callbacks_run_while_another_thread_waits(setting: Setting) -> None:
-    waiter = threading.Thread(target=setting.motion.exception, args=(PATIENCE_S,))
-    waiter.start()
-    assert setting.replies.waiting.wait(PATIENCE_S)
-    setting.motion.add_done_callback(setting.record)
-    setting.replies.send(DONE)
-    setting.called.get(timeout=PATIENCE_S)
-    waiter.join(PATIENCE_S)
-
-
 def test_callbacks_run_when_a_motion_is_overdue(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("beatrix_zenoh.client.motion.MARGIN_S", 0.05)
     setting = Setting(duration=0.0)

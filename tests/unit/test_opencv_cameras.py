@@ -66,15 +66,6 @@ def test_motion_jpeg_is_requested_with_the_backend_of_each_system(
     assert module.captures[0].asked == {3: 640, 4: 480, 5: 30, 6: 0x47504A4D}
 
 
-def test_a_picture_of_another_size_keeps_its_size(camera: UsbCamera, module: FakeOpenCv) -> None:
-    module.endless = False
-    module.pictures.append(plain(320, 240))
-    camera.open()
-    frame = picture(camera)
-    assert (frame.width, frame.height) == (320, 240)
-    assert simplejpeg.decode_jpeg(frame.jpeg).shape == (240, 320, 3)
-
-
 def test_the_camera_waits_for_a_slow_first_picture(camera: UsbCamera, module: FakeOpenCv) -> None:
     module.failures = 3
     camera.open()
@@ -134,18 +125,6 @@ def test_a_driver_that_blocks_on_opening_is_an_error(
     with pytest.raises(NoAnswer, match="Camera 1 blocks its driver"):
         camera.open()
     camera.close()
-
-
-def test_an_exception_in_opencv_is_raised_by_next(
-    camera: UsbCamera, module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fails(index: int, backend: int, /) -> None:
-        raise ValueError("a mistake")
-
-    monkeypatch.setattr(module, "VideoCapture", fails)
-    camera.open()
-    with pytest.raises(ValueError, match="a mistake"):
-        camera.next(1.0)
 
 
 def test_a_late_reader_gets_the_newest_pictures(camera: UsbCamera, module: FakeOpenCv) -> None:

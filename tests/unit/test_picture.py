@@ -156,9 +156,3 @@ def test_without_opengl_libraries_physics_works_and_there_is_no_backend(tmp_path
 def test_a_backend_whose_probe_fails_is_not_used() -> None:
     assert probed({"PYOPENGL_PLATFORM": "egl", "MUJOCO_GL": "off"}) == "None"
     assert not gl._works("no_such_backend")
-
-
-def test_the_backend_of_mujoco_gl_is_tried_first() -> None:
-    if not gl._works("osmesa"):
-        pytest.skip("no OSMesa on this machine")
-    assert probed({"MUJOCO_GL": "osmesa"}) == "osmesa"

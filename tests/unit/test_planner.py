@@ -23,7 +23,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.contract._generated.serial import Telemetry
+from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.motion.rotation import leaning
 from beatrix_zenoh.node.planner import Planner
 
@@ -225,14 +225,6 @@ def test_the_alternative_of_one_wrong_speed_keeps_the_other_two() -> None:
     assert math.degrees(other.y) == pytest.approx(90.0)
 
 
-def test_a_relative_pose_from_impossible_arms_is_refused_with_advice() -> None:
-    board = at(0)._replace(position=(2000, -2000, 200))
-    refusal = refusal_of(PoseQuery(absolute=False, yaw=0.1), board)
-    assert refusal is not None
-    assert refusal.reason is Reason.OUT_OF_REACH
-    assert "calibrate" in refusal.message
-
-
 @pytest.mark.parametrize("steps", [40_000, -40_000])
 def test_step_counts_beyond_the_range_of_a_move_are_refused_with_advice(steps: int) -> None:
     little = MotionQuery(absolute=False, position=Vector3(0.0, 0.0, 0.0))
@@ -242,12 +234,6 @@ def test_step_counts_beyond_the_range_of_a_move_are_refused_with_advice(steps: i
     assert (refusal.value.reason, detail.limit, detail.at_goal) == (Reason.BAD_VALUE, Limit.TRAVEL, True)
     assert detail.value == pytest.approx(40_000 / PLANNER.gear.steps_per_turn * math.tau)
     assert detail.high == pytest.approx(32_767 / PLANNER.gear.steps_per_turn * math.tau)
-
-
-def test_the_frame_of_a_goal_can_be_packed_and_unpacked() -> None:
-    goal = PLANNER.goal(PoseQuery(yaw=-3.0), at(0))
-    assert goal.frame(7).unpack(goal.frame(7).pack()) == goal.frame(7)
-    assert goal.steps == (-1998, -1998, -1998)
 
 
 def test_the_checked_path_has_the_rounded_speeds_of_the_frame() -> None:
@@ -271,3 +257,48 @@ def test_a_trajectory_begins_with_the_velocity_of_the_telemetry() -> None:
     moving = at(100)._replace(velocity=(209, 209, 209))
     (first, *_) = PLANNER.goal(PoseQuery(yaw=0.5), moving).trajectory.sections
     assert first.velocity[0] == pytest.approx(209 / PLANNER.gear.steps_per_turn * math.tau)
+
+
+# -- the frame of a goal --------------------------------------------------------------------------
+
+TENTH = Vector3(0.1, 0.1, 0.1)
+STEPS = PLANNER.gear.to_steps((0.1, 0.1, 0.1))
+DEFAULT = math.radians(ROBOT.limits.speed_default)
+
+
+@pytest.mark.parametrize(
+    ("query", "kind", "speeds"),
+    [
+        (MotionQuery(position=TENTH), Move, (DEFAULT,) * 3),
+        (MotionQuery(position=TENTH, speed=Vector3(0.2, 0.3, 0.4)), Move, (0.2, 0.3, 0.4)),
+        (PoseQuery(yaw=0.1), MoveStraight, (DEFAULT,) * 3),
+        (PoseQuery(yaw=0.1, speed=0.4), MoveStraight, (0.4, 0.4, 0.4)),
+    ],
+)
+def test_the_frame_of_a_goal_has_whole_steps_and_the_requested_or_default_speed(
+    query: MotionQuery | PoseQuery, kind: type[Move | MoveStraight], speeds: tuple[float, float, float]
+) -> None:
+    goal, quarters = PLANNER.goal(query, at(0)), PLANNER.gear.speed_to_quarters(speeds)
+    assert goal.frame(9) == (
+        Move(9, STEPS, quarters) if kind is Move else MoveStraight(9, STEPS, quarters[0])
+    )
+    assert goal.target == PLANNER.gear.to_rad(goal.steps)
+    assert goal.duration == goal.trajectory.duration > 0
+
+
+def test_the_slowest_speed_is_a_quarter_of_a_microstep_per_second() -> None:
+    slowest = PLANNER.gear.quarters_to_speed((1, 1, 1))[0]
+    step = math.tau / PLANNER.gear.steps_per_turn
+    assert PLANNER.goal(PoseQuery(yaw=step, speed=slowest), at(0)).quarters == (1, 1, 1)
+    refusal = refusal_of(PoseQuery(yaw=step, speed=0.9 * slowest), at(0))
+    assert refusal is not None
+    assert refusal.reason is Reason.SPEED_LIMIT
+
+
+def test_the_largest_step_count_of_a_frame_is_allowed() -> None:
+    furthest, stay = 2**15 - 1, MotionQuery(absolute=False, position=Vector3(0.0, 0.0, 0.0))
+    goal = PLANNER.goal(stay, at(furthest))
+    assert goal.steps == (furthest,) * 3
+    assert Move.unpack(goal.frame(1).pack()) == goal.frame(1)
+    with pytest.raises(Refused, match="can be sent to the board"):
+        PLANNER.goal(stay, at(furthest + 1))

@@ -27,10 +27,6 @@ def test_angles_are_interpolated_to_the_grid() -> None:
     assert found.angles == pytest.approx((11.0 - 1.0,))
 
 
-def test_a_sample_on_the_grid_is_used_unchanged() -> None:
-    assert fed([("sim", 20, 1.0), ("hw", 20, 4.0)]) == [AngleDifference(20 * MS, (3.0,))]
-
-
 def test_gaps_are_not_interpolated() -> None:
     both = [(side, ms, 0.0) for ms in (0, 20, 40, 200, 220) for side in ("sim", "hw")]
     assert [apart.time_ns // MS for apart in fed(both)] == [0, 20, 40, 200, 220]
@@ -39,18 +35,6 @@ def test_gaps_are_not_interpolated() -> None:
 def test_differences_are_within_half_a_turn() -> None:
     ((_, (apart,)),) = fed([("sim", 0, 179.0), ("hw", 0, -179.0)])
     assert apart == pytest.approx(2.0)
-
-
-def test_samples_older_than_the_last_one_are_ignored() -> None:
-    assert [
-        apart.angles
-        for apart in fed(
-            [("sim", 0, 0.0), ("sim", 20, 5.0), ("sim", 10, 9.0), ("hw", 0, 1.0), ("hw", 20, 7.0)]
-        )
-    ] == [
-        (1.0,),
-        (2.0,),
-    ]
 
 
 def test_the_number_of_waiting_samples_is_bounded() -> None:
@@ -102,12 +86,3 @@ def test_late_times_are_told_apart_from_impossible_ones(mono_ms: int, arrived_ms
     timebase = Timebase(0, 0)
     timebase.learn(BEA, 100 * MS, 1 * MS)
     assert timebase.delay(BEA, mono_ms * MS, arrived_ms * MS) is delay
-
-
-def test_an_offset_is_known_until_it_is_forgotten() -> None:
-    timebase = Timebase(0, 0)
-    assert not timebase.knows(BEA)
-    timebase.learn(BEA, 100 * MS, 1 * MS)
-    assert timebase.knows(BEA)
-    timebase.forget(BEA)
-    assert not timebase.knows(BEA)

@@ -14,7 +14,7 @@ from beatrix_zenoh.colours import ARMS
 from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Vector, rotation_of
-from beatrix_zenoh.recording.figure import Figure, Form, Quaternion, arc, quaternion, scaled, towards
+from beatrix_zenoh.recording.figure import Figure, Quaternion, quaternion
 from beatrix_zenoh.recording.samples import Floats
 from sim_node.model import build
 
@@ -41,12 +41,6 @@ def test_rods_end_where_the_head_is_mounted(geometry: Geometry, pose: tuple[floa
         np.testing.assert_allclose(turned(rod, elbow), elbow, atol=1e-12)
 
 
-def test_the_figure_has_the_bodies_of_the_model() -> None:
-    model = build()
-    named = {model.body(index).name for index in range(1, model.nbody)}
-    assert {body.path.rpartition("/")[2] for body in Figure().bodies} - {"base"} == named
-
-
 def test_bodies_turn_as_in_the_model() -> None:
     model = build()
     data = mujoco.MjData(model)
@@ -71,25 +65,3 @@ def test_quaternions_turn_as_their_matrices(yaw: float, pitch: float, roll: floa
     assert math.hypot(*turn) == pytest.approx(1.0)
     for column, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
         np.testing.assert_allclose(turned(turn, axis), [row[column] for row in rotation], atol=1e-9)
-
-
-@pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0), (0.6, 0.0, -0.8)])
-def test_solids_point_along_their_axis(axis: Vector) -> None:
-    np.testing.assert_allclose(turned(towards(axis), (0.0, 0.0, 1.0)), axis, atol=1e-9)
-
-
-def test_rods_are_arcs_from_elbow_to_mount() -> None:
-    figure = Figure()
-    points = arc(figure.elbows[0], figure.mounts[0], 6)
-    np.testing.assert_allclose(points[0], figure.elbows[0], atol=1e-12)
-    np.testing.assert_allclose(points[-1], figure.mounts[0], atol=1e-12)
-    np.testing.assert_allclose([math.hypot(*point) for point in points], 1.0)
-    assert scaled(points[0], 2.0) == tuple(2 * value for value in points[0])
-
-
-def test_solids_have_positive_sizes_and_unit_quaternions() -> None:
-    for body in Figure().bodies:
-        for solid in body.solids:
-            assert len(solid.size) == (3 if solid.form is Form.ELLIPSOID else 2)
-            assert min(solid.size) > 0
-            assert math.hypot(*solid.quaternion) == pytest.approx(1.0)

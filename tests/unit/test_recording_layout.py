@@ -6,8 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from recording_views import Box, View, solids, table, tabs_of
-from rerun.chunk import RrdReader
+from recording_views import Box, View, solids, tabs_of
 from robots import ROOT
 
 from beatrix_zenoh.motion.kinematics import Neck
@@ -135,21 +134,6 @@ def test_the_mechanism_is_in_each_3d_view_but_hidden_at_first(
     assert view.hidden == {f"/{name}/{side}/mechanism" for name, side in places}
 
 
-def test_the_parts_of_the_mechanism_move_with_the_bodies_of_the_model(sides: Path) -> None:
-    frames = {
-        entity: values["CoordinateFrame:frame"][0]
-        for entity, values in table(RrdReader(sides).stream()).items()
-        if "CoordinateFrame:frame" in values
-    }
-    assert frames["/bea/hw/mechanism/rod_short/capsule"] == "tf#/bea/hw/model/arm_short/rod_short"
-    assert {frame.partition("/model/")[2] for frame in frames.values()} == bodies()
-
-
-def test_side_by_side_without_cameras_has_no_place_for_eyes(tmp_path: Path) -> None:
-    tab = tabs_of(recorded(tmp_path, SIM, HW, pictures=False))["Side by side"]
-    assert shape(tab) == ("horizontal", [("horizontal", ["bea: simulation", "bea: hardware"])])
-
-
 def test_plots_draw_arms_and_head_of_both_robots_over_20_s_and_their_difference(sides: Path) -> None:
     tab = tabs_of(sides)["Plots"]
     assert shape(tab) == ("horizontal", [("horizontal", [
@@ -162,31 +146,6 @@ def test_plots_draw_arms_and_head_of_both_robots_over_20_s_and_their_difference(
     for view in tab.views:
         (span,) = view.settings["TimeAxis"]["TimeAxis:view_range"]
         assert (view.kind, span) == ("TimeSeries", {"start": -20_000_000_000, "end": 500_000_000})
-
-
-def test_curves_of_the_hardware_are_wide_and_those_of_the_simulation_thin(sides: Path) -> None:
-    styles = table(RrdReader(sides).stream())
-    for what in ("arms", "head"):
-        hw, sim = (styles[f"/bea/{side}/{what}"]["SeriesLines:widths"] for side in ("hw", "sim"))
-        assert len(hw) == len(sim) == 3
-        assert min(hw) > 2 * max(sim)
-
-
-def test_log_and_states_draw_requests_and_states_of_both_robots(sides: Path) -> None:
-    tab = tabs_of(sides)["Log"]
-    assert shape(tab) == ("vertical", ["states", "requests, replies and refusals"])
-    states, log = tab.views
-    assert (states.kind, set(states.draws)) == ("StateTimeline", {"/bea/sim/state", "/bea/hw/state"})
-    assert (log.kind, set(log.draws)) == ("TextLog", {"/bea/sim/events", "/bea/hw/events"})
-
-
-@pytest.mark.parametrize("place", [SIM, HW])
-def test_a_robot_alone_is_drawn_solid_and_without_differences(tmp_path: Path, place: Place) -> None:
-    tabs = tabs_of(recorded(tmp_path, place))
-    (overlay,) = tabs["Overlay"].views
-    assert set(solids(place, "solid", overlay.draws)) == bodies()
-    assert [view.title for view in tabs["Plots"].views] == ["arms (°)", "head (°)"]
-    assert len(tabs["Side by side"].views) == 3
 
 
 def test_each_of_several_robots_has_its_own_views(tmp_path: Path) -> None:

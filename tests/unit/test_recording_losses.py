@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.cli.recording_summary import missing, outcome
-from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract.publishers import NUMBERS
 from beatrix_zenoh.recording.loss_report import REPORT_S, LossReport
 from beatrix_zenoh.recording.losses import (
@@ -19,7 +18,6 @@ from beatrix_zenoh.recording.losses import (
     Stream,
     findings,
     pictures_of,
-    stream_of_key,
     total,
 )
 from beatrix_zenoh.recording.rows import Line, Numbers, Row
@@ -141,23 +139,3 @@ def test_two_programs_under_one_name_are_named_once_and_no_loss_is_counted() -> 
 def test_a_repeated_sample_is_no_loss_for_a_reader_of_the_file() -> None:
     assert lost_in_file(1, 4, 5, repeats=(0, 2, 0)) == 0
     assert lost_in_file(1, 5, 6, repeats=(0, 2, 0)) == 1
-
-
-def test_a_file_of_an_earlier_version_has_unknown_losses() -> None:
-    assert lost_in_file(1, -1) is None
-    assert (
-        Samples(np.empty(0, np.int64), np.empty(0, np.int64), NONE, NONE, NONE, None, NONE, None).lost is None
-    )
-
-
-@pytest.mark.parametrize(
-    ("key", "what"),
-    [
-        (keys.positions("bea", "hw"), POSITIONS),
-        (keys.events("bea", "hw"), EVENTS),
-        (keys.camera("bea", "hw", "left"), "pictures of the left eye"),
-    ],
-)
-def test_each_key_has_its_stream(key: str, what: str) -> None:
-    assert stream_of_key(key) == (BEA, what)
-    assert stream_of_key(keys.info("bea", "hw")) is None

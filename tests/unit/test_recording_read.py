@@ -11,7 +11,6 @@ import msgspec
 import numpy as np
 import pytest
 import rerun as rr
-from rerun.chunk import RrdReader
 
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.contract._generated.messages import (
@@ -114,26 +113,6 @@ def test_a_measured_head_is_nan_before_its_first_sample(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found, [(np.nan,) * 3, (1.0, 2.0, 3.0)])
 
 
-def test_velocities_and_sequence_numbers_are_read(tmp_path: Path) -> None:
-    path = tmp_path / "lesson.rrd"
-    time_ns, robot_ns = BEGAN_NS, BEGAN_NS - 7
-    more = [
-        Numbers(of_robot(SIM, "velocity"), time_ns, robot_ns, (1.0, 2.0, 3.0)),
-        Numbers(of_robot(SIM, "seq"), time_ns, robot_ns, (float(2**32 - 1),)),
-    ]
-    written(
-        path,
-        RobotSet({SIM: Figure(), HW: Figure()}),
-        [[*sample(SIM, 0), *more, *sample(SIM, 1), *sample(HW, 0)]],
-    )
-    sim, hw = (read(path).robots[place] for place in (SIM, HW))
-    np.testing.assert_array_equal(sim.velocity, [(1.0, 2.0, 3.0), (np.nan,) * 3])
-    assert sim.seq is not None
-    assert sim.seq.tolist() == [2**32 - 1, -1]
-    assert np.isnan(hw.velocity).all(), "a file of an earlier version"
-    assert hw.seq is None
-
-
 def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
     """A later description replaces an earlier one, as robots and seats come."""
     path = tmp_path / "lesson.rrd"
@@ -212,21 +191,6 @@ def test_events_states_and_differences_are_read(tmp_path: Path) -> None:
     times, angles = recorded.differences["bea"]
     assert times.tolist() == [BEGAN_NS]
     assert angles.tolist() == [[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]]
-
-
-def test_bodies_are_entities_of_the_model(tmp_path: Path) -> None:
-    path = tmp_path / "lesson.rrd"
-    written(path, RobotSet({SIM: Figure(), HW: Figure()}), [[*sample(SIM, 0), *sample(HW, 0)]])
-    entities = {chunk.entity_path for chunk in RrdReader(path).stream()}
-    assert {
-        "/bea/sim/model/head",
-        "/bea/sim/model/base/solid/cylinder",
-        "/bea/sim/model/arm_short/solid/cylinder",
-        "/bea/sim/model/arm_long/rod_long/ghost/capsule",
-        "/bea/hw/model/arm_middle/solid/capsule",
-        "/bea/hw/camera/left",
-    } <= entities
-    assert not any("/hw/" in entity and "ghost" in entity for entity in entities)
 
 
 def test_a_file_that_is_no_recording_of_positions_is_refused(tmp_path: Path) -> None:

@@ -69,25 +69,6 @@ def test_rows_of_arms_and_head_are_in_degrees(rows_of_robot: RobotRows) -> None:
     assert {(row.time_ns, row.robot_ns) for row in rows.values()} == {(NOW_NS, NOW_NS - 5)}
 
 
-def test_only_bodies_that_turned_get_a_row(rows_of_robot: RobotRows) -> None:
-    first = [row.path for row in rows_of_robot.positions(positions(), NOW_NS) if isinstance(row, Orientation)]
-    assert len(first) == 7
-    assert not [row for row in rows_of_robot.positions(positions(), NOW_NS) if isinstance(row, Orientation)]
-    turned = {
-        row.path for row in rows_of_robot.positions(positions(0.2), NOW_NS) if isinstance(row, Orientation)
-    }
-    # Turning about the vertical does not turn the rods relative to their arms, so they get no row.
-    assert turned == {
-        "bea/hw/model/head",
-        *(f"bea/hw/model/arm_{name}" for name in ("short", "middle", "long")),
-    }
-    rows_of_robot.begin_again()
-    assert (
-        len([row for row in rows_of_robot.positions(positions(0.2), NOW_NS) if isinstance(row, Orientation)])
-        == 7
-    )
-
-
 def test_the_head_is_drawn_where_it_was_measured(rows_of_robot: RobotRows) -> None:
     rows = list(rows_of_robot.positions(positions(0.0, Head(0.4, 0.0, 0.0)), NOW_NS))
     (head,) = (row for row in rows if isinstance(row, Orientation) and row.path.endswith("/head"))

@@ -17,7 +17,6 @@ from beatrix_zenoh.client.clocks import Offset
 from beatrix_zenoh.client.subscription import Arrival
 from beatrix_zenoh.contract._generated.messages import (
     Event,
-    EventKind,
     Head,
     Positions,
     Status,
@@ -244,23 +243,6 @@ def test_only_publications_with_impossible_time_stamps_are_dropped(
     assert "impossible time stamps" in rig.messages[0]
 
 
-def test_samples_that_the_network_lost_are_counted_and_named(rig: Rig) -> None:
-    """Every tenth of 200 samples is left out, as a bad network would."""
-    rig.answer(AHEAD_NS)
-    for i in range(200):
-        sample = positions()
-        if i % 10 != 5:
-            rig.subscriptions.publish(sample)
-    until(lambda: len(rig.arms()) == 180, "the others are written")
-    (lost,) = rig.thread.counts.values()
-    assert (lost.published, lost.lost, lost.dropped) == (200, 20, 0)
-    until(lambda: bool(rig.messages), "the message")
-    assert rig.messages[0] == "So far: bea (hw): 20 of 200 positions were lost on the network."
-    written = {row.path: row for row in rig.output.rows}["_recorder/lost"]
-    assert isinstance(written, Numbers)
-    assert written.values == (20.0,)
-
-
 def test_late_samples_are_written_with_their_true_times(rig: Rig) -> None:
     rig.answer(AHEAD_NS)
     rig.subscriptions.publish(positions())
@@ -275,21 +257,6 @@ def test_late_samples_are_written_with_their_true_times(rig: Rig) -> None:
     assert total(rig.thread.counts).unwritten == 0
     until(lambda: bool(rig.messages), "the message")
     assert "2 of 3 positions arrived more than 2 s late" in rig.messages[0]
-
-
-def test_repeated_positions_are_counted_and_not_written_twice(rig: Rig) -> None:
-    rig.answer(AHEAD_NS)
-    first = positions()
-    for sample in (
-        first,
-        msgspec.structs.replace(positions(), t_mono_ns=first.t_mono_ns, repeated=True),
-        positions(),
-    ):
-        rig.subscriptions.publish(sample)
-    until(lambda: len(rig.arms()) == 2, "two samples are written")
-    assert rig.rows_of("repeats") == [(0.0,), (1.0,)]
-    (one,) = rig.thread.counts.values()
-    assert (one.received, one.repeated, one.lost) == (3, 1, 0)
 
 
 def test_positions_of_a_lost_board_are_counted_and_not_written_in_the_past(rig: Rig) -> None:
@@ -317,31 +284,6 @@ def test_a_note_becomes_a_line_and_a_mark(rig: Rig) -> None:
     assert decode_json(line.json.encode(), Note) == Note(line.time_ns, "ana", "trial 3 begins")
     assert abs(line.time_ns - time.time_ns()) < 5_000_000_000
     assert (mark.state, mark.time_ns) == ("trial 3 begins", line.time_ns)
-
-
-def test_a_recording_is_described_again_when_it_knows_more(rig: Rig) -> None:
-    rig.answer(AHEAD_NS)
-    rig.subscriptions.publish(positions())
-    asked = Event(
-        seq=1, t_mono_ns=time.monotonic_ns() + AHEAD_NS, t_wall_ns=7, kind=EventKind.STOP, seat="ben"
-    )
-    for event in (asked, msgspec.structs.replace(asked, seq=2)):
-        rig.subscriptions.publish(event)
-    until(lambda: len(rig.output.abouts) > 1, "the seat is known")
-    assert [about.seats for about in rig.output.abouts] == [(), ("ben",)]
-
-
-def test_a_robot_that_publishes_no_positions_is_recorded_as_lost(rig: Rig) -> None:
-    rig.answer(AHEAD_NS)
-    rig.subscriptions.publish(positions())
-    rig.subscriptions.publish(msgspec.structs.replace(READY, t_mono_ns=time.monotonic_ns() + AHEAD_NS))
-
-    def states() -> list[str]:
-        return [row.state for row in rig.output.rows if isinstance(row, Bar)]
-
-    until(lambda: states() == ["ready", "lost"], "the robot is lost")
-    rig.subscriptions.publish(positions())
-    until(lambda: states() == ["ready", "lost", "ready"], "the robot is back")
 
 
 def test_an_error_ends_the_thread_and_is_reported(rig: Rig) -> None:

@@ -63,15 +63,6 @@ def arms(short: float, middle: float, long: float) -> MotionQuery:
     return MotionQuery(absolute=False, position=Vector3(single(short), single(middle), single(long)))
 
 
-@pytest.mark.parametrize("by", [0.04, 0.05, 0.13, 0.3, 1.0])
-@pytest.mark.parametrize("form", ["pose", "arms"])
-def test_thirty_equal_relative_motions_end_at_thirty_times_the_angle(by: float, form: str) -> None:
-    robot = Robot()
-    for _ in range(30):
-        robot.carry_out(turn(by) if form == "pose" else arms(by, by, by))
-    assert robot.arms == pytest.approx((math.radians(30 * by),) * 3, abs=HALF)
-
-
 angles = st.one_of(st.floats(-0.1, 0.1), st.floats(-3, 3))
 
 
@@ -97,22 +88,6 @@ def test_a_sequence_of_relative_poses_ends_at_the_arms_of_the_sum(steps: list[Ar
         if robot.carry_out(query) is not None:
             total = [a + b for a, b in zip(total, (query.yaw, query.pitch, query.roll), strict=True)]
     assert robot.arms == pytest.approx(PLANNER.neck.inverse(*total), abs=HALF)
-
-
-def test_arms_and_poses_in_turn_keep_the_parts_of_a_microstep() -> None:
-    robot = Robot()
-    for _ in range(30):
-        robot.carry_out(turn(0.02))
-        robot.carry_out(arms(0.02, 0.02, 0.02))
-    assert robot.arms == pytest.approx((math.radians(1.2),) * 3, abs=HALF)
-
-
-def test_a_relative_motion_counts_from_an_absolute_goal_and_not_from_its_microsteps() -> None:
-    robot = Robot()
-    for query in [MotionQuery(position=Vector3(single(10), 0.1, 0.1)), arms(0.03, 0, 0)]:
-        robot.carry_out(query)
-    assert robot.last is not None
-    assert robot.last.exact[0] == pytest.approx(math.radians(10.03), abs=1e-8)
 
 
 @pytest.mark.parametrize("query", [turn(0.03), arms(0.03, 0.03, 0.03)])

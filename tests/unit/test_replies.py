@@ -89,8 +89,3 @@ def test_every_outcome_has_a_sentence() -> None:
             _, text = replies.motion_end(outcome, StopCause.STOP, ARMS)
             assert text[0].isupper()
             assert text.endswith(".")
-
-
-def test_the_sentence_about_a_lost_board_states_when_the_arms_stop_or_what_to_do() -> None:
-    assert "half a second" in replies.board_lost(reset=False)
-    assert "calibrate" in replies.board_lost(reset=True)

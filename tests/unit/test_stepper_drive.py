@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.contract._generated.robot import Drive
-from beatrix_zenoh.motion.gear import Gear
 from sim_node.drive import StepperDrive
 
 CYCLE = math.radians(4 * 1.8 * 26 / 68)
@@ -25,26 +24,12 @@ def driven() -> StepperDrive:
     return drive
 
 
-def test_set_points_follow_the_pulses() -> None:
-    drive = driven()
-    drive.step((8, -16, 0), HOME, on=True)
-    assert drive.set_points == pytest.approx(Gear().to_rad((8, -16, 0)))
-
-
 def test_the_sign_reverses_a_motor() -> None:
     drive = StepperDrive(Drive(sign=(-1, 1, 1)))
     drive.step((8, 8, 8), HOME, on=True)
     short, middle, long = drive.set_points
     assert short == -middle
     assert middle == long > 0
-
-
-def test_a_step_without_change_returns_false() -> None:
-    drive = driven()
-    assert not drive.step((0, 0, 0), HOME, on=True)
-    assert drive.step((1, 0, 0), HOME, on=True)
-    assert not drive.step((1, 0, 0), HOME, on=True)
-    assert drive.step((1, 0, 0), HOME, on=False)
 
 
 def test_an_arm_less_than_half_a_cycle_off_loses_no_steps() -> None:

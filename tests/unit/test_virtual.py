@@ -12,9 +12,8 @@ import pytest
 from beatrix_zenoh.board import virtual
 from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
-from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract._generated.serial import Enable, FrameType, HelloReply, Move, Telemetry
+from beatrix_zenoh.contract._generated.serial import Enable, FrameType, Move, Telemetry
 from beatrix_zenoh.contract.errors import BeatrixError
 
 SPEED = (4189, 4189, 4189)
@@ -48,25 +47,6 @@ def test_a_board_sends_nothing_before_the_first_frame() -> None:
     board.advance(5000)
     assert board.read(0) == b""
     board.close()
-
-
-def test_a_board_answers_hello(board: VirtualBoard) -> None:
-    reply = frames(board.read(0))[0]
-    hello = HelloReply.unpack(reply.payload)
-    assert (reply.type, reply.seq) == (FrameType.HELLO_REPLY, 3)
-    assert (hello.boot, hello.name.rstrip(b"\0")) == (7, b"bea1")
-
-
-def test_a_written_request_is_answered_at_once(board: VirtualBoard) -> None:
-    board.read(0)
-    board.write(encode(FrameType.PING, 9, b""))
-    assert frames(board.read(0)) == [SerialFrame(FrameType.PING | 0x80, 9, b"\0")]
-
-
-def test_many_requests_in_one_write_are_all_answered(board: VirtualBoard) -> None:
-    board.read(0)
-    board.write(b"".join(encode(FrameType.HELLO, seq, b"") for seq in range(1, 255)))
-    assert [frame.seq for frame in frames(board.read(0))] == list(range(1, 255))
 
 
 def test_read_returns_after_its_timeout(board: VirtualBoard) -> None:
@@ -103,28 +83,6 @@ def test_unread_bytes_are_limited(board: VirtualBoard) -> None:
         board.advance(1000)
         board.write(PING)
     assert len(board.read(0)) == virtual._UNREAD_MAX
-
-
-def test_a_long_tick_loses_no_telemetry() -> None:
-    firmware = Firmware()
-    firmware.receive(PING)
-    firmware.tick(wire.HOST_GONE)
-    assert [t.tick for t in telemetry(firmware.transmit())] == list(range(10, wire.HOST_GONE, 10))
-
-
-def test_two_boards_are_independent() -> None:
-    one, other = Firmware(), Firmware()
-    make_move(one, (100, 100, 100))
-    one.tick(300)
-    other.tick(300)
-    assert one.steps() != other.steps() == (0, 0, 0)
-
-
-def test_enable_switches_the_drivers_on() -> None:
-    firmware = Firmware()
-    assert not firmware.drivers_on()
-    make_move(firmware, (10, 0, 0))
-    assert firmware.drivers_on()
 
 
 def test_a_restored_board_continues_like_the_original() -> None:

@@ -14,7 +14,6 @@ from late_tests import in_time
 from robots import Process, Stage, free_endpoint, start_router, until
 
 from beatrix_zenoh.client import Client, Place, Presence, stopping
-from beatrix_zenoh.client.queries import pose_query
 from beatrix_zenoh.contract._generated.messages import Command, Fault, Reason, Source
 from gui.console.state.actions import Connect, Ready, Select, Send, SendCommand, SendStop
 from gui.console.state.world import LinkPhase, World
@@ -51,23 +50,6 @@ def test_a_command_reaches_both_robots_and_each_answers(linked: Linked) -> None:
     assert (end.accepted, end.reason, len(linked.of(2))) == (False, Reason.NOT_ENABLED, 1)
     linked.do(Ready(3, "hw"))
     assert linked.end_of(3, "hw").accepted
-
-
-def test_a_refusal_has_a_detail_with_an_alternative(linked: Linked) -> None:
-    linked.do(Send(1, pose_query(0, 60, 0, relative=False, speed=30), ("sim",)))
-    end = linked.end_of(1, "sim")
-    assert (end.accepted, end.done) == (False, True)
-    assert end.detail is not None
-    assert end.detail.alternative is not None
-    assert "60.0°" in end.message
-
-
-def test_the_newer_motion_of_one_robot_replaces_the_older(linked: Linked) -> None:
-    linked.do(Send(1, look(90, 30), ("sim",)))
-    linked.accepted(1, "sim")
-    linked.do(Send(2, look(5), ("sim",)))
-    assert linked.end_of(1, "sim").reason is Reason.REPLACED
-    assert linked.end_of(2, "sim").accepted
 
 
 def test_stop_ends_the_motions_of_both_robots(linked: Linked) -> None:
@@ -118,12 +100,6 @@ def test_round_trips_are_measured(linked: Linked) -> None:
     world = linked.until(lambda world: None not in world.latency_s.values(), "both have answered", 5.0)
     assert set(world.latency_s) == {"sim", "hw"}
     assert all(0 < (latency or 0) < 0.5 for latency in world.latency_s.values())
-
-
-def test_events_of_other_seats_are_received(linked: Linked, stage: Stage) -> None:
-    stage.robot("bea", "sim", "eve").status()
-    stage.robot("bea", "sim", "eve").stop()
-    linked.until(lambda world: any(event.seat == "eve" for event in world.sim.events), "STOP of eve")
 
 
 # -- the session ----------------------------------------------------------------------------------

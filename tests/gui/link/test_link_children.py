@@ -21,7 +21,6 @@ from gui.console.state.actions import (
     RunSimulation,
     Send,
     ViewRecording,
-    WatchCameras,
     WriteFile,
 )
 from gui.console.state.world import LinkPhase, RecordingProgress
@@ -65,13 +64,6 @@ def test_a_file_is_written_or_the_failure_is_reported(linked: Linked, tmp_path: 
     linked.do(WriteFile(2, tmp_path / "none" / "a.csv", ""))
     end = linked.end_of(2)
     assert (end.accepted, "cannot be written" in end.message) == (False, True)
-
-
-def test_pictures_come_while_they_are_wanted(linked: Linked) -> None:
-    linked.do(WatchCameras(frozenset({("sim", "left")})))
-    until(lambda: ("sim", "left") in linked.pictures, "a picture", READY_S)
-    assert set(linked.pictures) == {("sim", "left")}
-    linked.do(WatchCameras(frozenset()))
 
 
 def test_the_world_has_limits_clock_and_session(linked: Linked) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from gui_links import Linked, arms, look, short
+from gui_links import Linked, look, short
 from robots import Stage, until
 
 from beatrix_zenoh.client.queries import pose_query
@@ -93,15 +93,6 @@ def test_stop_within_the_lead_leaves_the_hardware_unmoved(linked: Linked) -> Non
     assert steps(linked) == before
 
 
-def test_a_newer_motion_of_both_robots_replaces_one_in_its_lead(linked: Linked) -> None:
-    leading(linked, 1, 90.0)
-    linked.do(Send(2, look(5, 60), BOTH))
-    assert linked.end_of(1).reason is Reason.REPLACED
-    assert linked.end_of(2).accepted
-    for side in BOTH:
-        linked.until(lambda world, side=side: short(world, side) == pytest.approx(5, abs=0.1), "there")  # type: ignore[misc]
-
-
 def test_the_newest_of_many_motions_is_carried_out_and_each_row_ends_once(linked: Linked) -> None:
     for row in range(10):
         linked.do(Send(row, look(row, 60), BOTH))
@@ -170,13 +161,3 @@ def test_the_end_of_the_window_within_the_lead_leaves_the_hardware_unmoved(
         other.until(lambda world: world.sim.status is not None and not world.sim.status.holder, "it is free")
         assert steps(other) == before
         assert short(other.world, "sim") < 50
-
-
-def test_home_of_both_robots_is_previewed_and_keeps_them_together(linked: Linked) -> None:
-    linked.do(Send(1, look(8), BOTH))
-    assert linked.end_of(1).accepted
-    linked.do(Send(2, arms(0, 0, 0), BOTH))
-    assert linked.accepted(2).message.startswith("Possible")
-    assert linked.end_of(2).accepted
-    for side in BOTH:
-        linked.until(lambda world, side=side: short(world, side) == pytest.approx(0, abs=0.1), "home")  # type: ignore[misc]
