@@ -27,7 +27,7 @@ def stage() -> Iterator[Stage]:
 
 
 @pytest.fixture
-def side(stage: Stage) -> Iterator[Twin]:
+def twin(stage: Stage) -> Iterator[Twin]:
     """Both robots, enabled and calibrated."""
     with Twin("bea", connect=stage.endpoint, who="ana", timeout_s=10.0) as made:
         made.stop()

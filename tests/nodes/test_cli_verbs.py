@@ -107,7 +107,7 @@ def test_echo_counts_past_events_and_gives_them_as_json(shell: Shell) -> None:
         shell.good("stop", "--on", "sim")
     rows = [json.loads(line) for line in shell.good("echo", "events", "--count", "2", "--json").splitlines()]
     assert len(rows) == 2
-    assert (rows[-1]["robot"], rows[-1]["on"], rows[-1]["kind"], rows[-1]["reason"]) == (
+    assert (rows[-1]["robot"], rows[-1]["side"], rows[-1]["kind"], rows[-1]["reason"]) == (
         NAME,
         "sim",
         "stop",

@@ -18,7 +18,7 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, R
 
 
 @pytest.fixture
-def side(stage: Stage) -> Iterator[Twin]:
+def twin(stage: Stage) -> Iterator[Twin]:
     """Both robots, enabled and calibrated, without an emergency latch."""
     with Twin("bea", connect=stage.endpoint, who="ana") as made:
         made.stop()
