@@ -17,8 +17,8 @@ import simplejpeg
 from bench_node import ROOT, Row, Served, free_endpoint, receive, regularity, spread_ms
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.client import Client, camera
-from beatrix_zenoh.client.camera import CameraImage
+from beatrix_zenoh.client import Client, subscription
+from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract.names import EYES
 from beatrix_zenoh.settings import Settings
 from hw_node.cameras.pattern import number_and_time
@@ -43,7 +43,7 @@ def watched(robot: Robot, seconds: float) -> dict[str, list[CameraImage]]:
     with ExitStack() as stack:
         eyes = {
             eye: stack.enter_context(
-                camera.images(robot.client, *robot.place, eye, timeout_s=5.0, length=KEPT)
+                subscription.images(robot.client, *robot.place, eye, timeout_s=5.0, length=KEPT)
             )
             for eye in EYES
         }

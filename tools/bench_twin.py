@@ -16,9 +16,8 @@ import numpy as np
 from beatrix_zenoh import Robot, Twin
 from beatrix_zenoh.cli.comparison_text import axes_table
 from beatrix_zenoh.cli.demo import start
-from beatrix_zenoh.client.choreography import shipped
+from beatrix_zenoh.client.choreography import play, shipped
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.client.play import play
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Positions
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.processes import Supervisor

@@ -17,7 +17,7 @@ from bench_node import ROOT, Served
 from PIL import Image, ImageDraw, ImageFont
 
 from beatrix_zenoh import Twin
-from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.motion.gear import Arms
 from sim_node import gl
 from sim_node.gl import GlPainter

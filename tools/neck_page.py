@@ -13,9 +13,9 @@ from typing import Final
 
 import mujoco
 
-from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
-from beatrix_zenoh.client.readings import Path as ArmsPath
-from beatrix_zenoh.client.twin.plot import path_figure
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
+from beatrix_zenoh.client.degrees import Path as ArmsPath
+from beatrix_zenoh.client.plan import path_figure
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.trajectory import plan

@@ -10,7 +10,7 @@ import typer
 
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
 from beatrix_zenoh.cli.targets import Selection, open_targets
-from beatrix_zenoh.client.twin.twin import check_reachable
+from beatrix_zenoh.client.twin import check_reachable
 from beatrix_zenoh.contract._generated.messages import Command
 from beatrix_zenoh.contract.errors import naming
 from beatrix_zenoh.output import print_json, say

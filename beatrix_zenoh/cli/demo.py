@@ -18,9 +18,8 @@ import typer
 from beatrix_zenoh.cli.options import Json
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.up import advice, end_on_interrupt, open_window, watch
-from beatrix_zenoh.client.choreography import Choreography, Step, shipped
-from beatrix_zenoh.client.play import play
-from beatrix_zenoh.client.twin.twin import Twin
+from beatrix_zenoh.client.choreography import Choreography, Step, play, shipped
+from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import replace_when_complete

@@ -17,11 +17,10 @@ from beatrix_zenoh.cli.motions import reading_row
 from beatrix_zenoh.cli.options import Connect, Name, On, Who
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
 from beatrix_zenoh.client import subscription
-from beatrix_zenoh.client.camera import START_S, CameraImage, images
-from beatrix_zenoh.client.readings import reading
+from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.client.subscription import Arrival
+from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, Arrival, CameraImage, images
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.sentences.events import sentence
@@ -77,7 +76,7 @@ def echo(
                 show_status(update, as_json=as_json)
         else:
             eye = stream.removeprefix("camera/")
-            pictures = images(targets.client, targets.name, side_key(targets), eye, timeout_s=START_S)
+            pictures = images(targets.client, targets.name, side_key(targets), eye, timeout_s=FIRST_PICTURE_S)
             for picture in limited(pictures.arrivals(), count):
                 show_picture(picture, as_json=as_json)
 

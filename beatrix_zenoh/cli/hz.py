@@ -13,7 +13,7 @@ import typer
 
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.cli.targets import Selection, open_targets
-from beatrix_zenoh.client import camera
+from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.clocks import clock_offset
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.subscription import Arrival, Subscription
@@ -100,7 +100,7 @@ def subscribe(robot: Robot, stream: PeriodicStream) -> Subscription[Numbered]:
     if stream is PeriodicStream.POSITIONS:
         return cast("Subscription[Numbered]", robot.positions_stream())
     eye = stream.removeprefix("camera/")
-    pictures = camera.images(robot.client, *robot.place, eye, timeout_s=None, length=PICTURES)
+    pictures = subscription.images(robot.client, *robot.place, eye, timeout_s=None, length=PICTURES)
     return cast("Subscription[Numbered]", pictures)
 
 

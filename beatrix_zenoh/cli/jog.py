@@ -14,7 +14,7 @@ import typer
 from beatrix_zenoh.cli.motions import stop_on_interrupt
 from beatrix_zenoh.cli.options import Which
 from beatrix_zenoh.cli.targets import Selection, open_targets
-from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT

@@ -13,9 +13,9 @@ from beatrix_zenoh.cli.options import Connect, Json, Name, Names, On, Who
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client import lease as leases
 from beatrix_zenoh.client.lease import govern
+from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.client.silence import title
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage
 from beatrix_zenoh.output import exit_code, note, print_json, say

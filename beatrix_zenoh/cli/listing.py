@@ -9,12 +9,11 @@ from typing import NamedTuple
 
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.cli.targets import Selection, open_targets
-from beatrix_zenoh.client.monitor import Monitor
-from beatrix_zenoh.client.readings import RobotInfo
+from beatrix_zenoh.client.degrees import RobotInfo
+from beatrix_zenoh.client.monitor import Monitor, Presence
 from beatrix_zenoh.client.request import infos as answered_infos
-from beatrix_zenoh.client.robot_state import Presence
+from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.client.silence import title
 from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, FollowState, Info, Status
 from beatrix_zenoh.output import columns, print_json, say

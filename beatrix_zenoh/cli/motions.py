@@ -12,14 +12,13 @@ from msgspec import structs
 
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
-from beatrix_zenoh.client.queries import motion_query, pose_query
-from beatrix_zenoh.client.readings import Reading
+from beatrix_zenoh.client.degrees import Reading, motion_query, pose_query
+from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.stopping import sentence, stop_robots
-from beatrix_zenoh.client.twin.motion import TwinMotion
-from beatrix_zenoh.client.twin.plan import Plan
-from beatrix_zenoh.client.twin.twin import Twin
+from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source
 from beatrix_zenoh.output import note, print_failure, print_json, say
 

@@ -14,9 +14,9 @@ from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
 from beatrix_zenoh.client import choreography
 from beatrix_zenoh.client.choreography import Choreography, Step
-from beatrix_zenoh.client.play import play as perform
+from beatrix_zenoh.client.choreography import play as perform
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.twin.twin import Twin
+from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.output import note
 
 MANY = 1000

@@ -14,9 +14,8 @@ from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.cli.progress import progress_bar
 from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
 from beatrix_zenoh.client import motion_file
-from beatrix_zenoh.client.queries import FASTEST, SLOWEST, checked_factor
-from beatrix_zenoh.client.readings import RobotInfo
-from beatrix_zenoh.client.twin.twin import Twin
+from beatrix_zenoh.client.degrees import FASTEST, SLOWEST, RobotInfo, checked_factor
+from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits

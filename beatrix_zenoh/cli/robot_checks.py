@@ -10,9 +10,9 @@ from beatrix_zenoh.cli.checks import Finding
 from beatrix_zenoh.cli.listing import ListedRobot, listed, problems, state
 from beatrix_zenoh.client.clocks import clock_offset
 from beatrix_zenoh.client.monitor import Monitor
+from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.client.twin.plan import unlike
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CONTRACT, Fault, Info, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer

@@ -11,8 +11,8 @@ import typer
 
 from beatrix_zenoh.cli.options import Connect, Json, Which, Who
 from beatrix_zenoh.cli.targets import Selection, is_named
+from beatrix_zenoh.client.request import absent_reason
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.client.silence import absent_reason
 from beatrix_zenoh.client.stopping import OFF_LINE, Answer, SentGroupStop, matches, sentence, silences
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source

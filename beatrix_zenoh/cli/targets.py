@@ -8,9 +8,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from beatrix_zenoh.cli.options import Which
+from beatrix_zenoh.client.request import absent_reason
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.silence import absent_reason
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import NoAnswer, Refused

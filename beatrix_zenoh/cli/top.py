@@ -10,9 +10,8 @@ import typer
 
 from beatrix_zenoh.cli.listing import lease_row, problems, short, some, state, unfrozen_note
 from beatrix_zenoh.cli.options import Connect, Json, Who
-from beatrix_zenoh.client.monitor import Monitor, Seats, SeatStops, stops_by_seat
-from beatrix_zenoh.client.readings import HeadAngles
-from beatrix_zenoh.client.robot_state import Presence, RobotState
+from beatrix_zenoh.client.degrees import HeadAngles
+from beatrix_zenoh.client.monitor import Monitor, Presence, RobotState, Seats, SeatStops, stops_by_seat
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.output import STDOUT, columns, print_json, say
 from beatrix_zenoh.settings import Settings, resolve

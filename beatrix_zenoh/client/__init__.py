@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh.client.camera import CameraImage as CameraImage
 from beatrix_zenoh.client.clocks import Offset as Offset
 from beatrix_zenoh.client.clocks import Offsets as Offsets
 from beatrix_zenoh.client.clocks import clock_offset as clock_offset
 from beatrix_zenoh.client.clocks import clock_offsets as clock_offsets
+from beatrix_zenoh.client.degrees import suggestion as suggestion
 from beatrix_zenoh.client.monitor import Monitor as Monitor
+from beatrix_zenoh.client.monitor import Presence as Presence
+from beatrix_zenoh.client.monitor import RobotState as RobotState
 from beatrix_zenoh.client.motion import Motion as Motion
+from beatrix_zenoh.client.plan import Plan as Plan
 from beatrix_zenoh.client.robot import Robot as Robot
-from beatrix_zenoh.client.robot_state import Presence as Presence
-from beatrix_zenoh.client.robot_state import RobotState as RobotState
 from beatrix_zenoh.client.session import Client as Client
 from beatrix_zenoh.client.session import Place as Place
 from beatrix_zenoh.client.subscription import Arrival as Arrival
+from beatrix_zenoh.client.subscription import CameraImage as CameraImage
 from beatrix_zenoh.client.subscription import Subscription as Subscription
-from beatrix_zenoh.client.twin.plan import Plan as Plan
-from beatrix_zenoh.client.twin.twin import Twin as Twin
+from beatrix_zenoh.client.twin import Twin as Twin
+from beatrix_zenoh.contract.errors import BeatrixError as BeatrixError
+from beatrix_zenoh.contract.errors import Interrupted as Interrupted
+from beatrix_zenoh.contract.errors import NoAnswer as NoAnswer
+from beatrix_zenoh.contract.errors import Refused as Refused

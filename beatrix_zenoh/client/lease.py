@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Self
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.queries import checked_number
+from beatrix_zenoh.client.degrees import checked_number
 from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.request import ask as ask_robot
 from beatrix_zenoh.client.robot_base import RobotBase

@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from beatrix_zenoh import files
-from beatrix_zenoh.client.queries import DAY_S
-from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
+from beatrix_zenoh.client.degrees import DAY_S, ArmAngles, HeadAngles
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage, quoted

@@ -6,9 +6,7 @@ import math
 
 from msgspec import structs
 
-from beatrix_zenoh.client.lease import Lease
-from beatrix_zenoh.client.motion import MARGIN_S, Motion
-from beatrix_zenoh.client.queries import (
+from beatrix_zenoh.client.degrees import (
     DAY_S,
     Speed,
     checked_number,
@@ -18,6 +16,8 @@ from beatrix_zenoh.client.queries import (
     pose_query,
     true_or_false,
 )
+from beatrix_zenoh.client.lease import Lease
+from beatrix_zenoh.client.motion import MARGIN_S, Motion
 from beatrix_zenoh.client.request import Request, ask
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.slips import value_method

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Self
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client import camera, subscription
-from beatrix_zenoh.client.camera import CameraImage
-from beatrix_zenoh.client.queries import checked_seconds
-from beatrix_zenoh.client.readings import Reading, RobotInfo, reading, robot_info
+from beatrix_zenoh.client import subscription
+from beatrix_zenoh.client.degrees import Reading, RobotInfo, checked_seconds, reading, robot_info
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.slips import Suggesting, value_method
-from beatrix_zenoh.client.subscription import SILENCE_S, Subscription, message
+from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, SILENCE_S, CameraImage, Subscription, message
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Events, Info, Positions, Reason, Status
@@ -97,13 +95,13 @@ class RobotBase(ProcessBound, Suggesting):
         return subscription.events(self.client, self.name, self.side, timeout_s=timeout_s)
 
     @value_method
-    def camera(self, eye: str, timeout_s: float | None = camera.START_S) -> Subscription[CameraImage]:
+    def camera(self, eye: str, timeout_s: float | None = FIRST_PICTURE_S) -> Subscription[CameraImage]:
         """Subscribe to the pictures of the `left` or `right` eye; the camera works only while a client subscribes.
 
         A simulation has a third camera, `outside`, which sees the head from the front. A slow reader gets the newest
         pictures and misses others; see `stream` for arguments and errors.
         """
-        return camera.images(self.client, self.name, self.side, eye, timeout_s=timeout_s)
+        return subscription.images(self.client, self.name, self.side, eye, timeout_s=timeout_s)
 
     @value_method
     def past_events(self) -> list[Event]:

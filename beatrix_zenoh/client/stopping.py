@@ -19,10 +19,9 @@ from typing import Final, TypeVar
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Bus
-from beatrix_zenoh.client.request import GroupRequest, Request
+from beatrix_zenoh.client.request import GroupRequest, Request, publishing, title
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.client.silence import publishing, title
 from beatrix_zenoh.client.subscription import Wakeup
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys

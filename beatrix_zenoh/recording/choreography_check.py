@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from beatrix_zenoh.client.choreography import Choreography, Pose, Step
-from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.contract.errors import BeatrixError

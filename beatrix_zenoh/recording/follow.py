@@ -17,9 +17,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from msgspec.structs import replace
 
-from beatrix_zenoh.client.queries import motion_query
-from beatrix_zenoh.client.readings import RobotInfo
-from beatrix_zenoh.client.twin.plan import unlike
+from beatrix_zenoh.client.degrees import RobotInfo, motion_query
+from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, Refused

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Final
 
-from beatrix_zenoh.client.camera import CameraImage
 from beatrix_zenoh.client.session import Place
+from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status

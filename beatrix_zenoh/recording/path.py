@@ -9,9 +9,8 @@ from typing import Final
 
 import numpy as np
 
+from beatrix_zenoh.client.degrees import DAY_S, HeadAngles, checked_factor
 from beatrix_zenoh.client.motion_file import SPEED, MotionFile, Place, Point
-from beatrix_zenoh.client.queries import DAY_S, checked_factor
-from beatrix_zenoh.client.readings import HeadAngles
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.client.camera import CameraImage
-from beatrix_zenoh.client.robot_state import LOST_S
+from beatrix_zenoh.client.monitor import LOST_S
 from beatrix_zenoh.client.session import Place
+from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.difference import Difference

@@ -9,15 +9,13 @@ from typing import Final
 
 from msgspec.structs import replace
 
+from beatrix_zenoh.client.choreography import stopping
+from beatrix_zenoh.client.degrees import arm_angles, checked_wait, motion_query
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.client.play import stopping
-from beatrix_zenoh.client.queries import checked_wait, motion_query
-from beatrix_zenoh.client.readings import arm_angles
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopEvents
-from beatrix_zenoh.client.twin.lag import furthest
-from beatrix_zenoh.client.twin.motion import ended
-from beatrix_zenoh.client.twin.twin import Twin
+from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.client.twin_motion import ended, furthest
 from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason, Source, Vector3
 from beatrix_zenoh.contract.errors import Interrupted, Refused, WrongUsage, naming
 from beatrix_zenoh.recording.follow import LEAD_IN_S, Following

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh.client.readings import reading
+from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.contract._generated.messages import Event, Positions
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.requests import Request, homes_set, requests

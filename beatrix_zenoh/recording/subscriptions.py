@@ -5,9 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from beatrix_zenoh.client.camera import CameraImage, images
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.subscription import Arrival, Subscription, events, positions, status
+from beatrix_zenoh.client.subscription import (
+    Arrival,
+    CameraImage,
+    Subscription,
+    events,
+    images,
+    positions,
+    status,
+)
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.contract.names import EYES
 from beatrix_zenoh.recording.losses import Stream, stream_of_key

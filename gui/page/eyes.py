@@ -8,7 +8,7 @@ from typing import Final
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.client import CameraImage, Client, Subscription
-from beatrix_zenoh.client.camera import images
+from beatrix_zenoh.client.subscription import images
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 

@@ -22,7 +22,7 @@ from beatrix_zenoh import NoAnswer, Robot
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Bus, Incoming
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.client.silence import ABSENT_S
+from beatrix_zenoh.client.request import ABSENT_S
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.keys import POSITIONS_HZ
 from beatrix_zenoh.contract._generated.messages import Reason

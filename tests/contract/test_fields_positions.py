@@ -14,7 +14,7 @@ from published import Published, published_positions
 from robots import ask_raw, until
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.client.readings import Reading
+from beatrix_zenoh.client.degrees import Reading
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Head, Positions, Steps, Vector3

@@ -15,8 +15,8 @@ from gui_worlds import (
     world,
 )
 
-from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
-from beatrix_zenoh.client.readings import Path as MotionPath
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
+from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.contract._generated.messages import (
     Reason,
 )

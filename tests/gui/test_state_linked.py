@@ -9,8 +9,8 @@ import pytest
 from gui_links import Linked
 from robots import Stage, until
 
-from beatrix_zenoh.client.readings import ArmAngles
-from beatrix_zenoh.client.twin.twin import Twin
+from beatrix_zenoh.client.degrees import ArmAngles
+from beatrix_zenoh.client.twin import Twin
 from gui.console.state import intents
 from gui.console.state.intents import Intent, Jog, SetDestination
 from gui.console.state.state import State

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from beatrix_zenoh.client import Presence, RobotState
-from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
-from beatrix_zenoh.client.readings import Path as MotionPath
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
+from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,

@@ -17,7 +17,7 @@ from PyQt5.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, WatchedState
 
-from beatrix_zenoh.client.readings import HeadAngles
+from beatrix_zenoh.client.degrees import HeadAngles
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state.actions import Outcome, Play, Send, WriteFile
 from gui.console.state.intents import (

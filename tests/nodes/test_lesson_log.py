@@ -14,8 +14,7 @@ from robots import Stage, ask_raw, ready, until
 from shell import Shell
 
 from beatrix_zenoh import Refused, Robot, Twin
-from beatrix_zenoh.client.choreography import Choreography, Pose
-from beatrix_zenoh.client.play import play
+from beatrix_zenoh.client.choreography import Choreography, Pose, play
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Phase, Positions, Source

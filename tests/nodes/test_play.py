@@ -11,9 +11,8 @@ from late_tests import in_time
 from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, Robot, Twin
-from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose
+from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose, play
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.client.play import play
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 
 

@@ -184,7 +184,7 @@ def test_a_late_refusal_of_the_hardware_stops_the_simulation(
     twin: Twin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
-        "beatrix_zenoh.client.twin.state.may_move", lambda *_: None
+        "beatrix_zenoh.client.twin_state.may_move", lambda *_: None
     )  # as if the robot were disabled just then
     plan = twin.preview(yaw=60)
     twin.hw.disable()

@@ -14,11 +14,10 @@ import pytest
 from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
-from beatrix_zenoh.client.queries import pose_query
-from beatrix_zenoh.client.readings import Reading
+from beatrix_zenoh.client.degrees import Reading, pose_query
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.subscription import Subscription
-from beatrix_zenoh.client.twin.motion import TwinMotion
+from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Positions, Reason, Steps
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage

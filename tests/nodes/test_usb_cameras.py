@@ -14,7 +14,7 @@ from robots import Stage, ready, until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import Subscription
-from beatrix_zenoh.client.camera import CameraImage
+from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Event, EventKind, Reason
 from hw_node.cameras import jpeg
 

@@ -10,7 +10,7 @@ from robots import until
 
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Presence, RobotState
-from beatrix_zenoh.client.queries import motion_query, pose_query
+from beatrix_zenoh.client.degrees import motion_query, pose_query
 from beatrix_zenoh.contract._generated.messages import Command, MotionQuery, PoseQuery
 from beatrix_zenoh.settings import Settings
 from gui.console.link import Link

@@ -10,7 +10,7 @@ import msgspec
 from gui_worlds import absent, robot, status, world
 
 from beatrix_zenoh.client import Presence, RobotState
-from beatrix_zenoh.client.readings import ArmAngles, HeadAngles, Path
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, Path
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Detail,

@@ -12,7 +12,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QWidget
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.settings import Settings
 from gui.console.state.saved import Saved
 from gui.console.state.state import State

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from beatrix_zenoh.client import Presence, RobotState
-from beatrix_zenoh.client.readings import Path as MotionPath
+from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.contract._generated.messages import (
     BoardStatus,
     CameraStatus,

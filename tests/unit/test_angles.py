@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from beatrix_zenoh import BeatrixError, Robot
-from beatrix_zenoh.client.queries import Speed, motion_query, pose_query, to_rad
+from beatrix_zenoh.client.degrees import Speed, motion_query, pose_query, to_rad
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import check_name
 

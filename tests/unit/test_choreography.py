@@ -12,9 +12,8 @@ import pytest
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
 from beatrix_zenoh.client import motion_file
-from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose, choreography, load, shipped
+from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose, choreography, load, play, shipped
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.client.play import play
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.errors import WrongUsage
@@ -187,7 +186,7 @@ class NoStop:
 
 @pytest.fixture
 def no_stop(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("beatrix_zenoh.client.play.StopEvents", lambda _robot: NoStop())
+    monkeypatch.setattr("beatrix_zenoh.client.choreography.StopEvents", lambda _robot: NoStop())
 
 
 @pytest.mark.usefixtures("no_stop")

@@ -11,8 +11,8 @@ from rerun import SeriesLines
 from robots import ROOT
 
 from beatrix_zenoh import colours
-from beatrix_zenoh.client.readings import ArmAngles, HeadAngles, Path
-from beatrix_zenoh.client.twin.plot import path_figure
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, Path
+from beatrix_zenoh.client.plan import path_figure
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rrd import scene
 from sim_node.model import build

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.client.motion_file import ARMS, FORM, HEAD, Place, lines_of, parse, read
-from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
 from beatrix_zenoh.contract.errors import WrongUsage
 
 ANGLE = st.floats(-400, 400)

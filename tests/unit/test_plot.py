@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from beatrix_zenoh.client.readings import ArmAngles, HeadAngles
-from beatrix_zenoh.client.readings import Path as HeadPath
-from beatrix_zenoh.client.twin.plot import path_figure
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
+from beatrix_zenoh.client.degrees import Path as HeadPath
+from beatrix_zenoh.client.plan import path_figure
 from beatrix_zenoh.colours import ALL, STYLES, hexadecimal, pale
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.plot import twin_figure

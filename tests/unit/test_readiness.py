@@ -6,7 +6,7 @@ import msgspec
 import pytest
 from statuses import BOARD, READY
 
-from beatrix_zenoh.client.twin.state import may_move
+from beatrix_zenoh.client.twin_state import may_move
 from beatrix_zenoh.contract._generated.messages import Fault, Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.recording.record_motion import Thinning, Timed
 
 TURNS = st.lists(

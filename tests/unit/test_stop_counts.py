@@ -11,8 +11,7 @@ from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.cli.top import Row, cells, stop_words
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.client.monitor import SeatStops
-from beatrix_zenoh.client.robot_state import STOP_SEATS, EventLog
+from beatrix_zenoh.client.monitor import STOP_SEATS, EventLog, SeatStops
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Reason
 from beatrix_zenoh.settings import Settings

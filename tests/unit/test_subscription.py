@@ -12,7 +12,7 @@ import pytest
 from statuses import READY
 
 from beatrix_zenoh.bus import Received, Reply
-from beatrix_zenoh.client.robot_state import Channel, EventLog, Presence, Record
+from beatrix_zenoh.client.monitor import Channel, EventLog, Presence, Record
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription, message
 from beatrix_zenoh.contract import codec
@@ -192,6 +192,6 @@ def test_the_presence_of_a_robot_follows_its_token_and_positions(
     assert record.state().presence is Presence.SILENT
     record.positions.put(b"")
     assert record.state().presence is Presence.ON_LINE
-    monkeypatch.setattr("beatrix_zenoh.client.robot_state.LOST_S", -1.0)
+    monkeypatch.setattr("beatrix_zenoh.client.monitor.LOST_S", -1.0)
     state = record.state()
     assert (state.presence, state.reading, state.events) == (Presence.LOST, None, ())

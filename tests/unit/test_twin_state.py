@@ -10,12 +10,12 @@ import pytest
 from statuses import READY
 
 from beatrix_zenoh import Monitor, NoAnswer, Refused, Robot
-from beatrix_zenoh.client.readings import ArmAngles
-from beatrix_zenoh.client.robot_state import Presence, RobotState
+from beatrix_zenoh.client.degrees import ArmAngles
+from beatrix_zenoh.client.monitor import Presence, RobotState
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Arrival
-from beatrix_zenoh.client.twin.lag import MotionBegin, lag_s
-from beatrix_zenoh.client.twin.state import TwinState
+from beatrix_zenoh.client.twin_motion import MotionBegin, lag_s
+from beatrix_zenoh.client.twin_state import TwinState
 from beatrix_zenoh.contract._generated.messages import Head, Positions, Reason, Status, Steps, Vector3
 from beatrix_zenoh.settings import Settings
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from beatrix_zenoh.client import choreography, motion_file
-from beatrix_zenoh.client.choreography import ArmPose, Choreography, Step
-from beatrix_zenoh.client.play import play
+from beatrix_zenoh.client.choreography import ArmPose, Choreography, Step, play
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.twin.twin import Twin
+from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits

@@ -9,10 +9,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.client.monitor import Monitor, Seats
-from beatrix_zenoh.client.robot_state import Presence, RobotState
+from beatrix_zenoh.client.monitor import Monitor, Presence, RobotState, Seats
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.twin.twin import Twin
+from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import TEACHER

@@ -10,7 +10,7 @@ from functools import partial
 from beatrix_zenoh import threads
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopSender
-from beatrix_zenoh.client.twin.twin import Twin
+from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.settings import Settings

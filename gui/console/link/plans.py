@@ -7,9 +7,9 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from beatrix_zenoh.client.twin.motion import TwinMotion
-from beatrix_zenoh.client.twin.plan import Plan
-from beatrix_zenoh.client.twin.twin import Twin
+from beatrix_zenoh.client.plan import Plan
+from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted
 from gui.console.link.outcomes import accepted, closed, done, failed, replaced

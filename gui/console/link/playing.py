@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.twin.twin import Twin
+from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract.errors import BeatrixError
 from gui.console.link.outcomes import accepted, closed, done, failed, replaced
 from gui.console.link.worker import Worker

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from beatrix_zenoh.client.readings import ArmAngles, arm_angles
-from beatrix_zenoh.client.twin.lag import furthest
+from beatrix_zenoh.client.degrees import ArmAngles, arm_angles
+from beatrix_zenoh.client.twin_motion import furthest
 from beatrix_zenoh.contract._generated.messages import MotionQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.names import ARMS

@@ -6,7 +6,7 @@ import math
 import shlex
 from pathlib import Path
 
-from beatrix_zenoh.client.readings import arm_angles
+from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state.actions import Govern, Play, Ready, Send, SendCommand, SendLease, SendStop

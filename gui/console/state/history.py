@@ -6,7 +6,7 @@ import math
 from datetime import datetime
 from pathlib import Path
 
-from beatrix_zenoh.client.readings import arm_angles
+from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery, Reason
 from gui.console.state import code_lines, other_seats
 from gui.console.state.actions import (

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from beatrix_zenoh.client import Place
-from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from gui.console.state.actions import (
     Action,

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from beatrix_zenoh.client.queries import motion_query, pose_query
-from beatrix_zenoh.client.readings import ArmAngles
+from beatrix_zenoh.client.degrees import ArmAngles, motion_query, pose_query
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state.actions import Action, Govern, Play, Send, SendLease

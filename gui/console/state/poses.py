@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
+from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.motion_file import ARMS, FIGURE, SPEED, TIME
-from beatrix_zenoh.client.readings import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import intents
 from gui.console.state.actions import Action, Outcome, Play, Ready, SendCommand, WriteFile

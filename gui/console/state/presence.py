@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from beatrix_zenoh.client import Presence, RobotState
-from beatrix_zenoh.client.readings import ArmAngles, HeadAngles, Reading
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, Reading
 from gui.console.state.memory import Memory
 from gui.console.state.views import Orientation
 from gui.console.state.world import LinkPhase, World

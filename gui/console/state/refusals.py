@@ -9,7 +9,7 @@ from typing import Final
 
 import msgspec
 
-from beatrix_zenoh.client.readings import arm_angles, head_angles
+from beatrix_zenoh.client.degrees import arm_angles, head_angles
 from beatrix_zenoh.contract import sentences
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,

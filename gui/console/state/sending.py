@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from beatrix_zenoh.client.readings import Path as MotionPath
-from beatrix_zenoh.client.readings import head_angles
+from beatrix_zenoh.client.degrees import Path as MotionPath
+from beatrix_zenoh.client.degrees import head_angles
 from beatrix_zenoh.contract._generated.messages import Head, PoseQuery
 from gui.console.state.actions import AbortPlan, Action, Send, SendPlanNow
 from gui.console.state.intents import Abort, Change, Intent, SendNow

@@ -8,7 +8,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from beatrix_zenoh.client import RobotState
-from beatrix_zenoh.client.readings import Path as MotionPath
+from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.contract._generated.messages import LimitInfo
 from beatrix_zenoh.contract.names import TEACHER
 

@@ -6,7 +6,7 @@ import pytest
 from gui_links import Linked, look, short
 from robots import Stage, until
 
-from beatrix_zenoh.client.queries import pose_query
+from beatrix_zenoh.client.degrees import pose_query
 from beatrix_zenoh.contract._generated.messages import Reason, Steps
 from gui.console.state.actions import AbortPlan, Select, Send, SendPlanNow, SendStop
 from gui.console.state.world import PlanPhase, World

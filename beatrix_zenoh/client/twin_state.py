@@ -8,10 +8,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.monitor import Monitor
-from beatrix_zenoh.client.readings import ArmAngles, Reading, RobotInfo
-from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.robot_state import Presence, RobotState
+from beatrix_zenoh.client.degrees import ArmAngles, Reading, RobotInfo
+from beatrix_zenoh.client.monitor import Monitor, Presence, RobotState
+from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, Reason, Status
@@ -48,18 +47,18 @@ class TwinState(ProcessBound):
         self._monitor: Monitor | None = None
         self._infos: dict[str, RobotInfo] = {}
 
-    def status(self, robot: Robot) -> Status:
+    def status(self, robot: RobotBase) -> Status:
         """Return the status of a robot; raises NoAnswer as `Robot.status` does."""
         state = self._published(robot)
         return robot.status() if state is None or state.status is None else state.status
 
-    def positions(self, robot: Robot) -> Reading:
+    def positions(self, robot: RobotBase) -> Reading:
         """Return the positions of a robot, in degrees; raises NoAnswer as `Robot.positions` does."""
         state = self._published(robot)
         reading = None if state is None else state.reading
         return robot.positions() if reading is None else reading
 
-    def plan_position(self, robot: Robot) -> PlanPosition:
+    def plan_position(self, robot: RobotBase) -> PlanPosition:
         """Return the position of a robot for a plan; raises NoAnswer as `Robot.positions` does."""
         state = self._published(robot)
         reading = None if state is None else state.reading
@@ -67,13 +66,13 @@ class TwinState(ProcessBound):
             return query_plan_position(robot)
         return PlanPosition(reading.commanded, state.status.calibrations, reading.t)
 
-    def info(self, robot: Robot) -> RobotInfo:
+    def info(self, robot: RobotBase) -> RobotInfo:
         """Return the info of a robot, queried at the first call; raises NoAnswer as `Robot.info` does."""
         if robot.side not in self._infos:
             self._infos[robot.side] = robot.info()
         return self._infos[robot.side]
 
-    def check_may_move(self, robot: Robot) -> None:
+    def check_may_move(self, robot: RobotBase) -> None:
         """Raise unless this seat may move a robot; a query confirms a refusal.
 
         Raises:
@@ -81,11 +80,11 @@ class TwinState(ProcessBound):
         """
         self._check(robot, may_move)
 
-    def check_may_switch(self, robot: Robot) -> None:
+    def check_may_switch(self, robot: RobotBase) -> None:
         """Like `check_may_move`, but check whether this seat may switch a robot; raises the errors of `may_switch`."""
         self._check(robot, may_switch)
 
-    def _check(self, robot: Robot, may: Callable[[Status, str], None]) -> None:
+    def _check(self, robot: RobotBase, may: Callable[[Status, str], None]) -> None:
         seat = self._client.settings.who
         with naming(str(robot)):
             try:
@@ -106,7 +105,7 @@ class TwinState(ProcessBound):
                     f"{self._name} ({side}) is no longer online. Start it, make it ready, and preview again.",
                 )
 
-    def _published(self, robot: Robot) -> RobotState | None:
+    def _published(self, robot: RobotBase) -> RobotState | None:
         """Return a published state that is newer than the last reply to a request; None if none comes within WAIT_S."""
         deadline_s = time.monotonic() + WAIT_S
         with self._lock:
@@ -122,7 +121,7 @@ class TwinState(ProcessBound):
                     return None
                 time.sleep(POLL_S)
 
-    def _new(self, state: RobotState, robot: Robot) -> bool:
+    def _new(self, state: RobotState, robot: RobotBase) -> bool:
         age_s = state.positions_age_s
         if age_s is None or age_s > NEW_S:
             return False
@@ -136,7 +135,7 @@ class TwinState(ProcessBound):
                 self._monitor.close()
 
 
-def query_plan_position(robot: Robot) -> PlanPosition:
+def query_plan_position(robot: RobotBase) -> PlanPosition:
     """Query the position of a robot for a plan; raises NoAnswer as `Robot.positions` does."""
     reading = robot.positions()
     return PlanPosition(reading.commanded, robot.status().calibrations, reading.t)

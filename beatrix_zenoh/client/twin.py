@@ -8,16 +8,15 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple, Self
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.queries import Speed, motion_query, pose_query, true_or_false
-from beatrix_zenoh.client.readings import Reading
+from beatrix_zenoh.client.degrees import Reading, Speed, motion_query, pose_query, true_or_false
+from beatrix_zenoh.client.plan import SAME_DEG, Plan, Start, distance, unlike
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.stopping import stop_robots
-from beatrix_zenoh.client.twin.motion import REPLACED, TwinMotion
-from beatrix_zenoh.client.twin.plan import SAME_DEG, Plan, Start, distance, unlike
-from beatrix_zenoh.client.twin.state import PlanPosition, TwinState, may_switch
+from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion
+from beatrix_zenoh.client.twin_state import PlanPosition, TwinState, may_switch
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, PreviewReply, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
