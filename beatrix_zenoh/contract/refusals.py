@@ -45,34 +45,9 @@ def lease_ended(number: int, holder: str) -> Refused:
     return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease", value=float(number)))
 
 
-def frozen() -> Refused:
-    """Return a FROZEN refusal: the teacher has frozen the robot."""
-    return Refused(Reason.FROZEN)
-
-
-def following() -> Refused:
-    """Return a FOLLOWING refusal: the simulation follows the hardware."""
-    return Refused(Reason.FOLLOWING)
-
-
 def muted(seat: str, *, stop: bool = False) -> Refused:
     """Return a MUTED refusal: the teacher has muted the seat; `stop`: of a STOP while no motion of the seat runs."""
     return Refused(Reason.MUTED, detail=Detail(holder=seat, field="stop" if stop else ""))
-
-
-def teacher_resets() -> Refused:
-    """Return a TEACHER_ONLY refusal of RESET: the teacher has pressed EMERGENCY_STOP."""
-    return Refused(Reason.TEACHER_ONLY, detail=Detail(needs=["RESET"]))
-
-
-def teacher_only(seat: str) -> Refused:
-    """Return a TEACHER_ONLY refusal: `seat` is not the teacher's."""
-    return Refused(Reason.TEACHER_ONLY, detail=Detail(holder=seat))
-
-
-def motion_running(holder: str) -> Refused:
-    """Return a BUSY refusal: a motion of the seat `holder` is running and must end first."""
-    return Refused(Reason.BUSY, detail=Detail(holder=holder))
 
 
 def stopped_pause(seat: str, wait_s: float, *, again: bool = False, presser: str = "") -> Refused:
@@ -94,21 +69,6 @@ def queue_full(limit: int) -> Refused:
     return Refused(Reason.BUSY, detail=Detail(limit=Limit.QUEUE, high=float(limit)))
 
 
-def replaced_before_start() -> Refused:
-    """Return a REPLACED refusal: a newer motion of the same seat arrived before this one began."""
-    return Refused(Reason.REPLACED)
-
-
-def node_closing() -> Refused:
-    """Return a SHUTDOWN refusal: the node is closing."""
-    return Refused(Reason.SHUTDOWN)
-
-
-def session_ended() -> Refused:
-    """Return a CLIENT_LOST refusal: the session that sent the request has ended."""
-    return Refused(Reason.CLIENT_LOST)
-
-
 def unknown_command(number: int) -> Refused:
     """Return an UNKNOWN_COMMAND refusal: no command has this number."""
     return Refused(Reason.UNKNOWN_COMMAND, detail=Detail(value=float(number), known=COMMANDS))
@@ -119,11 +79,6 @@ def home_known(arms: Iterable[float], limit: float) -> Refused:
     name, angle = _furthest(arms)
     detail = Detail(limit=Limit.HOME, value=abs(angle), high=limit, unit="rad", arms=[name])
     return Refused(Reason.HOME_KNOWN, detail=detail)
-
-
-def not_at_rest() -> Refused:
-    """Return a NOT_AT_REST refusal: the arms are moving."""
-    return Refused(Reason.NOT_AT_REST)
 
 
 def motion_too_long(duration_s: float, high_s: float) -> Refused:
@@ -147,14 +102,23 @@ def bad_field(field: str, what: str = "", known: Sequence[str] = ()) -> Refused:
     return Refused(Reason.BAD_VALUE, what, Detail(field=field, known=list(known)))
 
 
-def counted_too_far(arms: Iterable[float], high: float) -> Refused:
-    """Return a BAD_VALUE refusal: the board reports an arm (rad from home) further away than `high` (rad)."""
-    return _travel(arms, high, at_goal=False)
+def too_far(arms: Iterable[float], high: float, *, at_goal: bool) -> Refused:
+    """Return a BAD_VALUE refusal: an arm (rad from home) is further away than `high` (rad).
 
-
-def too_far_to_send(arms: Iterable[float], high: float) -> Refused:
-    """Return a BAD_VALUE refusal: the goal of an arm (rad from home) exceeds `high` (rad), the limit of a frame."""
-    return _travel(arms, high, at_goal=True)
+    `at_goal`: the goal of a motion, and `high` is the limit of a frame; otherwise the board reports the position.
+    """
+    name, angle = _furthest(arms)
+    return Refused(
+        Reason.BAD_VALUE,
+        detail=Detail(
+            limit=Limit.TRAVEL,
+            value=_finite(abs(angle)),
+            high=high,
+            unit="rad",
+            arms=[name],
+            at_goal=at_goal,
+        ),
+    )
 
 
 def too_far_for_any_pose(arms: Iterable[float], high: float) -> Refused:
@@ -174,21 +138,6 @@ def impossible_speed(velocity: Iterable[float], high: float) -> Refused:
     return Refused(
         Reason.BAD_VALUE,
         detail=Detail(limit=Limit.SPEED, value=_finite(abs(rate)), high=high, unit="rad/s", arms=[name]),
-    )
-
-
-def _travel(arms: Iterable[float], high: float, *, at_goal: bool) -> Refused:
-    name, angle = _furthest(arms)
-    return Refused(
-        Reason.BAD_VALUE,
-        detail=Detail(
-            limit=Limit.TRAVEL,
-            value=_finite(abs(angle)),
-            high=high,
-            unit="rad",
-            arms=[name],
-            at_goal=at_goal,
-        ),
     )
 
 

@@ -25,6 +25,8 @@ from functools import wraps
 from typing import Concatenate, ParamSpec, TypeVar
 
 from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated.messages import Detail, Reason
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import OLD_PROGRAMS, TEACHER
 from beatrix_zenoh.node.callers import NO_CALLER, Caller, KnownSessions, Pauses, RobotLease
 
@@ -76,11 +78,11 @@ class Teacher:
         if seat in self.muted:
             raise refusals.muted(seat)
         if action is Action.RESET and self.latch and others:
-            raise refusals.teacher_resets()
+            raise Refused(Reason.TEACHER_ONLY, detail=Detail(needs=["RESET"]))
         if action in MOVING and latched:
             raise refusals.emergency_latched(TEACHER if self.latch and others else "")
         if action in FROZEN and self.frozen and others:
-            raise refusals.frozen()
+            raise Refused(Reason.FROZEN)
 
 
 @dataclass
@@ -144,17 +146,17 @@ class Access:
         began_s = self._sessions.heard(caller, now_s)
         pause = self._pauses.restart(caller, now_s, began_s) if action is Action.MOVE else None
         if self._sessions.has_ended(caller):
-            raise refusals.session_ended()
+            raise Refused(Reason.CLIENT_LOST)
         if action is Action.GOVERN:
             if caller.seat != TEACHER:
-                raise refusals.teacher_only(caller.seat)
+                raise Refused(Reason.TEACHER_ONLY, detail=Detail(holder=caller.seat))
             return
         self.teacher.check(action, caller.seat, latched=self.latched)
         if action is Action.RESET:
             return
         self.lease.check(caller, lease, now_s)
         if self.following and action in (Action.MOVE, Action.CALIBRATE):
-            raise refusals.following()
+            raise Refused(Reason.FOLLOWING)
         if action not in (Action.MOVE, Action.FOLLOW):
             return
         # Accept a motion of a program of 2023 after its own STOP: the firmware delays the motion until the arms rest.

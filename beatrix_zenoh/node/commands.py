@@ -65,7 +65,7 @@ def calibrate(board: Board, hardware: HardwareInterface, arms: Arms) -> str:
     board.check_connected()
     state = board.state
     if state & State.MOVING:
-        raise refusals.not_at_rest()
+        raise Refused(Reason.NOT_AT_REST)
     if not state & State.ENABLED:
         raise refusals.not_enabled()
     if state & State.CALIBRATED and max(map(abs, arms)) > HOME_SHIFT_MAX:

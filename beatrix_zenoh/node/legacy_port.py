@@ -8,7 +8,6 @@ from collections.abc import Callable
 from typing import Final
 
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated.messages import Command, Detail, EventKind, Phase, Reason, Source
 from beatrix_zenoh.contract._generated.serial import State
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
@@ -76,7 +75,7 @@ class TextDriving:
         if not self._has_router():
             raise NoAnswer(Reason.NO_ROUTER, "The router is lost, so no client could stop a motion.")
         if controller.running is not None:
-            raise refusals.motion_running(controller.running.caller.seat)
+            raise Refused(Reason.BUSY, detail=Detail(holder=controller.running.caller.seat))
         access.take(CALLER)
         controller.last_goal = None
         controller.text_moves, self._moved = True, False

@@ -14,7 +14,7 @@ from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Head, PreviewReply, Reason
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight
-from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.node.context import Context
 from beatrix_zenoh.node.interfaces import PREVIEW_MAX_S, Component, Preview
 from beatrix_zenoh.node.planner import vector
@@ -59,7 +59,7 @@ class PreviewHandler(Component):
     def _preview(self, raw: RawQuery) -> Preview:
         query = query_forms.read_motion_or_pose(raw)
         if self._context.access.following:
-            raise refusals.following()
+            raise Refused(Reason.FOLLOWING)
         last = self._context.controller.last_goal
         goal = self._context.planner.goal(query, ready_telemetry(self._context.board_watch.board), last)
         if goal.duration > PREVIEW_MAX_S:
@@ -74,7 +74,7 @@ class PreviewHandler(Component):
             except queue.Empty:
                 break
             if entry is not None:
-                entry[1].end(preview_refusal(refusals.node_closing()))
+                entry[1].end(preview_refusal(Refused(Reason.SHUTDOWN)))
         self._waiting.put(None)
         if self._thread is not None:
             self._thread.join(timeout=2.0)

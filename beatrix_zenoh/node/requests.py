@@ -99,7 +99,7 @@ class RequestQueue:
         if refusal is not None:
             task.decline(refusal)
         if replaced is not None:
-            replaced.decline(refusals.replaced_before_start())
+            replaced.decline(Refused(Reason.REPLACED))
 
     def _queue(self, task: Task, *, most: float, urgent: bool = False) -> None:
         with self._lock:
@@ -140,7 +140,7 @@ class RequestQueue:
 
     def _refusal(self, *, full: bool) -> Refused | None:
         if self._closed:
-            return refusals.node_closing()
+            return Refused(Reason.SHUTDOWN)
         return refusals.queue_full(CAPACITY) if full else None
 
 

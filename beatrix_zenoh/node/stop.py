@@ -19,7 +19,6 @@ from typing import Final
 from beatrix_zenoh import threads
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.bus import Incoming, Received, Sessions
-from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Command, CommandReply, EventKind, Reason
 from beatrix_zenoh.contract._generated.serial import FrameType, State
@@ -152,7 +151,7 @@ class StopHandler(Component):
                 self._pressed[command] = [handle]
                 self._changed.notify()
         if closed:
-            handle.end(replies.command_refusal(refusals.node_closing(), self._context.controller.arms()))
+            handle.end(replies.command_refusal(Refused(Reason.SHUTDOWN), self._context.controller.arms()))
 
     # -- 2. sent, on the stop thread ----------------------------------------------------------------
 
@@ -278,7 +277,7 @@ class Rest:
 
     def close(self) -> None:
         """Reply to the waiting clients that the node is closing."""
-        end_all(self._waiting, replies.command_refusal(refusals.node_closing(), self._controller.arms()))
+        end_all(self._waiting, replies.command_refusal(Refused(Reason.SHUTDOWN), self._controller.arms()))
 
 
 def end_all(handles: list[RequestHandle], reply: CommandReply) -> None:

@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import Final
 
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
-from beatrix_zenoh.contract import names, refusals
+from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, FollowQuery, FollowState, Reason, Status
-from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.robot_file import fingerprint
 from beatrix_zenoh.node import Component, Context, StatusFields, replies
 from beatrix_zenoh.node.access import Action
@@ -146,7 +146,7 @@ class FollowHandler(Component):
         context.access.authorize(Action.FOLLOW, caller, time.monotonic(), resting=resting)
         if begins:
             if context.controller.driven or not resting:
-                raise refusals.not_at_rest()
+                raise Refused(Reason.NOT_AT_REST)
             ready_telemetry(context.board_watch.board)
 
     def _begin(self, sessions: Sessions) -> None:

@@ -33,7 +33,6 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.refusals import (
     driven_by,
     emergency_latched,
-    frozen,
     lease_ended,
     not_calibrated,
     not_enabled,
@@ -121,7 +120,7 @@ def test_an_alternative_speed_keeps_the_motion() -> None:
         (driven_by("ana", 1.2), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
         (taken_by("ana"), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
         (lease_ended(3, "ana"), None, None),
-        (frozen(), None, None),
+        (Refused(Reason.FROZEN), None, None),
     ],
 )
 def test_a_refusal_offers_a_button_for_the_first_required_step(

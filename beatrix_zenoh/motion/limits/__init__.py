@@ -157,7 +157,7 @@ class MotionLimits:
         if self._too_far(target, start):
             raise self._too_far_refusal(motion)
         if self._beyond_counter(target):
-            raise refusals.too_far_to_send(target, self._count_max)
+            raise refusals.too_far(target, self._count_max, at_goal=True)
         trajectory = motion.trajectory(self.acceleration)
         try:
             violation = self._checker.first_violation(trajectory)
@@ -205,7 +205,7 @@ class MotionLimits:
     def _check_start(self, start: Arms, velocity: Arms) -> None:
         fastest = self.speed_max * _FASTEST_START
         if not _within(start, _FURTHEST_START):
-            raise refusals.counted_too_far(start, _FURTHEST_START)
+            raise refusals.too_far(start, _FURTHEST_START, at_goal=False)
         if not _within(velocity, fastest):
             raise refusals.impossible_speed(velocity, fastest)
 
