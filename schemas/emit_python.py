@@ -271,18 +271,18 @@ def serial(contract: Contract) -> str:
     out += f'CONTRACT: Final = 0x{contract.serial_hash:08X}\n"""Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""\n'
     for name, row in table["link"].items():
         out += f'{name.upper()}: Final = {row["value"]}\n"""{doc_of(row)}"""\n'
-    for title, key, base in (("Error", "error", "IntEnum"), ("Outcome", "outcome", "IntEnum")):
-        out += f'\n\nclass {title}({base}):\n    """Codes of `{key}`."""\n\n'
+    for title, key in (("Error", "error"), ("BoardOutcome", "outcome")):
+        out += f'\n\nclass {title}(IntEnum):\n    """Codes of `{key}`."""\n\n'
         out += "".join(f'    {n} = {r["code"]}\n    """{r["doc"]}"""\n' for n, r in table[key].items())
-        out += f"\n\n{title.upper()}_REASON: Final[dict[{title}, Reason]] = {{\n"
+        out += f"\n\n{key.upper()}_REASON: Final[dict[{title}, Reason]] = {{\n"
         out += "".join(f"    {title}.{n}: Reason.{r['reason']},\n" for n, r in table[key].items()) + "}\n"
-        out += f"\n\n{title.upper()}_TEXT: Final[dict[{title}, str]] = {{\n"
+        out += f"\n\n{key.upper()}_TEXT: Final[dict[{title}, str]] = {{\n"
         out += "".join(f"    {title}.{n}: {r['doc']!r},\n" for n, r in table[key].items()) + "}\n"
     out += '\n\nclass WarningCode(IntEnum):\n    """Codes of `warning`."""\n\n'
     out += "".join(f'    {n} = {r["code"]}\n    """{r["doc"]}"""\n' for n, r in table["warning"].items())
     out += "\n\nWARNING_TEXT: Final[dict[WarningCode, str]] = {\n"
     out += "".join(f"    WarningCode.{n}: {r['doc']!r},\n" for n, r in table["warning"].items()) + "}\n"
-    out += '\n\nclass State(IntFlag):\n    """State bits of TELEMETRY."""\n\n'
+    out += '\n\nclass BoardState(IntFlag):\n    """State bits of TELEMETRY."""\n\n'
     out += "".join(
         f'    {n} = {1 << int(str(r["bit"]))}\n    """{r["doc"]}"""\n' for n, r in table["state"].items()
     )
@@ -321,12 +321,12 @@ def robot(contract: Contract) -> str:
     out = HEADER.format(doc="The robot as it ships.", source="robot.toml")
     out += "from math import inf\nfrom typing import Final, NamedTuple\n\nfrom msgspec import Struct\n"
     for group, table in contract.robot.items():
-        out += f'\n\nclass {group.title()}(Struct, frozen=True, forbid_unknown_fields=True):\n    """{table["doc"]}"""\n\n'
+        out += f'\n\nclass {group.title()}Data(Struct, frozen=True, forbid_unknown_fields=True):\n    """{table["doc"]}"""\n\n'
         for name, row in rows(table).items():
             kind, literal = python_value(row["value"])
             out += f'    {name}: {kind} = {literal}\n    """{doc_of(row)}; {row["source"]}"""\n'
     out += '\n\nclass RobotData(Struct, frozen=True, forbid_unknown_fields=True):\n    """All values of robot.toml, in its units."""\n\n'
-    out += "".join(f"    {group}: {group.title()} = {group.title()}()\n" for group in contract.robot)
+    out += "".join(f"    {group}: {group.title()}Data = {group.title()}Data()\n" for group in contract.robot)
     out += '\n\nROBOT: Final = RobotData()\n"""The shipped robot."""\n'
     return out + robot_ranges(contract)
 

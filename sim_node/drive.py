@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from beatrix_zenoh.contract._generated.robot import ROBOT, Drive
+from beatrix_zenoh.contract._generated.robot import ROBOT, DriveData
 from beatrix_zenoh.motion.gear import Arms, Gear
 
 CYCLE_FULL_STEPS: Final = 4
@@ -23,7 +23,7 @@ Counts = tuple[int, int, int]
 class StepperDrive:
     """Three stepper motors with their gears."""
 
-    def __init__(self, drive: Drive = ROBOT.drive) -> None:
+    def __init__(self, drive: DriveData = ROBOT.drive) -> None:
         self._gear = Gear(drive)
         # The electrical cycle as an angle of an arm (rad). It is positive, because Gear applies the direction of a motor.
         self._cycle = math.tau / (drive.full_steps * drive.gear_ring / drive.gear_pinion / CYCLE_FULL_STEPS)

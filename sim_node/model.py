@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh.contract._generated.robot import ROBOT, Drive, Geometry, RobotData
+from beatrix_zenoh.contract._generated.robot import ROBOT, DriveData, GeometryData, RobotData
 from beatrix_zenoh.contract.names import ARMS
 from sim_node.visuals import (
     COLLISION,
@@ -47,7 +47,7 @@ class Chain:
     Attributes: `azimuth` of the arm (rad), `elbow` and `mount` axes w and v, shape (3,).
     """
 
-    def __init__(self, geometry: Geometry, index: int) -> None:
+    def __init__(self, geometry: GeometryData, index: int) -> None:
         arm = math.radians(geometry.arm_angle)
         rod = math.radians(geometry.rod_twist)
         tilt = math.radians(geometry.mount_angle)
@@ -83,12 +83,12 @@ def _direction(azimuth: float, across: float, up: float) -> Vector:
     return np.array((across * math.cos(azimuth), across * math.sin(azimuth), up))
 
 
-def ratio(drive: Drive) -> float:
+def ratio(drive: DriveData) -> float:
     """Return the motor turns per arm turn."""
     return drive.gear_ring / drive.gear_pinion
 
 
-def chains(geometry: Geometry) -> tuple[Chain, Chain, Chain]:
+def chains(geometry: GeometryData) -> tuple[Chain, Chain, Chain]:
     """Return the chains of the short, middle and long arm."""
     return Chain(geometry, 0), Chain(geometry, 1), Chain(geometry, 2)
 
@@ -172,7 +172,7 @@ def _add_chain(spec: mujoco.MjSpec, robot: RobotData, name: str, chain: Chain) -
     rod.add_site(name=f"rod_{name}", pos=mount, group=COLLISION)
 
 
-def _add_motor(spec: mujoco.MjSpec, drive: Drive, name: str) -> None:
+def _add_motor(spec: mujoco.MjSpec, drive: DriveData, name: str) -> None:
     """Add a position servo as stiff as a microstepping motor near its set point.
 
     With p pole pairs, the torque T sin(p e) at the rotor for an error e is about T p per rad; the arm has this times

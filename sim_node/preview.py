@@ -14,12 +14,12 @@ from beatrix_zenoh.contract._generated.serial import (
     HEARTBEAT_PERIOD,
     OUTCOME_REASON,
     OUTCOME_TEXT,
+    BoardOutcome,
+    BoardState,
     Error,
     FrameType,
     Move,
     MoveStraight,
-    Outcome,
-    State,
     Telemetry,
 )
 from beatrix_zenoh.contract.errors import Refused
@@ -110,7 +110,7 @@ class _MotionSimulation:
     def at_rest(self) -> bool:
         """Return whether the firmware has made its last step, and the arms rest or _SETTLE_MS have passed since."""
         telemetry = self._telemetry
-        if telemetry is None or telemetry.state & State.MOVING:
+        if telemetry is None or telemetry.state & BoardState.MOVING:
             return False
         if self._stopped_ms is None:
             self._stopped_ms = self.now_ms
@@ -119,8 +119,8 @@ class _MotionSimulation:
 
     def result(self) -> Preview:
         """Return the samples of the motion up to its end; raises Refused if the firmware stopped it."""
-        outcome = Outcome.DONE if self._telemetry is None else Outcome(self._telemetry.outcome)
-        if outcome is not Outcome.DONE:
+        outcome = BoardOutcome.DONE if self._telemetry is None else BoardOutcome(self._telemetry.outcome)
+        if outcome is not BoardOutcome.DONE:
             raise Refused(
                 OUTCOME_REASON[outcome], f"The firmware would end this motion {OUTCOME_TEXT[outcome]}."
             )

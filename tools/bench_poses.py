@@ -11,7 +11,7 @@ from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.messages import PoseQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.contract._generated.serial import FrameType, State, Telemetry
+from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Telemetry
 from beatrix_zenoh.node.planner import Planner
 from sim_node.model import TIMESTEP_MS
 from sim_node.plant import Plant
@@ -48,7 +48,7 @@ class Bench:
         move = goal.frame(1)
         self.firmware.receive(encode(move.kind, 3, move.pack()))
         self.run(20)
-        while self.telemetry.state & State.MOVING:
+        while self.telemetry.state & BoardState.MOVING:
             self.firmware.receive(encode(FrameType.PING, 4, b""))
             self.run(100)
         self.run(SETTLE_MS)

@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.contract._generated.serial import FrameType, State, Telemetry
+from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Telemetry
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.legacy.interface import NodeInterface
 from beatrix_zenoh.legacy.line import REFUSED, Effect, Line
@@ -88,7 +88,7 @@ class TextLink:
         before, self._before_switch = self._before_switch, None
         if before is not None:
             self._board.wait_for(lambda new: new is not before, SHOWN_S)
-        return self._board.state & (State.ENABLED | State.CALIBRATED) == State.ENABLED
+        return self._board.state & (BoardState.ENABLED | BoardState.CALIBRATED) == BoardState.ENABLED
 
     # -- lines that were lost -------------------------------------------------------------------------
 
@@ -101,9 +101,11 @@ class TextLink:
         connected, state = self._board.connected, self._board.state
         if not connected:
             self._next_seq = None
-        if state & State.MOVING:
+        if state & BoardState.MOVING:
             self._heard_s = time.monotonic()  # not silent: the board answers when the arms rest
-        only_counted = not state & State.ENABLED and any(line.effect is Effect.MOVE for line in under_way)
+        only_counted = not state & BoardState.ENABLED and any(
+            line.effect is Effect.MOVE for line in under_way
+        )
         limit_s = COUNTED_S if only_counted else SILENT_S
         lost = bool(under_way) and (not connected or time.monotonic() - self._heard_s > limit_s)
         self._lines_lost |= lost

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from beatrix_zenoh.contract._generated.robot import ROBOT, Drive
+from beatrix_zenoh.contract._generated.robot import ROBOT, DriveData
 
 _SINGLE: Final = 0.005
 """Quarter microsteps per second, added before rounding down: single precision may have made a whole number smaller."""
@@ -18,7 +18,7 @@ Arms = tuple[float, float, float]
 class Gear:
     """Conversion between microsteps of the motors and radians of the arms."""
 
-    def __init__(self, drive: Drive = ROBOT.drive) -> None:
+    def __init__(self, drive: DriveData = ROBOT.drive) -> None:
         self.steps_per_turn = drive.full_steps * drive.microsteps * drive.gear_ring / drive.gear_pinion
         """Microsteps of one arm turn; not an integer."""
         self._steps_per_rad = tuple(sign * self.steps_per_turn / math.tau for sign in drive.sign)

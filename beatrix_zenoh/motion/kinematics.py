@@ -22,7 +22,7 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
-from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry
+from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.rotation import (
@@ -80,7 +80,7 @@ class _Solution(NamedTuple):
 class Neck:
     """Inverse and forward kinematics of one geometry."""
 
-    def __init__(self, geometry: Geometry = ROBOT.geometry) -> None:
+    def __init__(self, geometry: GeometryData = ROBOT.geometry) -> None:
         """Raise Refused (BAD_VALUE) for a wrong `hand`, or a neck that does not close upright or cannot move there."""
         a1, a2, b = (math.radians(x) for x in (geometry.arm_angle, geometry.rod_twist, geometry.mount_angle))
         if geometry.hand not in {-1, 1}:

@@ -10,7 +10,7 @@ from beatrix_zenoh.board.state import NO_TELEMETRY
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import messages as msg
 from beatrix_zenoh.contract._generated.messages import Fault
-from beatrix_zenoh.contract._generated.serial import State, Telemetry, Text, TextWarning
+from beatrix_zenoh.contract._generated.serial import BoardState, Telemetry, Text, TextWarning
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.interfaces import Component, HardwareInterface, StatusFields
 from beatrix_zenoh.node.requests import RequestQueue
@@ -56,9 +56,9 @@ class BoardWatch(Component):
         telemetry, link = self.board.telemetry or NO_TELEMETRY, self.board.link
         state = telemetry.state if link.connected else 0
         status.values |= {
-            "enabled": bool(state & State.ENABLED),
-            "calibrated": bool(state & State.CALIBRATED),
-            "moving": bool(state & State.MOVING),
+            "enabled": bool(state & BoardState.ENABLED),
+            "calibrated": bool(state & BoardState.CALIBRATED),
+            "moving": bool(state & BoardState.MOVING),
             "motion": telemetry.motion,
             "fault": self._fault(telemetry),
             "board": msg.BoardStatus(
@@ -82,7 +82,7 @@ class BoardWatch(Component):
             return Fault.CONTRACT_MISMATCH
         if not link.connected:
             return Fault.BOARD_LOST
-        if telemetry.state & State.EMERGENCY or self._access.latched:
+        if telemetry.state & BoardState.EMERGENCY or self._access.latched:
             return Fault.EMERGENCY
         return self._hardware.fault()
 

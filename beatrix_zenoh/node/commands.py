@@ -24,7 +24,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Source,
     Vector3,
 )
-from beatrix_zenoh.contract._generated.serial import FrameType, State, Telemetry
+from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Telemetry
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node import replies
@@ -48,10 +48,10 @@ def switch_motors(board: Board, *, on: bool) -> str:
         Refused, NoAnswer: as `Board.request` and `wait_until_shown`.
     """
     board.enable(on=on)
-    wait_until_shown(board, lambda telemetry: bool(telemetry.state & State.ENABLED) == on)
+    wait_until_shown(board, lambda telemetry: bool(telemetry.state & BoardState.ENABLED) == on)
     if not on:
         return "The motors are off, and home is no longer known."
-    if board.state & State.CALIBRATED:
+    if board.state & BoardState.CALIBRATED:
         return "The motors are on, and home is known."
     return "The motors are on. If the head is upright, calibrate; otherwise disable and set it upright first."
 
@@ -64,19 +64,19 @@ def calibrate(board: Board, hardware: HardwareInterface, arms: Arms) -> str:
     """
     board.check_connected()
     state = board.state
-    if state & State.MOVING:
+    if state & BoardState.MOVING:
         raise Refused(Reason.NOT_AT_REST)
-    if not state & State.ENABLED:
+    if not state & BoardState.ENABLED:
         raise refusals.not_enabled()
-    if state & State.CALIBRATED and max(map(abs, arms)) > HOME_SHIFT_MAX:
+    if state & BoardState.CALIBRATED and max(map(abs, arms)) > HOME_SHIFT_MAX:
         raise refusals.home_known(arms, HOME_SHIFT_MAX)
     hardware.straighten()
     board.request(FrameType.CALIBRATE)
     # If home was known before, CALIBRATED is already set, and only the position 0 shows the change.
     wait_until_shown(
-        board, lambda telemetry: bool(telemetry.state & State.CALIBRATED) and not any(telemetry.position)
+        board, lambda telemetry: bool(telemetry.state & BoardState.CALIBRATED) and not any(telemetry.position)
     )
-    if state & State.CALIBRATED and any(arms):
+    if state & BoardState.CALIBRATED and any(arms):
         return (
             f"The present position is home now. Home was known already, and the arms were at {degrees(arms)} from it. "
             "Limits count from home: if this was a mistake, disable, set the head upright, enable, calibrate."
@@ -91,11 +91,11 @@ def reset(board: Board) -> str:
         Refused, NoAnswer: as `Board.request`; EMERGENCY, the telemetry still shows the latch after TELEMETRY_S.
     """
     board.check_connected()
-    if not board.state & State.EMERGENCY:
+    if not board.state & BoardState.EMERGENCY:
         return "EMERGENCY_STOP is not latched."
     board.request(FrameType.RESET)
     # Not `wait_until_shown`, which fails under the latch: telemetry from before RESET may still arrive and show it.
-    if not board.wait_for(lambda telemetry: not telemetry.state & State.EMERGENCY, TELEMETRY_S):
+    if not board.wait_for(lambda telemetry: not telemetry.state & BoardState.EMERGENCY, TELEMETRY_S):
         raise refusals.emergency_latched()
     return "EMERGENCY_STOP is reset, and the motors are off. Set the head upright, enable, calibrate."
 
@@ -109,14 +109,14 @@ def wait_until_shown(board: Board, holds: Callable[[Telemetry], bool]) -> None:
     """
     before = board.telemetry
     if not board.wait_for(
-        lambda new: new is not before and (holds(new) or bool(new.state & State.EMERGENCY)), TELEMETRY_S
+        lambda new: new is not before and (holds(new) or bool(new.state & BoardState.EMERGENCY)), TELEMETRY_S
     ):
         raise NoAnswer(
             Reason.BOARD_LOST,
             "The board acknowledged the request, but its telemetry does not show the change. Try again.",
         )
     newest = board.telemetry
-    if newest is not None and not holds(newest) and newest.state & State.EMERGENCY:
+    if newest is not None and not holds(newest) and newest.state & BoardState.EMERGENCY:
         raise refusals.emergency_latched()
 
 

@@ -9,7 +9,14 @@ from dataclasses import dataclass
 
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh.contract._generated.serial import FrameType, Move, MoveStraight, Outcome, State, Telemetry
+from beatrix_zenoh.contract._generated.serial import (
+    BoardOutcome,
+    BoardState,
+    FrameType,
+    Move,
+    MoveStraight,
+    Telemetry,
+)
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node import replies
@@ -86,7 +93,7 @@ class MotionController:
     @property
     def moving(self) -> bool:
         """Whether the board reports that the arms move."""
-        return self._board.connected and bool(self._board.state & State.MOVING)
+        return self._board.connected and bool(self._board.state & BoardState.MOVING)
 
     def begin(
         self,
@@ -165,8 +172,10 @@ class MotionController:
         telemetry, lost = self._board.telemetry, not self._board.connected
         if telemetry is None:
             return
-        self._diagnostics.follow_boot(telemetry.boot, calibrated=bool(telemetry.state & State.CALIBRATED))
-        if telemetry.state & State.EMERGENCY and not lost:
+        self._diagnostics.follow_boot(
+            telemetry.boot, calibrated=bool(telemetry.state & BoardState.CALIBRATED)
+        )
+        if telemetry.state & BoardState.EMERGENCY and not lost:
             self._access.latch(time.monotonic())
         running = self._running
         known = running is not None and telemetry.motion == running.number
@@ -180,11 +189,11 @@ class MotionController:
         if lost or telemetry.boot != running.boot:
             text = replies.board_lost(reset=self._board.link.reset or not lost)
             self._end(running, Reason.BOARD_LOST, text)
-        elif telemetry.state & State.MOVING:
+        elif telemetry.state & BoardState.MOVING:
             return
         elif telemetry.motion == self._number != running.number:
             self._end(running, Reason.BOARD_LOST, replies.SUPERSEDED)
-        elif telemetry.motion == running.number and telemetry.outcome != Outcome.NONE:
+        elif telemetry.motion == running.number and telemetry.outcome != BoardOutcome.NONE:
             end = replies.motion_end(
                 telemetry.outcome, self._stop_cause, self.arms(), self._access.last_stop.seat
             )
@@ -202,7 +211,7 @@ class MotionController:
         """Stop the arms, wait until they rest, and end the running motion."""
         if self.driven:
             self.stop(replies.StopCause.SHUTDOWN)
-            self._board.wait_for(lambda telemetry: not telemetry.state & State.MOVING, CLOSE_S)
+            self._board.wait_for(lambda telemetry: not telemetry.state & BoardState.MOVING, CLOSE_S)
             self.observe()
         if self._running is not None:
             self._end(self._running, Reason.SHUTDOWN, "The node is closing.")

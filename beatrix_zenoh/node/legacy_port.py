@@ -9,7 +9,7 @@ from typing import Final
 
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Command, Detail, EventKind, Phase, Reason, Source
-from beatrix_zenoh.contract._generated.serial import State
+from beatrix_zenoh.contract._generated.serial import BoardState
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.contract.names import OLD_PROGRAMS
 from beatrix_zenoh.legacy import Cause, Effect, Terminal, TextPort
@@ -54,7 +54,7 @@ class TextDriving:
 
     def _observe(self) -> None:
         state = self._context.board_watch.board.state
-        self._moved |= self._context.controller.text_moves and bool(state & State.MOVING)
+        self._moved |= self._context.controller.text_moves and bool(state & BoardState.MOVING)
 
     def program_began(self) -> None:
         """End the pause of a stopped program: another program has opened the port."""

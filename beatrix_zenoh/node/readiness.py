@@ -5,7 +5,7 @@ from __future__ import annotations
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.state import not_connected
 from beatrix_zenoh.contract import refusals
-from beatrix_zenoh.contract._generated.serial import State, Telemetry
+from beatrix_zenoh.contract._generated.serial import BoardState, Telemetry
 
 
 def ready_telemetry(board: Board) -> Telemetry:
@@ -19,8 +19,8 @@ def ready_telemetry(board: Board) -> Telemetry:
         raise not_connected(link)
     state = telemetry.state
     refusals.check_ready(
-        emergency=bool(state & State.EMERGENCY),
-        enabled=bool(state & State.ENABLED),
-        calibrated=bool(state & State.CALIBRATED),
+        emergency=bool(state & BoardState.EMERGENCY),
+        enabled=bool(state & BoardState.ENABLED),
+        calibrated=bool(state & BoardState.CALIBRATED),
     )
     return telemetry

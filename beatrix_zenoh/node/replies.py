@@ -12,7 +12,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Phase,
     Reason,
 )
-from beatrix_zenoh.contract._generated.serial import OUTCOME_REASON, OUTCOME_TEXT, Outcome, State
+from beatrix_zenoh.contract._generated.serial import OUTCOME_REASON, OUTCOME_TEXT, BoardOutcome, BoardState
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import degrees, vector
@@ -21,7 +21,7 @@ from beatrix_zenoh.node.planner import degrees, vector
 class StopCause(Enum):
     """Causes for which a node stops a motion: the reason in the last reply, and the words after `Ended`."""
 
-    STOP = Reason.STOPPED, OUTCOME_TEXT[Outcome.STOPPED]
+    STOP = Reason.STOPPED, OUTCOME_TEXT[BoardOutcome.STOPPED]
     TAKEN = Reason.STOPPED, "by the teacher, who has taken the robot"
     FROZEN = Reason.STOPPED, "by the teacher, who has frozen the robot"
     MUTED = Reason.STOPPED, "by the teacher, who has muted this seat"
@@ -31,7 +31,7 @@ class StopCause(Enum):
     CLIENT_LOST = Reason.CLIENT_LOST, "by its node, because the client that requested it is gone"
 
 
-POWERLESS = (Outcome.DISABLED, Outcome.EMERGENCY)
+POWERLESS = (BoardOutcome.DISABLED, BoardOutcome.EMERGENCY)
 RESET = (
     "The board was reset: its motors are off, and home is not known. Set the head upright, enable, calibrate."
 )
@@ -91,16 +91,16 @@ def motion_end(code: int, cause: StopCause, arms: Arms, presser: str = "") -> tu
     where = degrees(arms)
     if code not in OUTCOME_TEXT:
         return Reason.CONTRACT_MISMATCH, f"Ended with an unknown outcome ({code}); the arms rest at {where}."
-    outcome = Outcome(code)
-    if outcome is Outcome.DONE:
+    outcome = BoardOutcome(code)
+    if outcome is BoardOutcome.DONE:
         return Reason.OK, f"Arrived; the arms rest at {where}."
     if outcome in POWERLESS:
-        first = "reset, enable" if outcome is Outcome.EMERGENCY else "enable"
+        first = "reset, enable" if outcome is BoardOutcome.EMERGENCY else "enable"
         return OUTCOME_REASON[outcome], (
-            f"Ended {OUTCOME_TEXT[outcome]}{by_seat if outcome is Outcome.EMERGENCY else ''}. The arms were at {where}; without power the head may have sunk: set it "
+            f"Ended {OUTCOME_TEXT[outcome]}{by_seat if outcome is BoardOutcome.EMERGENCY else ''}. The arms were at {where}; without power the head may have sunk: set it "
             f"upright, {first}, calibrate."
         )
-    if outcome is Outcome.STOPPED:
+    if outcome is BoardOutcome.STOPPED:
         reason, words = cause.value
         by_seat = by_seat if cause is StopCause.STOP else ""
         return reason, f"Ended {words}{by_seat}; the arms rest at {where}."
@@ -135,6 +135,6 @@ def at_rest(board: Board, how: str, arms: Arms) -> str:
     link = board.link
     if not link.connected:
         return f"The board has acknowledged STOP, but its state is unknown. {link.trouble}"
-    if board.state & State.EMERGENCY:
+    if board.state & BoardState.EMERGENCY:
         return "The motors are off, EMERGENCY_STOP is latched until reset, and home is no longer known."
     return f"{how}; the arms rest at {degrees(arms)}."

@@ -14,7 +14,7 @@ from beatrix_zenoh.board.state import NO_TELEMETRY, TelemetrySample
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated import messages as msg
 from beatrix_zenoh.contract._generated.messages import Head, Info, Positions, Status, Steps
-from beatrix_zenoh.contract._generated.robot import Geometry
+from beatrix_zenoh.contract._generated.robot import GeometryData
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.robot_file import fingerprint
@@ -153,7 +153,7 @@ def examples(name: str, side: str, endpoint: str) -> list[str]:
     ]
 
 
-def geometry_info(shape: Geometry) -> msg.GeometryInfo:
+def geometry_info(shape: GeometryData) -> msg.GeometryInfo:
     """Return the geometry with angles in rad."""
     return msg.GeometryInfo(
         arm_angle=math.radians(shape.arm_angle),

@@ -21,7 +21,7 @@ from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.bus import Incoming, Received, Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Command, CommandReply, EventKind, Reason
-from beatrix_zenoh.contract._generated.serial import FrameType, State
+from beatrix_zenoh.contract._generated.serial import BoardState, FrameType
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.board_watch import Observer
@@ -209,7 +209,7 @@ class StopHandler(Component):
     def _check_latch(self) -> BeatrixError | None:
         board = self._board
         if not board.connected or board.wait_for(
-            lambda telemetry: bool(telemetry.state & State.EMERGENCY), LATCHED_S
+            lambda telemetry: bool(telemetry.state & BoardState.EMERGENCY), LATCHED_S
         ):
             return None
         return NoAnswer(

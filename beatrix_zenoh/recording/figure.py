@@ -14,7 +14,7 @@ from typing import Final
 
 from beatrix_zenoh.colours import ARMS, Colour
 from beatrix_zenoh.contract._generated.messages import GeometryInfo
-from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry, Head
+from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData, HeadData
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.rotation import Rotation, Vector, cross, dot
 
@@ -73,9 +73,9 @@ class Body:
 IDENTITY: Final[Quaternion] = (0.0, 0.0, 0.0, 1.0)
 
 
-def geometry_of(info: GeometryInfo) -> Geometry:
+def geometry_of(info: GeometryInfo) -> GeometryData:
     """Convert the geometry that a robot reports (rad) to that of robot data (deg)."""
-    return Geometry(
+    return GeometryData(
         arm_angle=math.degrees(info.arm_angle),
         rod_twist=math.degrees(info.rod_twist),
         mount_angle=math.degrees(info.mount_angle),
@@ -88,7 +88,7 @@ def geometry_of(info: GeometryInfo) -> Geometry:
 class Figure:
     """Bodies of one robot, and their rotations for arm angles and a head orientation."""
 
-    def __init__(self, geometry: Geometry = ROBOT.geometry, size: Head = ROBOT.head) -> None:
+    def __init__(self, geometry: GeometryData = ROBOT.geometry, size: HeadData = ROBOT.head) -> None:
         """Create the bodies with the lengths of `size`; its masses are not used.
 
         With this geometry the neck must close upright (see Neck).

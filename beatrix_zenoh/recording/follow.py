@@ -20,7 +20,7 @@ from msgspec.structs import replace
 from beatrix_zenoh.client.degrees import RobotInfo, motion_query
 from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason
-from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry, RobotData
+from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.limits import MotionLimits
@@ -90,7 +90,7 @@ class Following:
 def robot_of(info: RobotInfo) -> RobotData:
     """Return robot data with the limits and the geometry of this info, in the units of robot.toml."""
     shape = info.geometry
-    geometry = ROBOT.geometry if shape is None else Geometry(**shape._asdict())
+    geometry = ROBOT.geometry if shape is None else GeometryData(**shape._asdict())
     return replace(ROBOT, geometry=geometry, limits=replace(ROBOT.limits, **info.limits._asdict()))
 
 

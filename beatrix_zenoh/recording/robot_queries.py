@@ -14,7 +14,7 @@ from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Info
-from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry
+from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.recording.figure import geometry_of
 
@@ -30,7 +30,7 @@ class RobotAnswer:
     place: Place
     offset: Offset | None
     """offset of the robot's monotonic clock; None: the robot did not answer"""
-    geometry: Geometry
+    geometry: GeometryData
     """the default geometry if the robot did not answer"""
     info: Info | None = None
     """what the robot says of itself; None: it did not answer"""
@@ -43,7 +43,7 @@ class RobotQueries:
         self._client = client
         self._requests: queue.SimpleQueue[Place | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[RobotAnswer] = queue.SimpleQueue()
-        self._geometries: dict[Place, Geometry] = {}
+        self._geometries: dict[Place, GeometryData] = {}
         self._thread = threads.start(self._run, "recorder-queries")
 
     def request(self, place: Place) -> None:

@@ -12,7 +12,7 @@ from firmware_host import ARM_SPACING, GAP_MIN, ROOT, SPEED_MAX, YAW_SUM_MAX, Ri
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beatrix_zenoh.contract._generated.serial import Error, FrameType, Outcome, State
+from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState, Error, FrameType
 
 CORE = ROOT / "firmware/beatrix/src/core"
 TARGETS = st.one_of(
@@ -42,8 +42,8 @@ def test_no_sequence_of_moves_crosses_a_limit(script: list[tuple[Steps, Steps, b
 def test_arms_that_come_too_close_on_their_path_are_stopped(ready: Rig) -> None:
     assert ready.move((1500, 1500, 1500), (SPEED_MAX, 400, SPEED_MAX)) == Error.OK
     ready.run()
-    assert ready.outcome == Outcome.GAP
-    assert ready.state == State.ENABLED | State.CALIBRATED
+    assert ready.outcome == BoardOutcome.GAP
+    assert ready.state == BoardState.ENABLED | BoardState.CALIBRATED
     assert GAP_MIN <= least_gap(ready.steps) <= GAP_MIN + 3
 
 
@@ -52,7 +52,7 @@ def test_arms_that_turn_too_far_on_their_path_are_stopped(ready: Rig) -> None:
     ready.run()
     assert ready.move((1900, 2500, 2500), SPEED_MAX) == Error.OK
     ready.run()
-    assert ready.outcome == Outcome.YAW
+    assert ready.outcome == BoardOutcome.YAW
     assert YAW_SUM_MAX - 300 <= sum(ready.steps) <= YAW_SUM_MAX
 
 
@@ -65,17 +65,17 @@ def test_the_yaw_limit_includes_the_extreme_position_of_an_arm_that_turns_back(r
             ready.ask(FrameType.PING)
         ready.tick()
         assert sum(ready.steps) <= YAW_SUM_MAX
-    assert ready.outcome == Outcome.YAW
+    assert ready.outcome == BoardOutcome.YAW
 
 
 def test_the_first_reason_for_braking_is_reported(ready: Rig) -> None:
     ready.move((1500, 1500, 1500), (SPEED_MAX, 400, SPEED_MAX))
-    while State.STOPPING not in ready.state:
+    while BoardState.STOPPING not in ready.state:
         ready.ask(FrameType.PING)
         ready.tick(10)
     ready.ask(FrameType.STOP)
     ready.run()
-    assert ready.outcome == Outcome.GAP
+    assert ready.outcome == BoardOutcome.GAP
 
 
 def test_a_motion_back_from_a_limit_is_accepted(ready: Rig) -> None:
@@ -83,7 +83,7 @@ def test_a_motion_back_from_a_limit_is_accepted(ready: Rig) -> None:
     ready.run()
     assert ready.move((0, 0, 0), straight=True) == Error.OK
     ready.run()
-    assert (ready.steps, ready.outcome) == ((0, 0, 0), Outcome.DONE)
+    assert (ready.steps, ready.outcome) == ((0, 0, 0), BoardOutcome.DONE)
 
 
 @pytest.mark.parametrize("ms", range(1900, 2000, 20))
@@ -95,13 +95,13 @@ def test_a_straight_motion_near_the_limit_can_be_replaced(ready: Rig, ms: int) -
         ready.ask(FrameType.PING)
         ready.tick(20)
     assert ready.move((2080, 1050, 1575), straight=True) == Error.OK
-    assert State.STOPPING in ready.state
+    assert BoardState.STOPPING in ready.state
     for tick in range(3000):
         if tick % 400 == 0:
             ready.ask(FrameType.PING)
         ready.tick()
         assert least_gap(ready.steps) >= GAP_MIN
-    assert (ready.steps, ready.outcome) == ((2080, 1050, 1575), Outcome.DONE)
+    assert (ready.steps, ready.outcome) == ((2080, 1050, 1575), BoardOutcome.DONE)
 
 
 @pytest.fixture(scope="module")
@@ -134,19 +134,19 @@ TOO_FAR = (2400, 2400, 2400)
 @pytest.mark.parametrize(
     ("start", "target", "verdict"),
     [
-        (TOO_CLOSE, (0, 0, 0), Outcome.NONE),
-        (TOO_CLOSE, (TOO_CLOSE[0], 100, 0), Outcome.NONE),
-        (TOO_CLOSE, (TOO_CLOSE[0] + 1, 0, 0), Outcome.GAP),
-        (TOO_CLOSE, (TOO_CLOSE[0], -1, 0), Outcome.GAP),
-        (TOO_FAR, (0, 0, 0), Outcome.NONE),
-        (TOO_FAR, (2401, 2400, 2400), Outcome.YAW),
-        ((-2400, -2400, -2400), (0, 0, 0), Outcome.NONE),
-        ((-2400, -2400, -2400), (-2400, -2401, -2400), Outcome.YAW),
-        ((0, 0, 0), (10, -10, 5), Outcome.NONE),
+        (TOO_CLOSE, (0, 0, 0), BoardOutcome.NONE),
+        (TOO_CLOSE, (TOO_CLOSE[0], 100, 0), BoardOutcome.NONE),
+        (TOO_CLOSE, (TOO_CLOSE[0] + 1, 0, 0), BoardOutcome.GAP),
+        (TOO_CLOSE, (TOO_CLOSE[0], -1, 0), BoardOutcome.GAP),
+        (TOO_FAR, (0, 0, 0), BoardOutcome.NONE),
+        (TOO_FAR, (2401, 2400, 2400), BoardOutcome.YAW),
+        ((-2400, -2400, -2400), (0, 0, 0), BoardOutcome.NONE),
+        ((-2400, -2400, -2400), (-2400, -2401, -2400), BoardOutcome.YAW),
+        ((0, 0, 0), (10, -10, 5), BoardOutcome.NONE),
     ],
 )
 def test_from_beyond_a_limit_only_motions_back_are_allowed(
-    probe: ctypes.CDLL, start: Steps, target: Steps, verdict: Outcome
+    probe: ctypes.CDLL, start: Steps, target: Steps, verdict: BoardOutcome
 ) -> None:
     triple = ctypes.c_int32 * 3
     assert probe.check_first_tick(triple(*start), triple(*target)) == verdict

@@ -9,11 +9,21 @@ from firmware_host import SPEED_MAX, Rig
 
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
-from beatrix_zenoh.contract._generated.serial import Error, FrameType, HelloReply, Outcome, SetName, State
+from beatrix_zenoh.contract._generated.serial import (
+    BoardOutcome,
+    BoardState,
+    Error,
+    FrameType,
+    HelloReply,
+    SetName,
+)
 
-OFF, ON = State(0), State.ENABLED
-HOME, MOVING = State.ENABLED | State.CALIBRATED, State.ENABLED | State.CALIBRATED | State.MOVING
-BRAKING, LATCHED = MOVING | State.STOPPING, State.EMERGENCY
+OFF, ON = BoardState(0), BoardState.ENABLED
+HOME, MOVING = (
+    BoardState.ENABLED | BoardState.CALIBRATED,
+    BoardState.ENABLED | BoardState.CALIBRATED | BoardState.MOVING,
+)
+BRAKING, LATCHED = MOVING | BoardState.STOPPING, BoardState.EMERGENCY
 
 
 def off(_rig: Rig) -> None:
@@ -53,7 +63,7 @@ COMMANDS: dict[str, Callable[[Rig], Error]] = {
     "RESET": lambda rig: rig.ask(FrameType.RESET),
 }
 OK = Error.OK
-TABLE: dict[tuple[Callable[[Rig], None], str], tuple[Error, State]] = {
+TABLE: dict[tuple[Callable[[Rig], None], str], tuple[Error, BoardState]] = {
     (off, "PING"): (OK, OFF),
     (off, "MOVE"): (Error.NOT_ENABLED, OFF),
     (off, "STOP"): (OK, OFF),
@@ -116,7 +126,7 @@ def test_each_request_has_its_reply_and_next_state(before: Callable[[Rig], None]
     assert COMMANDS[command](rig) == error
     rig.tick(10)
     assert rig.state == state
-    assert firmware.drivers_on() == bool(state & State.ENABLED)
+    assert firmware.drivers_on() == bool(state & BoardState.ENABLED)
 
 
 def test_the_table_contains_each_request_in_each_state() -> None:
@@ -128,7 +138,7 @@ def test_an_emergency_stop_takes_effect_when_it_is_received(ready: Rig) -> None:
     ready.tick(300)
     at = ready.steps
     ready.ask(FrameType.EMERGENCY_STOP)
-    assert (ready.state, ready.outcome) == (LATCHED, Outcome.EMERGENCY)
+    assert (ready.state, ready.outcome) == (LATCHED, BoardOutcome.EMERGENCY)
     assert ready.last.velocity == (0, 0, 0)
     ready.tick(100)
     assert ready.steps == at
@@ -144,14 +154,14 @@ def test_telemetry_reports_motors_switched_off_during_a_motion(ready: Rig) -> No
     ready.move((400, 400, 400))
     ready.tick(300)
     ready.enable(0)
-    assert (ready.state, ready.outcome) == (OFF, Outcome.DISABLED)
+    assert (ready.state, ready.outcome) == (OFF, BoardOutcome.DISABLED)
 
 
 def test_an_emergency_stop_at_rest_keeps_the_last_outcome(ready: Rig) -> None:
     ready.move((10, 10, 10))
     ready.run()
     ready.ask(FrameType.EMERGENCY_STOP)
-    assert ready.outcome == Outcome.DONE
+    assert ready.outcome == BoardOutcome.DONE
 
 
 def test_enable_rejects_other_values_than_0_and_1(rig: Rig) -> None:
@@ -209,7 +219,7 @@ def test_moves_beyond_a_limit_are_refused(
     ready: Rig, target: tuple[int, int, int], speed: tuple[int, int, int], error: Error
 ) -> None:
     assert ready.move(target, speed) == error
-    assert bool(ready.state & State.MOVING) == (error == Error.OK)
+    assert bool(ready.state & BoardState.MOVING) == (error == Error.OK)
 
 
 @pytest.mark.parametrize(
@@ -226,7 +236,7 @@ def test_straight_moves_beyond_a_limit_are_refused(
     ready: Rig, target: tuple[int, int, int], speed: int, error: Error
 ) -> None:
     assert ready.move(target, speed, straight=True) == error
-    assert bool(ready.state & State.MOVING) == (error == Error.OK)
+    assert bool(ready.state & BoardState.MOVING) == (error == Error.OK)
 
 
 def test_a_repeated_move_runs_once(ready: Rig) -> None:
@@ -237,7 +247,7 @@ def test_a_repeated_move_runs_once(ready: Rig) -> None:
             rig.tick(60 // times)
     assert ready.steps == other.steps
     ready.run()
-    assert (ready.steps, ready.outcome) == ((300, -100, 7), Outcome.DONE)
+    assert (ready.steps, ready.outcome) == ((300, -100, 7), BoardOutcome.DONE)
 
 
 def test_a_straight_move_with_the_number_of_a_move_is_a_new_move(ready: Rig) -> None:
@@ -246,7 +256,7 @@ def test_a_straight_move_with_the_number_of_a_move_is_a_new_move(ready: Rig) -> 
     ready.run()
     assert ready.move((300, 300, 300), 800, straight=True, motion=5) == Error.OK
     ready.run()
-    assert (ready.steps, ready.outcome) == ((300, 300, 300), Outcome.DONE)
+    assert (ready.steps, ready.outcome) == ((300, 300, 300), BoardOutcome.DONE)
 
 
 def test_after_calibration_the_same_move_is_a_new_move(ready: Rig) -> None:
@@ -254,7 +264,7 @@ def test_after_calibration_the_same_move_is_a_new_move(ready: Rig) -> None:
     ready.run()
     ready.ask(FrameType.CALIBRATE)
     assert ready.move((300, 300, 300), motion=5) == Error.OK
-    assert State.MOVING in ready.state
+    assert BoardState.MOVING in ready.state
 
 
 def test_after_a_text_motion_the_same_move_is_a_new_move(ready: Rig) -> None:
@@ -262,9 +272,9 @@ def test_after_a_text_motion_the_same_move_is_a_new_move(ready: Rig) -> None:
     ready.run()
     ready.raw(b"@CALNOW\r@MOVRALL 20 20 20 200\r")
     ready.tick(300)
-    assert State.MOVING not in ready.state
+    assert BoardState.MOVING not in ready.state
     ready.move((0, 0, 0), motion=5)
-    assert State.MOVING in ready.state
+    assert BoardState.MOVING in ready.state
 
 
 def test_a_repeated_move_does_not_undo_a_stop(ready: Rig) -> None:
@@ -275,39 +285,39 @@ def test_a_repeated_move_does_not_undo_a_stop(ready: Rig) -> None:
     at = ready.steps
     assert ready.move((300, 300, 300), motion=5) == Error.OK
     ready.tick(100)
-    assert (ready.steps, ready.outcome) == (at, Outcome.STOPPED)
+    assert (ready.steps, ready.outcome) == (at, BoardOutcome.STOPPED)
 
 
 def test_telemetry_contains_the_number_of_the_motion(ready: Rig) -> None:
     ready.move((300, 300, 300), motion=65535)
-    assert (ready.last.motion, ready.outcome) == (65535, Outcome.NONE)
+    assert (ready.last.motion, ready.outcome) == (65535, BoardOutcome.NONE)
     ready.tick(100)
     ready.move((0, 0, 0), motion=0)
-    assert (ready.last.motion, ready.outcome) == (0, Outcome.NONE)
+    assert (ready.last.motion, ready.outcome) == (0, BoardOutcome.NONE)
     ready.run()
-    assert (ready.last.motion, ready.outcome) == (0, Outcome.DONE)
+    assert (ready.last.motion, ready.outcome) == (0, BoardOutcome.DONE)
 
 
 def test_a_move_to_the_present_position_takes_one_tick(ready: Rig) -> None:
     ready.move((0, 0, 0), motion=9)
     ready.tick()
-    assert (ready.state, ready.outcome, ready.last.motion) == (HOME, Outcome.DONE, 9)
+    assert (ready.state, ready.outcome, ready.last.motion) == (HOME, BoardOutcome.DONE, 9)
 
 
 def test_499_ms_without_a_frame_do_not_stop_the_arms(ready: Rig) -> None:
     ready.move((1000, 1000, 1000), 400)
     for _ in range(4):
         ready.tick(499)
-        assert State.STOPPING not in ready.state
+        assert BoardState.STOPPING not in ready.state
         ready.ask(FrameType.PING)
 
 
 def test_501_ms_without_a_frame_stop_the_arms_and_leave_the_motors_on(ready: Rig) -> None:
     ready.move((1000, 1000, 1000), 400)
     ready.tick(501)
-    assert State.STOPPING in ready.state
+    assert BoardState.STOPPING in ready.state
     ready.tick(200)
-    assert (ready.state, ready.outcome) == (HOME, Outcome.HOST_LOST)
+    assert (ready.state, ready.outcome) == (HOME, BoardOutcome.HOST_LOST)
 
 
 def test_damaged_frames_do_not_count_as_heartbeat(ready: Rig) -> None:
@@ -315,7 +325,7 @@ def test_damaged_frames_do_not_count_as_heartbeat(ready: Rig) -> None:
     for _ in range(51):
         ready.tick(10)
         ready.raw(b"\0\x05\x02\xff\x70\xcd\0")
-    assert State.STOPPING in ready.state
+    assert BoardState.STOPPING in ready.state
 
 
 def test_an_echo_does_not_count_as_heartbeat(ready: Rig) -> None:
@@ -323,12 +333,12 @@ def test_an_echo_does_not_count_as_heartbeat(ready: Rig) -> None:
     for _ in range(51):
         ready.tick(10)
         ready.raw(encode(FrameType.TELEMETRY, 1, ready.last.pack()))
-    assert State.STOPPING in ready.state
+    assert BoardState.STOPPING in ready.state
 
 
 def test_a_board_at_rest_needs_no_heartbeat(ready: Rig) -> None:
     ready.tick(5000)
-    assert (ready.state, ready.outcome) == (HOME, Outcome.NONE)
+    assert (ready.state, ready.outcome) == (HOME, BoardOutcome.NONE)
     ready.move((1, 1, 1))
     ready.tick(60)
-    assert ready.outcome == Outcome.DONE
+    assert ready.outcome == BoardOutcome.DONE

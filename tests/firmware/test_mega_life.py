@@ -8,7 +8,14 @@ import pytest
 from avr.mega import START_MS, Mega, pin_faults
 
 from beatrix_zenoh.board.link import encode
-from beatrix_zenoh.contract._generated.serial import CONTRACT, Error, FrameType, HelloReply, SetName, State
+from beatrix_zenoh.contract._generated.serial import (
+    CONTRACT,
+    BoardState,
+    Error,
+    FrameType,
+    HelloReply,
+    SetName,
+)
 
 WATCHDOG_MS = 256
 """Timeout of WDTO_250MS: 32 768 cycles at 128 kHz."""
@@ -127,7 +134,7 @@ def test_a_main_loop_that_hangs_is_restarted_with_the_motors_off() -> None:
         mega.tick(START_MS + 20)
         assert hello(mega).boot == 2
         mega.tick(20)
-        assert mega.state == State(0)
+        assert mega.state == BoardState(0)
         assert pin_faults(mega.avr) == []
         at = mega.steps
         mega.tick(300)

@@ -11,7 +11,7 @@ from avr.bench import BUDGETS, VECTORS
 from avr.mega import HEX, Mega
 from firmware_host import KEEP_ALIVE_MS, SPEED_MAX, Steps
 
-from beatrix_zenoh.contract._generated.serial import FrameType, Outcome, State
+from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState, FrameType
 
 
 @pytest.fixture(params=["shipped", "sketch"])
@@ -44,7 +44,7 @@ def test_reported_positions_equal_the_steps_on_the_pins() -> None:
                     mega.ask(FrameType.EMERGENCY_STOP)
                 case 2:
                     mega.enable(0)
-            if State.ENABLED not in mega.state:
+            if BoardState.ENABLED not in mega.state:
                 mega.settle()
                 counted = tuple(p + o for p, o in zip(mega.last.position, origin, strict=True))
                 assert counted == mega.steps
@@ -84,7 +84,7 @@ def test_stop_brings_the_arms_to_rest_within_520_ms_on_a_counted_step(ready: Meg
     ready.ask(FrameType.STOP)
     ready.run()
     ready.settle()
-    assert ready.outcome == Outcome.STOPPED
+    assert ready.outcome == BoardOutcome.STOPPED
     assert ready.last.position == ready.steps
     assert ready.avr.enabled
     rises = ready.avr.edges("step", 0)
@@ -99,5 +99,5 @@ def test_an_emergency_stop_switches_the_drivers_off_at_once(ready: Mega) -> None
     assert not ready.avr.enabled
     at = ready.steps
     ready.settle()
-    assert (ready.steps, ready.outcome) == (at, Outcome.EMERGENCY)
+    assert (ready.steps, ready.outcome) == (at, BoardOutcome.EMERGENCY)
     assert ready.last.position == at

@@ -10,7 +10,7 @@ from avr.mega import Mega
 from firmware_host import damaged
 
 from beatrix_zenoh.board.link import encode
-from beatrix_zenoh.contract._generated.serial import Error, FrameType, Move, Outcome, State
+from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState, Error, FrameType, Move
 
 MOVE = encode(FrameType.MOVE, 7, Move(513, (100, -200, 300), (1400, 1400, 1400)).pack())
 
@@ -32,7 +32,7 @@ def test_none_of_3000_damaged_moves_is_executed_and_the_next_frame_is_answered()
         assert served == 3000
         assert mega.steps == (0, 0, 0)
         assert mega.last.motion == 0
-        assert State.MOVING not in mega.state
+        assert BoardState.MOVING not in mega.state
 
 
 def test_a_minute_of_noise_changes_neither_the_state_nor_the_position() -> None:
@@ -61,7 +61,7 @@ def test_a_minute_of_noise_changes_neither_the_state_nor_the_position() -> None:
         assert mega.raw(b"\0") == []
         assert mega.ask(FrameType.PING) == Error.OK
         assert mega.steps == (0, 0, 0)
-        assert mega.state == State.ENABLED | State.CALIBRATED
+        assert mega.state == BoardState.ENABLED | BoardState.CALIBRATED
         assert mega.avr.resets == 0
 
 
@@ -116,7 +116,7 @@ def test_an_emergency_stop_behind_a_flood_of_text_takes_effect_at_once_and_is_ac
         assert 0 < off - arrival < RECOGNISED_MS * CYCLES_PER_MS
         acks = [(ack.seq, ack.payload) for ack in mega.others if ack.type == FrameType.EMERGENCY_STOP | 0x80]
         assert acks == [(seq, b"\0")]
-        assert mega.state == State.EMERGENCY
+        assert mega.state == BoardState.EMERGENCY
 
 
 def test_a_stop_behind_a_flood_of_targets_brakes_as_soon_as_without_it() -> None:
@@ -135,7 +135,7 @@ def test_a_stop_behind_a_flood_of_targets_brakes_as_soon_as_without_it() -> None
             mega.tick(400)  # less than the host's timeout
             mega.run()
             mega.settle()
-            assert mega.outcome == Outcome.STOPPED
+            assert mega.outcome == BoardOutcome.STOPPED
             return max(int(mega.avr.steps(arm)[0][-1]) for arm in range(3)) - arrival
 
     assert abs(braking(flood) - braking(b"")) < RECOGNISED_MS * CYCLES_PER_MS

@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from beatrix_zenoh.board.virtual import Firmware
-from beatrix_zenoh.contract._generated.serial import Error, FrameType, Outcome, State
+from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState, Error, FrameType
 
 Point = tuple[float, float, float]
 ROUNDING = 4 / (1 << 26)
@@ -50,7 +50,7 @@ class Watched:
 
     def run(self) -> None:
         """Run until the arms rest."""
-        while State.MOVING in self.rig.state:
+        while BoardState.MOVING in self.rig.state:
             self.tick()
             assert len(self.path) < 100_000
 
@@ -65,11 +65,11 @@ def test_every_motion_ends_exactly_at_its_target(target: Steps, speed: Steps, st
     rig = Rig().ready()
     if rig.move(target, speed, straight=straight) == Error.OK:
         rig.run()
-        if rig.outcome == Outcome.DONE:
+        if rig.outcome == BoardOutcome.DONE:
             assert rig.steps == rig.last.position == target
             assert rig.last.velocity == (0, 0, 0)
         else:
-            assert rig.outcome == Outcome.GAP  # the arms have different speeds, and two came too close
+            assert rig.outcome == BoardOutcome.GAP  # the arms have different speeds, and two came too close
 
 
 def test_top_speed_and_ramp_times_are_exact() -> None:
@@ -99,12 +99,12 @@ def test_a_new_target_in_motion_keeps_the_acceleration_limit_and_is_reached(
     for target, speed, straight, ms in script:
         # If the arms rest, the last tick of the old motion and the first of the new one may each change the speed by
         # up to the acceleration.
-        allowed.append((len(watched.path) - 1, State.MOVING not in watched.rig.state))
+        allowed.append((len(watched.path) - 1, BoardState.MOVING not in watched.rig.state))
         same = (speed[0],) * 3  # arms at the same speed keep their gaps
         watched.rig.move(target, same, straight=straight)
         watched.tick(ms)
     watched.run()
-    if watched.rig.outcome != Outcome.DONE:
+    if watched.rig.outcome != BoardOutcome.DONE:
         return  # a limit ended the motion, which places the arms at their last steps
     assert watched.rig.steps == watched.rig.last.position
     starts, retargets = {tick for tick, rested in allowed if rested}, {tick for tick, _ in allowed}
@@ -195,7 +195,7 @@ def test_an_arm_that_only_turns_back_keeps_a_minimum_speed(ready: Rig) -> None:
         ready.tick(300)
         ready.ask(FrameType.PING)
     # At a sixteenth of the top speed, the arm has turned back by the 168 steps that it needed to stop.
-    assert ready.outcome == Outcome.DONE
+    assert ready.outcome == BoardOutcome.DONE
 
 
 @settings(max_examples=25)
@@ -204,17 +204,17 @@ def test_stop_slows_every_arm_in_the_next_tick(target: Steps, speed: Steps, stra
     watched = Watched()
     watched.rig.move(target, speed, straight=straight)
     watched.tick(ms)
-    if State.MOVING not in watched.rig.state or State.STOPPING in watched.rig.state:
+    if BoardState.MOVING not in watched.rig.state or BoardState.STOPPING in watched.rig.state:
         return
     before = watched.moves()[-1]
     watched.rig.ask(FrameType.STOP)
-    assert State.STOPPING in watched.rig.state
+    assert BoardState.STOPPING in watched.rig.state
     watched.tick()
-    if State.MOVING in watched.rig.state:
+    if BoardState.MOVING in watched.rig.state:
         after = watched.moves()[-1]
         assert all(abs(b) < abs(a) or a == b == 0 for a, b in zip(before, after, strict=True))
     watched.run()
-    assert watched.rig.outcome == Outcome.STOPPED
+    assert watched.rig.outcome == BoardOutcome.STOPPED
     assert watched.rig.last.position == watched.rig.steps == watched.steps[-1]
     assert watched.path[-1] == watched.steps[-1]
     longest = max(abs(v) for v in before) / ACCELERATION
@@ -257,7 +257,7 @@ def test_a_slow_arm_reverses_without_a_further_step_in_the_old_direction(
         rig.move((first,) * 3, speed, straight=straight)
         rig.tick(wait_ms)
         made = rig.steps[0]
-        if abs(made) > 4 or State.MOVING not in rig.state:
+        if abs(made) > 4 or BoardState.MOVING not in rig.state:
             break
         rig.move((then,) * 3, speed, straight=straight)
         for _ in range(100):

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from text_port_programs import Program
 
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.contract._generated.serial import FrameType, MoveStraight, Outcome, WarningCode
+from beatrix_zenoh.contract._generated.serial import BoardOutcome, FrameType, MoveStraight, WarningCode
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.motion.kinematics import Neck
 
@@ -150,7 +150,7 @@ def test_motions_along_the_yaw_limit_are_not_stopped_by_the_firmware_limits(
     before = framed.position
     assert framed.run(f"@MOVRALL {x} {y} {z}", 5000) == DONE
     framed.tick(200)
-    assert framed.telemetry[-1].outcome == Outcome.DONE
+    assert framed.telemetry[-1].outcome == BoardOutcome.DONE
     assert framed.position == tuple(a + b for a, b in zip(before, way, strict=True))
 
 

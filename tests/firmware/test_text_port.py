@@ -7,11 +7,11 @@ from text_port_programs import Program
 
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import (
+    BoardOutcome,
+    BoardState,
     Enable,
     FrameType,
     MoveStraight,
-    Outcome,
-    State,
     WarningCode,
 )
 
@@ -30,9 +30,9 @@ def framed() -> Program:
     return Program(framed=True)
 
 
-def state(program: Program) -> State:
+def state(program: Program) -> BoardState:
     program.tick(11)
-    return State(program.telemetry[-1].state)
+    return BoardState(program.telemetry[-1].state)
 
 
 def test_at_power_up_motors_are_off_and_home_is_unknown() -> None:
@@ -61,9 +61,9 @@ def test_calnow_makes_the_present_position_0_without_motion(program: Program) ->
 
 def test_calnow_sets_home_if_home_is_unknown(framed: Program) -> None:
     framed.say("@ENMOTORS ON")
-    assert state(framed) == State.ENABLED
+    assert state(framed) == BoardState.ENABLED
     framed.say("@CALNOW")
-    assert state(framed) == State.ENABLED | State.CALIBRATED
+    assert state(framed) == BoardState.ENABLED | BoardState.CALIBRATED
 
 
 def test_calnow_keeps_a_known_home(framed: Program) -> None:
@@ -77,7 +77,7 @@ def test_calnow_keeps_a_known_home(framed: Program) -> None:
 
 def test_calnow_with_motors_off_does_not_set_home(framed: Program) -> None:
     assert framed.say("@CALNOW", "@CALSTATUS") == DONE * 2
-    assert state(framed) == State(0)
+    assert state(framed) == BoardState(0)
 
 
 def test_the_hosts_calibration_does_not_move_the_ports_positions(framed: Program) -> None:
@@ -129,7 +129,7 @@ def test_text_cannot_clear_an_emergency(framed: Program) -> None:
     framed.frame(FrameType.EMERGENCY_STOP)
     assert framed.say("@MOVRX 10", "@ENMOTORS ON", "@CALNOW", "@MOVRX 10") == REFUSED * 2 + DONE + REFUSED
     assert set(framed.warnings) == {WarningCode.EMERGENCY}
-    assert state(framed) == State.EMERGENCY
+    assert state(framed) == BoardState.EMERGENCY
     framed.frame(FrameType.RESET)
     assert framed.say("@ENMOTORS ON", "@CALNOW") == DONE * 2
     assert framed.run("@MOVRX 10") == DONE
@@ -159,7 +159,7 @@ def test_a_frame_that_ends_a_text_move_refuses_it_and_cancels_the_queued_ones(
     assert framed.new() == [NACK, *REFUSED, *DONE]
     if frame == MOVE_ELSEWHERE:
         assert framed.core.steps() == (0, 0, 0)
-        assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (7, Outcome.DONE)
+        assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (7, BoardOutcome.DONE)
 
 
 def test_a_finished_move_is_answered_as_done_although_the_host_moves_at_once(framed: Program) -> None:
@@ -180,7 +180,7 @@ def test_a_text_move_replaces_the_motion_of_the_host_under_its_own_number(framed
     assert framed.run("@MOVHOME") == DONE
     assert framed.core.steps() == (0, 0, 0)
     framed.tick(200)
-    assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (0, Outcome.DONE)
+    assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (0, BoardOutcome.DONE)
 
 
 def test_stopall_stops_a_motion_of_the_host(framed: Program) -> None:
@@ -190,7 +190,7 @@ def test_stopall_stops_a_motion_of_the_host(framed: Program) -> None:
     assert framed.say("@STOPALL") == [ACK]
     framed.tick(150)
     assert framed.new() == [ACK]
-    assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (7, Outcome.STOPPED)
+    assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (7, BoardOutcome.STOPPED)
 
 
 def test_opening_the_port_resets_everything_except_home(framed: Program) -> None:
@@ -203,8 +203,8 @@ def test_opening_the_port_resets_everything_except_home(framed: Program) -> None
     framed.new()
     framed.tick(500)
     assert framed.new() == []
-    assert state(framed) == State.ENABLED | State.CALIBRATED
-    assert framed.telemetry[-1].outcome == Outcome.STOPPED
+    assert state(framed) == BoardState.ENABLED | BoardState.CALIBRATED
+    assert framed.telemetry[-1].outcome == BoardOutcome.STOPPED
     assert framed.say("@CALSTATUS", "@MOVRX 1") == REFUSED * 2
     assert max(framed.position) < 15
     assert framed.core.steps()[0] > 150

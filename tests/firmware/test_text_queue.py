@@ -8,7 +8,7 @@ import pytest
 from firmware_host import Core
 from text_port_programs import Program
 
-from beatrix_zenoh.contract._generated.serial import Outcome, State, WarningCode
+from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState, WarningCode
 
 ACK, NACK = "ACK\n", "NACK\n"
 DONE, REFUSED, UNKNOWN = [ACK, ACK], [ACK, NACK], [NACK]
@@ -77,11 +77,11 @@ def test_stopall_stops_at_once(framed: Program) -> None:
     at = framed.core.steps()[0]
     framed.send(b"@STOPALL\r")
     framed.tick(1)
-    assert State(framed.telemetry[-1].state) & State.STOPPING
+    assert BoardState(framed.telemetry[-1].state) & BoardState.STOPPING
     framed.tick(150)
     assert framed.new() == [NACK, *DONE]
     assert framed.core.steps()[0] - at <= 12
-    assert framed.telemetry[-1].outcome == Outcome.STOPPED
+    assert framed.telemetry[-1].outcome == BoardOutcome.STOPPED
 
 
 def test_stopall_answers_when_the_arms_rest(program: Program) -> None:

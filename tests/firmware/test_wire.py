@@ -19,12 +19,12 @@ from beatrix_zenoh.contract._generated.serial import (
     TELEMETRY_PATIENCE,
     TELEMETRY_PERIOD,
     Ack,
+    BoardState,
     Error,
     FrameType,
     HelloReply,
     Move,
     MoveStraight,
-    State,
 )
 
 VECTORS = json.loads((ROOT / "schemas/vectors/serial.json").read_text(encoding="utf-8"))
@@ -60,7 +60,7 @@ def test_none_of_3000_damaged_moves_is_executed(ready: Rig, move: bytes) -> None
         # final xor): the length check rejects it. A `@` where a frame begins and a later line end make unknown text.
         replies = [reply.payload for reply in ready.raw(data + b"\0")]
         assert replies in ([], [bytes([Error.BAD_LENGTH])], [b"\x01NACK\n"])
-        assert State.MOVING not in ready.state
+        assert BoardState.MOVING not in ready.state
     ready.tick(50)
     assert ready.steps == (0, 0, 0)
     assert ready.last.motion == 0
@@ -120,7 +120,7 @@ def test_a_reset_received_before_an_emergency_is_refused(rig: Rig) -> None:
     reset, stop = encode(FrameType.RESET, 1, b""), encode(FrameType.EMERGENCY_STOP, 2, b"")
     replies = rig.raw(reset + encode(FrameType.ENABLE, 3, b"\1") + stop)
     assert [frame.payload[0] for frame in replies] == [Error.EMERGENCY, Error.EMERGENCY, Error.OK]
-    assert rig.state == State.EMERGENCY
+    assert rig.state == BoardState.EMERGENCY
 
 
 def test_rejected_frames_are_counted(rig: Rig) -> None:

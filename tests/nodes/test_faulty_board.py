@@ -14,7 +14,7 @@ from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.state import Port
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract._generated.serial import FrameType, State, Telemetry
+from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Telemetry
 from beatrix_zenoh.node import Node
 from hw_node.body import VirtualHardware
 
@@ -55,7 +55,7 @@ class FaultyPort:
             payload = frame.payload
             if self.always_moving and frame.type == FrameType.TELEMETRY:
                 telemetry = Telemetry.unpack(payload)
-                payload = telemetry._replace(state=telemetry.state | State.MOVING).pack()
+                payload = telemetry._replace(state=telemetry.state | BoardState.MOVING).pack()
             if not self.no_acks or frame.type & ~FrameType.ACK not in MOVES:
                 sent += encode(frame.type, frame.seq, payload)
         return sent

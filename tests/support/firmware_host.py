@@ -12,13 +12,13 @@ from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract._generated.serial import (
+    BoardOutcome,
+    BoardState,
     Enable,
     Error,
     FrameType,
     Move,
     MoveStraight,
-    Outcome,
-    State,
     Telemetry,
 )
 
@@ -151,7 +151,7 @@ class Rig:
 
     def run(self, limit_ms: int = 60_000) -> None:
         """Let time pass until the arms rest, at most `limit_ms`, with heartbeats."""
-        while State.MOVING in self.state:
+        while BoardState.MOVING in self.state:
             assert limit_ms > 0, self.last
             self.ask(FrameType.PING)
             self.tick(KEEP_ALIVE_MS)
@@ -163,14 +163,14 @@ class Rig:
         return self.telemetry[-1]
 
     @property
-    def state(self) -> State:
+    def state(self) -> BoardState:
         """State bits of the newest telemetry, which comes with every change."""
-        return State(self.last.state)
+        return BoardState(self.last.state)
 
     @property
-    def outcome(self) -> Outcome:
+    def outcome(self) -> BoardOutcome:
         """Outcome of the last motion."""
-        return Outcome(self.last.outcome)
+        return BoardOutcome(self.last.outcome)
 
     @property
     def steps(self) -> Steps:

@@ -18,11 +18,11 @@ from beatrix_zenoh.board.timing import LOADER_S
 from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import (
+    BoardOutcome,
+    BoardState,
     FrameType,
     HelloReply,
     MoveStraight,
-    Outcome,
-    State,
     Telemetry,
     Text,
     TextWarning,
@@ -173,7 +173,7 @@ def test_text_does_not_replace_the_heartbeat(rig: Rig) -> None:
     rig.board.enable(on=True)
     rig.board.request(FrameType.CALIBRATE)
     rig.board.move(MoveStraight(7, (500, 500, 500), 1600))
-    while not rig.board.wait_for(lambda telemetry: not telemetry.state & State.MOVING, 0.02):
+    while not rig.board.wait_for(lambda telemetry: not telemetry.state & BoardState.MOVING, 0.02):
         rig.board.send_text(b"@GETXPOS")
     assert rig.samples[-1].position == (500, 500, 500)
 
@@ -240,7 +240,7 @@ def test_a_board_whose_host_receives_nothing_stops_its_motion(rig: Rig) -> None:
     rig.rest()
     rig.lost()
     rig.port.mute = False
-    assert rig.board.wait_for(lambda telemetry: telemetry.outcome == Outcome.HOST_LOST, 3.0)
+    assert rig.board.wait_for(lambda telemetry: telemetry.outcome == BoardOutcome.HOST_LOST, 3.0)
     assert rig.board.telemetry is not None
     assert 0 < rig.board.telemetry.position[0] < 500
 

@@ -19,7 +19,7 @@ from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import FollowState, Head, Positions, Steps
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.contract._generated.serial import FrameType, Move, MoveStraight, State
+from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Move, MoveStraight
 from beatrix_zenoh.node import Context, StatusFields
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.controller import MotionController
@@ -41,7 +41,7 @@ class FakeBoard:
         self.frames: list[str] = []
         self.reached: Callable[[], None] = lambda: None
         """called before each use of the board"""
-        self._telemetry = NO_TELEMETRY._replace(state=State.ENABLED | State.CALIBRATED)
+        self._telemetry = NO_TELEMETRY._replace(state=BoardState.ENABLED | BoardState.CALIBRATED)
 
     @property
     def link(self) -> BoardLink:

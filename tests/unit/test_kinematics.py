@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract._generated.robot import Geometry
+from beatrix_zenoh.contract._generated.robot import GeometryData
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
@@ -19,7 +19,7 @@ from beatrix_zenoh.motion.rotation import dot, rotation_of
 ANGLES = ((45, 90, 90), (54, 90, 90), (45, 80, 85), (45, 95, 100), (60, 90, 90))
 NECKS = [
     Neck(
-        Geometry(
+        GeometryData(
             arm_angle=a, rod_twist=r, mount_angle=m, hand=hand, arm_spacing=spacing, arm0_azimuth=azimuth
         )
     )
@@ -224,15 +224,15 @@ def test_angles_that_are_not_finite_are_refused(bad: float, place: int) -> None:
 @pytest.mark.parametrize(
     "geometry",
     [
-        Geometry(rod_twist=20),
-        Geometry(mount_angle=0),
-        Geometry(hand=2),
-        Geometry(arm_angle=0),
-        Geometry(arm_spacing=0),
-        Geometry(arm_spacing=180),
+        GeometryData(rod_twist=20),
+        GeometryData(mount_angle=0),
+        GeometryData(hand=2),
+        GeometryData(arm_angle=0),
+        GeometryData(arm_spacing=0),
+        GeometryData(arm_spacing=180),
     ],
 )
-def test_an_impossible_geometry_is_refused(geometry: Geometry) -> None:
+def test_an_impossible_geometry_is_refused(geometry: GeometryData) -> None:
     with pytest.raises(Refused) as caught:
         Neck(geometry)
     assert caught.value.reason == Reason.BAD_VALUE

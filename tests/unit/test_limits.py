@@ -8,8 +8,8 @@ import time
 import pytest
 
 from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Limit, Reason, Vector3
-from beatrix_zenoh.contract._generated.robot import Geometry, RobotData
-from beatrix_zenoh.contract._generated.robot import Limits as LimitData
+from beatrix_zenoh.contract._generated.robot import GeometryData, RobotData
+from beatrix_zenoh.contract._generated.robot import LimitsData as LimitData
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
@@ -289,19 +289,19 @@ def test_the_speed_limit_itself_is_accepted() -> None:
 
 def test_a_neck_that_cannot_reach_its_tilt_limit_is_refused() -> None:
     with pytest.raises(Refused, match=r"'tilt_max' is 35\.0°; with these rods at most 29\.0°"):
-        MotionLimits(RobotData(geometry=Geometry(rod_twist=80, mount_angle=85)))
+        MotionLimits(RobotData(geometry=GeometryData(rod_twist=80, mount_angle=85)))
 
 
 @pytest.mark.parametrize(
     "geometry",
     [
-        Geometry(hand=-1),
-        Geometry(arm_spacing=-120),
-        Geometry(arm_angle=54),
-        Geometry(rod_twist=85, mount_angle=88),
+        GeometryData(hand=-1),
+        GeometryData(arm_spacing=-120),
+        GeometryData(arm_angle=54),
+        GeometryData(rod_twist=85, mount_angle=88),
     ],
 )
-def test_other_necks_are_checked_by_their_own_geometry(geometry: Geometry) -> None:
+def test_other_necks_are_checked_by_their_own_geometry(geometry: GeometryData) -> None:
     limits, neck = MotionLimits(RobotData(geometry=geometry)), Neck(geometry)
     limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max, 0), SPEED, straight=True)
     with pytest.raises(Refused):

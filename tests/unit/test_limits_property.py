@@ -9,7 +9,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract._generated.robot import Limits as LimitData
+from beatrix_zenoh.contract._generated.robot import LimitsData as LimitData
 from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms, Gear

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from beatrix_zenoh import colours
-from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry
+from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData
 from beatrix_zenoh.recording.figure import Figure, Form, Solid
 from beatrix_zenoh.recording.mechanism import AXIS_RADIUS, mechanism
 from sim_node.mechanism import MECHANISM, SKIN_OPACITY, add_mechanism, show_through
@@ -20,8 +20,10 @@ def axes(solids: tuple[Solid, ...]) -> list[Solid]:
     return [solid for solid in solids if solid.form is Form.CAPSULE and solid.size[0] == AXIS_RADIUS]
 
 
-@pytest.mark.parametrize("geometry", [ROBOT.geometry, Geometry(hand=-1, rod_twist=80.0, mount_angle=100.0)])
-def test_all_axes_of_elbows_and_mounts_begin_in_the_neck_centre(geometry: Geometry) -> None:
+@pytest.mark.parametrize(
+    "geometry", [ROBOT.geometry, GeometryData(hand=-1, rod_twist=80.0, mount_angle=100.0)]
+)
+def test_all_axes_of_elbows_and_mounts_begin_in_the_neck_centre(geometry: GeometryData) -> None:
     moving = [body for body in mechanism(Figure(geometry)) if "arm_" in body.path]
     found = [axis for body in moving for axis in axes(body.solids)]
     assert len(found) == 6

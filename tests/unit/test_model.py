@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry, RobotData
+from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData, RobotData
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from sim_node.model import build, build_spec, chains
@@ -15,9 +15,9 @@ from sim_node.visuals import COLLISION, VISUAL
 
 GEOMETRIES = [
     ROBOT.geometry,
-    Geometry(hand=-1),
-    Geometry(arm_angle=54.0),
-    Geometry(rod_twist=80.0, mount_angle=85.0, arm0_azimuth=0.0),
+    GeometryData(hand=-1),
+    GeometryData(arm_angle=54.0),
+    GeometryData(rod_twist=80.0, mount_angle=85.0, arm0_azimuth=0.0),
 ]
 
 
@@ -27,7 +27,7 @@ def model() -> mujoco.MjModel:
 
 
 @pytest.mark.parametrize("geometry", GEOMETRIES)
-def test_home_is_qpos0_with_a_closed_loop(geometry: Geometry) -> None:
+def test_home_is_qpos0_with_a_closed_loop(geometry: GeometryData) -> None:
     model = build(RobotData(geometry=geometry))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -78,7 +78,7 @@ def test_no_eye_sees_its_own_head(model: mujoco.MjModel) -> None:
 
 
 @pytest.mark.parametrize("geometry", GEOMETRIES)
-def test_rod_angle_closes_the_loop_of_any_pose(geometry: Geometry) -> None:
+def test_rod_angle_closes_the_loop_of_any_pose(geometry: GeometryData) -> None:
     model = build(RobotData(geometry=geometry))
     data = mujoco.MjData(model)
     neck = Neck(geometry)

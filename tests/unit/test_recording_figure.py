@@ -11,14 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.colours import ARMS
-from beatrix_zenoh.contract._generated.robot import ROBOT, Geometry
+from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Vector, rotation_of
 from beatrix_zenoh.recording.figure import Figure, Quaternion, quaternion
 from beatrix_zenoh.recording.samples import Floats
 from sim_node.model import build
 
-LEFT_HANDED = Geometry(hand=-1, rod_twist=80.0, mount_angle=100.0)
+LEFT_HANDED = GeometryData(hand=-1, rod_twist=80.0, mount_angle=100.0)
 ANGLE = st.floats(-math.pi, math.pi)
 
 
@@ -31,7 +31,7 @@ def turned(turn: Quaternion, vector: Vector) -> Floats:
 
 @pytest.mark.parametrize("geometry", [ROBOT.geometry, LEFT_HANDED])
 @pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0), (2.5, 0.3, -0.2), (-0.4, -0.35, 0.25), (9.0, 0.1, 0.4)])
-def test_rods_end_where_the_head_is_mounted(geometry: Geometry, pose: tuple[float, float, float]) -> None:
+def test_rods_end_where_the_head_is_mounted(geometry: GeometryData, pose: tuple[float, float, float]) -> None:
     figure, head = Figure(geometry), rotation_of(*pose)
     turns = figure.rotations(Neck(geometry).inverse(*pose), head)
     for name, elbow, mount in zip(ARMS, figure.elbows, figure.mounts, strict=True):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract._generated.serial import Outcome
+from beatrix_zenoh.contract._generated.serial import BoardOutcome
 from beatrix_zenoh.node import replies
 from beatrix_zenoh.node.replies import StopCause
 
@@ -16,61 +16,63 @@ WHERE = "5.7°, 0.0°, -5.7°"
 @pytest.mark.parametrize(
     ("outcome", "cause", "reason", "expected"),
     [
-        (Outcome.DONE, StopCause.STOP, Reason.OK, f"Arrived; the arms rest at {WHERE}."),
-        (Outcome.STOPPED, StopCause.STOP, Reason.STOPPED, f"Ended by STOP; the arms rest at {WHERE}."),
+        (BoardOutcome.DONE, StopCause.STOP, Reason.OK, f"Arrived; the arms rest at {WHERE}."),
+        (BoardOutcome.STOPPED, StopCause.STOP, Reason.STOPPED, f"Ended by STOP; the arms rest at {WHERE}."),
         (
-            Outcome.STOPPED,
+            BoardOutcome.STOPPED,
             StopCause.FROZEN,
             Reason.STOPPED,
             "Ended by the teacher, who has frozen the robot; the arms rest",
         ),
         (
-            Outcome.STOPPED,
+            BoardOutcome.STOPPED,
             StopCause.SHUTDOWN,
             Reason.SHUTDOWN,
             "Ended by its node, which is closing; the arms rest",
         ),
         (
-            Outcome.STOPPED,
+            BoardOutcome.STOPPED,
             StopCause.CLIENT_LOST,
             Reason.CLIENT_LOST,
             "because the client that requested it is gone",
         ),
         (
-            Outcome.HOST_LOST,
+            BoardOutcome.HOST_LOST,
             StopCause.STOP,
             Reason.HOST_LOST,
             "received no frame of its node for half a second",
         ),
-        (Outcome.GAP, StopCause.STOP, Reason.ARM_GAP, "Ended by the guard: arms came too close"),
+        (BoardOutcome.GAP, StopCause.STOP, Reason.ARM_GAP, "Ended by the guard: arms came too close"),
     ],
 )
-def test_reason_and_sentence_agree(outcome: Outcome, cause: StopCause, reason: Reason, expected: str) -> None:
+def test_reason_and_sentence_agree(
+    outcome: BoardOutcome, cause: StopCause, reason: Reason, expected: str
+) -> None:
     actual, text = replies.motion_end(outcome, cause, ARMS)
     assert actual is reason
     assert expected in text
 
 
-@pytest.mark.parametrize("outcome", [Outcome.DISABLED, Outcome.EMERGENCY])
-def test_the_sentence_about_arms_without_power_does_not_claim_that_they_rest(outcome: Outcome) -> None:
+@pytest.mark.parametrize("outcome", [BoardOutcome.DISABLED, BoardOutcome.EMERGENCY])
+def test_the_sentence_about_arms_without_power_does_not_claim_that_they_rest(outcome: BoardOutcome) -> None:
     _, text = replies.motion_end(outcome, StopCause.STOP, ARMS)
     assert "rest" not in text
-    first = "reset, enable" if outcome is Outcome.EMERGENCY else "enable"
+    first = "reset, enable" if outcome is BoardOutcome.EMERGENCY else "enable"
     assert f"The arms were at {WHERE}; without power the head may have sunk: set it upright, {first}" in text
 
 
 @pytest.mark.parametrize(
     ("outcome", "cause", "named"),
     [
-        (Outcome.STOPPED, StopCause.STOP, "Ended by STOP of ben; "),
-        (Outcome.EMERGENCY, StopCause.STOP, "of ben. The arms were at"),
-        (Outcome.STOPPED, StopCause.FROZEN, ""),
-        (Outcome.DONE, StopCause.STOP, ""),
-        (Outcome.DISABLED, StopCause.STOP, ""),
+        (BoardOutcome.STOPPED, StopCause.STOP, "Ended by STOP of ben; "),
+        (BoardOutcome.EMERGENCY, StopCause.STOP, "of ben. The arms were at"),
+        (BoardOutcome.STOPPED, StopCause.FROZEN, ""),
+        (BoardOutcome.DONE, StopCause.STOP, ""),
+        (BoardOutcome.DISABLED, StopCause.STOP, ""),
     ],
 )
 def test_the_sentence_names_the_seat_that_pressed_stop(
-    outcome: Outcome, cause: StopCause, named: str
+    outcome: BoardOutcome, cause: StopCause, named: str
 ) -> None:
     _, text = replies.motion_end(outcome, cause, ARMS, "ben")
     assert named in text
@@ -84,8 +86,8 @@ def test_an_unknown_outcome_is_a_contract_mismatch() -> None:
 
 
 def test_every_outcome_has_a_sentence() -> None:
-    for outcome in Outcome:
-        if outcome is not Outcome.NONE:
+    for outcome in BoardOutcome:
+        if outcome is not BoardOutcome.NONE:
             _, text = replies.motion_end(outcome, StopCause.STOP, ARMS)
             assert text[0].isupper()
             assert text.endswith(".")

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh.contract._generated.robot import Drive
+from beatrix_zenoh.contract._generated.robot import DriveData
 from sim_node.drive import StepperDrive
 
 CYCLE = math.radians(4 * 1.8 * 26 / 68)
@@ -25,7 +25,7 @@ def driven() -> StepperDrive:
 
 
 def test_the_sign_reverses_a_motor() -> None:
-    drive = StepperDrive(Drive(sign=(-1, 1, 1)))
+    drive = StepperDrive(DriveData(sign=(-1, 1, 1)))
     drive.step((8, 8, 8), HOME, on=True)
     short, middle, long = drive.set_points
     assert short == -middle
@@ -47,7 +47,7 @@ def test_an_arm_pushed_past_half_a_cycle_loses_four_full_steps() -> None:
 
 
 def test_slip_is_counted_in_the_motors_direction() -> None:
-    drive = StepperDrive(Drive(sign=(-1, 1, 1)))
+    drive = StepperDrive(DriveData(sign=(-1, 1, 1)))
     drive.step((0, 0, 0), HOME, on=True)
     drive.step((0, 0, 0), (CYCLE, CYCLE, 0.0), on=True)
     assert drive.slipped == (4, -4, 0)

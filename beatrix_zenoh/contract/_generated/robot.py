@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 from msgspec import Struct
 
 
-class Geometry(Struct, frozen=True, forbid_unknown_fields=True):
+class GeometryData(Struct, frozen=True, forbid_unknown_fields=True):
     """Coaxial 3-RRR spherical parallel mechanism; all nine joint axes meet in the neck centre. Axes: x forward, y left, z up. Elbow and mount axes point from the neck centre to elbow and mount. At home, with arm angles 0, an elbow lies in the direction of its arm. The head orientation is R = Rz(yaw) Ry(pitch) Rx(roll)."""
 
     arm_angle: float = 45.0
@@ -28,7 +28,7 @@ class Geometry(Struct, frozen=True, forbid_unknown_fields=True):
     """angle from arm to arm at home [deg]; known"""
 
 
-class Drive(Struct, frozen=True, forbid_unknown_fields=True):
+class DriveData(Struct, frozen=True, forbid_unknown_fields=True):
     """Drive of an arm."""
 
     full_steps: int = 200
@@ -49,7 +49,7 @@ class Drive(Struct, frozen=True, forbid_unknown_fields=True):
     """rotor inertia of a motor [kg m2]; open"""
 
 
-class Limits(Struct, frozen=True, forbid_unknown_fields=True):
+class LimitsData(Struct, frozen=True, forbid_unknown_fields=True):
     """The node checks these limits over the whole path before it accepts a motion; the firmware checks the guard values at every tick. A robot file may narrow the limits that the firmware checks, but not widen them; tilt_max must be at least one degree less than the tilt that the rods allow."""
 
     tilt_max: float = 35.0
@@ -78,7 +78,7 @@ class Limits(Struct, frozen=True, forbid_unknown_fields=True):
     """acceleration of an arm [deg/s2]; open"""
 
 
-class Head(Struct, frozen=True, forbid_unknown_fields=True):
+class HeadData(Struct, frozen=True, forbid_unknown_fields=True):
     """Masses and sizes for the simulation."""
 
     mass: float = 0.8
@@ -101,7 +101,7 @@ class Head(Struct, frozen=True, forbid_unknown_fields=True):
     """vertical field of view of a camera [deg]; open"""
 
 
-class Pins(Struct, frozen=True, forbid_unknown_fields=True):
+class PinsData(Struct, frozen=True, forbid_unknown_fields=True):
     """Arduino Mega 2560 with CNC shield; x = short, y = middle, z = long."""
 
     step: tuple[int, int, int] = (2, 3, 4)
@@ -115,11 +115,11 @@ class Pins(Struct, frozen=True, forbid_unknown_fields=True):
 class RobotData(Struct, frozen=True, forbid_unknown_fields=True):
     """All values of robot.toml, in its units."""
 
-    geometry: Geometry = Geometry()
-    drive: Drive = Drive()
-    limits: Limits = Limits()
-    head: Head = Head()
-    pins: Pins = Pins()
+    geometry: GeometryData = GeometryData()
+    drive: DriveData = DriveData()
+    limits: LimitsData = LimitsData()
+    head: HeadData = HeadData()
+    pins: PinsData = PinsData()
 
 
 ROBOT: Final = RobotData()

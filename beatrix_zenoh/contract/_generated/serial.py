@@ -100,7 +100,7 @@ ERROR_TEXT: Final[dict[Error, str]] = {
 }
 
 
-class Outcome(IntEnum):
+class BoardOutcome(IntEnum):
     """Codes of `outcome`."""
 
     NONE = 0
@@ -121,27 +121,27 @@ class Outcome(IntEnum):
     """by EMERGENCY_STOP"""
 
 
-OUTCOME_REASON: Final[dict[Outcome, Reason]] = {
-    Outcome.NONE: Reason.OK,
-    Outcome.DONE: Reason.OK,
-    Outcome.STOPPED: Reason.STOPPED,
-    Outcome.GAP: Reason.ARM_GAP,
-    Outcome.YAW: Reason.YAW_LIMIT,
-    Outcome.HOST_LOST: Reason.HOST_LOST,
-    Outcome.DISABLED: Reason.NOT_ENABLED,
-    Outcome.EMERGENCY: Reason.FAULT,
+OUTCOME_REASON: Final[dict[BoardOutcome, Reason]] = {
+    BoardOutcome.NONE: Reason.OK,
+    BoardOutcome.DONE: Reason.OK,
+    BoardOutcome.STOPPED: Reason.STOPPED,
+    BoardOutcome.GAP: Reason.ARM_GAP,
+    BoardOutcome.YAW: Reason.YAW_LIMIT,
+    BoardOutcome.HOST_LOST: Reason.HOST_LOST,
+    BoardOutcome.DISABLED: Reason.NOT_ENABLED,
+    BoardOutcome.EMERGENCY: Reason.FAULT,
 }
 
 
-OUTCOME_TEXT: Final[dict[Outcome, str]] = {
-    Outcome.NONE: "no motion yet, or one is running",
-    Outcome.DONE: "target reached",
-    Outcome.STOPPED: "by STOP",
-    Outcome.GAP: "by the guard: arms came too close on the way",
-    Outcome.YAW: "by the guard: arms turned too far on the way",
-    Outcome.HOST_LOST: "by the board itself: it received no frame of its node for half a second (the computer is too busy, or the cable is bad)",
-    Outcome.DISABLED: "during the motion: the motors were switched off",
-    Outcome.EMERGENCY: "by EMERGENCY_STOP",
+OUTCOME_TEXT: Final[dict[BoardOutcome, str]] = {
+    BoardOutcome.NONE: "no motion yet, or one is running",
+    BoardOutcome.DONE: "target reached",
+    BoardOutcome.STOPPED: "by STOP",
+    BoardOutcome.GAP: "by the guard: arms came too close on the way",
+    BoardOutcome.YAW: "by the guard: arms turned too far on the way",
+    BoardOutcome.HOST_LOST: "by the board itself: it received no frame of its node for half a second (the computer is too busy, or the cable is bad)",
+    BoardOutcome.DISABLED: "during the motion: the motors were switched off",
+    BoardOutcome.EMERGENCY: "by EMERGENCY_STOP",
 }
 
 
@@ -175,7 +175,7 @@ WARNING_TEXT: Final[dict[WarningCode, str]] = {
 }
 
 
-class State(IntFlag):
+class BoardState(IntFlag):
     """State bits of TELEMETRY."""
 
     ENABLED = 1
