@@ -8,11 +8,14 @@ from __future__ import annotations
 
 from typing import Final
 
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated.robot import COLOURS
+
 Colour = tuple[int, int, int]
 """red, green, blue: 0 to 255"""
 
-ARMS: Final[dict[str, Colour]] = {"short": (219, 61, 54), "middle": (0, 158, 115), "long": (46, 107, 209)}
-AXES: Final[dict[str, Colour]] = {"yaw": (190, 120, 0), "pitch": (190, 110, 120), "roll": (0, 160, 200)}
+ARMS: Final[dict[str, Colour]] = {name: getattr(COLOURS, name) for name in names.ARMS}
+AXES: Final[dict[str, Colour]] = {name: getattr(COLOURS, name) for name in ("yaw", "pitch", "roll")}
 ALL: Final[dict[str, Colour]] = ARMS | AXES
 STYLES: Final = "hardware wide, simulation thin and pale"
 """How plots of both robots draw the curves of one arm or axis (`pale`), as their titles say."""

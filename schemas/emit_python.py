@@ -308,6 +308,8 @@ def robot_ranges(contract: Contract) -> str:
     out += "    low: float\n    high: float\n    unit: str\n"
     out += "\n\nALLOWED: Final[dict[str, dict[str, Range]]] = {\n"
     for group, table in contract.robot.items():
+        if group in FIXED:
+            continue
         ranges = {
             name: f"Range({row.get('min', '-inf')}, {row.get('max', 'inf')}, {row['unit']!r})"
             for name, row in rows(table).items()
@@ -315,6 +317,10 @@ def robot_ranges(contract: Contract) -> str:
         }
         out += f"    {group!r}: {{" + "".join(f"{name!r}: {text}, " for name, text in ranges.items()) + "},\n"
     return out + '}\n"""Ranges of the fields that a robot file may change, by table."""\n'
+
+
+FIXED = ("sizes", "colours")
+"""Tables of robot.toml that no robot file changes."""
 
 
 def robot(contract: Contract) -> str:
@@ -326,8 +332,13 @@ def robot(contract: Contract) -> str:
             kind, literal = python_value(row["value"])
             out += f'    {name}: {kind} = {literal}\n    """{doc_of(row)}; {row["source"]}"""\n'
     out += '\n\nclass RobotData(Struct, frozen=True, forbid_unknown_fields=True):\n    """All values of robot.toml, in its units."""\n\n'
-    out += "".join(f"    {group}: {group.title()}Data = {group.title()}Data()\n" for group in contract.robot)
+    out += "".join(
+        f"    {group}: {group.title()}Data = {group.title()}Data()\n"
+        for group in contract.robot
+        if group not in FIXED
+    )
     out += '\n\nROBOT: Final = RobotData()\n"""The shipped robot."""\n'
+    out += "".join(f"{group.upper()}: Final = {group.title()}Data()\n" for group in FIXED)
     return out + robot_ranges(contract)
 
 

@@ -6,14 +6,13 @@ from pathlib import Path
 from typing import Final
 
 import mujoco
-import numpy as np
 
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
-from beatrix_zenoh.recording.figure import Figure, Form, Solid
+from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.mechanism import mechanism
 from sim_node.model import build_spec
 from sim_node.picture import picture, png
-from sim_node.visuals import COLLISION, MATERIALS, VISUAL
+from sim_node.visuals import COLLISION, MATERIALS, VISUAL, add_solid, opaque
 
 MECHANISM: Final = 4
 """Geom group of the mechanism; MuJoCo's viewer shows and hides a group with the key of its number."""
@@ -23,53 +22,25 @@ KEYS: Final = (
     f"In the window, key {MECHANISM} shows the mechanism inside the robot, key {COLLISION} the simple shapes with mass "
     "that can touch each other."
 )
-_SHAPES: Final = {
-    Form.ELLIPSOID: mujoco.mjtGeom.mjGEOM_ELLIPSOID,
-    Form.CYLINDER: mujoco.mjtGeom.mjGEOM_CYLINDER,
-    Form.CAPSULE: mujoco.mjtGeom.mjGEOM_CAPSULE,
-}
 
 
 def add_mechanism(spec: mujoco.MjSpec, robot: RobotData = ROBOT, group: int = MECHANISM) -> None:
     """Add the mechanism to a model of this robot, in a group that is hidden unless another one is given."""
     for body in mechanism(Figure(robot.geometry, robot.head)):
-        name = body.path.rpartition("/")[2]
-        target = spec.worldbody if name == "base" else spec.body(name)
         for solid in body.solids:
-            _add_solid(target, solid, group)
-
-
-def _add_solid(body: mujoco.MjsBody, solid: Solid, group: int) -> None:
-    x, y, z, w = solid.quaternion
-    quat, pos, size = np.array((w, x, y, z)), np.array(solid.position), list(solid.size)
-    if solid.form is not Form.ELLIPSOID:
-        size[1] /= 2  # MuJoCo wants half of the length
-    if solid.form is Form.CAPSULE:
-        axis = np.zeros(3)
-        mujoco.mju_rotVecQuat(axis, np.array((0.0, 0.0, 1.0)), quat)
-        pos = pos + axis * size[1]
-    geom = body.add_geom(
-        type=_SHAPES[solid.form],
-        size=[*size, 0.0][:3],
-        pos=pos,
-        quat=quat,
-        rgba=[*(part / 255 for part in solid.colour), 1.0],
-        mass=0.0,
-        group=group,
-    )
-    geom.contype = geom.conaffinity = 0
+            add_solid(spec, body.path, solid, group, rgba=opaque(solid.colour))
 
 
 def write_mechanism(path: Path) -> None:
     """Write a picture of the mechanism inside the translucent robot, as a PNG file; raises OSError."""
     spec = build_spec()
     add_mechanism(spec, group=VISUAL)
-    for name in MATERIALS:
+    for name in MATERIALS.values():
         spec.material(name).rgba[3] = SKIN_OPACITY
     path.write_bytes(png(picture((0.0, 0.0, 0.0), 800, 720, spec)))
 
 
 def show_through(model: mujoco.MjModel, *, through: bool) -> None:
     """Make the robot translucent, so that its mechanism is seen, or opaque again."""
-    for name in MATERIALS:
+    for name in MATERIALS.values():
         model.material(name).rgba[3] = SKIN_OPACITY if through else 1.0

@@ -8,26 +8,16 @@ turns on a ball joint, by one `connect` each: 9 degrees of freedom, 6 of them ta
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Final
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
-from beatrix_zenoh.contract._generated.robot import ROBOT, DriveData, GeometryData, RobotData
+from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, DriveData, RobotData
 from beatrix_zenoh.contract.names import ARMS
-from sim_node.visuals import (
-    COLLISION,
-    EYE_FORWARD,
-    EYE_UP,
-    POST_RADIUS,
-    RING_HEIGHT,
-    RING_RADIUS,
-    add_visuals,
-    ring_height,
-)
-
-Vector = npt.NDArray[np.float64]
+from beatrix_zenoh.recording.figure import Chain, chains, direction, scaled
+from sim_node.visuals import COLLISION, add_visuals
 
 TIMESTEP_MS: Final = 2
 """Length of a physics step (ms)."""
@@ -41,56 +31,21 @@ _SOLREF: Final = (0.002, 1.0)
 _SOLIMP: Final = (0.99, 0.9999, 0.001, 0.5, 2.0)
 
 
-class Chain:
-    """Home geometry of one arm and its rod: unit vectors from the neck centre.
+def rod_range(chain: Chain) -> tuple[float, float]:
+    """Return the rod angles (rad) at the mechanical stops; 0 is home.
 
-    Attributes: `azimuth` of the arm (rad), `elbow` and `mount` axes w and v, shape (3,).
+    The home assembly ends where (elbow x mount)_z changes sign. As a function of the rod angle r this component is
+    A cos r + B sin r, which is largest at atan2(B, A), the middle of the range.
     """
-
-    def __init__(self, geometry: GeometryData, index: int) -> None:
-        arm = math.radians(geometry.arm_angle)
-        rod = math.radians(geometry.rod_twist)
-        tilt = math.radians(geometry.mount_angle)
-        self.azimuth = math.radians(geometry.arm0_azimuth + index * geometry.arm_spacing)
-        # This follows from elbow . mount = cos(rod twist) at home.
-        ahead = math.acos((math.cos(rod) + math.cos(arm) * math.cos(tilt)) / (math.sin(arm) * math.sin(tilt)))
-        bearing = self.azimuth + geometry.hand * ahead
-        self.elbow: Vector = _direction(self.azimuth, math.sin(arm), -math.cos(arm))
-        self.mount: Vector = _direction(bearing, math.sin(tilt), math.cos(tilt))
-
-    def rod_range(self) -> tuple[float, float]:
-        """Return the rod angles (rad) at the mechanical stops; 0 is home.
-
-        The home assembly ends where (elbow x mount)_z changes sign. As a function of the rod angle r this component is
-        A cos r + B sin r, which is largest at atan2(B, A), the middle of the range.
-        """
-        normal = np.cross(self.elbow, self.mount)
-        sign = math.copysign(1.0, float(normal[2]))
-        middle = math.atan2(sign * float(np.cross(self.elbow, normal)[2]), sign * float(normal[2]))
-        return middle - FOLD_MARGIN, middle + FOLD_MARGIN
-
-    def rod_angle(self, arm: float, rotation: Vector) -> float:
-        """Return the angle of the rod (rad) for an arm angle (rad) and a head orientation, shape (3, 3)."""
-        cos, sin = math.cos(arm), math.sin(arm)
-        unturn = np.array(((cos, sin, 0.0), (-sin, cos, 0.0), (0.0, 0.0, 1.0)))
-        mount = unturn @ rotation @ self.mount
-        across = float(self.elbow @ np.cross(self.mount, mount))
-        along = float(self.mount @ mount - (self.elbow @ self.mount) * (self.elbow @ mount))
-        return math.atan2(across, along)
-
-
-def _direction(azimuth: float, across: float, up: float) -> Vector:
-    return np.array((across * math.cos(azimuth), across * math.sin(azimuth), up))
+    normal = np.cross(chain.elbow, chain.mount)
+    sign = math.copysign(1.0, float(normal[2]))
+    middle = math.atan2(sign * float(np.cross(chain.elbow, normal)[2]), sign * float(normal[2]))
+    return middle - FOLD_MARGIN, middle + FOLD_MARGIN
 
 
 def ratio(drive: DriveData) -> float:
     """Return the motor turns per arm turn."""
     return drive.gear_ring / drive.gear_pinion
-
-
-def chains(geometry: GeometryData) -> tuple[Chain, Chain, Chain]:
-    """Return the chains of the short, middle and long arm."""
-    return Chain(geometry, 0), Chain(geometry, 1), Chain(geometry, 2)
 
 
 def build_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
@@ -102,7 +57,7 @@ def build_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
     head = _add_head(spec, robot)
     for name, chain in zip(ARMS, chains(robot.geometry), strict=True):
         _add_chain(spec, robot, name, chain)
-        head.add_site(name=f"mount_{name}", pos=chain.mount * robot.head.mount_radius, group=COLLISION)
+        head.add_site(name=f"mount_{name}", pos=scaled(chain.mount, robot.head.mount_radius), group=COLLISION)
         loop = spec.add_equality(name=f"loop_{name}", type=mujoco.mjtEq.mjEQ_CONNECT)
         loop.objtype = mujoco.mjtObj.mjOBJ_SITE
         loop.name1, loop.name2 = f"rod_{name}", f"mount_{name}"
@@ -139,7 +94,7 @@ def _add_head(spec: mujoco.MjSpec, robot: RobotData) -> mujoco.MjsBody:
         # The cameras are in front of the lenses, so that no eye sees its own housing.
         head.add_camera(
             name=name,
-            pos=[EYE_FORWARD, side * size.eye_baseline / 2, size.centre_height + EYE_UP],
+            pos=[SIZES.eye_forward, side * size.eye_baseline / 2, size.centre_height + SIZES.eye_up],
             xyaxes=[0.0, -1.0, 0.0, 0.0, 0.0, 1.0],
             fovy=size.eye_fov,
         )
@@ -153,19 +108,23 @@ def _add_chain(spec: mujoco.MjSpec, robot: RobotData, name: str, chain: Chain) -
     hinge.armature = robot.drive.rotor_inertia * ratio(robot.drive) ** 2
     hinge.frictionloss = size.arm_friction
     hinge.solref_friction, hinge.solimp_friction = _SOLREF, _SOLIMP
-    ring = ring_height(ARMS.index(name))
+    ring = SIZES.ring_heights[ARMS.index(name)]
     _add_solid(
-        arm, "ring", mujoco.mjtGeom.mjGEOM_CYLINDER, [RING_RADIUS, RING_HEIGHT / 2, 0.0], size.arm_mass / 2
+        arm,
+        "ring",
+        mujoco.mjtGeom.mjGEOM_CYLINDER,
+        [SIZES.ring_radius, SIZES.ring_thickness / 2, 0.0],
+        size.arm_mass / 2,
     ).pos = [0.0, 0.0, ring]
-    elbow = chain.elbow * size.arm_length
-    base = _direction(chain.azimuth, POST_RADIUS, ring)
+    elbow = np.array(chain.elbow) * size.arm_length
+    base = direction(chain.azimuth, SIZES.post_radius, ring)
     _add_link(arm, base, elbow * 1.2, size.arm_mass / 2)
 
     rod = arm.add_body(name=f"rod_{name}")
     joint = rod.add_joint(name=f"rod_{name}", type=mujoco.mjtJoint.mjJNT_HINGE, axis=chain.elbow)
-    joint.limited, joint.range = mujoco.mjtLimited.mjLIMITED_TRUE, chain.rod_range()
+    joint.limited, joint.range = mujoco.mjtLimited.mjLIMITED_TRUE, rod_range(chain)
     joint.solref_limit, joint.solimp_limit = _SOLREF, _SOLIMP
-    mount = chain.mount * size.mount_radius
+    mount = np.array(chain.mount) * size.mount_radius
     middle = (elbow + mount) / np.linalg.norm(elbow + mount) * size.arm_length
     _add_link(rod, elbow, middle, size.rod_mass / 2)
     _add_link(rod, middle, mount, size.rod_mass / 2)
@@ -185,7 +144,7 @@ def _add_motor(spec: mujoco.MjSpec, drive: DriveData, name: str) -> None:
     motor.forcelimited, motor.forcerange = mujoco.mjtLimited.mjLIMITED_TRUE, (-geared, geared)
 
 
-def _add_link(body: mujoco.MjsBody, start: Vector, end: Vector, mass: float) -> None:
+def _add_link(body: mujoco.MjsBody, start: Iterable[float], end: Iterable[float], mass: float) -> None:
     link = _add_solid(body, "link", mujoco.mjtGeom.mjGEOM_CAPSULE, [LINK_RADIUS, 0.0, 0.0], mass)
     link.fromto = [*start, *end]
 

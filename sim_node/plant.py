@@ -21,8 +21,9 @@ from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Rotation, ypr_of
+from beatrix_zenoh.recording.figure import chains
 from sim_node.drive import Counts, StepperDrive
-from sim_node.model import build, chains
+from sim_node.model import build
 
 _log = logging.getLogger(__name__)
 
@@ -132,13 +133,13 @@ class Plant:
         time = self.data.time
         mujoco.mj_resetData(self.model, self.data)
         self.data.time = time
-        rotation = np.array(self._neck.rotation(arms))
+        rotation = self._neck.rotation(arms)
         self._arms[:] = arms
         self._rods[:] = [
             chain.rod_angle(arm, rotation)
             for chain, arm in zip(chains(self._robot.geometry), arms, strict=True)
         ]
-        mujoco.mju_mat2Quat(self._quaternion, rotation.ravel())
+        mujoco.mju_mat2Quat(self._quaternion, np.ravel(rotation))
         self._apply_drive()
         mujoco.mj_kinematics(self.model, self.data)
 

@@ -12,9 +12,9 @@ from typing import Final
 import mujoco
 
 from beatrix_zenoh.contract import names
-from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, RobotData
 from sim_node.model import build_spec
-from sim_node.visuals import FLOOR, add_camera
+from sim_node.visuals import add_camera
 
 ROOM: Final = Path(__file__).with_name("room") / "room.xml"
 PREFIX: Final = "room/"
@@ -30,7 +30,7 @@ def scene_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
         spec.delete(part)
     room = mujoco.MjSpec.from_file(str(ROOM))
     spec.visual.headlight = room.visual.headlight
-    spec.attach(room, prefix=PREFIX, frame=spec.worldbody.add_frame(pos=[0.0, 0.0, FLOOR]))
+    spec.attach(room, prefix=PREFIX, frame=spec.worldbody.add_frame(pos=[0.0, 0.0, SIZES.floor]))
     add_camera(spec.worldbody, names.OUTSIDE, *OUTSIDE)
     return spec
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,27 +20,6 @@ class Shape(NamedTuple):
     """shape (n, 3), in m"""
     faces: npt.NDArray[np.int32]
     """shape (m, 3), counter-clockwise from outside"""
-
-
-def superellipsoid(size: Sequence[float], roundness: float, across: int = 40, up: int = 24) -> Shape:
-    """Return a superellipsoid with half axes `size` (m), as `up` rings of `across` points.
-
-    With roundness 1 it is an ellipsoid; towards 0 it becomes a box.
-    """
-    azimuth = np.linspace(0.0, math.tau, across, endpoint=False)
-    height = np.linspace(-math.pi / 2, math.pi / 2, up + 2)[1:-1]
-    rings = [
-        np.column_stack(
-            (
-                np.full(across, _power(math.cos(h), roundness)) * _powers(np.cos(azimuth), roundness),
-                np.full(across, _power(math.cos(h), roundness)) * _powers(np.sin(azimuth), roundness),
-                np.full(across, _power(math.sin(h), roundness)),
-            )
-        )
-        * np.asarray(size)
-        for h in height
-    ]
-    return skin(np.array(rings))
 
 
 def skin(rings: Vector) -> Shape:
@@ -101,10 +79,6 @@ def _rounded_rectangle(width: float, thickness: float) -> Vector:
     return np.column_stack(
         (_powers(np.cos(angle), 0.4) * width / 2, _powers(np.sin(angle), 0.4) * thickness / 2)
     )
-
-
-def _power(value: float, exponent: float) -> float:
-    return math.copysign(abs(value) ** exponent, value)
 
 
 def _powers(values: Vector, exponent: float) -> Vector:

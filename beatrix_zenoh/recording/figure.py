@@ -8,34 +8,20 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Final
+from typing import Final, NamedTuple
 
 from beatrix_zenoh.colours import ARMS, Colour
 from beatrix_zenoh.contract._generated.messages import GeometryInfo
-from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData, HeadData
+from beatrix_zenoh.contract._generated.robot import COLOURS, ROBOT, SIZES, GeometryData, HeadData
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.rotation import Rotation, Vector, cross, dot
 
 Quaternion = tuple[float, float, float, float]
 """x, y, z, w"""
 
-SHELL: Final = (237, 235, 227)
-VISOR: Final = (33, 41, 51)
-WHITE: Final = (252, 252, 250)
-IRIS: Final = (26, 140, 158)
-BLACK: Final = (8, 8, 10)
-TRIM: Final = (76, 87, 99)
-ROD: Final = (250, 199, 31)
-METAL: Final = (168, 173, 179)
-BASE: Final = (61, 69, 79)
-
-# Lengths in m.
-RING_RADIUS: Final = 0.046
-RING_HEIGHT: Final = 0.013
-POST_RADIUS: Final = 0.054
-FLOOR: Final = -0.206
 ROD_PARTS: Final = 6
 """Number of straight pieces that form the arc of a rod."""
 
@@ -60,6 +46,10 @@ class Solid:
     position: Vector
     quaternion: Quaternion
     colour: Colour
+    mesh: bool = False
+    """whether the simulation has a mesh in its place"""
+    roundness: float = 1.0
+    """of an ellipsoid in the simulation: towards 0 it becomes a box"""
 
 
 @dataclass(frozen=True)
@@ -71,6 +61,7 @@ class Body:
 
 
 IDENTITY: Final[Quaternion] = (0.0, 0.0, 0.0, 1.0)
+UP: Final[Vector] = (0.0, 0.0, 1.0)
 
 
 def geometry_of(info: GeometryInfo) -> GeometryData:
@@ -85,28 +76,54 @@ def geometry_of(info: GeometryInfo) -> GeometryData:
     )
 
 
+class Chain(NamedTuple):
+    """One arm and its rod at home: unit vectors from the neck centre."""
+
+    azimuth: float
+    """of the arm (rad)"""
+    elbow: Vector
+    """axis of the rod's hinge on the arm"""
+    mount: Vector
+    """axis of the rod's hinge on the skull"""
+
+    def rod_angle(self, arm: float, head: Rotation) -> float:
+        """Return the angle of the rod about its elbow (rad, 0 at home) that brings its end to the skull's mount.
+
+        Args:
+            arm: arm angle (rad).
+            head: rows of the head's orientation.
+        """
+        elbow, mount = self.elbow, self.mount
+        turned = tuple(dot(row, mount) for row in head)
+        c, s = math.cos(arm), math.sin(arm)
+        seen = (c * turned[0] + s * turned[1], c * turned[1] - s * turned[0], turned[2])
+        across = dot(elbow, cross(mount, seen))
+        along = dot(mount, seen) - dot(elbow, mount) * dot(elbow, seen)
+        return math.atan2(across, along)
+
+
+def chains(geometry: GeometryData) -> list[Chain]:
+    """Return the chains of the short, middle and long arm; the neck must close upright (see Neck)."""
+    arm, rod, tilt = map(math.radians, (geometry.arm_angle, geometry.rod_twist, geometry.mount_angle))
+    # This follows from elbow . mount = cos(rod twist) at home.
+    ahead = math.acos((math.cos(rod) + math.cos(arm) * math.cos(tilt)) / (math.sin(arm) * math.sin(tilt)))
+    azimuths = [math.radians(geometry.arm0_azimuth + index * geometry.arm_spacing) for index in range(3)]
+    return [
+        Chain(
+            azimuth,
+            direction(azimuth, math.sin(arm), -math.cos(arm)),
+            direction(azimuth + geometry.hand * ahead, math.sin(tilt), math.cos(tilt)),
+        )
+        for azimuth in azimuths
+    ]
+
+
 class Figure:
     """Bodies of one robot, and their rotations for arm angles and a head orientation."""
 
     def __init__(self, geometry: GeometryData = ROBOT.geometry, size: HeadData = ROBOT.head) -> None:
-        """Create the bodies with the lengths of `size`; its masses are not used.
-
-        With this geometry the neck must close upright (see Neck).
-        """
-        arm, rod, tilt = (
-            math.radians(angle) for angle in (geometry.arm_angle, geometry.rod_twist, geometry.mount_angle)
-        )
-        ahead = math.acos((math.cos(rod) + math.cos(arm) * math.cos(tilt)) / (math.sin(arm) * math.sin(tilt)))
-        self.azimuths = [
-            math.radians(geometry.arm0_azimuth + index * geometry.arm_spacing) for index in range(3)
-        ]
-        self.elbows = [direction(azimuth, math.sin(arm), -math.cos(arm)) for azimuth in self.azimuths]
-        """Elbow axes at home, unit vectors."""
-        self.mounts = [
-            direction(azimuth + geometry.hand * ahead, math.sin(tilt), math.cos(tilt))
-            for azimuth in self.azimuths
-        ]
-        """Axes of the skull's mounts at home, unit vectors."""
+        """Create the bodies with the lengths of `size`; its masses are not used."""
+        self.chains = chains(geometry)
         self.size = size
         self.bodies = (self._base(), *self._arms(), *self._rods(), self._head())
 
@@ -118,89 +135,89 @@ class Figure:
             head: rows of the head's orientation.
         """
         turns = {}
-        for name, arm, elbow, mount in zip(ARMS, arms, self.elbows, self.mounts, strict=True):
+        for name, arm, chain in zip(ARMS, arms, self.chains, strict=True):
             turns[f"arm_{name}"] = about((0.0, 0.0, 1.0), arm)
-            turns[f"arm_{name}/rod_{name}"] = about(elbow, rod_angle(elbow, mount, arm, head))
+            turns[f"arm_{name}/rod_{name}"] = about(chain.elbow, chain.rod_angle(arm, head))
         turns["head"] = quaternion(head)
         return turns
 
     def _base(self) -> Body:
-        up = (0.0, 0.0, 1.0)
+        plate = -0.124
         solids = [
-            cylinder((0.0, 0.0, FLOOR + 0.006), up, 0.085, 0.012, BASE),
-            cylinder((0.0, 0.0, -0.124), up, 0.062, 0.006, BASE),
-            *bar((0.0, 0.0, FLOOR), (0.0, 0.0, -0.058), 0.007, METAL),
+            cylinder((0.0, 0.0, SIZES.floor + 0.006), UP, 0.085, 0.012, COLOURS.base),
+            cylinder((0.0, 0.0, SIZES.floor + 0.003), UP, 0.088, 0.006, COLOURS.trim),
+            cylinder((0.0, 0.0, plate), UP, 0.062, 0.006, COLOURS.base),
+            *bar([(0.0, 0.0, plate), (0.0, 0.0, -0.058)], 0.007, COLOURS.metal),
         ]
-        for azimuth in self.azimuths:
-            foot, top = direction(azimuth, 0.070, FLOOR), direction(azimuth, 0.052, -0.124)
-            solids += bar(foot, top, 0.005, TRIM)
+        for azimuth, _, _ in self.chains:
+            foot, top = direction(azimuth, 0.075, SIZES.floor), direction(azimuth, 0.05625, plate)
+            solids += bar([foot, top], 0.005, COLOURS.trim)
             motor = direction(azimuth + math.pi / 3, 0.030, -0.152)
-            solids.append(cylinder(motor, up, 0.019, 0.034, TRIM))
+            solids.append(replace(cylinder(motor, UP, 0.019, 0.034, COLOURS.motor), mesh=True))
         return Body("base", tuple(solids))
 
     def _arms(self) -> list[Body]:
         reach, bodies = self.size.arm_length, []
-        for index, (name, azimuth, elbow) in enumerate(zip(ARMS, self.azimuths, self.elbows, strict=True)):
-            colour, height = ARMS[name], ring_height(index)
-            solids = [
-                cylinder((0.0, 0.0, height), (0.0, 0.0, 1.0), RING_RADIUS, RING_HEIGHT, colour),
-                *bar(
-                    direction(azimuth, RING_RADIUS, height),
-                    direction(azimuth, POST_RADIUS, height),
-                    0.0056,
-                    colour,
-                ),
-                *bar(direction(azimuth, POST_RADIUS, height), scaled(elbow, reach * 1.27), 0.0056, colour),
-                *bar(scaled(elbow, reach * 0.93), scaled(elbow, reach * 1.27), 0.0036, METAL),
-            ]
-            bodies.append(Body(f"arm_{name}", tuple(solids)))
+        for (name, colour), (azimuth, elbow, _), height in zip(
+            ARMS.items(), self.chains, SIZES.ring_heights, strict=True
+        ):
+            ring = cylinder((0.0, 0.0, height), UP, SIZES.ring_radius, SIZES.ring_thickness, colour)
+            pin = cylinder(scaled(elbow, reach * 1.1), elbow, 0.0032, reach * 0.34, COLOURS.metal)
+            link = (
+                direction(azimuth, SIZES.ring_radius, height),
+                direction(azimuth, SIZES.post_radius, height),
+                scaled(elbow, reach * 1.27),
+                scaled(elbow, reach * 1.1),
+            )
+            bodies.append(Body(f"arm_{name}", (replace(ring, mesh=True), *bar(link, 0.0052, colour), pin)))
         return bodies
 
     def _rods(self) -> list[Body]:
         reach, bodies = self.size.arm_length, []
-        for name, elbow, mount in zip(ARMS, self.elbows, self.mounts, strict=True):
+        for name, (_, elbow, mount) in zip(ARMS, self.chains, strict=True):
             points = [scaled(point, reach) for point in arc(elbow, mount, ROD_PARTS)]
-            solids = [
-                solid for start, end in itertools.pairwise(points) for solid in bar(start, end, 0.0055, ROD)
-            ]
-            solids.append(cylinder(points[0], elbow, 0.0085, 0.0075, ROD))
-            solids.append(cylinder(points[-1], mount, 0.0085, 0.0075, ROD))
+            solids = [replace(solid, mesh=True) for solid in bar(points, 0.0055, COLOURS.rod)]
+            for axis, length in ((elbow, reach), (mount, self.size.mount_radius)):
+                solids.append(cylinder(scaled(axis, length), axis, 0.0085, 0.0072, COLOURS.rod))
             bodies.append(Body(f"arm_{name}/rod_{name}", tuple(solids)))
         return bodies
 
     def _head(self) -> Body:
-        height, eyes = self.size.centre_height, self.size.eye_baseline / 2
-        top = (0.0, 0.0, 0.044)
+        height, radius, top = self.size.centre_height, self.size.mount_radius, (0.0, 0.0, 0.040)
+        visor = (0.054, 0.0, height + SIZES.eye_up)
         solids = [
-            ellipsoid((0.0, 0.0, height + 0.016), (0.082, 0.074, 0.078), SHELL),
-            ellipsoid((0.024, 0.0, height - 0.052), (0.052, 0.048, 0.032), SHELL),
-            ellipsoid((0.050, 0.0, height + 0.018), (0.042, 0.063, 0.033), VISOR),
-            cylinder(top, (0.0, 0.0, 1.0), 0.030, 0.012, TRIM),
+            ellipsoid((0.0, 0.0, height + 0.016), (0.082, 0.074, 0.078), COLOURS.shell, 0.82),
+            ellipsoid((0.024, 0.0, height - 0.052), (0.052, 0.050, 0.034), COLOURS.shell, 0.75),
+            ellipsoid(visor, (0.036, 0.063, 0.033), COLOURS.visor, 0.6),
+            cylinder((0.0, 0.0, 0.044), UP, 0.030, 0.012, COLOURS.trim),
         ]
-        for mount in self.mounts:
-            solids += bar(scaled(mount, 0.044), scaled(mount, self.size.mount_radius * 1.08), 0.0034, METAL)
-            solids += bar(scaled(mount, 0.044), top, 0.0065, TRIM)
+        for _, _, mount in self.chains:
+            begin, end = 0.044, radius * 1.08
+            spoke = scaled(mount, (begin + end) / 2)
+            solids.append(cylinder(spoke, mount, 0.0032, end - begin, COLOURS.metal))
+            x, y, z = scaled(mount, 0.040)
+            solids += bar([scaled(mount, 0.046), (x, y, z + 0.012), top], 0.0065, COLOURS.trim)
         for side in (1.0, -1.0):
-            eye = (0.083, side * eyes, height + 0.018)
-            solids += [
-                ellipsoid(eye, (0.0215, 0.0215, 0.0215), WHITE),
-                ellipsoid((eye[0] + 0.0178, eye[1], eye[2]), (0.006, 0.0135, 0.0135), IRIS),
-                ellipsoid((eye[0] + 0.0215, eye[1], eye[2]), (0.004, 0.0075, 0.0075), BLACK),
-                cylinder((-0.006, side * 0.072, height + 0.012), (0.0, 1.0, 0.0), 0.023, 0.012, TRIM),
-                cylinder((-0.006, side * 0.075, height + 0.012), (0.0, 1.0, 0.0), 0.016, 0.012, ROD),
-            ]
+            solids += self._side(side)
         smile = [
-            (0.0745 - 6.0 * y * y, y, height - 0.060 + 9.0 * y * y)
-            for y in (-0.024, -0.012, 0.0, 0.012, 0.024)
+            (0.0745 - 6.0 * y * y, y, height - 0.060 + 9.0 * y * y) for y in (k * 0.006 for k in range(-4, 5))
         ]
-        for start, end in itertools.pairwise(smile):
-            solids += bar(start, end, 0.0024, VISOR)
-        return Body("head", tuple(solids))
+        return Body("head", (*solids, *bar(smile, 0.0024, COLOURS.visor)))
 
-
-def ring_height(index: int) -> float:
-    """Return the height (m) of an arm's ring gear; the short arm's is on top."""
-    return -0.068 - 0.019 * index
+    def _side(self, side: float) -> list[Solid]:
+        """Return eye and ear of a side of the head: 1 is left, -1 right."""
+        height = self.size.centre_height
+        x, y, z = eye = (0.081, side * self.size.eye_baseline / 2, height + SIZES.eye_up)
+        ear, out = (-0.006, side * 0.072, height + 0.012), (0.0, 1.0, 0.0)
+        return [
+            ellipsoid(eye, (0.0215, 0.0215, 0.0215), COLOURS.white),
+            ellipsoid((x + 0.0178, y, z), (0.006, 0.0135, 0.0135), COLOURS.iris),
+            ellipsoid((x + 0.0215, y, z), (0.004, 0.0075, 0.0075), COLOURS.black),
+            ellipsoid((x + 0.0232, y + 0.004, z + 0.0045), (0.0024, 0.0024, 0.0024), COLOURS.white),
+            cylinder(ear, out, 0.023, 0.012, COLOURS.trim),
+            cylinder(ear, out, 0.016, 0.016, COLOURS.rod),
+            cylinder(ear, out, 0.007, 0.019, COLOURS.trim),
+        ]
 
 
 def direction(azimuth: float, across: float, up: float) -> Vector:
@@ -211,23 +228,6 @@ def direction(azimuth: float, across: float, up: float) -> Vector:
 def scaled(vector: Vector, length: float) -> Vector:
     """Return `length` times the vector."""
     return vector[0] * length, vector[1] * length, vector[2] * length
-
-
-def rod_angle(elbow: Vector, mount: Vector, arm: float, head: Rotation) -> float:
-    """Return the angle of a rod about its elbow (rad, 0 at home) that brings its end to the skull's mount.
-
-    Args:
-        elbow: elbow axis at home, unit vector.
-        mount: mount axis at home, unit vector.
-        arm: arm angle (rad).
-        head: rows of the head's orientation.
-    """
-    turned = tuple(dot(row, mount) for row in head)
-    c, s = math.cos(arm), math.sin(arm)
-    seen = (c * turned[0] + s * turned[1], c * turned[1] - s * turned[0], turned[2])
-    across = dot(elbow, cross(mount, seen))
-    along = dot(mount, seen) - dot(elbow, mount) * dot(elbow, seen)
-    return math.atan2(across, along)
 
 
 def about(axis: Vector, angle: float) -> Quaternion:
@@ -274,9 +274,9 @@ def arc(start: Vector, end: Vector, parts: int) -> list[Vector]:
     return points
 
 
-def ellipsoid(position: Vector, half_axes: Vector, colour: Colour) -> Solid:
+def ellipsoid(position: Vector, half_axes: Vector, colour: Colour, roundness: float = 1.0) -> Solid:
     """Return an ellipsoid whose axes are parallel to those of its body; lengths in m."""
-    return Solid(Form.ELLIPSOID, half_axes, position, IDENTITY, colour)
+    return Solid(Form.ELLIPSOID, half_axes, position, IDENTITY, colour, roundness=roundness)
 
 
 def cylinder(position: Vector, axis: Vector, radius: float, length: float, colour: Colour) -> Solid:
@@ -284,10 +284,12 @@ def cylinder(position: Vector, axis: Vector, radius: float, length: float, colou
     return Solid(Form.CYLINDER, (radius, length), position, towards(axis), colour)
 
 
-def bar(start: Vector, end: Vector, radius: float, colour: Colour) -> list[Solid]:
-    """Return a round bar between two points (m), as a list with one solid."""
-    x, y, z = (e - s for s, e in zip(start, end, strict=True))
-    length = math.sqrt(x * x + y * y + z * z)
-    return [
-        Solid(Form.CAPSULE, (radius, length), start, towards((x / length, y / length, z / length)), colour)
-    ]
+def bar(points: Sequence[Vector], radius: float, colour: Colour) -> list[Solid]:
+    """Return a round bar through points (m): a capsule for each straight piece."""
+    solids = []
+    for start, end in itertools.pairwise(points):
+        x, y, z = (e - s for s, e in zip(start, end, strict=True))
+        length = math.sqrt(x * x + y * y + z * z)
+        turn = towards((x / length, y / length, z / length))
+        solids.append(Solid(Form.CAPSULE, (radius, length), start, turn, colour))
+    return solids

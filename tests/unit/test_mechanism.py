@@ -64,7 +64,7 @@ def test_the_robot_becomes_translucent_and_opaque_again() -> None:
     model = scene_spec().compile()
     before = model.mat_rgba.copy()
     show_through(model, through=True)
-    assert all(model.material(name).rgba[3] == pytest.approx(SKIN_OPACITY) for name in MATERIALS)
+    assert all(model.material(name).rgba[3] == pytest.approx(SKIN_OPACITY) for name in MATERIALS.values())
     of_robot = (model.geom_bodyid == model.body("head").id) & (model.geom_group == VISUAL)
     assert (model.mat_rgba[model.geom_matid[of_robot], 3] < 1).all()
     show_through(model, through=False)

@@ -34,7 +34,7 @@ def turned(turn: Quaternion, vector: Vector) -> Floats:
 def test_rods_end_where_the_head_is_mounted(geometry: GeometryData, pose: tuple[float, float, float]) -> None:
     figure, head = Figure(geometry), rotation_of(*pose)
     turns = figure.rotations(Neck(geometry).inverse(*pose), head)
-    for name, elbow, mount in zip(ARMS, figure.elbows, figure.mounts, strict=True):
+    for name, (_, elbow, mount) in zip(ARMS, figure.chains, strict=True):
         arm, rod = turns[f"arm_{name}"], turns[f"arm_{name}/rod_{name}"]
         end = turned(arm, tuple(turned(rod, mount)))
         np.testing.assert_allclose(end, turned(turns["head"], mount), atol=1e-9)

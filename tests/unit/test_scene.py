@@ -11,7 +11,7 @@ import numpy.typing as npt
 import pytest
 import simplejpeg
 
-from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
 from beatrix_zenoh.lettering import ROWS, cells
 from beatrix_zenoh.motion.kinematics import Neck
 from sim_node import gl
@@ -23,7 +23,7 @@ from sim_node.renderer import BADGE, CELL, HEIGHT, WIDTH, encode, open_painter, 
 from sim_node.scene import eye_scene, scene_spec
 from sim_node.shapes import Point, Vector
 from sim_node.target import HOME
-from sim_node.visuals import EYE_FORWARD, EYE_UP, FLOOR, VISUAL
+from sim_node.visuals import VISUAL
 
 FOCUS = HEIGHT / 2 / math.tan(math.radians(ROBOT.head.eye_fov) / 2)
 """Focal length of the eyes (px)."""
@@ -90,7 +90,7 @@ def test_both_eyes_see_the_person_with_the_parallax_of_its_distance(
     painter.pose(posture(), place)
     left, right = (cap(painter.paint(f"eye_{eye}")) for eye in ("left", "right"))
     # The middle of the magenta parts is about 5 cm behind the person's eyes.
-    expected = FOCUS * ROBOT.head.eye_baseline / (place[0] + 0.05 - EYE_FORWARD)
+    expected = FOCUS * ROBOT.head.eye_baseline / (place[0] + 0.05 - SIZES.eye_forward)
     assert left - right == pytest.approx(expected, rel=0.08)
 
 
@@ -137,9 +137,9 @@ def test_objects_are_seen_at_their_places(painter: RayPainter, name: str, colour
     painter.pose(posture(), HOME)  # another test may have put the person in front of the ball
     image = painter.paint("eye_left").astype(int)
     x, y, z = place_of(name)
-    depth = x - EYE_FORWARD
+    depth = x - SIZES.eye_forward
     column = WIDTH / 2 - FOCUS * (y - ROBOT.head.eye_baseline / 2) / depth
-    row = HEIGHT / 2 - FOCUS * (z - ROBOT.head.centre_height - EYE_UP) / depth
+    row = HEIGHT / 2 - FOCUS * (z - ROBOT.head.centre_height - SIZES.eye_up) / depth
     pixel = image[round(row), round(column)]
     assert pixel[colour] > 1.5 * np.delete(pixel, colour).max()
 
@@ -158,7 +158,7 @@ def test_objects_stand_on_the_desk() -> None:
     for name in OBJECTS:
         away = np.abs(place_of(name) - PLACES.geom_xpos[desk])
         assert (away[:2] < SCENE.geom_size[desk, :2]).all()
-        assert place_of(name)[2] > FLOOR
+        assert place_of(name)[2] > SIZES.floor
 
 
 @pytest.mark.parametrize("yaw", [0, 75])

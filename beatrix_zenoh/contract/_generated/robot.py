@@ -112,6 +112,64 @@ class PinsData(Struct, frozen=True, forbid_unknown_fields=True):
     """low: drivers on; known"""
 
 
+class SizesData(Struct, frozen=True, forbid_unknown_fields=True):
+    """Sizes in the model and in all pictures; the same for all robots."""
+
+    floor: float = -0.206
+    """height of the surface under the robot [m]; open"""
+    ring_radius: float = 0.046
+    """radius of the ring gears [m]; open"""
+    ring_thickness: float = 0.013
+    """height of a ring gear [m]; open"""
+    ring_heights: tuple[float, float, float] = (-0.068, -0.087, -0.106)
+    """heights of the middles of the ring gears of short, middle and long arm [m]; open"""
+    post_radius: float = 0.054
+    """distance of the arms' uprights from the vertical axis [m]; open"""
+    eye_forward: float = 0.107
+    """distance of the cameras from the vertical axis [m]; open"""
+    eye_up: float = 0.018
+    """height of the cameras above the head's centre of mass [m]; open"""
+
+
+class ColoursData(Struct, frozen=True, forbid_unknown_fields=True):
+    """Colours of the robot and of curves in all pictures: red, green, blue from 0 to 255. Those of arms and head axes are readable on white and on black, and distinguishable with colour blindness."""
+
+    short: tuple[int, int, int] = (219, 61, 54)
+    """short arm; open"""
+    middle: tuple[int, int, int] = (0, 158, 115)
+    """middle arm; open"""
+    long: tuple[int, int, int] = (46, 107, 209)
+    """long arm; open"""
+    yaw: tuple[int, int, int] = (190, 120, 0)
+    """curves of yaw; open"""
+    pitch: tuple[int, int, int] = (190, 110, 120)
+    """curves of pitch; open"""
+    roll: tuple[int, int, int] = (0, 160, 200)
+    """curves of roll; open"""
+    shell: tuple[int, int, int] = (237, 235, 227)
+    """skull and jaw; open"""
+    visor: tuple[int, int, int] = (33, 41, 51)
+    """visor, eyebrows and mouth; open"""
+    white: tuple[int, int, int] = (252, 252, 250)
+    """eyeballs; open"""
+    iris: tuple[int, int, int] = (26, 140, 158)
+    """irises; open"""
+    black: tuple[int, int, int] = (8, 8, 10)
+    """pupils; open"""
+    trim: tuple[int, int, int] = (76, 87, 99)
+    """posts, hub and ears; open"""
+    cheek: tuple[int, int, int] = (242, 158, 143)
+    """cheeks; open"""
+    rod: tuple[int, int, int] = (250, 199, 31)
+    """twisted rods; open"""
+    metal: tuple[int, int, int] = (168, 173, 179)
+    """mast, pins and gears of the motors; open"""
+    motor: tuple[int, int, int] = (76, 79, 87)
+    """motors; open"""
+    base: tuple[int, int, int] = (61, 69, 79)
+    """base; open"""
+
+
 class RobotData(Struct, frozen=True, forbid_unknown_fields=True):
     """All values of robot.toml, in its units."""
 
@@ -124,6 +182,8 @@ class RobotData(Struct, frozen=True, forbid_unknown_fields=True):
 
 ROBOT: Final = RobotData()
 """The shipped robot."""
+SIZES: Final = SizesData()
+COLOURS: Final = ColoursData()
 
 
 class Range(NamedTuple):
