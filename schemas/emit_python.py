@@ -189,15 +189,8 @@ def keys(contract: Contract) -> str:
     out += "KEYS: Final[dict[str, KeyRow]] = {\n"
     for name, row in contract.keys.items():
         sides = (row["side"],) if "side" in row else ("hw", "sim")
-        values = (
-            row["key"],
-            row["kind"],
-            row["payload"],
-            row["reply"],
-            sides,
-            row["session"],
-            row.get("publish", ""),
-        )
+        first = [row[field] for field in ("key", "kind", "payload", "reply")]
+        values = (*first, sides, row["session"], row.get("publish", ""))
         how = (row.get("priority", "data"), row.get("congestion", "drop"), row["doc"])
         out += f"    {name!r}: KeyRow({', '.join(map(repr, values + how))}),\n"
     out += "}\n"
@@ -308,8 +301,6 @@ def robot_ranges(contract: Contract) -> str:
     out += "    low: float\n    high: float\n    unit: str\n"
     out += "\n\nALLOWED: Final[dict[str, dict[str, Range]]] = {\n"
     for group, table in contract.robot.items():
-        if group in FIXED:
-            continue
         ranges = {
             name: f"Range({row.get('min', '-inf')}, {row.get('max', 'inf')}, {row['unit']!r})"
             for name, row in rows(table).items()
@@ -333,9 +324,7 @@ def robot(contract: Contract) -> str:
             out += f'    {name}: {kind} = {literal}\n    """{doc_of(row)}; {row["source"]}"""\n'
     out += '\n\nclass RobotData(Struct, frozen=True, forbid_unknown_fields=True):\n    """All values of robot.toml, in its units."""\n\n'
     out += "".join(
-        f"    {group}: {group.title()}Data = {group.title()}Data()\n"
-        for group in contract.robot
-        if group not in FIXED
+        f"    {g}: {g.title()}Data = {g.title()}Data()\n" for g in contract.robot if g not in FIXED
     )
     out += '\n\nROBOT: Final = RobotData()\n"""The shipped robot."""\n'
     out += "".join(f"{group.upper()}: Final = {group.title()}Data()\n" for group in FIXED)
