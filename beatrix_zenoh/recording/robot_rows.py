@@ -22,7 +22,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.contract.codec import encode_json
-from beatrix_zenoh.contract.sentences.plain import plain_sentence
+from beatrix_zenoh.contract.sentences.events import plain_sentence
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import Figure, Quaternion
 from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Orientation, Row, of_model, of_robot

@@ -11,11 +11,13 @@ from pathlib import Path
 import pytest
 
 from beatrix_zenoh.contract.names import ARMS
-from gui.console.texts import LANGUAGES, Texts
+from gui.console.texts import LANGUAGES, Texts, load
 
 GUI = Path(__file__).resolve().parents[2] / "gui"
 CALLERS = ("texts", "_texts", "words")
-OTHERS = {code: table for code, table in LANGUAGES.items() if code != "en"}
+TABLES = {code: load(code)[0] for code in LANGUAGES}
+ENGLISH = TABLES["en"]
+OTHERS = [code for code in LANGUAGES if code != "en"]
 KEYS_OF_MEMORY = ("refuse",)
 """Methods whose second argument is the key of a text."""
 
@@ -55,34 +57,32 @@ def is_used(key: str, words: set[str], patterns: set[str]) -> bool:
 
 
 def modules() -> dict[Path, ast.Module]:
-    """Return all modules of the window except the tables of texts."""
+    """Return all modules of console and window."""
     return {
         path: ast.parse(path.read_text(encoding="utf-8"))
         for path in (*(GUI / "console").rglob("*.py"), *(GUI / "window").rglob("*.py"))
-        if path.parent.name != "texts" or path.name == "__init__.py"
     }
 
 
 @pytest.mark.parametrize("code", OTHERS)
 def test_languages_have_the_same_keys(code: str) -> None:
-    assert list(OTHERS[code]) == list(LANGUAGES["en"])
+    assert list(TABLES[code]) == list(ENGLISH)
 
 
 @pytest.mark.parametrize("code", OTHERS)
 def test_languages_have_the_same_slots(code: str) -> None:
-    english = LANGUAGES["en"]
-    assert {key for key, text in OTHERS[code].items() if slots(text) != slots(english[key])} == set()
+    assert {key for key, text in TABLES[code].items() if slots(text) != slots(ENGLISH[key])} == set()
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
 def test_texts_are_not_empty_and_have_no_exclamation_marks(code: str) -> None:
-    assert {key for key, text in LANGUAGES[code].items() if not text.strip() or "!" in text} == set()
+    assert {key for key, text in TABLES[code].items() if not text.strip() or "!" in text} == set()
 
 
 def test_every_key_that_the_window_uses_exists() -> None:
     for path, tree in modules().items():
         for pattern in keys_asked_for(tree):
-            found = any(re.fullmatch(pattern, key) for key in LANGUAGES["en"])
+            found = any(re.fullmatch(pattern, key) for key in ENGLISH)
             assert found, f"{path.relative_to(GUI)}: there is no text {pattern!r}"
 
 
@@ -92,7 +92,7 @@ def test_every_text_is_used() -> None:
     words |= set(ARMS)
     patterns = {text for node in nodes if isinstance(node, ast.JoinedStr) for text in literals(node)}
     dotted = {pattern for pattern in patterns if re.match(r"[a-z]+\\\.", pattern)}
-    assert [key for key in LANGUAGES["en"] if not is_used(key, words, dotted)] == []
+    assert [key for key in ENGLISH if not is_used(key, words, dotted)] == []
 
 
 def test_numbers_have_the_decimal_sign_of_the_language() -> None:

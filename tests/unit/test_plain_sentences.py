@@ -18,7 +18,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Reason,
     Vector3,
 )
-from beatrix_zenoh.contract.sentences.plain import plain_sentence
+from beatrix_zenoh.contract.sentences.events import plain_sentence
 
 LOOK = PoseQuery(yaw=math.radians(26), pitch=math.radians(-8))
 EVENT = Event(

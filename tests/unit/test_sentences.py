@@ -15,8 +15,10 @@ from beatrix_zenoh import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.contract import codec, refusals, sentences
 from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Head, Limit, Reason, Vector3
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.contract.sentences import LANGUAGES, figures
+from beatrix_zenoh.contract.sentences import templates
+from gui.console import texts
 
+LANGUAGES = {code: texts.load(code)[1] for code in texts.LANGUAGES}
 RAD = math.radians
 HERE = Vector3(RAD(10), RAD(-20), RAD(30.25))
 
@@ -178,7 +180,7 @@ def test_every_language_has_every_sentence_with_the_same_fields(language: str) -
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_sentences_of_every_language_contain_the_same_numbers(language: str) -> None:
     for refusal in REFUSALS:
-        text = sentences.render(refusal.reason, refusal.detail, language)
+        text = sentences.render(refusal.reason, refusal.detail, LANGUAGES[language])
         assert numbers(text) == numbers(refusal.message), key_of(refusal)
         assert text[0].isupper() or text[0] in "'„a", text
         assert text.endswith("."), text
@@ -224,7 +226,7 @@ def test_sentences_say_what_happened_what_is_allowed_and_what_to_do(refusal: Ref
 
 def test_german_has_its_own_decimal_sign_and_names() -> None:
     detail = pose(Reason.ARM_GAP, Limit.ARM_GAP, RAD(12), at_goal=True).detail
-    assert sentences.render(Reason.ARM_GAP, detail, "de").startswith(
+    assert sentences.render(Reason.ARM_GAP, detail, LANGUAGES["de"]).startswith(
         "Zwischen dem kurzen und mittleren Arm blieben 12,0°; mindestens 30,0° sind nötig."
     )
 
@@ -232,7 +234,7 @@ def test_german_has_its_own_decimal_sign_and_names() -> None:
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_an_empty_detail_has_a_sentence(language: str) -> None:
     for reason, limit in itertools.product(Reason, [None, *Limit]):
-        assert sentences.render(reason, Detail(limit=limit), language), (reason, limit)
+        assert sentences.render(reason, Detail(limit=limit), LANGUAGES[language]), (reason, limit)
 
 
 @given(
@@ -241,8 +243,8 @@ def test_an_empty_detail_has_a_sentence(language: str) -> None:
 )
 def test_a_refused_number_is_shown_on_its_side_of_the_limit(high: float, excess: float) -> None:
     value = high * (1 + excess)
-    shown = figures.most(high) if excess > 0 else figures.least(high)
-    text = figures.apart(value, [(high, shown)])
+    shown = templates.most(high) if excess > 0 else templates.least(high)
+    text = templates.apart(value, [(high, shown)])
     assert (float(text) > float(shown)) == (excess > 0)
     assert float(text) != float(shown)
 
@@ -252,14 +254,14 @@ def test_a_limit_in_single_precision_is_shown_as_it_was_typed(tenths: int) -> No
     detail = Detail(high=RAD(tenths / 10), low=RAD(tenths / 10), unit="rad/s")
     read = codec.decode(codec.encode(detail), Detail)
     assert read.high is not None
-    assert figures.most(math.degrees(read.high)) == f"{tenths / 10:.1f}"
-    assert figures.least(math.degrees(read.high)) == f"{tenths / 10:.1f}"
+    assert templates.most(math.degrees(read.high)) == f"{tenths / 10:.1f}"
+    assert templates.least(math.degrees(read.high)) == f"{tenths / 10:.1f}"
 
 
 @given(st.floats(1e-3, 400))
 def test_the_shown_limit_is_allowed(limit: float) -> None:
-    assert float(figures.most(limit)) <= limit * (1 + 1e-6) + 1e-6
-    assert float(figures.least(limit)) >= limit * (1 - 1e-6) - 1e-6
+    assert float(templates.most(limit)) <= limit * (1 + 1e-6) + 1e-6
+    assert float(templates.least(limit)) >= limit * (1 - 1e-6) - 1e-6
 
 
 def test_a_given_message_replaces_the_sentence() -> None:

@@ -1,4 +1,4 @@
-"""Sentences of refusals, made from reason and detail only, in several languages.
+"""Sentences of refusals, made from reason and detail only; in English, unless the caller has another language.
 
 A sentence states the event, the allowed values and what to do. Its template depends on the reason, the limit and a case
 that `case_of` finds from the detail; a language is a table of templates. Angles are rad in a detail and degrees in a
@@ -12,28 +12,20 @@ from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
 from beatrix_zenoh.contract.sentences.english import ENGLISH
-from beatrix_zenoh.contract.sentences.german import GERMAN
-from beatrix_zenoh.contract.sentences.language import Language
-from beatrix_zenoh.contract.sentences.slots import slots_of
+from beatrix_zenoh.contract.sentences.templates import Language, slots_of
 
-__all__ = ["LANGUAGES", "TEACHER_LIMIT", "case_of", "render"]
+__all__ = ["TEACHER_LIMIT", "case_of", "render"]
 
-LANGUAGES = {"en": ENGLISH, "de": GERMAN}
-"""Languages by their ISO 639-1 code."""
 TEACHER_LIMIT: Final = "speed_limit"
 """`Detail.field` of a speed above the teacher's limit: the field of the status that shows the limit."""
 
 
-def render(reason: Reason, detail: Detail | None = None, language: str = "en") -> str:
-    """Return the sentence of a refusal in the language of this code.
+def render(reason: Reason, detail: Detail | None = None, table: Language = ENGLISH) -> str:
+    """Return the sentence of a refusal.
 
     If the detail lacks a value of the template, for example because a node of another version sent it, the result is
     the general sentence of the reason.
-
-    Raises:
-        KeyError: there is no such language.
     """
-    table = LANGUAGES[language]
     if detail is None:
         return table.refusals[reason, None, ""]
     slots = slots_of(detail, table)

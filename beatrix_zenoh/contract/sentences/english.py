@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import Limit, Reason
-from beatrix_zenoh.contract.sentences import silences
-from beatrix_zenoh.contract.sentences.language import Language
+from beatrix_zenoh.contract.sentences.templates import Language
 
 _AT_REST = "Try again when the arms are at rest."
 _PAUSE = (
@@ -235,6 +234,71 @@ ENGLISH: Final = Language(
             "",
         ): "A robot of this name is already online. Choose another name with --name, or end the other robot.",
         (Reason.SHUTDOWN, None, ""): "The node is closing. Start it again, then repeat the request.",
-        **silences.ENGLISH,
+        (Reason.NO_ANSWER, None, ""): ("No robot answered. Run `beatrix ls` to see which robots are online."),
+        (Reason.NO_ANSWER, None, "alone"): (
+            "{field} is not online, and no other robot is. Start it with `beatrix sim` or `beatrix hw`."
+        ),
+        (Reason.NO_ANSWER, None, "alone in class"): (
+            "{field} is not online, and no other robot is. Account {holder} may not start it: ask the teacher."
+        ),
+        (Reason.NO_ANSWER, None, "absent in class"): (
+            "{field} is not online. Online: {known}. Account {holder} may not start it: ask the teacher, or choose with "
+            "--name and --on (in Python: name and side of Robot)."
+        ),
+        (Reason.NO_ANSWER, None, "absent"): (
+            "{field} is not online. Online: {known}. Start it with `beatrix sim` or `beatrix hw`, or choose with --name "
+            "and --on (in Python: name and side of Robot)."
+        ),
+        (Reason.NO_ANSWER, None, "present"): (
+            "{field} is online but did not answer: it is just starting or closing, or it has another version. Try again; "
+            "if that fails, restart it."
+        ),
+        (Reason.NO_SUCH_ROBOT, None, ""): (
+            "There is no robot of this name. Run `beatrix ls` to see which robots are online."
+        ),
+        (Reason.NO_SUCH_ROBOT, None, "absent"): (
+            "{field} is not online, and no robot has this name. Online: {known}. Choose one with --name, or start yours "
+            "with `beatrix sim` or `beatrix hw`."
+        ),
+        (Reason.NODE_LOST, None, ""): (
+            "The robot is no longer online. Look at the output of its node, then start it again."
+        ),
+        (Reason.NODE_LOST, None, "robot"): (
+            "{field} is no longer online: its node has crashed or ended, or hangs, or has lost the router. Its arms stop by "
+            "themselves. Look at the output of the node, then start it again."
+        ),
+        (Reason.NODE_LOST, None, "back"): (
+            "{field} was lost during this request and is online again: its node hung or was restarted, or had lost the "
+            "router. Its arms have stopped by themselves. Look at the output of the node, then try again."
+        ),
+        (Reason.NODE_HANGS, None, ""): (
+            "The robot is online, but its node hangs. End the node and start it again."
+        ),
+        (Reason.NODE_HANGS, None, "robot"): (
+            "{field} is online but did not answer within {value}, and publishes no positions: its node hangs, or the "
+            "network is interrupted. End the node and start it again; if the arms move, switch their power off."
+        ),
+        (Reason.TIMED_OUT, None, ""): ("The robot did not answer in time. Try again."),
+        (Reason.TIMED_OUT, None, "robot"): (
+            "{field} did not answer within {value}: it publishes positions, so it is running but very busy. Try again, or "
+            "wait longer for the answer."
+        ),
+        (Reason.TIMED_OUT, None, "stop"): (
+            "{field} did not answer within {value}: it publishes positions, so it is running but very busy. Send STOP "
+            "again; if the arms move, switch their power off."
+        ),
+        (Reason.ACCESS_DENIED, None, ""): (
+            "The access rules of the router refuse this request from this account. Ask the teacher."
+        ),
+        (Reason.ACCESS_DENIED, None, "robot"): (
+            "{field} is online, but the router refuses this request: account {holder} may not send it. A seat drives "
+            "the robots of the class and its own; choose one of these with --name. STOP is open to every seat."
+        ),
+        (Reason.ACCOUNT_REFUSED, None, ""): (
+            "The router does not accept the account of this program. Use the file of your seat: `beatrix join FILE`."
+        ),
+        (Reason.NO_ROUTER, None, ""): (
+            "There is no Zenoh router at this endpoint. Start one with `beatrix router`."
+        ),
     },
 )

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from beatrix_zenoh.client import RobotState
-from beatrix_zenoh.contract import sentences
 from beatrix_zenoh.contract._generated.messages import (
     Command,
     Fault,
@@ -205,7 +204,7 @@ def _faulty(fault: Fault, status: Status, texts: Texts) -> Finding:
         reason = texts("reason.assembly_left")
         next_step = Command.CALIBRATE.name if status.enabled and not status.calibrated else ""
     else:
-        reason = sentences.render(Reason(fault.value), None, texts.code)
+        reason = texts.refusal(Reason(fault.value), None)
         next_step = Command.RESET.name if fault is Fault.EMERGENCY else ""
     return Finding(Condition.FAULT, text, reason, next_step)
 

@@ -10,7 +10,6 @@ from typing import Final
 import msgspec
 
 from beatrix_zenoh.client.degrees import arm_angles, head_angles
-from beatrix_zenoh.contract import sentences
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Command,
@@ -58,7 +57,7 @@ def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) 
     Without `detail`, the English sentence is the message; other languages contain the message only for BAD_VALUE.
     """
     if detail is not None:
-        return sentences.render(reason, detail, texts.code)
+        return texts.refusal(reason, detail)
     message = NAMED.sub("", message, count=1)
     if texts.code == "en" and message:
         return message
@@ -66,7 +65,7 @@ def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) 
         return texts("result.deselected")
     if reason is Reason.BAD_VALUE and message:
         return texts("result.invalid", message=message)
-    return sentences.render(reason, None, texts.code)
+    return texts.refusal(reason, None)
 
 
 def record(memory: Memory, row: Row, outcome: Outcome) -> None:

@@ -1,20 +1,45 @@
-"""All texts of the window, in each of its languages.
+"""All texts of the faces, in each of their languages.
 
-A language is one table of templates by key. Widgets use the keys that begin with `label.` and `tip.`; `gui.console.state` uses
-most of the others.
+A language is a file of templates by key. Widgets use the keys that begin with `label.` and `tip.`; `gui.console.state` uses
+most of the others. The sentences of refusals are in the library in English, and in the file of every other language.
 """
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
+from functools import cache
+from importlib import resources
 from typing import Final
 
-from gui.console.texts.english import ENGLISH
-from gui.console.texts.german import GERMAN
+from beatrix_zenoh.contract import sentences
+from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
+from beatrix_zenoh.contract.sentences.english import ENGLISH
+from beatrix_zenoh.contract.sentences.templates import Key, Language
 
-LANGUAGES: Final[Mapping[str, Mapping[str, str]]] = {"en": ENGLISH, "de": GERMAN}
-"""Templates of each language, by its ISO 639-1 code."""
+LANGUAGES: Final = ("en", "de")
+"""ISO 639-1 codes."""
 DEFAULT_LANGUAGE: Final = "en"
+
+
+@cache
+def load(code: str) -> tuple[Mapping[str, str], Language]:
+    """Return the templates of a language by key, and its sentences of refusals; raises KeyError if there are none."""
+    if code not in LANGUAGES:
+        raise KeyError(code)
+    table = tomllib.loads(resources.files(__name__).joinpath(f"{code}.toml").read_text(encoding="utf-8"))
+    refusals = table.pop("refusals", None)
+    if refusals is None:
+        return table, ENGLISH
+    by_key = {_key(name): text for name, text in refusals.pop("sentences").items()}
+    return table, Language(table["decimal"], refusals=by_key, **refusals)
+
+
+def _key(name: str) -> Key:
+    """Return reason, limit and case of a sentence, for example of `OUT_OF_REACH TILT goal unfit`."""
+    reason, *words = name.split()
+    limit = Limit[words.pop(0)] if words and words[0] in Limit.__members__ else None
+    return Reason[reason], limit, " ".join(words)
 
 
 class _WithComma(float):
@@ -32,7 +57,7 @@ class Texts:
     def __init__(self, code: str) -> None:
         """Choose a language by its code; raises KeyError if there is no such language."""
         self.code = code
-        self._templates = LANGUAGES[code]
+        self._templates, self._refusals = load(code)
         self._comma = self._templates["decimal"] == ","
 
     def __call__(self, key: str, **slots: str | float) -> str:
@@ -43,3 +68,7 @@ class Texts:
                 for name, value in slots.items()
             }
         return self._templates[key].format_map(slots)
+
+    def refusal(self, reason: Reason, detail: Detail | None) -> str:
+        """Return the sentence of a refusal."""
+        return sentences.render(reason, detail, self._refusals)
