@@ -17,7 +17,7 @@ from PyQt5.QtWidgets import QApplication, QWidget
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.request import Request
-from beatrix_zenoh.client.stopping import Press
+from beatrix_zenoh.client.stopping import QueuedStop
 from beatrix_zenoh.settings import Settings
 from gui.console.state.actions import Outcome
 from gui.console.state.intents import SetCameras, SetDestination, SetIncrement, SetSpeed, ShowTab, Tab
@@ -45,7 +45,7 @@ class Times:
         self.stopped: list[float] = []
         self.shown: list[tuple[float, Outcome]] = []
         self.ages_s: list[float] = []
-        show, ask, stop, paint = window.report, Request.__init__, Press.send, Picture.paintEvent
+        show, ask, stop, paint = window.report, Request.__init__, QueuedStop.send, Picture.paintEvent
 
         def report(outcome: Outcome) -> None:
             show(outcome)
@@ -56,8 +56,8 @@ class Times:
             if args[2:3] and "/motion" in str(args[2]):
                 self.sent.append(time.monotonic())
 
-        def send_stop(press: Press) -> None:
-            stop(press)
+        def send_stop(queued: QueuedStop) -> None:
+            stop(queued)
             self.stopped.append(time.monotonic())
 
         def draw(picture: Picture, event: object) -> None:
@@ -68,7 +68,7 @@ class Times:
 
         window.report = report  # type: ignore[method-assign]
         Request.__init__ = request  # type: ignore[assignment,method-assign]
-        Press.send = send_stop  # type: ignore[assignment,method-assign]
+        QueuedStop.send = send_stop  # type: ignore[assignment,method-assign]
         Picture.paintEvent = draw  # type: ignore[assignment,method-assign]
 
 

@@ -14,7 +14,7 @@ import typer
 from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client import subscription
-from beatrix_zenoh.client.clocks import clock_offset
+from beatrix_zenoh.client.clocks import clock_offsets
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.subscription import Arrival, Subscription
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -74,7 +74,7 @@ def hz(
     """Measure rate, jitter, age and losses of positions or pictures."""
     with open_targets(Selection(name, connect, who), on) as targets:
         robots = targets.robots()
-        offsets = [clock_offset(targets.client, *robot.place).offset for robot in robots]
+        offsets = [clock_offsets(targets.client, *robot.place).wall.offset for robot in robots]
         subscriptions = [subscribe(robot, stream) for robot in robots]
         arrivals: list[list[Arrival[Numbered]]] = [[] for _ in robots]
         deadline = time.monotonic() + seconds

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 
 from beatrix_zenoh.cli.checks import Finding
 from beatrix_zenoh.cli.listing import ListedRobot, listed, problems, state
-from beatrix_zenoh.client.clocks import clock_offset
+from beatrix_zenoh.client.clocks import clock_offsets
 from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.client.robot import Robot
@@ -160,7 +160,7 @@ def unlike_sides(infos: Mapping[Place, Info]) -> Iterator[Finding]:
 def clock(robot: Robot) -> Finding:
     """Return a finding about the offset of the robot's wall clock from that of this computer."""
     try:
-        offset, bound = clock_offset(robot.client, robot.name, robot.side)
+        offset, bound = clock_offsets(robot.client, robot.name, robot.side).wall
     except BeatrixError as error:
         return Finding(str(robot), "clock offset unknown", error.message)
     ahead = "ahead" if offset > 0 else "behind"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from beatrix_zenoh.client.clocks import Offset as Offset
 from beatrix_zenoh.client.clocks import Offsets as Offsets
-from beatrix_zenoh.client.clocks import clock_offset as clock_offset
 from beatrix_zenoh.client.clocks import clock_offsets as clock_offsets
 from beatrix_zenoh.client.degrees import suggestion as suggestion
 from beatrix_zenoh.client.monitor import Monitor as Monitor

@@ -42,13 +42,6 @@ class Offsets(NamedTuple):
     mono: Offset
 
 
-def clock_offset(
-    client: Client, robot: str, side: str, *, timeout_s: float = 2.0, tries: int = TRIES
-) -> Offset:
-    """Measure the offset of the wall clock; see `clock_offsets` for arguments and errors."""
-    return clock_offsets(client, robot, side, timeout_s=timeout_s, tries=tries).wall
-
-
 def clock_offsets(
     client: Client, robot: str, side: str, *, timeout_s: float = 2.0, tries: int = TRIES
 ) -> Offsets:

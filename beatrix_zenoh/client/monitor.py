@@ -16,7 +16,7 @@ import msgspec
 from beatrix_zenoh.bus import ProcessBound, Received, Reply
 from beatrix_zenoh.client.clocks import Offsets, clock_offsets
 from beatrix_zenoh.client.degrees import Reading, reading
-from beatrix_zenoh.client.request import own_place
+from beatrix_zenoh.client.request import matching_robot
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.subscription import Wakeup
 from beatrix_zenoh.contract import codec
@@ -266,7 +266,7 @@ class Monitor(ProcessBound):
         self._changed()
 
     def _on_answer(self, asked: str, answer: Reply) -> None:
-        place = None if answer.error else own_place(asked, answer.key)
+        place = None if answer.error else matching_robot(asked, answer.key)
         record = None if place is None else self._record(place)
         if record is None:
             return

@@ -163,7 +163,7 @@ class Motion(ProcessBound, Suggesting):
         try:
             self._read_again = False
             if self._end is None:
-                self._settle(self._next(max(0.0, deadline - time.monotonic())))
+                self._end_with(self._next(max(0.0, deadline - time.monotonic())))
         finally:
             self._reading.release()
         if self._read_again:
@@ -184,7 +184,7 @@ class Motion(ProcessBound, Suggesting):
             NoAnswer(error.reason, NO_END.format(self._robot)) if error.reason is Reason.TIMED_OUT else error
         )
 
-    def _settle(self, end: MotionReply | BeatrixError | None) -> None:
+    def _end_with(self, end: MotionReply | BeatrixError | None) -> None:
         if end is None:
             return
         with self._state:

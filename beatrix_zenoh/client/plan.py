@@ -171,9 +171,9 @@ class Plan(ProcessBound):
         return path_figure(self.path)
 
 
-def unlike(one: Info | RobotInfo, other: Info | RobotInfo) -> bool:
+def unlike(sim: Info | RobotInfo, hw: Info | RobotInfo) -> bool:
     """Return whether two robots have different robot values; False if one is too old to report a fingerprint."""
-    return None not in (one.fingerprint, other.fingerprint) and one.fingerprint != other.fingerprint
+    return None not in (sim.fingerprint, hw.fingerprint) and sim.fingerprint != hw.fingerprint
 
 
 def distance(start: Start) -> float:

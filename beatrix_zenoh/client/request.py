@@ -198,7 +198,7 @@ LOSS_CHECK_S = 0.5
 M = TypeVar("M", bound=msgspec.Struct)
 
 
-def own_place(asked: str, answered: str) -> Place | None:
+def matching_robot(asked: str, answered: str) -> Place | None:
     """Return name and side of the robot if the key of a reply is the robot's own; otherwise None."""
     want, found = keys.parse(asked), keys.parse(answered)
     if want is None or found is None or want.row != found.row or "*" in answered:
@@ -212,7 +212,7 @@ def _read(client: Client, asked: str, answer: Reply, kind: type[M]) -> tuple[Pla
     if answer.error:
         client.report(answer, f"ignored: an error reply to {asked}, {answer.payload[: codec.LONGEST]!r}.")
         return None
-    place = own_place(asked, answer.key)
+    place = matching_robot(asked, answer.key)
     if place is None:
         client.report(answer, f"ignored: a foreign reply to {asked}, not on the robot's own key.")
         return None

@@ -42,7 +42,7 @@ GROUP_S: Final = 3.0
 PLACES_MAX: Final = 16
 """Largest number of places whose answers a `StopSender` awaits at the same time; STOP is sent to further ones, too."""
 REPORTS_MAX: Final = 256
-"""Largest number of presses that one answer is reported for; STOP is sent for further ones, too."""
+"""Largest number of stops that one answer is reported for; STOP is sent for further ones, too."""
 OFF_LINE: Final = (
     "A robot whose node hangs or has crashed is not online: if it moves, switch its motor power off."
 )
@@ -74,7 +74,7 @@ def stop_robots(robots: Iterable[R]) -> Iterator[tuple[R, Answer]]:
         yield robot, stop.answer()
 
 
-def press_stop(
+def begin_stop(
     client: Client, place: Place, *, emergency: bool
 ) -> tuple[str, CommandQuery | None, str | None]:
     """Publish STOP; return key, payload and priority of its query. EMERGENCY_STOP is only queried, as a command."""
@@ -91,7 +91,7 @@ class SentStop:
     def __init__(
         self, client: Client, place: Place, timeout_s: float = ROBOT_S, *, emergency: bool = False
     ) -> None:
-        key, query, priority = press_stop(client, place, emergency=emergency)
+        key, query, priority = begin_stop(client, place, emergency=emergency)
         self.place, self._timeout_s = place, timeout_s
         self._request = Request(client, place, key, query, timeout_s, priority)
         self.close = self._request.close
@@ -111,7 +111,7 @@ class SentGroupStop:
     """STOP or EMERGENCY_STOP that was sent to all robots of a place with `*`."""
 
     def __init__(self, client: Client, place: Place, *, emergency: bool = False) -> None:
-        key, query, priority = press_stop(client, place, emergency=emergency)
+        key, query, priority = begin_stop(client, place, emergency=emergency)
         self._client, self._place = client, place
         self._request = GroupRequest(client, key, query, CommandReply, GROUP_S, priority)
         self.close = self._request.close
@@ -179,7 +179,7 @@ def no_answer(place: Place, limit_s: float, *, publishes: bool) -> NoAnswer:
 
 
 @dataclass(eq=False)
-class Press:
+class QueuedStop:
     """STOP or EMERGENCY_STOP for one place."""
 
     clients: Sequence[Client]
@@ -187,12 +187,12 @@ class Press:
     emergency: bool
     expected: Collection[Place]
     reports: list[Report]
-    """those of all presses that this one stands for"""
+    """those of all stops that this one stands for"""
     sent: SentStop | SentGroupStop | None = None
 
     @property
     def key(self) -> tuple[Place, bool]:
-        """Place and `emergency`: one press stands for others of the same key."""
+        """Place and `emergency`: one stop stands for others of the same key."""
         return self.place, self.emergency
 
     def send(self) -> None:
@@ -202,8 +202,8 @@ class Press:
         kind = SentGroupStop if "*" in self.place else SentStop
         self.sent = kind(client, self.place, emergency=self.emergency)
 
-    def stand_for(self, older: Press | None) -> None:
-        """Let the answers of this press be reported for an older one, too, if there is one."""
+    def stand_for(self, older: QueuedStop | None) -> None:
+        """Let the answers of this stop be reported for an older one, too, if there is one."""
         if older is not None:
             self.reports = [*older.reports, *self.reports][:REPORTS_MAX]
             if older.sent is not None:
@@ -227,7 +227,7 @@ class StopSender:
     """Sends STOP and EMERGENCY_STOP on a thread that waits for nothing else.
 
     While the answers of a place are awaited it has a thread for them, so that a silent robot delays no other report.
-    Presses for one place that queue up are sent as one STOP. Presses while its answers are awaited are sent, too; the
+    Stops for one place that queue up are sent as one STOP. Stops while its answers are awaited are sent, too; the
     newest then stands for all of them, because for a silent robot the waits would add up.
     """
 
@@ -235,11 +235,11 @@ class StopSender:
         """Start the thread for sending, `beatrix-<name>-stop`."""
         self._name = name
         # Callers share no lock with the threads: Ctrl-C in a caller could leave it locked.
-        self._pressed: queue.SimpleQueue[list[Press] | None] = queue.SimpleQueue()
+        self._queue: queue.SimpleQueue[list[QueuedStop] | None] = queue.SimpleQueue()
         self._batches = 0
         self._sent = Wakeup()
         self._lock = threading.Lock()
-        self._awaited: dict[tuple[Place, bool], Press | None] = {}
+        self._awaited: dict[tuple[Place, bool], QueuedStop | None] = {}
         """For each thread for answers, by place and emergency, what it awaits next."""
         self._waiting: list[threading.Thread] = []
         self._sending = threads.start(self._send_all, f"{name}-stop")
@@ -266,60 +266,60 @@ class StopSender:
             emergency: whether to send EMERGENCY_STOP.
         """
         before = self._batches
-        self._pressed.put([Press(clients, place, emergency, expected, [report]) for place in places])
+        self._queue.put([QueuedStop(clients, place, emergency, expected, [report]) for place in places])
         if yield_s:
             self._sent.wait_for(lambda: self._batches != before, yield_s)
 
     def _send_all(self) -> None:
         closed = False
         while not closed:
-            batch = [self._pressed.get()]
-            while not self._pressed.empty():
-                batch.append(self._pressed.get())
+            batch = [self._queue.get()]
+            while not self._queue.empty():
+                batch.append(self._queue.get())
             closed = None in batch
-            presses: dict[tuple[Place, bool], Press] = {}
-            for press in itertools.chain.from_iterable(filter(None, batch)):
-                press.stand_for(presses.get(press.key))
-                presses[press.key] = press
-            sent = [press for press in presses.values() if self._guarded(press, press.send)]
+            stops: dict[tuple[Place, bool], QueuedStop] = {}
+            for stop in itertools.chain.from_iterable(filter(None, batch)):
+                stop.stand_for(stops.get(stop.key))
+                stops[stop.key] = stop
+            sent = [stop for stop in stops.values() if self._guarded(stop, stop.send)]
             self._batches += 1
             self._sent.set()
-            for press in sent:
-                self._await(press)
+            for stop in sent:
+                self._await(stop)
 
-    def _await(self, press: Press) -> None:
+    def _await(self, stop: QueuedStop) -> None:
         """Let the thread of the place wait for the answers; start it if there is none."""
-        assert press.sent is not None
+        assert stop.sent is not None
         with self._lock:
-            served = press.key in self._awaited
+            served = stop.key in self._awaited
             if not served and len(self._awaited) >= PLACES_MAX:
-                press.sent.close()
+                stop.sent.close()
                 return
-            press.stand_for(self._awaited.get(press.key))
-            self._awaited[press.key] = press
+            stop.stand_for(self._awaited.get(stop.key))
+            self._awaited[stop.key] = stop
         if not served:
             self._waiting = [thread for thread in self._waiting if thread.is_alive()]
             self._waiting.append(
-                threads.start(lambda: self._report_all(press.key), f"{self._name}-stop-answers")
+                threads.start(lambda: self._report_all(stop.key), f"{self._name}-stop-answers")
             )
 
     def _report_all(self, key: tuple[Place, bool]) -> None:
         """Report the answers of a place until none is awaited."""
         while True:
             with self._lock:
-                press, self._awaited[key] = self._awaited[key], None
-                if press is None:
+                stop, self._awaited[key] = self._awaited[key], None
+                if stop is None:
                     del self._awaited[key]
                     return
-            self._guarded(press, press.wait)
+            self._guarded(stop, stop.wait)
 
-    def _guarded(self, press: Press, do: Callable[[], None]) -> bool:
+    def _guarded(self, stop: QueuedStop, do: Callable[[], None]) -> bool:
         """Call `do` and return whether it succeeded; report its error, because the next STOP must work."""
         try:
             try:
                 do()
             except BeatrixError as error:
-                press.report({press.place: error})
+                stop.report({stop.place: error})
             else:
                 return True
         except Exception as error:  # noqa: BLE001
@@ -328,7 +328,7 @@ class StopSender:
 
     def close(self) -> None:
         """Send the waiting STOPs and end the threads when the last one is answered; returns at once."""
-        self._pressed.put(None)
+        self._queue.put(None)
 
     def join(self, deadline_s: float) -> None:
         """Wait for the end of the threads until `deadline_s` (monotonic clock, s)."""

@@ -300,7 +300,7 @@ class TwinRun:
             if not self._lead.lead_s:
                 self._send_to_hardware()
             if wait:
-                self._settle(self._follow())
+                self._finish(self._follow())
         except BaseException as error:
             failure = self._failed(error)
             if failure is error:
@@ -312,11 +312,11 @@ class TwinRun:
     def _continue(self) -> None:
         self.thread = threading.get_ident()
         try:
-            self._settle(self._follow())
+            self._finish(self._follow())
         except BaseException as error:  # noqa: BLE001  # it is raised by `result`
             self._failed(error)
 
-    def _settle(self, replies: TwinReplies) -> None:
+    def _finish(self, replies: TwinReplies) -> None:
         self._measure()
         self._close()
         self._future.set_result(replies)

@@ -16,7 +16,6 @@ from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, PoseQuery, Positions, Reason
-from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node.callers import QUIET_S
 
@@ -275,11 +274,3 @@ def test_of_several_waiting_targets_only_the_newest_is_carried_out(robot: Robot)
         ends.append(replies[-1])
     assert [end.reason for end in ends[:-1]] == [Reason.REPLACED] * 7
     assert ends[-1].result
-
-
-def test_a_closed_robot_raises_wrong_usage(robot: Robot) -> None:
-    other = Robot(robot.name, robot.side, connect=robot.client.bus.endpoint, who="ben")
-    other.close()
-    for request in (other.status, lambda: other.look(yaw=1), other.stop):
-        with pytest.raises(WrongUsage, match="was closed by this program"):
-            request()

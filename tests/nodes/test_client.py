@@ -14,7 +14,7 @@ from statuses import READY
 from beatrix_zenoh import Interrupted, Monitor, Motion, Refused, Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import SUBSCRIBER, Incoming
-from beatrix_zenoh.client import Presence, clock_offset, clock_offsets
+from beatrix_zenoh.client import Presence, clock_offsets
 from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -375,7 +375,7 @@ def test_a_monitor_reads_earlier_events(stage: Stage) -> None:
 
 def test_clock_offsets_on_the_same_computer_are_zero(stage: Stage, robot: Robot) -> None:
     wall, mono = clock_offsets(robot.client, "bea", "hw")
-    for offset in (wall, mono, clock_offset(robot.client, "bea", "hw", tries=3)):
+    for offset in (wall, mono, clock_offsets(robot.client, "bea", "hw", tries=3).wall):
         assert abs(offset.offset) <= offset.bound + 1e-4
         assert offset.bound_ns == pytest.approx(offset.bound * 1e9, abs=1)
     with Monitor(robot.client) as monitor:
