@@ -142,9 +142,11 @@ def test_the_timeout_of_a_query_follows_from_the_longest_possible_motion(
     asked: dict[str, float] = {}
     query = robot.client.bus.query
 
-    def record(key: str, payload: bytes | None, encoding: str, *, timeout_s: float) -> zbus.Query:
+    def record(
+        key: str, payload: bytes | None, encoding: str, priority: str | None, timeout_s: float
+    ) -> zbus.Query:
         asked[key.rpartition("/")[2]] = timeout_s
-        return query(key, payload, encoding, timeout_s=timeout_s)
+        return query(key, payload, encoding, priority, timeout_s)
 
     monkeypatch.setattr(robot.client.bus, "query", record)
     robot.look(yaw=1)

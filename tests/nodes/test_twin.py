@@ -167,17 +167,11 @@ def test_neither_robot_is_enabled_or_calibrated_while_another_seat_drives_one_of
     teacher.look(yaw=2, speed=60)
     calibrations = twin.sim.status().calibrations
     for verb in (twin.enable, twin.calibrate):
-        with pytest.raises(Refused, match=r"^bea \(hw\): teacher drives this robot"):
+        with pytest.raises(Refused, match=r"^bea \(hw\): teacher drives this robot") as refusal:
             verb()
+        assert refusal.value.message.count("bea (hw)") == 1
     assert twin.sim.status().calibrations == calibrations
     until(lambda: not teacher.status().holder, "free")
-
-
-def test_a_refusal_of_one_robot_begins_with_its_name(twin: Twin) -> None:
-    twin.hw.disable()
-    with pytest.raises(Refused, match=r"^bea \(hw\): ") as refusal:
-        twin.calibrate()
-    assert refusal.value.message.count("bea (hw)") == 1
 
 
 def test_a_late_refusal_of_the_hardware_stops_the_simulation(
@@ -251,13 +245,6 @@ def test_the_preview_reports_hardware_far_away_and_commit_waits_for_it(twin: Twi
     assert "The hardware stands 150.0° away" in plan.verdict
     plan.commit()
     assert commanded(twin.hw) == (0, 0, 0)
-
-
-def test_the_robot_that_refuses_is_named(twin: Twin) -> None:
-    plan = twin.preview(yaw=10)
-    twin.hw.disable()
-    with pytest.raises(Refused, match=r"bea \(hw\): The motors are off"):
-        plan.commit()
 
 
 def test_a_refused_commit_does_not_stop_the_motion_of_another_seat(stage: Stage, twin: Twin) -> None:
