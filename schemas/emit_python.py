@@ -301,6 +301,8 @@ def robot_ranges(contract: Contract) -> str:
     out += "    low: float\n    high: float\n    unit: str\n"
     out += "\n\nALLOWED: Final[dict[str, dict[str, Range]]] = {\n"
     for group, table in contract.robot.items():
+        if group in FIXED:
+            continue
         ranges = {
             name: f"Range({row.get('min', '-inf')}, {row.get('max', 'inf')}, {row['unit']!r})"
             for name, row in rows(table).items()

@@ -226,7 +226,5 @@ ALLOWED: Final[dict[str, dict[str, Range]]] = {
         "eye_fov": Range(10.0, 150.0, "deg"),
     },
     "pins": {},
-    "sizes": {},
-    "colours": {},
 }
 """Ranges of the fields that a robot file may change, by table."""
