@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import shlex
 import shutil
 import signal
@@ -10,7 +12,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Container, Sequence
+from collections.abc import Container, Iterator, Sequence
 from enum import Enum
 from pathlib import Path
 from typing import Self
@@ -21,7 +23,8 @@ from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.output import CODES, FAILED, INTERRUPTED, USAGE, note
-from beatrix_zenoh.shutdown import signals_ignored
+from beatrix_zenoh.settings import DEFAULT_ENDPOINT
+from beatrix_zenoh.shutdown import Shutdown, signals_ignored
 
 READY_S = 20.0
 """Time (s) after which a start is reported as slow; a busy computer that imports MuJoCo may need all of it."""
@@ -34,6 +37,8 @@ END_S = 4.0
 KILL_S = 0.4
 """Time (s) before a deadline at which children that do not end are killed, and the folder of their output deleted."""
 POLL_S = 0.02
+WATCH_S = 0.2
+"""Period (s) in which `watch` prints the output of the children."""
 LAST_LINES = 5
 """Number of output lines of a failed child that are shown."""
 JOIN = subprocess.list2cmdline if sys.platform == "win32" else shlex.join
@@ -81,7 +86,7 @@ class Child:
     """A `beatrix …` process whose output goes to a file.
 
     It has its own process group, so that Ctrl-C reaches only the parent. Its standard input is a pipe from the parent,
-    so that it ends with the parent even if the parent is killed (see child.py).
+    so that it ends with the parent even if the parent is killed (see cli/__main__.py).
     """
 
     def __init__(self, title: str, arguments: Sequence[str], log: Path, role: Role = Role.REQUIRED) -> None:
@@ -89,7 +94,7 @@ class Child:
         self._reported = 0
         with log.open("wb") as output:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "beatrix_zenoh.cli.child", *arguments],
+                [sys.executable, "-m", "beatrix_zenoh.cli", "--with-parent", *arguments],
                 stdin=subprocess.PIPE,
                 stdout=output,
                 stderr=subprocess.STDOUT,
@@ -313,3 +318,39 @@ def start_router(supervisor: Supervisor, endpoint: str, account: Account | None 
     supervisor.start("router", "router", "--listen", endpoint)
     supervisor.wait_ready()
     return "started"
+
+
+def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:
+    """Return a text with the commands to type next, and the folder with the output of the children."""
+    lines = [f"  beatrix {words}" for words in verbs]
+    if endpoint != DEFAULT_ENDPOINT:
+        lines.insert(0, f"  {'set' if os.name == 'nt' else 'export'} BEATRIX_CONNECT={endpoint}")
+    typed = "\n".join(lines)
+    return f"\nNow type in another terminal:\n{typed}\n\nThe output of all processes is in {logs}. Ctrl-C here ends them."
+
+
+@contextlib.contextmanager
+def end_on_interrupt() -> Iterator[None]:
+    """Print a note instead of raising KeyboardInterrupt: Ctrl-C and SIGTERM are the normal end of the block."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        note("Ending.")
+
+
+def watch(supervisor: Supervisor, shutdown: Shutdown, last: Child | None = None) -> None:
+    """Print the output of the children and start crashed robots again, until Ctrl-C.
+
+    Args:
+        supervisor: the supervisor of the children.
+        shutdown: the value of `signals_interrupt`.
+        last: return when this child has ended; None: only Ctrl-C ends the function.
+
+    Raises:
+        Refused: a required child has ended.
+    """
+    while last is None or last.code is None:
+        for line in (*supervisor.tend(), *supervisor.new_lines()):
+            note(line)
+        if shutdown.requested(WATCH_S):
+            raise KeyboardInterrupt

@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.cli.options import Connect, Legacy, LogFile, OwnName, RobotFile
-from beatrix_zenoh.cli.run import run_command
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion import robot_file as values
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, RobotFile
+from beatrix_zenoh.terminal.run import run_command
 from hw_node.body import build
 from hw_node.cameras import choices
 from hw_node.port import VIRTUAL

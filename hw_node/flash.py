@@ -13,12 +13,12 @@ from rich.console import Console
 from rich.progress import Progress as Bar
 from rich.progress import TaskID
 
-from beatrix_zenoh.cli.options import Json
-from beatrix_zenoh.cli.run import run_command
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.output import note, print_json, say
 from beatrix_zenoh.shutdown import signals_interrupt
+from beatrix_zenoh.terminal.options import Json
+from beatrix_zenoh.terminal.run import run_command
 from hw_node import hexfile, stk500
 from hw_node.port import VIRTUAL, SerialPort, find
 from hw_node.stk500 import PAGE, PARKED, Programmer, Wire

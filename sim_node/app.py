@@ -6,11 +6,11 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.cli.options import Connect, Legacy, LogFile, OwnName, RobotFile, finite
-from beatrix_zenoh.cli.run import run_command
 from beatrix_zenoh.motion import robot_file as values
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, RobotFile, finite
+from beatrix_zenoh.terminal.run import run_command
 from sim_node.body import EYES_HZ, EYES_HZ_MAX, Simulation
 from sim_node.mechanism import KEYS
 from sim_node.target import TargetPath

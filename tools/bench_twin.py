@@ -14,12 +14,11 @@ from contextlib import suppress
 import numpy as np
 
 from beatrix_zenoh import Robot, Twin
-from beatrix_zenoh.cli.comparison_text import axes_table
-from beatrix_zenoh.cli.demo import start
 from beatrix_zenoh.client.choreography import play, shipped
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Positions
 from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.demo.verbs import start
 from beatrix_zenoh.processes import Supervisor
 from beatrix_zenoh.recording.alignment import aligned
 from beatrix_zenoh.recording.compare import compare
@@ -28,6 +27,7 @@ from beatrix_zenoh.recording.lag import lag
 from beatrix_zenoh.recording.path import path_of_recording
 from beatrix_zenoh.recording.replay import replay
 from beatrix_zenoh.recording.series import Floats, Recording, recording
+from beatrix_zenoh.recording.verbs.comparison_text import axes_table
 from beatrix_zenoh.shutdown import signals_interrupt
 
 SETTLE_S = 0.6

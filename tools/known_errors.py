@@ -15,11 +15,11 @@ from pathlib import Path
 from known_cases import Case, cases
 from known_robots import Known, as_recordings, from_file
 
-from beatrix_zenoh.cli.comparison_text import lag_sentence, lead_sentences
 from beatrix_zenoh.output import columns
 from beatrix_zenoh.recording.compare import Comparison, compare
 from beatrix_zenoh.recording.diagnosis import findings
 from beatrix_zenoh.recording.finding import Cause, Finding
+from beatrix_zenoh.recording.verbs.comparison_text import lag_sentence, lead_sentences
 
 SECONDS = 21.0
 LAG_S, LEAD_S, RMS_DEG = 0.005, 0.02, 0.15

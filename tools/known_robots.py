@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from beatrix_zenoh.cli.compare import recorded
 from beatrix_zenoh.contract._generated.messages import (
     Event,
     EventKind,
@@ -29,6 +28,7 @@ from beatrix_zenoh.recording.robot_rows import RobotRows
 from beatrix_zenoh.recording.rows import Row
 from beatrix_zenoh.recording.rrd.stream import Stream
 from beatrix_zenoh.recording.series import Floats, Recording, recording
+from beatrix_zenoh.recording.verbs.compare import recorded
 
 Arms = tuple[float, float, float]
 SPEED, ACCELERATION = 60.0, 180.0

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import html
+import io
 import secrets
 from dataclasses import dataclass
 from pathlib import Path
+
+import msgspec
 
 from beatrix_zenoh import account, files
 from beatrix_zenoh.account import Account, Role
@@ -46,7 +50,7 @@ def init(classroom: Classroom, folder: Path) -> Made:
         WrongUsage: BAD_VALUE, an existing file cannot be read.
     """
     try:
-        from beatrix_zenoh.classroom.cards import cards  # noqa: PLC0415  # segno is in an extra
+        import segno  # noqa: F401  # it is in an extra
     except ModuleNotFoundError as error:
         raise Refused(Reason.BAD_VALUE, MISSING.format(error.name)) from error
     try:
@@ -70,7 +74,7 @@ class _Signer:
 
     def __init__(self, folder: Path, classroom: Classroom) -> None:
         try:
-            from beatrix_zenoh.classroom import certificates  # noqa: PLC0415  # needs an extra
+            from beatrix_zenoh.classroom import certificates  # needs an extra
         except ModuleNotFoundError as error:
             raise Refused(Reason.BAD_VALUE, MISSING.format(error.name)) from error
         path = folder / "authority.pem"
@@ -145,3 +149,61 @@ def _accounts(classroom: Classroom, folder: Path, signer: _Signer) -> Made:
     return Made(
         made, new, [str(path) for path in present if path.stem not in classroom.accounts], moved, renamed
     )
+
+
+PAGE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>{title}</title><style>
+body {{ font: 11pt sans-serif; margin: 0; }}
+article {{ display: inline-block; width: 8.6cm; height: 12.6cm; margin: 0.2cm; padding: 0.4cm; border: 1px dashed #888;
+  box-sizing: border-box; break-inside: avoid; vertical-align: top; overflow: hidden; }}
+h1 {{ font-size: 18pt; margin: 0; }} p {{ margin: 0.15cm 0; }} svg {{ width: 7.4cm; height: 7.4cm; }}
+</style></head><body>
+{cards}</body></html>
+"""
+CARD = """<article><h1>{title}</h1><p>{role} {name} in class {class_name}{teacher}</p>
+<p>Router {router}</p>{code}
+<p>Copy {name}.toml to this computer, or save the text of the code under this name.
+Then run: <code>beatrix join {name}.toml</code></p>
+</article>
+"""
+
+
+def cards(classroom: Classroom, accounts: list[Account]) -> str:
+    """Return an HTML page with all cards, which loads no other files.
+
+    Each code contains the text of an account file, so keep the page private.
+    """
+    teacher = f" of {classroom.teacher}" if classroom.teacher else ""
+    return PAGE.format(
+        title=html.escape(f"BEATRIX, class {classroom.name}"),
+        cards="".join(
+            _card(account, classroom.display_names.get(account.name) or account.name, teacher)
+            for account in accounts
+        ),
+    )
+
+
+def _card(account: Account, title: str, teacher: str) -> str:
+    fields = {
+        "title": title,
+        "name": account.name,
+        "role": account.role.capitalize(),
+        "class_name": account.class_name,
+        "teacher": teacher,
+        "router": account.connect.replace(",", ", "),
+    }
+    return CARD.format(
+        # The names of all pupils do not fit into the code of the teacher.
+        code=_code(msgspec.structs.replace(account, names={}).text()),
+        **{key: html.escape(value) for key, value in fields.items()},
+    )
+
+
+def _code(text: str) -> str:
+    """Return a QR code as SVG; with certificates it has about 130 modules a side, which phones can read on a card."""
+    import segno
+
+    drawn = io.BytesIO()
+    code = segno.make(text, error="l", micro=False)
+    code.save(drawn, kind="svg", xmldecl=False, svgns=True, omitsize=True, border=2)
+    return drawn.getvalue().decode()

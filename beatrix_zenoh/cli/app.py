@@ -15,8 +15,8 @@ def main() -> None:
 def run(words: list[str]) -> int:
     """Run `beatrix` with these words and return the exit code."""
     try:
-        from beatrix_zenoh.cli import run as runner
         from beatrix_zenoh.cli.verbs import application
+        from beatrix_zenoh.terminal import run as runner
 
         app = application(words)
     except (ImportError, AttributeError) as error:

@@ -1,19 +1,34 @@
-"""Verbs that send a command: enable, disable, calibrate, reset, follow."""
+"""Verbs that change the state of a robot, or which seat may move it: lease; freeze, limit and mute for the teacher."""
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Sequence
 from contextlib import nullcontext
 from enum import StrEnum
 from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
-from beatrix_zenoh.cli.targets import Selection, open_targets
+from beatrix_zenoh.client import lease as leases
+from beatrix_zenoh.client.lease import govern
+from beatrix_zenoh.client.request import title
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.twin import check_reachable
-from beatrix_zenoh.contract._generated.messages import Command
-from beatrix_zenoh.contract.errors import naming
-from beatrix_zenoh.output import print_json, say
+from beatrix_zenoh.contract._generated.messages import (
+    Command,
+    LeaseAction,
+    LeaseQuery,
+    LeaseReply,
+    Reason,
+    Status,
+)
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage, naming
+from beatrix_zenoh.output import exit_code, note, print_json, say
+from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.terminal.options import Connect, Json, Name, Names, On, Which, Who
+from beatrix_zenoh.terminal.targets import Selection, open_targets
 
 
 def enable(
@@ -93,3 +108,175 @@ def command(
                 say(f"{robot}: {reply.message}")
     if as_json:
         print_json({"result": True, "robots": rows})
+
+
+CHECK_S = 0.5
+"""Period of the check whether a lease still exists (s)."""
+
+
+class What(StrEnum):
+    """Actions of `beatrix lease`."""
+
+    TAKE = "take"
+    GIVE_BACK = "give-back"
+
+
+def lease(
+    what: Annotated[
+        What, typer.Argument(help="take: hold the robot until Ctrl-C. give-back: end your lease.")
+    ],
+    wait: Annotated[
+        float, typer.Option(min=0.0, metavar="SECONDS", help="Wait in the queue for up to this long.")
+    ] = 0.0,
+    name: Name = None,
+    connect: Connect = None,
+    who: Who = None,
+    on: On = None,
+) -> None:
+    """Take a robot, or give it back.
+
+    Only the seat that has taken a robot and the teacher can move it.
+    While `beatrix lease take` runs, every program of your seat may move the robot. `beatrix ls` shows the holder.
+    """
+    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
+        robots = targets.robots()
+        if what is What.GIVE_BACK:
+            for robot in robots:
+                say(f"{robot}: {leases.ask(robot, LeaseAction.GIVE_BACK).message}")
+            return
+        if wait:
+            note(f"Taking the robot, or waiting for it for up to {wait:g} s. Ctrl-C leaves the queue.")
+        held = [robot.lease(wait) for robot in robots]
+        for robot in robots:
+            say(f"{robot}: held by {targets.client.settings.who}. Ctrl-C gives it back.")
+        try:
+            _hold(robots)
+        finally:
+            for taken in held:
+                taken.close()
+
+
+def _hold(robots: Sequence[Robot]) -> None:
+    """Wait until an error is raised: Refused if the lease of a robot has ended, NoAnswer if a robot is lost."""
+    pause = threading.Event()
+    while not pause.wait(CHECK_S):
+        for robot in robots:
+            status = robot.status()
+            if status.lease == robot.lease_number:
+                continue
+            robot.lease_number = 0  # so that `close` gives nothing back
+            raise Refused(
+                Reason.NOT_HOLDER,
+                f"{robot}: your lease has ended; {_holder_now(status, robot.client.settings.who)}. `beatrix ls` shows "
+                "the state.",
+            )
+
+
+def _holder_now(status: Status, seat: str) -> str:
+    """Return a clause that names the holder after the lease of `seat` has ended."""
+    if not status.holder:
+        return "it is free now"
+    if status.holder != seat:
+        return f"{status.holder} holds it now"
+    if status.lease:
+        return "another program of this seat holds it now"
+    return "it is free two seconds after the last motion of this seat"
+
+
+def freeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
+    """Stop every robot and let only the teacher move it. Requires the seat `teacher`."""
+    _govern(LeaseQuery(action=LeaseAction.FREEZE), name, connect, who, as_json=as_json)
+
+
+def unfreeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
+    """Let every seat move the robots again. Requires the seat `teacher`."""
+    _govern(LeaseQuery(action=LeaseAction.UNFREEZE), name, connect, who, as_json=as_json)
+
+
+def limit(
+    speed: Annotated[str, typer.Argument(metavar="SPEED", help="Top speed of every arm, deg/s, or `off`.")],
+    name: Names = None,
+    connect: Connect = None,
+    who: Who = None,
+    as_json: Json = False,
+) -> None:
+    """Limit the speed of every robot, or end the limit. Requires the seat `teacher`."""
+    most = 0.0 if speed == "off" else leases.limit_of(_number(speed))
+    _govern(LeaseQuery(action=LeaseAction.LIMIT, speed=most), name, connect, who, as_json=as_json)
+
+
+Seat = Annotated[str, typer.Argument(metavar="SEAT", help="The seat, as `beatrix top` shows it.")]
+
+
+def mute(
+    seat: Seat, name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False
+) -> None:
+    """Let a seat only watch. Requires the seat `teacher`.
+
+    Its motion, lease and place in the queue end, and its STOP stops no other seat.
+    """
+    _govern(LeaseQuery(action=LeaseAction.MUTE, seat=seat), name, connect, who, as_json=as_json)
+
+
+def unmute(
+    seat: Seat, name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False
+) -> None:
+    """Let a muted seat act again. Requires the seat `teacher`."""
+    _govern(LeaseQuery(action=LeaseAction.UNMUTE, seat=seat), name, connect, who, as_json=as_json)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"{text!r} is not a speed: give a number of deg/s, for example 20, or off."
+        ) from None
+
+
+def _govern(
+    query: LeaseQuery,
+    wanted: list[str] | None,
+    connect: str | None,
+    who: str | None,
+    *,
+    as_json: bool,
+) -> None:
+    """Send a lease query to the robots `wanted`, or to all; exit with the first failure's code."""
+    with Client(resolve(None, connect, who)) as client:
+        present = client.robots()
+        places = [place for place in present if not wanted or place[0] in wanted]
+        if not places:
+            named = f" of the name {', '.join(wanted)}" if wanted else ""
+            others = f" Online: {', '.join(map(title, present))}." if present else ""
+            raise NoAnswer(
+                Reason.NO_SUCH_ROBOT if present else Reason.NO_ANSWER,
+                f"No robot{named} is online at {client.bus.endpoint}.{others}",
+            )
+        results = {}
+        for place, result in govern(client, places, query):
+            results[place] = result
+            if not as_json:
+                (say if result.reason is Reason.OK else note)(f"{title(place)}: {result.message}")
+    failed = [place for place in places if results[place].reason is not Reason.OK]
+    code = exit_code(results[failed[0]].reason) if failed else 0
+    if as_json:
+        print_json({"result": not failed, "robots": [_row(place, results[place]) for place in places]})
+    elif failed and len(failed) < len(places):
+        note(
+            f"Done for {len(places) - len(failed)} of {len(places)} robots, not for {', '.join(map(title, failed))}. "
+            "`beatrix top` shows the state of each robot. Type the command again when all robots answer."
+        )
+    if code:
+        raise typer.Exit(code)
+
+
+def _row(place: Place, result: LeaseReply | BeatrixError) -> dict[str, object]:
+    """Return the result of one robot for JSON output."""
+    return {
+        "robot": place[0],
+        "side": place[1],
+        "result": result.reason is Reason.OK,
+        "reason": result.reason,
+        "message": result.message,
+    }

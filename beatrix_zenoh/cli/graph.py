@@ -1,20 +1,27 @@
-"""`beatrix graph`: the programs that are connected to a router, and their keys, as text or as a drawing."""
+"""`beatrix graph`: the programs that are connected to a router, and their keys, as text or as a drawing.
+
+The router answers nothing about itself (decision 41). Liveliness tokens show which nodes and seats are there, and each
+program describes itself; a Zenoh program without both stays unseen.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
-from beatrix_zenoh.cli import network
-from beatrix_zenoh.cli.network import Program, short
-from beatrix_zenoh.cli.options import Connect, Json, Who
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.contract import codec, names
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import ProgramInfo
 from beatrix_zenoh.output import print_json, say
 from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.terminal.options import Connect, Json, Who
 
 LINE_PX, PAD_PX, BOX_PX, GAP_PX = 18, 12, 330, 26
 """Height of a line of text, margin inside a box, width of a box, space between boxes."""
@@ -38,7 +45,7 @@ def graph(
     Requests count for one minute. Programs describe themselves. A Zenoh program that does not use this library is not listed.
     """
     with Client(resolve(None, connect, who)) as client:
-        programs, endpoint = network.read(client), client.bus.endpoint
+        programs, endpoint = read(client), client.bus.endpoint
     if svg is not None:
         svg.write_text(drawing(programs, endpoint), encoding="utf-8")
     if as_json:
@@ -155,3 +162,105 @@ def _arrow(line: tuple[int, int, int, int], names: Sequence[str], kind: str) -> 
         f'<line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" stroke="{COLOURS[kind]}" marker-end="url(#{kind})"/>',
         f'<text x="{(x1 + x2) // 2}" y="{(y1 + y2) // 2 - 5}" text-anchor="middle" fill="{COLOURS[kind]}">{escape(label)}</text>',
     ]
+
+
+ANSWER_S: Final = 2.0
+"""How long (s) to wait for the descriptions; programs that hang are then listed without keys."""
+
+Owner = tuple[str, str]
+"""Robot and side of a node; seat and session of a client."""
+
+
+@dataclass
+class Program:
+    """A program at the router: a node or a client. Those of the same title are shown as one."""
+
+    title: str
+    robot: Place | None = None
+    """name and side, if it is a node"""
+    described: bool = False
+    """whether it has described itself; otherwise it hangs or has another version, and its keys are unknown"""
+    serves: set[str] = field(default_factory=set)
+    publishes: set[str] = field(default_factory=set)
+    subscribes: set[str] = field(default_factory=set)
+    asks: set[str] = field(default_factory=set)
+
+    def watches(self, node: Program) -> list[str]:
+        """Return the publications of a node that this program subscribes to, such as `state/positions`; sorted."""
+        return sorted({short(key) for key in node.publishes if _any_matches(self.subscribes, key)})
+
+    def queries(self, node: Program) -> list[str]:
+        """Return the purposes of the queries and puts that this program has lately sent to a node; sorted."""
+        answered = node.serves | node.subscribes
+        return sorted({_purpose(key) for key in self.asks if _any_matches(answered, key)})
+
+
+def read(client: Client) -> list[Program]:
+    """Return all programs at the client's router but this one: first the nodes, then the clients, sorted by title.
+
+    Raises NoAnswer (ACCOUNT_REFUSED) as `Client.robots`.
+    """
+    client.robots()
+    infos, (nodes, seats) = _descriptions(client), _tokens(client)
+    if not infos.keys() >= nodes | seats:  # a program has joined meanwhile, or hangs
+        infos, (nodes, seats) = _descriptions(client), _tokens(client)
+    programs: dict[str, Program] = {}
+    for owner in sorted({*infos, *nodes, *seats} - {(client.settings.who, client.bus.session_id)}):
+        node = owner[1] in names.SIDES
+        if node and owner not in nodes:
+            continue  # a description without the token of its robot: the node starts or ends
+        for info in infos.get(owner, [None]):
+            title = "{} ({})".format(*owner) if node else _title(owner[0], info)
+            _add(programs.setdefault(title, Program(title, owner if node else None)), info)
+    return sorted(programs.values(), key=lambda program: (program.robot is None, program.title))
+
+
+def _title(seat: str, info: ProgramInfo | None) -> str:
+    return f"seat {seat}" if info is None else f"seat {seat}: {info.program}"
+
+
+def _add(program: Program, info: ProgramInfo | None) -> None:
+    if info is not None:
+        program.described = True
+        for name in ("serves", "publishes", "subscribes", "asks"):
+            getattr(program, name).update(getattr(info, name))
+
+
+def _descriptions(client: Client) -> dict[Owner, list[ProgramInfo]]:
+    """Return the descriptions that arrive within ANSWER_S; several nodes of one robot may describe themselves."""
+    found: dict[Owner, list[ProgramInfo]] = {}
+    query = client.bus.query(keys.program("*", "*"), None, codec.MSGPACK, timeout_s=ANSWER_S)
+    for reply in query.replies(ANSWER_S):
+        # An error reply is that of a program which leaves before it answers.
+        parts = None if reply.error else keys.parse(reply.key)
+        info = None if parts is None else client.read(reply, ProgramInfo)
+        if parts is not None and info is not None:
+            second = info.side if info.side in names.SIDES else parts.session
+            found.setdefault((parts.who, second), []).append(info)
+    return found
+
+
+def _tokens(client: Client) -> tuple[set[Owner], set[Owner]]:
+    """Return the nodes and the clients that have announced themselves."""
+    nodes, seats = (
+        map(keys.parse, client.bus.tokens(key)) for key in (keys.alive("*", "*"), keys.seat("*", "*"))
+    )
+    return (
+        {(parts.robot, parts.side) for parts in nodes if parts is not None},
+        {(parts.who, parts.session) for parts in seats if parts is not None},
+    )
+
+
+def _any_matches(expressions: Iterable[str], key: str) -> bool:
+    return any(zbus.intersects(expression, key) for expression in expressions)
+
+
+def _purpose(key: str) -> str:
+    """Return the name of a key's row, such as `motion`, or else the key without robot and side."""
+    parts = keys.parse(key)
+    return short(key) if parts is None else parts.row
+
+
+def short(key: str) -> str:
+    """Return a key without `beatrix`, robot and side: `state/positions`."""
+    return "/".join(key.split("/")[3:]) or key

@@ -1,38 +1,37 @@
-"""`beatrix ls` and `beatrix info`."""
+"""Verbs that list robots: ls, info, top."""
 
 from __future__ import annotations
 
-import math
+import os
+import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
-from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who
-from beatrix_zenoh.cli.targets import Selection, open_targets
-from beatrix_zenoh.client.degrees import RobotInfo
-from beatrix_zenoh.client.monitor import Monitor, Presence
-from beatrix_zenoh.client.request import infos as answered_infos
-from beatrix_zenoh.client.request import title
+import typer
+
+from beatrix_zenoh.client.degrees import HeadAngles, RobotInfo
+from beatrix_zenoh.client.monitor import Monitor, Presence, RobotState, Seats, SeatStops, stops_by_seat
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.contract import printable
-from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, FollowState, Info, Status
-from beatrix_zenoh.output import columns, print_json, say
-from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.output import STDOUT, columns, print_json, say
+from beatrix_zenoh.settings import Settings, resolve
+from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who
+from beatrix_zenoh.terminal.states import (
+    ListedRobot,
+    lease_row,
+    look_up,
+    problems,
+    short,
+    some,
+    state,
+    state_row,
+    unfrozen_note,
+)
+from beatrix_zenoh.terminal.targets import Selection, open_targets
 
-HEADS = ("robot", "side", "state", "driver", "version", "firmware")
-CELL, PROBLEM = 60, 400
-"""Largest number of characters of a cell and of a line about a problem: any program may send a status."""
-NAMES, WARNINGS = 12, 12
-"""Largest number of names in a line about a robot, and of lines with warnings."""
-BOARD_FAULTS = (Fault.BOARD_LOST, Fault.CONTRACT_MISMATCH)
-"""Faults that the warnings in a status describe in more detail, if there are any."""
+if TYPE_CHECKING:  # importing rich would delay every verb
+    from rich.console import RenderableType
 
-FOLLOWING = {
-    FollowState.WAITING: "waits for hw",
-    FollowState.APPROACHING: "moves to hw",
-    FollowState.FOLLOWING: "follows hw",
-    FollowState.PARTED: "parted from hw",
-}
+LIST_HEADS = ("robot", "side", "state", "driver", "version", "firmware")
 
 
 def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
@@ -55,35 +54,6 @@ def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
         say(f"The router at {endpoint} answers, but no robot is online. Start a simulation: beatrix sim")
 
 
-class ListedRobot(NamedTuple):
-    """A robot online, and its replies, each None if it did not arrive."""
-
-    place: Place
-    status: Status | None
-    info: Info | None
-
-    def __str__(self) -> str:
-        return f"{self.place[0]} ({self.place[1]})"
-
-
-def look_up(client: Client) -> list[ListedRobot]:
-    """Return all robots online, sorted by name; of each name the simulation comes first."""
-    with Monitor(client) as monitor:
-        return listed(client, monitor)
-
-
-def listed(client: Client, monitor: Monitor) -> list[ListedRobot]:
-    """Return the robots that a monitor reports, with their replies, in the order of `look_up`."""
-    infos = answered_infos(client)
-    monitor.settle()
-    robots = [robot for robot in monitor.robots() if robot.status or robot.presence is not Presence.ABSENT]
-    return [
-        ListedRobot(place, robot.status, infos.get(place))
-        for robot in robots
-        for place in [(robot.robot, robot.side)]
-    ]
-
-
 def show(found: list[ListedRobot]) -> None:
     """Print a table of robots, and their warnings below it."""
     rows = [
@@ -96,82 +66,12 @@ def show(found: list[ListedRobot]) -> None:
         )
         for robot in found
     ]
-    say(columns(HEADS, rows))
+    say(columns(LIST_HEADS, rows))
     for robot in found:
         for problem in problems(robot.status):
             say(f"{robot}: {problem}")
     for line in unfrozen_note({robot.place: robot.status.frozen for robot in found if robot.status}):
         say(line)
-
-
-def short(*cells: str) -> tuple[str, ...]:
-    """Return the cells of a row, each cut to CELL characters."""
-    return tuple(printable.line(cell, CELL) for cell in cells)
-
-
-def some(names: Sequence[str], most: int = NAMES) -> str:
-    """Return the first names, and the number of the others."""
-    others = len(names) - most
-    return ", ".join([*names[:most], *([f"and {others} more"] if others > 0 else [])])
-
-
-def state(status: Status) -> str:
-    """Return the state of a robot in one or two words."""
-    if status.fault is not Fault.NONE:
-        return f"fault {status.fault}"
-    if not status.enabled:
-        return "motors off"
-    if not status.calibrated:
-        return "not calibrated"
-    if status.frozen:
-        return "frozen"
-    if status.following is not FollowState.OFF:
-        return FOLLOWING.get(status.following, status.following)
-    return "moving" if status.moving else "ready"
-
-
-def problems(status: Status | None) -> list[str]:
-    """Return sentences about fault, warnings and lease of a robot; `status` is None if none could be read."""
-    if status is None:
-        return ["is online but sends no readable status: its node hangs, is cut off, or has another version."]
-    found = [*status.warnings[:WARNINGS], *lease_notes(status)]
-    if len(status.warnings) > WARNINGS:
-        found.append(f"It has {len(status.warnings) - WARNINGS} more warnings.")
-    if status.fault is not Fault.NONE and not (status.fault in BOARD_FAULTS and status.warnings):
-        found.insert(0, FAULT_TEXT[status.fault])
-    return [printable.line(problem, PROBLEM) for problem in found]
-
-
-def lease_notes(status: Status) -> list[str]:
-    """Return sentences about freeze, lease, waiting seats and speed limit."""
-    notes = []
-    if status.teacher_latch:
-        notes.append("The teacher has pressed EMERGENCY_STOP; only the teacher resets it: beatrix reset")
-    if status.frozen:
-        notes.append("The teacher has frozen it; only the teacher ends this: beatrix unfreeze")
-    if status.muted:
-        seats = some(status.muted)
-        notes.append(f"The teacher has muted {seats}; only the teacher ends this: beatrix unmute SEAT")
-    if status.lease:
-        notes.append(f"{status.holder} has taken it.")
-    if status.waiting:
-        notes.append(f"Waiting for it: {some(status.waiting)}.")
-    if status.speed_limit:
-        notes.append(f"The arms turn at most {math.degrees(status.speed_limit):.0f}°/s.")
-    return notes
-
-
-def unfrozen_note(frozen: Mapping[Place, bool]) -> list[str]:
-    """Return a sentence that names the robots that are not frozen while others are, or no sentence if all are alike.
-
-    A robot that was not online when the teacher froze the others was not frozen with them.
-    """
-    free = [title(place) for place, is_frozen in frozen.items() if not is_frozen]
-    if not free or len(free) == len(frozen):
-        return []
-    return [
-        f"Not frozen, although others are: {', '.join(free)}. The teacher freezes all with `beatrix freeze`."
-    ]
 
 
 def as_row(robot: ListedRobot) -> dict[str, object]:
@@ -187,33 +87,6 @@ def as_row(robot: ListedRobot) -> dict[str, object]:
             "firmware": robot.info.firmware,
         }
     return row
-
-
-def state_row(status: Status) -> dict[str, object]:
-    """Return the state of a robot for JSON output."""
-    return {
-        "state": state(status),
-        "enabled": status.enabled,
-        "calibrated": status.calibrated,
-        "moving": status.moving,
-        "following": status.following,
-        **lease_row(status),
-        "fault": status.fault,
-        "warnings": status.warnings,
-    }
-
-
-def lease_row(status: Status) -> dict[str, object]:
-    """Return the holder, the waiting seats, and the teacher's freeze and speed limit, for JSON output."""
-    return {
-        "driver": status.holder,
-        "lease": status.lease,
-        "waiting": status.waiting,
-        "frozen": status.frozen,
-        "muted": status.muted,
-        "teacher_latch": status.teacher_latch,
-        "speed_limit_deg_s": round(math.degrees(status.speed_limit), 1),
-    }
 
 
 def info(
@@ -268,3 +141,193 @@ def show_info(info: RobotInfo) -> None:
     say("\ncommands:\n  " + "\n  ".join(info.commands))
     say("\n" + columns(("key", "kind", "purpose"), [(row.key, row.kind, row.doc_) for row in info.keys]))
     say("\nexamples, for any Zenoh program (rad):\n  " + "\n  ".join(info.examples))
+
+
+NO_ROBOT = "No robot is online. Start a simulation: beatrix sim"
+LOST = "The router at {} is lost, or this computer has lost the network. The table returns when the router answers."
+HEADS = ("robot", "side", "state", "yaw°", "pitch°", "roll°", "per s", "silent", "driver")
+TABLE_S = 1.2
+"""Time for which `--once` and `--json` collect data before they print, and the period of the tables in a pipe (s)."""
+REFRESH_S = 0.2
+EVENTS = 200
+"""Number of events kept for each robot, to count STOPs."""
+SEATS_SHOWN = 40
+"""Largest number of seats in the line about seats."""
+STOPS_SHOWN = 8
+"""Largest number of seats in the line about STOPs."""
+
+
+class TableRow(NamedTuple):
+    """The data of one robot in the table."""
+
+    place: Place
+    state: str
+    head: HeadAngles | None
+    hz: float
+    silent_s: float | None
+    driver: str
+    lease: dict[str, object]
+    """holder, waiting seats, freeze and speed limit, for JSON output"""
+    problems: list[str]
+
+
+def top(
+    once: Annotated[bool, typer.Option("--once", help="Print one table and exit.")] = False,
+    connect: Connect = None,
+    who: Who = None,
+    as_json: Json = False,
+) -> None:
+    """Show robots and seats live: angles, rates and drivers.
+
+    The angles are those of the head (degrees). Ctrl-C ends the table.
+    """
+    with Client(resolve(None, connect, who)) as client:
+        monitor = Monitor(client, events=EVENTS)
+        seats = Seats(client)
+        if once or as_json:
+            time.sleep(TABLE_S)
+            rows = rows_of(monitor)
+            if as_json:
+                robots = [as_dict(row) for row in rows]
+                stops = [stops_as_dict(one) for one in stops_by_seat(monitor.robots())]
+                print_json({"result": True, "robots": robots, "seats": seats.names(), "stops": stops})
+            else:
+                say(text(client, rows, seat_lines(client.settings, monitor, seats)))
+        elif os.isatty(STDOUT):
+            live(client, monitor, seats)
+        else:
+            print_tables(client, monitor, seats)
+
+
+def rows_of(monitor: Monitor) -> list[TableRow]:
+    """Return the rows of all robots online now."""
+    return [row_of(robot) for robot in monitor.robots() if robot.presence is not Presence.ABSENT]
+
+
+def row_of(robot: RobotState) -> TableRow:
+    """Return the row of one robot."""
+    status, reading, silent = robot.status, robot.reading, robot.positions_age_s
+    gone = status is not None and not status.board.connected  # then the angles are out of date
+    lost = robot.presence is not Presence.ON_LINE
+    return TableRow(
+        place=(robot.robot, robot.side),
+        state="lost" if lost or status is None else state(status),
+        head=None if reading is None or gone else reading.head,
+        hz=robot.hz,
+        silent_s=silent,
+        driver="" if status is None else status.holder,
+        lease={} if status is None else lease_row(status),
+        problems=[f"no positions for {silent:.1f} s"] if silent and lost else problems(status),
+    )
+
+
+def cells(settings: Settings, row: TableRow) -> tuple[str, ...]:
+    """Return the cells of a row as text."""
+    head = ("-", "-", "-") if row.head is None else tuple(f"{angle:z.1f}" for angle in row.head)
+    silent = "-" if row.silent_s is None else f"{row.silent_s:.2f} s"
+    return short(*row.place, row.state, *head, f"{row.hz:.1f}", silent, settings.shown(row.driver) or "-")
+
+
+def notes(rows: list[TableRow]) -> list[str]:
+    """Return the problems of all robots, and the robots that are not frozen while others are, a line each."""
+    found = [f"{row.place[0]} ({row.place[1]}): {problem}" for row in rows for problem in row.problems]
+    return found + unfrozen_note({row.place: bool(row.lease["frozen"]) for row in rows if row.lease})
+
+
+def messages(client: Client, rows: list[TableRow]) -> list[str]:
+    """Return the lines below the table: the loss of the router, no robot, or the problems of the robots."""
+    if not client.bus.connected:
+        return [LOST.format(client.bus.endpoint)]
+    return notes(rows) if rows else [NO_ROBOT]
+
+
+def seat_lines(settings: Settings, monitor: Monitor, seats: Seats) -> list[str]:
+    """Return a line with the seats that are connected to the router, and one with the seats that have sent STOP."""
+    lines = [f"seats: {some([settings.shown(seat) for seat in seats.names()], SEATS_SHOWN)}"]
+    stops = stops_by_seat(monitor.robots())
+    if stops:
+        words = [stop_words(settings, one) for one in stops[:STOPS_SHOWN]]
+        more = [f"{len(stops) - STOPS_SHOWN} more seats"] if len(stops) > STOPS_SHOWN else []
+        lines.append(f"STOP pressed: {', '.join([*words, *more])}")
+    return lines
+
+
+def stop_words(settings: Settings, stops: SeatStops) -> str:
+    """Return the STOPs of one seat as words: `ben 3 times (bea1 hw 2, bea2 hw 1)`."""
+    robots = some([f"{robot} {side} {count}" for (robot, side), count in stops.robots.items()])
+    times = "once" if stops.total == 1 else f"{stops.total} times"
+    return f"{settings.shown(stops.seat) or 'an unknown seat'} {times} ({robots})"
+
+
+def stops_as_dict(stops: SeatStops) -> dict[str, object]:
+    """Return the STOPs of one seat for JSON output."""
+    robots = [{"robot": robot, "side": side, "count": count} for (robot, side), count in stops.robots.items()]
+    return {"seat": stops.seat, "count": stops.total, "robots": robots}
+
+
+def text(client: Client, rows: list[TableRow], seats: list[str]) -> str:
+    """Return the table and the lines below it as text, for a pipe."""
+    table = [columns(HEADS, [cells(client.settings, row) for row in rows])] if rows else []
+    return "\n".join([*table, *messages(client, rows), *seats])
+
+
+def as_dict(row: TableRow) -> dict[str, object]:
+    """Return a row for JSON output."""
+    return {
+        "robot": row.place[0],
+        "side": row.place[1],
+        "state": row.state,
+        "head_deg": None
+        if row.head is None
+        else {axis: round(angle, 3) + 0.0 for axis, angle in row.head._asdict().items()},
+        "hz": round(row.hz, 2),
+        "silent_s": None if row.silent_s is None else round(row.silent_s, 3),
+        "driver": row.driver,
+        **row.lease,
+        "warnings": row.problems,
+    }
+
+
+def print_tables(client: Client, monitor: Monitor, seats: Seats) -> None:
+    """Print table after table until Ctrl-C, or until the reader closes the pipe."""
+    while True:
+        time.sleep(TABLE_S)
+        say(f"{text(client, rows_of(monitor), seat_lines(client.settings, monitor, seats))}\n")
+
+
+def live(client: Client, monitor: Monitor, seats: Seats) -> None:
+    """Redraw the table until Ctrl-C."""
+    from rich.live import Live
+
+    def table() -> RenderableType:
+        return screen_table(client, rows_of(monitor), seat_lines(client.settings, monitor, seats))
+
+    with Live(table(), auto_refresh=False, screen=True) as screen:
+        while True:
+            time.sleep(REFRESH_S)
+            screen.update(table(), refresh=True)
+
+
+def screen_table(client: Client, rows: list[TableRow], seats: list[str]) -> RenderableType:
+    """Return the table with colours and the lines below it, for a terminal."""
+    from rich.console import Group
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(
+        title=f"BEATRIX robots at {client.bus.endpoint}", box=None, pad_edge=False, title_justify="left"
+    )
+    for index, head in enumerate(HEADS):
+        table.add_column(head, justify="right" if 3 <= index <= 7 else "left")
+    for row in rows:
+        table.add_row(*cells(client.settings, row), style=colour(row))
+    last = "silent: time since the last positions of the robot. Ctrl-C ends."
+    foot = Text("\n".join(["", *seats, last]), style="dim")
+    return Group(table, *(Text(line, style="yellow") for line in messages(client, rows)), foot)
+
+
+def colour(row: TableRow) -> str:
+    """Return the colour of a row: green if the robot may move, red if it is lost or has a fault, otherwise yellow."""
+    if row.state in ("ready", "moving"):
+        return "green"
+    return "red" if row.state == "lost" or row.state.startswith("fault") else "yellow"

@@ -1,26 +1,37 @@
-"""Verbs that turn the head: look, move, home."""
+"""Verbs that turn the head: look, move, home, play."""
 
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable
+from pathlib import Path
 from typing import Annotated
 
 import typer
 from msgspec import structs
 
-from beatrix_zenoh.cli.options import Connect, Json, Name, On, Which, Who
-from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
-from beatrix_zenoh.client.degrees import Reading, motion_query, pose_query
+from beatrix_zenoh.client import choreography
+from beatrix_zenoh.client.choreography import Choreography, Step
+from beatrix_zenoh.client.choreography import play as perform
+from beatrix_zenoh.client.degrees import motion_query, pose_query
 from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.stopping import sentence, stop_robots
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import TwinMotion
-from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source
-from beatrix_zenoh.output import note, print_failure, print_json, say
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Source
+from beatrix_zenoh.output import note, say
+from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Which, Who
+from beatrix_zenoh.terminal.targets import (
+    Selection,
+    Targets,
+    check_lead,
+    open_targets,
+    show_positions,
+    stop_on_interrupt,
+)
 
 Relative = Annotated[bool, typer.Option("--relative", help="Turn by these angles from the present position.")]
 Speed = Annotated[
@@ -114,14 +125,6 @@ def arm_speed(text: str | None) -> float | list[float] | None:
             f"--speed {text}: give one number of degrees/s, or three for short, middle and long arm: 20,30,40."
         )
     return speeds[0] if len(speeds) == 1 else speeds
-
-
-def check_lead(lead: float, on: Which | None) -> None:
-    """Raise BadParameter for an invalid --lead, or one without --on both."""
-    if lead and on is not Which.BOTH:
-        raise typer.BadParameter("--lead needs --on both: the hardware follows the simulation.")
-    if not (math.isfinite(lead) and lead >= 0):
-        raise typer.BadParameter(f"--lead {lead:g}: give a number of seconds, 0 or more.")
 
 
 def carry_out(
@@ -218,38 +221,81 @@ def cancelled(motion: TwinMotion) -> str:
     return ""
 
 
-@contextlib.contextmanager
-def stop_on_interrupt(robots: list[Robot], *, as_json: bool) -> Iterator[None]:
-    """On Ctrl-C in this block, stop the robots, print their positions at rest, and raise KeyboardInterrupt again."""
-    try:
-        yield
-    except KeyboardInterrupt as interrupt:
-        # If the interrupt has a text, the function that raised it has stopped the robots and states their positions.
-        rests = str(interrupt) or "\n".join(
-            sentence(robot.place, answer.message) for robot, answer in stop_robots(reversed(robots))
-        )
-        if as_json:
-            print_failure(Reason.STOPPED, rests)
-        else:
-            note(rests)
-        raise
+MANY = 1000
+"""Number of poses above which a note is printed before the check, which then takes seconds."""
 
 
-def show_positions(robots: list[Robot], *, as_json: bool) -> None:
-    """Print the present head and arm angles of the robots (deg)."""
-    readings = [(robot, robot.positions()) for robot in robots]
-    if as_json:
-        print_json({"result": True, "robots": [reading_row(robot, reading) for robot, reading in readings]})
-        return
-    for robot, reading in readings:
-        say(f"{robot}: {reading}")
+def play(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="A choreography (CSV), or the shipped one: hello.")
+    ],
+    lead: Annotated[
+        float,
+        typer.Option(
+            metavar="S",
+            help="With --on both: the hardware starts each pose this many seconds after the simulation.",
+        ),
+    ] = 0.0,
+    lockstep: Annotated[
+        bool,
+        typer.Option("--lockstep", help="With --on both: the robots wait for each other at every pose."),
+    ] = False,
+    speed: Annotated[
+        float | None,
+        typer.Option(metavar="DEG_S", help="Speed, degrees/s, instead of the speeds in the file."),
+    ] = None,
+    name: Name = None,
+    connect: Connect = None,
+    who: Who = None,
+    on: On = None,
+    as_json: Json = False,
+) -> None:
+    """Play a choreography. All poses are checked before a robot moves; Ctrl-C stops the robots.
+
+    docs/how-to/motion-files.md explains the file format.
+    """
+    found = choreography.load(file)
+    if speed is not None:
+        found = found.at_speed(speed)
+    check_lead(lead, on)
+    if lockstep and on is not Which.BOTH:
+        raise typer.BadParameter("--lockstep needs --on both: the robots wait for each other.")
+    if lockstep and lead:
+        raise typer.BadParameter("--lockstep and --lead exclude each other: omit one.")
+    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
+        robots = targets.robots()
+        check(found, robots)
+        with stop_on_interrupt(robots, as_json=as_json):
+            if len(robots) > 1:
+                play_both(targets, found, lead, lockstep=lockstep)
+            else:
+                perform(robots[0], found, progress(found))
+        show_positions(robots, as_json=as_json)
 
 
-def reading_row(robot: Robot, reading: Reading) -> Mapping[str, object]:
-    """Return a robot and its angles in degrees, for JSON output."""
-    return {
-        "robot": robot.name,
-        "side": robot.side,
-        "head_deg": {axis: round(angle, 3) + 0.0 for axis, angle in reading.head._asdict().items()},
-        "arms_deg": {arm: round(angle, 3) + 0.0 for arm, angle in reading.arms._asdict().items()},
-    }
+def check(found: Choreography, robots: list[Robot]) -> None:
+    """Check all poses for each robot; raises Refused with line and time of the first pose that exceeds a limit."""
+    from beatrix_zenoh.recording.choreography_check import check_choreography
+    from beatrix_zenoh.recording.follow import robots_of
+
+    if len(found.steps) > MANY:
+        note(f"Checking {len(found.steps)} poses.")
+    for robot in robots_of([robot.info() for robot in robots]):
+        check_choreography(found, robot)
+
+
+def play_both(targets: Targets, found: Choreography, lead: float, *, lockstep: bool) -> None:
+    """Play the choreography on both robots; each pose is previewed first."""
+    settings = targets.client.settings
+    with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
+        perform(twin, found, progress(found), lead_s=lead, lockstep=lockstep)
+
+
+def progress(found: Choreography) -> Callable[[str, Step], None]:
+    """Return a function that prints number, title and angles of a pose, to be called when the pose begins."""
+    number, last = itertools.count(1), len(found.steps)
+
+    def show(title: str, pose: Step) -> None:
+        note(f"{next(number)}/{last} {title}: {pose}")
+
+    return show

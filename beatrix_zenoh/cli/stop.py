@@ -9,8 +9,6 @@ from typing import Annotated, NamedTuple
 
 import typer
 
-from beatrix_zenoh.cli.options import Connect, Json, Which, Who
-from beatrix_zenoh.cli.targets import Selection, is_named
 from beatrix_zenoh.client.request import absent_reason
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.stopping import OFF_LINE, Answer, SentGroupStop, matches, sentence, silences
@@ -19,6 +17,8 @@ from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, WrongUsage
 from beatrix_zenoh.output import USAGE, exit_code, note, print_json, say
 from beatrix_zenoh.settings import resolve_valid
+from beatrix_zenoh.terminal.options import Connect, Json, Which, Who
+from beatrix_zenoh.terminal.targets import Selection, is_named
 
 ALL = "*"
 
@@ -39,7 +39,7 @@ Names = Annotated[
 ]
 
 
-class Outcome(NamedTuple):
+class StopOutcome(NamedTuple):
     """The outcome of STOP at one robot, or for one name of the command line."""
 
     robot: str
@@ -109,14 +109,14 @@ def noting(errors: Sequence[WrongUsage]) -> Iterator[None]:
             note(error.message)
 
 
-def check_names(robots: Sequence[str]) -> tuple[list[str], list[Outcome]]:
+def check_names(robots: Sequence[str]) -> tuple[list[str], list[StopOutcome]]:
     """Return the valid names, and an outcome for each invalid name."""
     asked, wrong = [], []
     for robot in robots:
         try:
             asked.append(names.check_name(robot))
         except WrongUsage as error:
-            wrong.append(Outcome(robot, "", error.reason, error.message, USAGE))
+            wrong.append(StopOutcome(robot, "", error.reason, error.message, USAGE))
     return asked, wrong
 
 
@@ -131,28 +131,28 @@ def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place
     )
 
 
-def outcome_of(place: Place, answer: Answer) -> Outcome:
+def outcome_of(place: Place, answer: Answer) -> StopOutcome:
     """Return the outcome of a robot."""
     code = exit_code(answer.reason) if isinstance(answer, BeatrixError) else 0
-    return Outcome(*place, answer.reason, answer.message, code)
+    return StopOutcome(*place, answer.reason, answer.message, code)
 
 
 def absent(
     asked: Sequence[str], side: str, places: Collection[Place], present: Sequence[Place], endpoint: str
-) -> list[Outcome]:
+) -> list[StopOutcome]:
     """Return an outcome for each name in `asked` that no robot in `places` has."""
     stopped = {robot for robot, _ in places}
     side = "" if side == ALL else f" ({side})"
     text = f"{side} is not online at {endpoint}, so it was not stopped. `beatrix ls` shows the robots online."
     return [
-        Outcome(robot, "", reason, robot + text, exit_code(reason))
+        StopOutcome(robot, "", reason, robot + text, exit_code(reason))
         for robot in asked
         if robot not in (ALL, *stopped)
         for reason in [absent_reason(robot, present)]
     ]
 
 
-def show(outcomes: Sequence[Outcome], *, as_json: bool) -> None:
+def show(outcomes: Sequence[StopOutcome], *, as_json: bool) -> None:
     """Print the outcomes; exit with the code of the first failure, if there is one."""
     code = next((outcome.code for outcome in outcomes if outcome.code), 0)
     if as_json:

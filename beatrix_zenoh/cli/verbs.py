@@ -11,47 +11,47 @@ import typer
 from beatrix_zenoh.output import say
 
 VERBS = {
-    "demo": "demo",
-    "up": "up",
-    "router": "serving",
-    "sim": "serving",
-    "hw": "serving",
-    "gui": "serving",
-    "web": "serving",
-    "ls": "listing",
-    "info": "listing",
-    "echo": "echo",
-    "hz": "hz",
-    "top": "top",
-    "graph": "graph",
-    "look": "motions",
-    "move": "motions",
-    "home": "motions",
-    "play": "play",
-    "replay": "replay",
-    "compare": "compare",
-    "enable": "commands",
-    "disable": "commands",
-    "calibrate": "commands",
-    "stop": "stop",
-    "reset": "commands",
-    "follow": "commands",
-    "lease": "lease",
-    "freeze": "lease",
-    "unfreeze": "lease",
-    "limit": "lease",
-    "mute": "lease",
-    "unmute": "lease",
-    "record": "record",
-    "note": "note",
-    "export": "export",
-    "view": "view",
-    "doctor": "doctor",
-    "flash": "serving",
-    "classroom": "classroom",
-    "join": "classroom",
+    "demo": "demo.verbs",
+    "up": "cli.serving",
+    "router": "cli.serving",
+    "sim": "cli.serving",
+    "hw": "cli.serving",
+    "gui": "cli.serving",
+    "web": "cli.serving",
+    "ls": "cli.listing",
+    "info": "cli.listing",
+    "echo": "cli.streams",
+    "hz": "cli.streams",
+    "top": "cli.listing",
+    "graph": "cli.graph",
+    "look": "cli.motions",
+    "move": "cli.motions",
+    "home": "cli.motions",
+    "play": "cli.motions",
+    "replay": "recording.verbs.replay",
+    "compare": "recording.verbs.compare",
+    "enable": "cli.commands",
+    "disable": "cli.commands",
+    "calibrate": "cli.commands",
+    "stop": "cli.stop",
+    "reset": "cli.commands",
+    "follow": "cli.commands",
+    "lease": "cli.commands",
+    "freeze": "cli.commands",
+    "unfreeze": "cli.commands",
+    "limit": "cli.commands",
+    "mute": "cli.commands",
+    "unmute": "cli.commands",
+    "record": "recording.verbs.record",
+    "note": "recording.verbs.note",
+    "export": "recording.verbs.export",
+    "view": "recording.verbs.view",
+    "doctor": "doctor.verbs",
+    "flash": "cli.serving",
+    "classroom": "classroom.verbs",
+    "join": "classroom.verbs",
 }
-"""Each verb and its module, in the order of the help text."""
+"""Each verb and its module in beatrix_zenoh, in the order of the help text."""
 PASS_THROUGH = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 """Settings of verbs that pass their options to another program."""
 PROCESSES = ("sim", "hw", "gui", "web", "flash")
@@ -70,7 +70,7 @@ HELP = """Control BEATRIX, the humanoid head: the simulation, the robot, or both
 def print_version(given: bool) -> None:
     """Print the installed version and exit if the option is given."""
     if given:
-        from beatrix_zenoh.cli.checks import DISTRIBUTION, version
+        from beatrix_zenoh.doctor.checks import DISTRIBUTION, version
 
         say(f"beatrix {version(DISTRIBUTION) or 'from its sources, not installed'}")
         raise typer.Exit
@@ -100,6 +100,6 @@ def application(words: Sequence[str]) -> typer.Typer:
         pass
 
     for name in words[:1] if words and words[0] in VERBS else VERBS:
-        module = importlib.import_module(f"beatrix_zenoh.cli.{VERBS[name]}")
+        module = importlib.import_module(f"beatrix_zenoh.{VERBS[name]}")
         app.command(name, context_settings=SETTINGS.get(name))(getattr(module, name))
     return app

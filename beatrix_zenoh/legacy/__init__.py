@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from beatrix_zenoh.legacy.interface import NodeInterface as NodeInterface
-from beatrix_zenoh.legacy.line import Cause as Cause
 from beatrix_zenoh.legacy.line import Effect as Effect
+from beatrix_zenoh.legacy.line import LineCause as LineCause
 from beatrix_zenoh.legacy.port import TextPort as TextPort
 from beatrix_zenoh.legacy.terminal import Terminal as Terminal

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from beatrix_zenoh.contract._generated.messages import Detail, Phase
-from beatrix_zenoh.legacy.line import Cause, Effect
+from beatrix_zenoh.legacy.line import Effect, LineCause
 
 
 class NodeInterface(Protocol):
@@ -49,7 +49,7 @@ class NodeInterface(Protocol):
         self,
         effect: Effect,
         word: str,
-        outcome: Cause,
+        outcome: LineCause,
         *,
         phase: Phase | None = None,
         detail: Detail | None = None,

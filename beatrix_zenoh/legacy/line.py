@@ -28,7 +28,7 @@ class Effect(Enum):
     STOP = auto()
 
 
-class Cause(NamedTuple):
+class LineCause(NamedTuple):
     """The reason why a line was not carried out; with reason OK, a description of how it was changed."""
 
     reason: Reason
@@ -70,7 +70,7 @@ class Answer:
 
 
 @dataclass(eq=False)
-class Line:
+class ProgramLine:
     """A line in the queue; two lines with the same text are different lines."""
 
     text: bytes
@@ -79,7 +79,7 @@ class Line:
     """when it was sent to the board (s, monotonic clock); None: not sent"""
     refusal: tuple[bytes, ...] = ()
     """the answer of this port instead of the board's; empty: the line was not refused"""
-    cause: Cause | None = None
+    cause: LineCause | None = None
     answer: Answer = field(default_factory=Answer)
 
     def __post_init__(self) -> None:

@@ -9,7 +9,7 @@ from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Telemetry
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.legacy.interface import NodeInterface
-from beatrix_zenoh.legacy.line import REFUSED, Effect, Line
+from beatrix_zenoh.legacy.line import REFUSED, Effect, ProgramLine
 from beatrix_zenoh.legacy.outcomes import Outcomes
 
 SEQS = 256
@@ -60,7 +60,7 @@ class TextLink:
             self._reopen()
             self.zero_forgotten = True
 
-    def send(self, line: Line) -> None:
+    def send(self, line: ProgramLine) -> None:
         """Send a line; raises BeatrixError."""
         self._board.send_text(line.text)
         self._heard_s = line.sent_s = time.monotonic()
@@ -96,7 +96,7 @@ class TextLink:
         """Return whether the board has not answered for SILENT_S; any thread may call it."""
         return time.monotonic() - self._heard_s > SILENT_S
 
-    def gave_up(self, under_way: Sequence[Line]) -> bool:
+    def gave_up(self, under_way: Sequence[ProgramLine]) -> bool:
         """Return whether the board will never answer these lines, because it was lost or reset, or they were lost."""
         connected, state = self._board.connected, self._board.state
         if not connected:
@@ -118,7 +118,7 @@ class LineSender:
     def __init__(self, link: TextLink, node: NodeInterface, outcomes: Outcomes) -> None:
         self._link, self._node, self._outcomes = link, node, outcomes
 
-    def send(self, line: Line) -> None:
+    def send(self, line: ProgramLine) -> None:
         """Send a line, or refuse it."""
         try:
             if line.effect in AUTHORIZED:
@@ -140,7 +140,7 @@ class LineSender:
             self._node.set_home()
         self._link.zero_forgotten = False
 
-    def switch_off_now(self, line: Line) -> None:
+    def switch_off_now(self, line: ProgramLine) -> None:
         """Switch the motors off by a request of the node, because `open` discards the lines of the program."""
         try:
             self._node.authorize(Effect.DISABLE)

@@ -12,7 +12,7 @@ from beatrix_zenoh.contract._generated.messages import Command, Detail, EventKin
 from beatrix_zenoh.contract._generated.serial import BoardState
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.contract.names import OLD_PROGRAMS
-from beatrix_zenoh.legacy import Cause, Effect, Terminal, TextPort
+from beatrix_zenoh.legacy import Effect, LineCause, Terminal, TextPort
 from beatrix_zenoh.node.access import TEXT_SESSION, Action
 from beatrix_zenoh.node.board_watch import Observer
 from beatrix_zenoh.node.callers import Caller
@@ -123,7 +123,7 @@ class TextDriving:
         self,
         effect: Effect,
         word: str,
-        outcome: Cause,
+        outcome: LineCause,
         *,
         phase: Phase | None = None,
         detail: Detail | None = None,

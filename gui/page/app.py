@@ -7,15 +7,14 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.cli.options import Connect, Name, Who
-from beatrix_zenoh.cli.run import run_command
-from beatrix_zenoh.cli.serving import missing
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.output import note, say
 from beatrix_zenoh.settings import resolve
 from beatrix_zenoh.shutdown import Shutdown
+from beatrix_zenoh.terminal.options import Connect, Name, Who
+from beatrix_zenoh.terminal.run import missing, run_command
 
 PORT = 8088
 ELSEWHERE = ("192.0.2.1", 9)

@@ -9,13 +9,12 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.cli.options import Connect, Name, Who
-from beatrix_zenoh.cli.run import run_command
-from beatrix_zenoh.cli.serving import missing
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.terminal.options import Connect, Name, Who
+from beatrix_zenoh.terminal.run import missing, run_command
 from gui.console.state.intents import Theme
 from gui.console.texts import LANGUAGES
 

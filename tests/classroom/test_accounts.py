@@ -18,11 +18,11 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.classroom.certificates import Authority
-from beatrix_zenoh.cli import robot_checks
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.doctor import checks
 from beatrix_zenoh.settings import Settings, resolve
 
 
@@ -64,7 +64,7 @@ def test_an_account_that_was_replaced_has_no_rights(router: ClassRouter) -> None
         with pytest.raises(NoAnswer, match="it has been replaced by a newer one, or removed") as error:
             Robot("bea1", "hw", client=client).status()
         assert error.value.reason is Reason.ACCOUNT_REFUSED
-        assert [finding.found for finding in robot_checks.network(client.settings)] == [
+        assert [finding.found for finding in checks.network(client.settings)] == [
             "answers",
             "has no rights",
         ]

@@ -13,7 +13,7 @@ from shell import beatrix
 from beatrix_zenoh import account
 from beatrix_zenoh.classroom import class_file
 from beatrix_zenoh.classroom.certificates import Authority
-from beatrix_zenoh.classroom.rules import grants
+from beatrix_zenoh.classroom.router_file import grants
 from beatrix_zenoh.contract.errors import WrongUsage
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from beatrix_zenoh.cli import comparison_text
 from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.recording.verbs import comparison_text
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = ROOT / "docs/explanation"

@@ -13,8 +13,7 @@ from robots import START_S, Process, free_endpoint
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.cli.up import watch
-from beatrix_zenoh.processes import Role, Supervisor
+from beatrix_zenoh.processes import Role, Supervisor, watch
 from beatrix_zenoh.shutdown import Shutdown
 
 CLI = ("-m", "beatrix_zenoh.cli")

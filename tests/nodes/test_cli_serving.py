@@ -41,7 +41,7 @@ def children(process: Process) -> dict[str, int]:
     for listing in Path(f"/proc/{process.pid}/task").glob("*/children"):
         for number in listing.read_text().split():
             words = Path(f"/proc/{number}/cmdline").read_text().split("\0")
-            found[words[words.index("-m") + 2]] = int(number)
+            found[words[words.index("--with-parent") + 1]] = int(number)
     return found
 
 

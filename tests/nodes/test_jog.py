@@ -24,8 +24,8 @@ BACK_AT = 0.1
 @pytest.fixture(autouse=True)
 def small_and_fast(monkeypatch: pytest.MonkeyPatch) -> None:
     """Turn the arms fast and by small angles, because no user watches them."""
-    monkeypatch.setattr("beatrix_zenoh.cli.jog.JOG_DEG", 3.0)
-    monkeypatch.setattr("beatrix_zenoh.cli.jog.SPEED_DEG_S", 80.0)
+    monkeypatch.setattr("beatrix_zenoh.doctor.verbs.JOG_DEG", 3.0)
+    monkeypatch.setattr("beatrix_zenoh.doctor.verbs.SPEED_DEG_S", 80.0)
 
 
 @pytest.fixture

@@ -21,8 +21,7 @@ from serial.tools import list_ports
 
 from beatrix_zenoh import Refused
 from beatrix_zenoh.legacy import Terminal
-from beatrix_zenoh.legacy.terminal import UNREAD_MAX
-from beatrix_zenoh.legacy.terminal_path import GROUP, GROUP_MODE, LINK_PREFIX
+from beatrix_zenoh.legacy.terminal import GROUP, GROUP_MODE, LINK_PREFIX, UNREAD_MAX
 from hw_node.app import main
 
 PATIENCE_S = 10.0

@@ -113,8 +113,8 @@ class ClassRouter:
 
     def start(self) -> Process:
         """Start the router; return when it is ready."""
-        # cli.child ends with its parent, even if that is killed.
-        words = ("-m", "beatrix_zenoh.cli.child", "router", "--class", str(self.class_file))
+        # With --with-parent it ends with its parent, even if that is killed.
+        words = ("-m", "beatrix_zenoh.cli", "--with-parent", "router", "--class", str(self.class_file))
         process = Process(*words, listens=True, inside=self._inside)
         process.expect("ready")
         return process

@@ -158,9 +158,9 @@ def routing(endpoint: str) -> Iterator[Process]:
 
 def start_router(endpoint: str) -> Process:
     """Start the process of a router; return when it is ready. The caller ends it."""
-    # cli.child ends with its parent, even if that is killed.
+    # With --with-parent it ends with its parent, even if that is killed.
     router = Process(
-        "-m", "beatrix_zenoh.cli.child", "router", "--listen", endpoint, listens=True, traced=False
+        "-m", "beatrix_zenoh.cli", "--with-parent", "router", "--listen", endpoint, listens=True, traced=False
     )
     router.expect("ready")
     return router

@@ -17,13 +17,13 @@ from robots import Process, free_endpoint, start_router
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.cli import network
-from beatrix_zenoh.cli.listing import look_up
-from beatrix_zenoh.cli.top import rows_of
+from beatrix_zenoh.cli import graph
+from beatrix_zenoh.cli.listing import rows_of
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.monitor import Monitor, Seats
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.settings import Settings
+from beatrix_zenoh.terminal.states import look_up
 
 SEATS = 12
 ANSWER_S = 2.0
@@ -98,7 +98,7 @@ class Storm:
 
     def _graph(self, who: str, *, all_left: bool = False) -> None:
         with self._client(who) as client:
-            programs = {program.title: program for program in network.read(client)}
+            programs = {program.title: program for program in graph.read(client)}
         node = programs[f"{NAME} (hw)"]
         stays = [program for title, program in programs.items() if title.startswith(f"seat {STAYS}")]
         assert [program.watches(node) for program in stays] == [["state/positions"]], programs

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from beatrix_zenoh import Refused
-from beatrix_zenoh.cli import checks, serving
+from beatrix_zenoh.cli import serving
+from beatrix_zenoh.doctor import checks
 from sim_node import gl
 
 

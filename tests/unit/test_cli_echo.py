@@ -7,7 +7,7 @@ import time
 import msgspec
 import pytest
 
-from beatrix_zenoh.cli.echo import event_line
+from beatrix_zenoh.cli.streams import event_line
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Phase, Reason
 
 NOON_NS = round(time.mktime((2026, 11, 22, 12, 0, 0, 0, 0, -1)) * 1e9)

@@ -15,13 +15,13 @@ import typer
 
 from beatrix_zenoh import BeatrixError, Interrupted, NoAnswer, Refused
 from beatrix_zenoh.cli import app
-from beatrix_zenoh.cli.options import Json
-from beatrix_zenoh.cli.run import run_command
 from beatrix_zenoh.cli.verbs import VERBS
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.output import CODES, columns
 from beatrix_zenoh.shutdown import FAULT, process
+from beatrix_zenoh.terminal.options import Json
+from beatrix_zenoh.terminal.run import run_command
 
 CLI = (sys.executable, "-m", "beatrix_zenoh.cli")
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import pytest
 
-from beatrix_zenoh.cli.hz import Rate, rate, show_rates
+from beatrix_zenoh.cli.streams import Rate, rate, show_rates
 from beatrix_zenoh.client.subscription import Arrival
 from beatrix_zenoh.contract.errors import NoAnswer
 

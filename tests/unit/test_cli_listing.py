@@ -6,10 +6,10 @@ import msgspec
 import pytest
 from statuses import READY
 
-from beatrix_zenoh.cli.listing import CELL, PROBLEM, WARNINGS, ListedRobot, problems, show, some
-from beatrix_zenoh.cli.top import Row, cells, notes
+from beatrix_zenoh.cli.listing import TableRow, cells, notes, show
 from beatrix_zenoh.contract._generated.messages import Fault, Status
 from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.terminal.states import CELL, PROBLEM, WARNINGS, ListedRobot, problems, some
 
 LONG = "x" * 1000
 HOSTILE = msgspec.structs.replace(
@@ -33,7 +33,7 @@ def test_a_foreign_status_prints_a_bounded_number_of_short_lines(
     found = problems(status)
     assert max(map(len, found)) <= PROBLEM
     assert f"It has {200 - WARNINGS} more warnings." in found
-    row = Row(("bea", "hw"), LONG, None, 50.0, None, LONG, {}, found)
+    row = TableRow(("bea", "hw"), LONG, None, 50.0, None, LONG, {}, found)
     assert max(map(len, cells(resolve(None, None, None), row))) == CELL
     assert len(notes([row])) == len(found)
 

@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 import typer
 
-from beatrix_zenoh.cli.compare import compare, recorded
-from beatrix_zenoh.cli.replay import recorded_path
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.trajectory import plan
@@ -19,6 +17,8 @@ from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import Numbers, Row, of_robot
 from beatrix_zenoh.recording.rrd.stream import Stream
 from beatrix_zenoh.recording.series import Floats
+from beatrix_zenoh.recording.verbs.compare import compare, recorded
+from beatrix_zenoh.recording.verbs.replay import recorded_path
 
 BEGAN_NS = 1_763_000_000_000_000_000
 LAG_S, OFF_DEG = 0.2, 1.5

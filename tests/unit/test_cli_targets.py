@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from beatrix_zenoh import NoAnswer, Refused
-from beatrix_zenoh.cli.options import Which
-from beatrix_zenoh.cli.targets import Selection, is_named, only_name, select_sides
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.settings import Settings
+from beatrix_zenoh.terminal.options import Which
+from beatrix_zenoh.terminal.targets import Selection, is_named, only_name, select_sides
 
 SIM, HW, OTHER = ("bea", "sim"), ("bea", "hw"), ("bob", "hw")
 ENDPOINT = "tcp/127.0.0.1:7447"

@@ -7,7 +7,7 @@ import pytest
 from statuses import READY
 
 from beatrix_zenoh import processes
-from beatrix_zenoh.cli.up import UpOptions, start_robots, verbs
+from beatrix_zenoh.cli.serving import UpOptions, start_robots, verbs
 from beatrix_zenoh.contract._generated.messages import Status
 from beatrix_zenoh.processes import Role, Supervisor
 from beatrix_zenoh.settings import Settings

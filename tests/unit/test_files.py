@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from beatrix_zenoh.cli.demo import RECORDING, copied
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.demo.verbs import RECORDING, copied
 from beatrix_zenoh.files import replace_when_complete
 
 SMALL = 2048

@@ -13,7 +13,9 @@ import pytest
 from robots import free_endpoint, untraced
 
 from beatrix_zenoh import hiding
-from beatrix_zenoh.cli import app, checks, doctor
+from beatrix_zenoh.cli import app
+from beatrix_zenoh.doctor import checks
+from beatrix_zenoh.doctor import verbs as doctor
 
 PROGRAM = """
 from beatrix_zenoh import Robot
@@ -149,8 +151,8 @@ def test_a_missing_or_broken_dependency_is_reported_in_one_line(
 
 
 def test_a_check_of_doctor_that_fails_becomes_a_finding() -> None:
-    def broken() -> Iterator[checks.Finding]:
-        yield checks.Finding("router", "answers")
+    def broken() -> Iterator[checks.CheckResult]:
+        yield checks.CheckResult("router", "answers")
         raise AttributeError("module 'zenoh' has no attribute 'open'")
 
     first, last = doctor.made("router and robots", broken())

@@ -10,11 +10,11 @@ import pytest
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.contract._generated.messages import Detail, Phase, Reason
 from beatrix_zenoh.contract._generated.serial import FrameType, Telemetry, Text
-from beatrix_zenoh.legacy import Cause, Effect
-from beatrix_zenoh.legacy.line import ACK, NACK, Answer, Line, effect_of, readable
-from beatrix_zenoh.legacy.line_queue import CAPACITY, LAST, REFUSED_MAX, LineQueue
+from beatrix_zenoh.legacy import Effect, LineCause
+from beatrix_zenoh.legacy.line import ACK, NACK, Answer, ProgramLine, effect_of, readable
 from beatrix_zenoh.legacy.link import TextLink
 from beatrix_zenoh.legacy.outcomes import explain, misread
+from beatrix_zenoh.legacy.port import CAPACITY, LAST, REFUSED_MAX, LineQueue
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_text_that_the_firmware_does_not_accept_is_not_readable(text: bytes) -> 
     ],
 )
 def test_the_cause_of_a_refusal_is_found_in_the_line_itself(text: bytes, unknown: bool, word: str) -> None:
-    cause = explain(Line(text), unknown=unknown)
+    cause = explain(ProgramLine(text), unknown=unknown)
     assert (cause is not None) == bool(word)
     if cause is not None:
         assert cause.reason is Reason.BAD_VALUE
@@ -148,7 +148,7 @@ class FakeNode:
         self,
         _effect: Effect,
         word: str,
-        outcome: Cause,
+        outcome: LineCause,
         *,
         phase: Phase | None = None,
         detail: Detail | None = None,

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh.cli.recording_summary import missing, outcome
 from beatrix_zenoh.contract.publishers import NUMBERS
 from beatrix_zenoh.recording.loss_report import REPORT_S, LossReport
 from beatrix_zenoh.recording.losses import (
@@ -22,6 +21,7 @@ from beatrix_zenoh.recording.losses import (
 )
 from beatrix_zenoh.recording.rows import Line, Numbers, Row
 from beatrix_zenoh.recording.samples import Samples
+from beatrix_zenoh.recording.verbs.record import missing, outcome
 
 BEA = ("bea", "hw")
 ARMS: Stream = (BEA, POSITIONS)

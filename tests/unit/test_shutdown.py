@@ -11,8 +11,7 @@ from collections.abc import Iterator
 import pytest
 from shell import settings_of_this_process
 
-from beatrix_zenoh.cli.up import watch
-from beatrix_zenoh.processes import Supervisor
+from beatrix_zenoh.processes import Supervisor, watch
 from beatrix_zenoh.shutdown import Shutdown, signals_interrupt
 
 EVERY_S = 20e-6

@@ -9,7 +9,7 @@ import msgspec
 
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Reply
-from beatrix_zenoh.cli.top import Row, cells, stop_words
+from beatrix_zenoh.cli.listing import TableRow, cells, stop_words
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.monitor import STOP_SEATS, EventLog, SeatStops
 from beatrix_zenoh.contract import codec
@@ -72,6 +72,6 @@ def test_the_teacher_sees_the_name_of_the_pupil_who_pressed_stop() -> None:
     teacher = Settings("bea", account.connect, "teacher", account=account)
     stops = SeatStops("zoe", 2, {("bea1", "hw"): 2})
     assert stop_words(teacher, stops) == "Zoë Müller (zoe) 2 times (bea1 hw 2)"
-    row = Row(("bea1", "hw"), "moving", None, 50.0, None, "zoe", {}, [])
+    row = TableRow(("bea1", "hw"), "moving", None, 50.0, None, "zoe", {}, [])
     assert cells(teacher, row)[-1] == "Zoë Müller (zoe)"
     assert stop_words(Settings("bea", "", "ana"), stops).startswith("zoe 2 times")

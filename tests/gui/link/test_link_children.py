@@ -11,9 +11,9 @@ import pytest
 from gui_links import Linked, look
 from robots import Stage, free_endpoint, until
 
-from beatrix_zenoh.cli.recording_files import read_recording
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.processes import Child
+from beatrix_zenoh.recording.verbs.files import read_recording
 from gui.console.link.recordings import folder
 from gui.console.state.actions import (
     BeginRecording,

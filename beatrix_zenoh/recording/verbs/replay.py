@@ -9,10 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.cli.motions import check_lead, show_positions, stop_on_interrupt
-from beatrix_zenoh.cli.options import Connect, Json, Name, On, Who, finite
-from beatrix_zenoh.cli.progress import progress_bar
-from beatrix_zenoh.cli.targets import Selection, Targets, open_targets
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.degrees import FASTEST, SLOWEST, RobotInfo, checked_factor
 from beatrix_zenoh.client.twin import Twin
@@ -20,6 +16,17 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.output import note
+from beatrix_zenoh.recording.verbs.files import read_recording
+from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who, finite
+from beatrix_zenoh.terminal.progress import progress_bar
+from beatrix_zenoh.terminal.targets import (
+    Selection,
+    Targets,
+    check_lead,
+    open_targets,
+    show_positions,
+    stop_on_interrupt,
+)
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
     from beatrix_zenoh.recording.follow import Following
@@ -107,7 +114,6 @@ def recorded_path(file: Path, name: str) -> ArmPath:
     Raises:
         Refused: the recording contains several robots, and none of this name.
     """
-    from beatrix_zenoh.cli.recording_files import read_recording
     from beatrix_zenoh.recording.path import path_of_recording
     from beatrix_zenoh.recording.series import of_samples
 

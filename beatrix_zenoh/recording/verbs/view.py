@@ -10,17 +10,18 @@ from urllib.parse import quote
 
 import typer
 
-from beatrix_zenoh.cli.options import Cameras, Connect, Names, ViewerPort, Who
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.output import FAILED, note, say
+from beatrix_zenoh.recording.verbs.files import describe, note_if_incomplete
 from beatrix_zenoh.recording.viewer import PORT, WEB_PORT, check_recording
 from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.shutdown import POLL_S, Shutdown
+from beatrix_zenoh.terminal.options import Cameras, Connect, Names, ViewerPort, Who
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.recorder import Recorder
     from beatrix_zenoh.recording.viewer import Viewer
 
@@ -54,8 +55,6 @@ def view(
     shutdown.handle_signals()
     page = web_port if web else None
     if file is not None:
-        from beatrix_zenoh.cli.recording_files import describe, note_if_incomplete
-
         check_recording(file)
         viewer = open_viewer(port, str(file), web_port=page)
         try:

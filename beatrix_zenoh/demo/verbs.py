@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import time
@@ -15,18 +16,17 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.cli.options import Json
-from beatrix_zenoh.cli.progress import progress_bar
-from beatrix_zenoh.cli.up import advice, end_on_interrupt, open_window, watch
 from beatrix_zenoh.client.choreography import Choreography, Step, play, shipped
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import replace_when_complete
 from beatrix_zenoh.output import FAILED, note, print_json, say
-from beatrix_zenoh.processes import JOIN, Role, Supervisor
+from beatrix_zenoh.processes import JOIN, Role, Supervisor, advice, end_on_interrupt, watch
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import signals_interrupt
+from beatrix_zenoh.terminal.options import Json
+from beatrix_zenoh.terminal.progress import progress_bar
 
 ROBOT = "demo"
 RECORDING, PLOT = "demo.rrd", "demo.png"
@@ -59,7 +59,8 @@ def demo(
     make_folder(out)
     with signals_interrupt() as shutdown, Supervisor() as supervisor:
         settings = start(supervisor)
-        window = open_window(supervisor, settings) if gui else None
+        where = ("--name", ROBOT, "--connect", settings.connect)
+        window = supervisor.start("window", "gui", *where, role=Role.WINDOW) if gui else None
         supervisor.wait_ready()
         recording = perform(supervisor, settings)
         if recording is None:
@@ -94,9 +95,8 @@ def make_folder(out: Path) -> None:
 
 def start(supervisor: Supervisor) -> Settings:
     """Start router, simulation and virtual robot on a free port, wait for the router only, and return the settings."""
-    from beatrix_zenoh.recording.viewer import HOST, free_port
-
-    settings = Settings(ROBOT, f"tcp/{HOST}:{free_port()}", "visitor")
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        settings = Settings(ROBOT, f"tcp/127.0.0.1:{free.getsockname()[1]}", "visitor")
     note("Starting a router, a simulation, and a second robot: the same firmware on a virtual board.")
     supervisor.start("router", "router", "--listen", settings.connect)
     supervisor.wait_ready()

@@ -13,6 +13,7 @@ import typer
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
+from beatrix_zenoh.classroom import class_file, provision, router_file
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.files import write_private
@@ -21,14 +22,14 @@ from beatrix_zenoh.output import exit_code, note, say
 STDIN = Path("-")
 
 
-class Action(StrEnum):
+class ClassroomAction(StrEnum):
     """Actions of `beatrix classroom`."""
 
     INIT = "init"
 
 
 def classroom(
-    action: Annotated[Action, typer.Argument(help="init: make the accounts that are missing.")],  # noqa: ARG001
+    action: Annotated[ClassroomAction, typer.Argument(help="init: make the accounts that are missing.")],  # noqa: ARG001
     file: Annotated[Path, typer.Argument(metavar="class.toml", help="The class file.")],
     out: Annotated[
         Path | None,
@@ -43,8 +44,6 @@ def classroom(
     All files are for the teacher only, who gives each seat and robot its own file. A repeated run keeps existing
     accounts and adds those of new seats and robots.
     """
-    from beatrix_zenoh.classroom import class_file, provision, router_file
-
     described = class_file.read(file)
     folder = out or router_file.folder(file, described)
     made = provision.init(described, folder)

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from beatrix_zenoh.cli.options import Which
+import typer
+
+from beatrix_zenoh.client.degrees import Reading
 from beatrix_zenoh.client.request import absent_reason
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.stopping import sentence, stop_robots
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
-from beatrix_zenoh.output import note
+from beatrix_zenoh.output import note, print_failure, print_json, say
 from beatrix_zenoh.settings import Settings, resolve
+from beatrix_zenoh.terminal.options import Which
 
 Present = Sequence[tuple[str, str]]
 """Name and side of every robot online."""
@@ -121,3 +126,48 @@ def select_sides(name: str, which: Which | None, present: Present, endpoint: str
     if which is not None:
         return (which.value,)
     return ("hw",) if (name, "hw") in present and (name, "sim") not in present else ("sim",)
+
+
+def check_lead(lead: float, on: Which | None) -> None:
+    """Raise BadParameter for an invalid --lead, or one without --on both."""
+    if lead and on is not Which.BOTH:
+        raise typer.BadParameter("--lead needs --on both: the hardware follows the simulation.")
+    if not (math.isfinite(lead) and lead >= 0):
+        raise typer.BadParameter(f"--lead {lead:g}: give a number of seconds, 0 or more.")
+
+
+@contextlib.contextmanager
+def stop_on_interrupt(robots: list[Robot], *, as_json: bool) -> Iterator[None]:
+    """On Ctrl-C in this block, stop the robots, print their positions at rest, and raise KeyboardInterrupt again."""
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        # If the interrupt has a text, the function that raised it has stopped the robots and states their positions.
+        rests = str(interrupt) or "\n".join(
+            sentence(robot.place, answer.message) for robot, answer in stop_robots(reversed(robots))
+        )
+        if as_json:
+            print_failure(Reason.STOPPED, rests)
+        else:
+            note(rests)
+        raise
+
+
+def show_positions(robots: list[Robot], *, as_json: bool) -> None:
+    """Print the present head and arm angles of the robots (deg)."""
+    readings = [(robot, robot.positions()) for robot in robots]
+    if as_json:
+        print_json({"result": True, "robots": [reading_row(robot, reading) for robot, reading in readings]})
+        return
+    for robot, reading in readings:
+        say(f"{robot}: {reading}")
+
+
+def reading_row(robot: Robot, reading: Reading) -> Mapping[str, object]:
+    """Return a robot and its angles in degrees, for JSON output."""
+    return {
+        "robot": robot.name,
+        "side": robot.side,
+        "head_deg": {axis: round(angle, 3) + 0.0 for axis, angle in reading.head._asdict().items()},
+        "arms_deg": {arm: round(angle, 3) + 0.0 for arm, angle in reading.arms._asdict().items()},
+    }

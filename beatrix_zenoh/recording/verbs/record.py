@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.cli.options import Cameras, Connect, Json, Names, On, ViewerPort, Which, Who, finite
-from beatrix_zenoh.cli.targets import Selection, open_targets
-from beatrix_zenoh.cli.view import leave, open_viewer
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.output import note, print_json, say
+from beatrix_zenoh.output import FAILED, exit_code, note, print_json, say
+from beatrix_zenoh.recording.losses import CONTESTED, PICTURES, Count, Stream, findings, total
+from beatrix_zenoh.recording.verbs.files import repair_recording
+from beatrix_zenoh.recording.verbs.view import leave, open_viewer
 from beatrix_zenoh.recording.viewer import PORT, program
 from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.shutdown import POLL_S, Shutdown
+from beatrix_zenoh.terminal.options import Cameras, Connect, Json, Names, On, ViewerPort, Which, Who, finite
+from beatrix_zenoh.terminal.targets import Selection, open_targets
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.file_output import FileOutput
@@ -128,8 +130,6 @@ def record(
     if file.suffix != RECORDING:
         raise typer.BadParameter(not_a_recording(file, repair=repair))
     if repair:
-        from beatrix_zenoh.cli.recording_files import repair_recording
-
         repair_recording(file, as_json=as_json)
         return
     robots = [names.check_name(robot) for robot in name or []]
@@ -158,7 +158,6 @@ def write_recording(settings: Settings, options: RecordingOptions, *, as_json: b
         NoAnswer: NO_ROUTER.
     """
     program()  # raises before any file is written
-    from beatrix_zenoh.cli.recording_summary import summarise
     from beatrix_zenoh.recording.file_output import FileOutput
     from beatrix_zenoh.recording.live_output import LiveOutput
     from beatrix_zenoh.recording.recorder import Recorder
@@ -259,3 +258,60 @@ def write_motion(
         )
     else:
         say(f"{file}: {points} points. To replay it: beatrix replay {file}")
+
+
+def summarise(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_json: bool) -> int:
+    """Print a summary of the recording, and return the exit code."""
+    robots = [f"{name} ({side})" for name, side in recorder.robots]
+    good, counts = bool(robots) and not output.full, recorder.counts
+    whole = total(counts)
+    if as_json:
+        print_json({
+            "result": good,
+            "files": [str(path) for path in output.files],
+            "robots": robots,
+            "seconds": round(lasted_s, 2),
+            "positions": recorder.samples,
+            **outcome(whole),
+            "streams": [
+                {"robot": name, "side": side, "stream": what, "published": one.published, **outcome(one)}
+                for ((name, side), what), one in counts.items()
+            ],
+            "bytes": output.bytes,
+        })  # fmt: skip
+    elif robots:
+        files = ", ".join(map(str, output.files))
+        for (_, cause), text in findings(counts).items():
+            if cause != CONTESTED:  # the line below says it
+                note(text)
+        say(
+            f"{files}: {lasted_s:.1f} s of {', '.join(robots)}, {recorder.samples} positions, {missing(counts)}, "
+            f"{output.bytes / 1e6:.1f} MB. To view it: beatrix view {output.files[-1]}"
+        )
+    else:
+        note("No robot was online: the recording is empty. `beatrix ls` shows the robots online.")
+    if not robots:
+        return exit_code(Reason.NO_ANSWER)
+    return 0 if good else FAILED
+
+
+def outcome(one: Count) -> dict[str, int | None]:
+    """Return what became of publications, as data; None: unknown."""
+    lost = None if one.contested else one.lost
+    return {"lost": lost, "dropped": one.unwritten, "late": one.late, "repeated": one.repeated}
+
+
+def missing(counts: Mapping[Stream, Count]) -> str:
+    """Return how many publications the recording lacks, in words; pictures apart, because they are often left out."""
+    pictures = total({stream: one for stream, one in counts.items() if stream[1].startswith(PICTURES)})
+    others = total({stream: one for stream, one in counts.items() if not stream[1].startswith(PICTURES)})
+    words = {
+        "lost on the network": others.lost,
+        "dropped": others.unwritten,
+        "pictures lost": pictures.lost + pictures.unwritten,
+    }
+    known = [f"{number} {what}" for what, number in words.items() if number]
+    contested = sorted({f"{name} ({side})" for ((name, side), _), one in counts.items() if one.contested})
+    if contested:
+        known.append(f"losses unknown, because two programs publish the positions of {', '.join(contested)}")
+    return ", ".join(known) or "nothing dropped"

@@ -7,7 +7,6 @@ from typing import Annotated, Final
 
 import typer
 
-from beatrix_zenoh.cli.options import Connect, Json, Who
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -15,6 +14,7 @@ from beatrix_zenoh.contract._generated.messages import NoteQuery, NoteReply, Rea
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.output import exit_code, print_json, say
 from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.terminal.options import Connect, Json, Who
 
 ANSWER_S: Final = 2.0
 NONE: Final = (

@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.cli.options import Connect, Json, Name, Which, Who, finite
-from beatrix_zenoh.cli.progress import progress_bar
-from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.files import replace_when_complete
 from beatrix_zenoh.output import FAILED, note, print_json, say
+from beatrix_zenoh.recording.verbs.files import read_recording
 from beatrix_zenoh.shutdown import signals_interrupt
+from beatrix_zenoh.terminal.options import Connect, Json, Name, Which, Who, finite
+from beatrix_zenoh.terminal.progress import progress_bar
+from beatrix_zenoh.terminal.targets import Selection, open_targets
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
     from beatrix_zenoh.recording.compare import Comparison
@@ -78,8 +79,8 @@ def compare(
     output names each exceeded threshold.
     docs/how-to/compare.md explains the figures.
     """
-    from beatrix_zenoh.cli.comparison_text import as_document, text
     from beatrix_zenoh.recording.thresholds import Thresholds
+    from beatrix_zenoh.recording.verbs.comparison_text import as_document, text
 
     thresholds = Thresholds(max_lag, max_rms, max_largest, max_rest, max_missed)
     sim, hw = live(Selection(name, connect, who), seconds) if source == LIVE else recorded(Path(source), name)
@@ -119,7 +120,6 @@ def live(selection: Selection, seconds: float) -> tuple[LiveRecording, LiveRecor
 
 def recorded(path: Path, name: str | None) -> tuple[LiveRecording, LiveRecording]:
     """Return both robots of a name from a recording; raises Refused if the recording lacks either."""
-    from beatrix_zenoh.cli.recording_files import read_recording
     from beatrix_zenoh.recording.record_robots import LiveRecording
     from beatrix_zenoh.recording.series import of_samples
 

@@ -14,7 +14,7 @@ import typer
 from typer.core import TyperOption
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.output import (
     FAILED,
     INTERRUPTED,
@@ -136,3 +136,18 @@ def unwritten(error: OSError) -> int:
             f"Cannot write the result: {error.strerror}. Free some space, or write the result to another disk."
         )
     return FAILED
+
+
+EXTRAS = {"flash": "hw"}
+"""The extra of each program whose extra has another name than the program."""
+
+
+def missing(process: str, error: ModuleNotFoundError) -> Refused:
+    """Return the refusal for a program that needs a package that is not installed."""
+    text = f"`beatrix {process}` needs {error.name}, which is not installed. {install(process)}"
+    return Refused(Reason.BAD_VALUE, text)
+
+
+def install(process: str) -> str:
+    """Return a sentence with the command that installs the packages of `beatrix PROCESS`."""
+    return f'Run `pip install ".[{EXTRAS.get(process, process)}]"` in the folder of BEATRIX.'

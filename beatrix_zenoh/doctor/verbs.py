@@ -1,26 +1,85 @@
-"""`beatrix doctor --jog`: find swapped or reversed motor plugs by three small motions that the user watches.
+"""`beatrix doctor`: check this computer, the router and the robots; with --jog find swapped or reversed motor plugs.
 
-Questions go to stderr, so that stdout contains only the result.
+The questions of --jog go to stderr, so that stdout contains only the result.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
-from typing import NamedTuple, TypeVar
+from collections.abc import Iterator, Mapping
+from typing import Annotated, NamedTuple, TypeVar
 
 import typer
 
-from beatrix_zenoh.cli.motions import stop_on_interrupt
-from beatrix_zenoh.cli.options import Which
-from beatrix_zenoh.cli.targets import Selection, open_targets
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT
-from beatrix_zenoh.contract.errors import Refused, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.doctor.checks import CheckResult, graphics_probe, network, this_computer
 from beatrix_zenoh.motion.robot_file import fingerprint
 from beatrix_zenoh.output import FAILED, note, print_json, say
+from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.terminal.options import Connect, Json, Name, Which, Who
+from beatrix_zenoh.terminal.targets import Selection, open_targets, stop_on_interrupt
+
+MARKS = {"ok": "ok", "advice": "-", "todo": "!"}
+
+
+def doctor(
+    by_jog: Annotated[
+        bool,
+        typer.Option("--jog", help="Turn the arms of the real robot one by one and ask what you see."),
+    ] = False,
+    name: Name = None,
+    connect: Connect = None,
+    who: Who = None,
+    as_json: Json = False,
+) -> None:
+    """Check router, account and robots, then this computer. The exit code is 1 if something must be done."""
+    if by_jog:
+        jog(Selection(name, connect, who), as_json=as_json)
+        return
+    settings = resolve(None, connect, who)
+    with graphics_probe() as graphics:  # it runs in a process of its own during the checks
+        sections = [
+            (settings.connect, made("router and robots", network(settings, name))),
+            ("this computer", [*made("this computer", this_computer()), graphics()]),
+        ]
+    findings = [finding for _, section in sections for finding in section]
+    wrong = [finding for finding in findings if finding.todo]
+    if as_json:
+        print_json({"result": not wrong, "findings": [finding.as_row() for finding in findings]})
+    else:
+        show(sections)
+        say("\nNo problems found." if not wrong else f"\n{len(wrong)} to do: see the lines that begin with !")
+    if wrong:
+        raise typer.Exit(FAILED)
+
+
+def made(what: str, checks: Iterator[CheckResult]) -> list[CheckResult]:
+    """Return the findings of checks; an unexpected error becomes the last finding, so that the others are shown."""
+    findings: list[CheckResult] = []
+    try:
+        findings.extend(checks)  # keeps the findings before an error
+    except BeatrixError:
+        raise
+    except Exception as error:  # noqa: BLE001  # a broken installation may raise anything
+        text = f"the check ended with {type(error).__name__}: {error}"
+        findings.append(CheckResult(what, text, "install BEATRIX again; if this remains, report it as a bug"))
+    return findings
+
+
+def show(sections: list[tuple[str, list[CheckResult]]]) -> None:
+    """Print the title of each section, a line for each of its findings, and below that line what to do."""
+    width = max(len(finding.what) for _, section in sections for finding in section)
+    for title, section in sections:
+        say(f"{title}:")
+        for finding in section:
+            say(f"  {MARKS[finding.state]:<2}  {finding.what:<{width}}  {finding.found}")
+            if what_to_do := finding.todo or finding.advice:
+                say(f"      {'':<{width}}  -> {what_to_do}")
+
 
 ARMS = ArmAngles._fields
 PLUGS = ("X", "Y", "Z")

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import contextlib
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.output import note, print_json, say
-from beatrix_zenoh.recording.samples import Recorded
 from beatrix_zenoh.recording.viewer import complete, program, repair, verify
+
+if TYPE_CHECKING:  # importing numpy would delay every verb
+    from beatrix_zenoh.recording.samples import Recorded
 
 SUFFIX = ".rrd"
 DAMAGED = ".damaged"

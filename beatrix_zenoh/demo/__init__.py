@@ -1,0 +1,1 @@
+"""`beatrix demo`."""

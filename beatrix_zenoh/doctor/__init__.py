@@ -1,0 +1,1 @@
+"""`beatrix doctor`: its checks, and the question which motor turns."""

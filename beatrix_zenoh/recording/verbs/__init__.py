@@ -1,0 +1,1 @@
+"""The verbs of recordings: record, note, view, compare, replay, export."""

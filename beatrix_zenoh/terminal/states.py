@@ -1,0 +1,154 @@
+"""Robots online, and their states and problems as text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from beatrix_zenoh.client.monitor import Monitor, Presence
+from beatrix_zenoh.client.request import infos as answered_infos
+from beatrix_zenoh.client.request import title
+from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.contract import printable
+from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, FollowState, Info, Status
+
+CELL, PROBLEM = 60, 400
+"""Largest number of characters of a cell and of a line about a problem: any program may send a status."""
+NAMES, WARNINGS = 12, 12
+"""Largest number of names in a line about a robot, and of lines with warnings."""
+BOARD_FAULTS = (Fault.BOARD_LOST, Fault.CONTRACT_MISMATCH)
+"""Faults that the warnings in a status describe in more detail, if there are any."""
+
+FOLLOWING = {
+    FollowState.WAITING: "waits for hw",
+    FollowState.APPROACHING: "moves to hw",
+    FollowState.FOLLOWING: "follows hw",
+    FollowState.PARTED: "parted from hw",
+}
+
+
+class ListedRobot(NamedTuple):
+    """A robot online, and its replies, each None if it did not arrive."""
+
+    place: Place
+    status: Status | None
+    info: Info | None
+
+    def __str__(self) -> str:
+        return f"{self.place[0]} ({self.place[1]})"
+
+
+def look_up(client: Client) -> list[ListedRobot]:
+    """Return all robots online, sorted by name; of each name the simulation comes first."""
+    with Monitor(client) as monitor:
+        return listed(client, monitor)
+
+
+def listed(client: Client, monitor: Monitor) -> list[ListedRobot]:
+    """Return the robots that a monitor reports, with their replies, in the order of `look_up`."""
+    infos = answered_infos(client)
+    monitor.settle()
+    robots = [robot for robot in monitor.robots() if robot.status or robot.presence is not Presence.ABSENT]
+    return [
+        ListedRobot(place, robot.status, infos.get(place))
+        for robot in robots
+        for place in [(robot.robot, robot.side)]
+    ]
+
+
+def short(*cells: str) -> tuple[str, ...]:
+    """Return the cells of a row, each cut to CELL characters."""
+    return tuple(printable.line(cell, CELL) for cell in cells)
+
+
+def some(names: Sequence[str], most: int = NAMES) -> str:
+    """Return the first names, and the number of the others."""
+    others = len(names) - most
+    return ", ".join([*names[:most], *([f"and {others} more"] if others > 0 else [])])
+
+
+def state(status: Status) -> str:
+    """Return the state of a robot in one or two words."""
+    if status.fault is not Fault.NONE:
+        return f"fault {status.fault}"
+    if not status.enabled:
+        return "motors off"
+    if not status.calibrated:
+        return "not calibrated"
+    if status.frozen:
+        return "frozen"
+    if status.following is not FollowState.OFF:
+        return FOLLOWING.get(status.following, status.following)
+    return "moving" if status.moving else "ready"
+
+
+def problems(status: Status | None) -> list[str]:
+    """Return sentences about fault, warnings and lease of a robot; `status` is None if none could be read."""
+    if status is None:
+        return ["is online but sends no readable status: its node hangs, is cut off, or has another version."]
+    found = [*status.warnings[:WARNINGS], *lease_notes(status)]
+    if len(status.warnings) > WARNINGS:
+        found.append(f"It has {len(status.warnings) - WARNINGS} more warnings.")
+    if status.fault is not Fault.NONE and not (status.fault in BOARD_FAULTS and status.warnings):
+        found.insert(0, FAULT_TEXT[status.fault])
+    return [printable.line(problem, PROBLEM) for problem in found]
+
+
+def lease_notes(status: Status) -> list[str]:
+    """Return sentences about freeze, lease, waiting seats and speed limit."""
+    notes = []
+    if status.teacher_latch:
+        notes.append("The teacher has pressed EMERGENCY_STOP; only the teacher resets it: beatrix reset")
+    if status.frozen:
+        notes.append("The teacher has frozen it; only the teacher ends this: beatrix unfreeze")
+    if status.muted:
+        seats = some(status.muted)
+        notes.append(f"The teacher has muted {seats}; only the teacher ends this: beatrix unmute SEAT")
+    if status.lease:
+        notes.append(f"{status.holder} has taken it.")
+    if status.waiting:
+        notes.append(f"Waiting for it: {some(status.waiting)}.")
+    if status.speed_limit:
+        notes.append(f"The arms turn at most {math.degrees(status.speed_limit):.0f}°/s.")
+    return notes
+
+
+def unfrozen_note(frozen: Mapping[Place, bool]) -> list[str]:
+    """Return a sentence that names the robots that are not frozen while others are, or no sentence if all are alike.
+
+    A robot that was not online when the teacher froze the others was not frozen with them.
+    """
+    free = [title(place) for place, is_frozen in frozen.items() if not is_frozen]
+    if not free or len(free) == len(frozen):
+        return []
+    return [
+        f"Not frozen, although others are: {', '.join(free)}. The teacher freezes all with `beatrix freeze`."
+    ]
+
+
+def state_row(status: Status) -> dict[str, object]:
+    """Return the state of a robot for JSON output."""
+    return {
+        "state": state(status),
+        "enabled": status.enabled,
+        "calibrated": status.calibrated,
+        "moving": status.moving,
+        "following": status.following,
+        **lease_row(status),
+        "fault": status.fault,
+        "warnings": status.warnings,
+    }
+
+
+def lease_row(status: Status) -> dict[str, object]:
+    """Return the holder, the waiting seats, and the teacher's freeze and speed limit, for JSON output."""
+    return {
+        "driver": status.holder,
+        "lease": status.lease,
+        "waiting": status.waiting,
+        "frozen": status.frozen,
+        "muted": status.muted,
+        "teacher_latch": status.teacher_latch,
+        "speed_limit_deg_s": round(math.degrees(status.speed_limit), 1),
+    }
