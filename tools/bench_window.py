@@ -24,7 +24,7 @@ from gui.console.state.intents import SetCameras, SetDestination, SetIncrement, 
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.window.run import SIZE, linked_window, qt_application
-from gui.window.widgets.eyes import Picture
+from gui.window.widgets.eyes import CameraPicture
 from gui.window.window import Window
 
 NAME: Final = "bench"
@@ -45,7 +45,7 @@ class Times:
         self.stopped: list[float] = []
         self.shown: list[tuple[float, Outcome]] = []
         self.ages_s: list[float] = []
-        show, ask, stop, paint = window.report, Request.__init__, QueuedStop.send, Picture.paintEvent
+        show, ask, stop, paint = window.report, Request.__init__, QueuedStop.send, CameraPicture.paintEvent
 
         def report(outcome: Outcome) -> None:
             show(outcome)
@@ -60,7 +60,7 @@ class Times:
             stop(queued)
             self.stopped.append(time.monotonic())
 
-        def draw(picture: Picture, event: object) -> None:
+        def draw(picture: CameraPicture, event: object) -> None:
             paint(picture, event)  # type: ignore[arg-type]
             newest = picture._newest  # noqa: SLF001
             if newest is not None:
@@ -69,7 +69,7 @@ class Times:
         window.report = report  # type: ignore[method-assign]
         Request.__init__ = request  # type: ignore[assignment,method-assign]
         QueuedStop.send = send_stop  # type: ignore[assignment,method-assign]
-        Picture.paintEvent = draw  # type: ignore[assignment,method-assign]
+        CameraPicture.paintEvent = draw  # type: ignore[assignment,method-assign]
 
 
 def until(holds: Callable[[], object]) -> None:

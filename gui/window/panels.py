@@ -12,27 +12,23 @@ from gui.console.state.intents import ALL_ARMS, Page, ShowTab, Tab, Theme
 from gui.console.state.views import HistoryRowView, RefusalView, View
 from gui.console.state.world import World
 from gui.console.texts import Texts
+from gui.window.keys import KeySheet
 from gui.window.theme import style_of
-from gui.window.widgets.arms import Arms
-from gui.window.widgets.banner import Banner
+from gui.window.widgets.arms import ArmsPanel
 from gui.window.widgets.class_page import ClassPage
-from gui.window.widgets.commands import Commands
-from gui.window.widgets.eyes import Eyes, OutsideView
-from gui.window.widgets.head import Head
+from gui.window.widgets.commands import CommandsPanel, SendingPanel, StopBar
+from gui.window.widgets.eyes import EyesPanel, OutsideView
+from gui.window.widgets.head import HeadPanel
 from gui.window.widgets.header import Header
-from gui.window.widgets.history import History
-from gui.window.widgets.key_sheet import KeySheet
-from gui.window.widgets.plots import Plots
-from gui.window.widgets.poses import Poses
-from gui.window.widgets.refusal import Refusal
-from gui.window.widgets.sending import Sending
-from gui.window.widgets.stop_bar import StopBar
-from gui.window.widgets.trouble import Trouble
+from gui.window.widgets.history import HistoryPanel
+from gui.window.widgets.notices import Banner, RefusalNotice, TroubleNotice
+from gui.window.widgets.plots import PlotsPanel
+from gui.window.widgets.poses import PosesPanel
 
 LOW_PX = 680
 """Window height at scale 1 below which history and poses are tabs of the middle column."""
 ROOMY_PX = 768
-"""Window height at scale 1 below which `Sending` has no heading and reserves no room for the countdown."""
+"""Window height at scale 1 below which `SendingPanel` has no heading and reserves no room for the countdown."""
 
 
 class Panels(QWidget):
@@ -50,16 +46,16 @@ class Panels(QWidget):
         self._refusal: RefusalView | None = None
         self._question = ""
         self.header, self.banner, self.stop_bar = Header(texts), Banner(), StopBar(texts)
-        self.head, self.arms = Head(texts), Arms(texts)
-        self.heads, self.eyes, self.plots = OutsideView(texts), Eyes(texts), Plots(texts)
-        self.sending, self.commands = Sending(texts), Commands(texts)
-        self.history, self.poses = History(texts), Poses(texts)
+        self.head, self.arms = HeadPanel(texts), ArmsPanel(texts)
+        self.heads, self.eyes, self.plots = OutsideView(texts), EyesPanel(texts), PlotsPanel(texts)
+        self.sending, self.commands = SendingPanel(texts), CommandsPanel(texts)
+        self.history, self.poses = HistoryPanel(texts), PosesPanel(texts)
         self.tabs, self.side = QTabWidget(), QTabWidget()
         self.body, self.class_page = QWidget(), ClassPage(texts)
         self.class_page.hide()
         self.pages = QWidget()
         self._lay_out()
-        self.refusal, self.trouble = Refusal(texts, self.pages), Trouble(texts, self.pages)
+        self.refusal, self.trouble = RefusalNotice(texts, self.pages), TroubleNotice(texts, self.pages)
         self.key_sheet = KeySheet(texts, self.pages)
         self._connect()
 

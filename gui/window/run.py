@@ -1,4 +1,4 @@
-"""The window's process: Qt's loop, signals, errors, and saving of choices."""
+"""The process of the window: Qt, the bridge from the link's threads, saved choices, and the end."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import contextlib
 import logging
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from types import TracebackType
 
 import msgspec
-from PyQt5.QtCore import QSize, Qt, QTimer
+from PyQt5.QtCore import QObject, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtWidgets import QApplication
 
@@ -20,9 +20,8 @@ from beatrix_zenoh.shutdown import Shutdown, ignore_signals
 from gui.console.link import Link
 from gui.console.state import saved
 from gui.console.state.intents import Theme
+from gui.console.state.saved import Saved
 from gui.console.state.state import State
-from gui.window.autosave import Autosave
-from gui.window.bridge import Bridge
 from gui.window.window import Window
 
 SAVE_MS = 1000
@@ -32,6 +31,70 @@ SIGNAL_MS = 100
 none."""
 SIZE = (1366, 768)
 logger = logging.getLogger("beatrix.window")
+
+
+class Autosave:
+    """Writes the changes of this window, and keeps those that other windows have saved in the meantime."""
+
+    def __init__(self, state: State) -> None:
+        """Treat the present choices as already saved."""
+        self._state, self._file = state, saved.path()
+        self._kept: Saved = state.saved
+
+    def save_changes(self) -> None:
+        """Write the changes since the last call, if any; log a failure, which must not end the window."""
+        mine = self._state.saved
+        if mine == self._kept:
+            return
+        before, self._kept = self._kept, mine
+        try:
+            theirs, _ = saved.load(self._file)
+            saved.save(self._file, saved.merged(before, mine, theirs))
+        except OSError as error:
+            logger.warning("The choices of the window cannot be saved: %s.", error)
+
+
+class Bridge(QObject):
+    """Runs calls of other threads in the thread that created this object, which is Qt's thread.
+
+    `post` queues every call. `post_latest` keeps only the newest call of a slot, for pictures: a slow window skips
+    pictures and never falls behind.
+    """
+
+    _queued = pyqtSignal(object)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._lock = threading.Lock()
+        self._newest: dict[Hashable, Callable[[], None]] = {}
+        self._closed = False
+        self._queued.connect(self._run)  # a call from another thread is queued by Qt
+
+    def post(self, call: Callable[[], None]) -> None:
+        """Run `call` in Qt's thread; any thread may post. No call begins after `close`."""
+        if not self._closed:
+            self._queued.emit(call)
+
+    def post_latest(self, slot: Hashable, call: Callable[[], None]) -> None:
+        """Run `call` as `post` does, but replace a waiting call of the same slot."""
+        with self._lock:
+            waiting = slot in self._newest
+            self._newest[slot] = call
+        if not waiting:
+            self.post(lambda: self._run_newest(slot))
+
+    def _run_newest(self, slot: Hashable) -> None:
+        with self._lock:
+            call = self._newest.pop(slot)
+        call()
+
+    def _run(self, call: Callable[[], None]) -> None:
+        if not self._closed:
+            call()
+
+    def close(self) -> None:
+        """Drop the calls that wait, and all later ones."""
+        self._closed = True
 
 
 def run(settings: Settings, theme: Theme | None, language: str | None, *, name_given: bool) -> int:

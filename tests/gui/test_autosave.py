@@ -11,7 +11,7 @@ from gui.console.state import intents, saved
 from gui.console.state.intents import Theme
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
-from gui.window.autosave import Autosave
+from gui.window.run import Autosave
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from gui.console.state.views import EyeView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets import eyes
-from gui.window.widgets.eyes import Eyes, OutsideView, Picture
+from gui.window.widgets.eyes import CameraPicture, EyesPanel, OutsideView
 
 RED, BLUE = (220, 20, 20), (20, 20, 220)
 WORDS = Texts("en")
@@ -61,15 +61,15 @@ def decoder(monkeypatch: pytest.MonkeyPatch) -> Decoder:
 
 
 @pytest.fixture
-def picture(qtbot: QtBot) -> Picture:
-    made = Picture(WORDS)
+def picture(qtbot: QtBot) -> CameraPicture:
+    made = CameraPicture(WORDS)
     qtbot.addWidget(made)
     made.resize(400, 400)
     made.show_view(ON)
     return made
 
 
-def colour(widget: Picture | Eyes | OutsideView, x: float, y: float) -> tuple[int, int, int]:
+def colour(widget: CameraPicture | EyesPanel | OutsideView, x: float, y: float) -> tuple[int, int, int]:
     """Return the colour at a point of the widget; x and y are fractions of its size."""
     image = widget.grab().toImage()
     pixel = image.pixelColor(int(x * image.width()), int(y * image.height()))
@@ -80,7 +80,7 @@ def alike(one: tuple[int, int, int], other: tuple[int, int, int]) -> bool:
     return max(abs(a - b) for a, b in zip(one, other, strict=True)) < 20
 
 
-def test_a_picture_keeps_its_aspect_ratio(picture: Picture) -> None:
+def test_a_picture_keeps_its_aspect_ratio(picture: CameraPicture) -> None:
     picture.show_image(picture_of(RED))
     assert alike(colour(picture, 0.5, 0.5), RED)
     field = QColor(style_of(Theme.DARK).field)
@@ -90,7 +90,7 @@ def test_a_picture_keeps_its_aspect_ratio(picture: Picture) -> None:
 
 
 def test_only_the_newest_picture_is_decoded_and_only_when_visible(
-    qtbot: QtBot, picture: Picture, decoder: Decoder
+    qtbot: QtBot, picture: CameraPicture, decoder: Decoder
 ) -> None:
     for seq in range(100):
         picture.show_image(picture_of(RED, seq=seq))
@@ -104,7 +104,9 @@ def test_only_the_newest_picture_is_decoded_and_only_when_visible(
     assert len(decoder.seen) == 1, "each picture is decoded once"
 
 
-def test_at_most_thirty_pictures_a_second_are_drawn(qtbot: QtBot, picture: Picture, decoder: Decoder) -> None:
+def test_at_most_thirty_pictures_a_second_are_drawn(
+    qtbot: QtBot, picture: CameraPicture, decoder: Decoder
+) -> None:
     picture.show()
     qtbot.waitExposed(picture)
     begin_s = time.monotonic()
@@ -118,7 +120,7 @@ def test_at_most_thirty_pictures_a_second_are_drawn(qtbot: QtBot, picture: Pictu
     assert len(decoder.seen) <= spent_s * 1e3 / eyes.PERIOD_MS + 2
 
 
-def test_a_text_replaces_a_missing_picture(picture: Picture) -> None:
+def test_a_text_replaces_a_missing_picture(picture: CameraPicture) -> None:
     picture.show_image(picture_of(RED))
     picture.show_view(OFF)
     assert not alike(colour(picture, 0.5, 0.8), RED)
@@ -133,7 +135,7 @@ def test_a_text_replaces_a_missing_picture(picture: Picture) -> None:
     "jpeg", [b"", b"nonsense", bytes(1000), simplejpeg.encode_jpeg(np.zeros((8, 8, 3), np.uint8))[:40]]
 )
 @pytest.mark.qt_log_ignore("JPEG")  # libjpeg logs a warning
-def test_a_damaged_picture_is_reported_and_the_next_is_shown(picture: Picture, jpeg: bytes) -> None:
+def test_a_damaged_picture_is_reported_and_the_next_is_shown(picture: CameraPicture, jpeg: bytes) -> None:
     picture.show_image(picture_of(RED))
     picture.show_image(of_bytes(jpeg, seq=2))
     shown = picture.grab().toImage()
@@ -145,7 +147,9 @@ def test_a_damaged_picture_is_reported_and_the_next_is_shown(picture: Picture, j
     assert alike(colour(picture, 0.5, 0.5), BLUE)
 
 
-def test_the_shown_rate_is_that_of_the_camera_and_a_stale_picture_shows_its_age(picture: Picture) -> None:
+def test_the_shown_rate_is_that_of_the_camera_and_a_stale_picture_shows_its_age(
+    picture: CameraPicture,
+) -> None:
     for seq in range(0, 30, 3):  # two of three pictures are lost
         picture.show_image(picture_of(RED, seq=seq, t_s=seq / 15))
     picture.show_view(ON)
@@ -156,7 +160,7 @@ def test_the_shown_rate_is_that_of_the_camera_and_a_stale_picture_shows_its_age(
 
 
 def test_both_eyes_of_both_robots_have_their_places(qtbot: QtBot) -> None:
-    shown = Eyes(WORDS)
+    shown = EyesPanel(WORDS)
     qtbot.addWidget(shown)
     shown.resize(640, 520)
     all_eyes = [
@@ -184,7 +188,7 @@ def test_the_outside_view_shows_no_picture_of_an_eye(qtbot: QtBot) -> None:
     assert alike(colour(shown, 0.5, 0.5), RED)
 
 
-def test_a_picture_whose_header_claims_too_many_pixels_is_not_decoded(picture: Picture) -> None:
+def test_a_picture_whose_header_claims_too_many_pixels_is_not_decoded(picture: CameraPicture) -> None:
     """Height and width follow the marker 0xFFC0, the length of its segment and the precision."""
     jpeg = bytearray(picture_of(RED).jpeg)
     at = jpeg.index(b"\xff\xc0") + 5

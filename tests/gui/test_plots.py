@@ -22,16 +22,16 @@ from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets import plots as plots_module
-from gui.window.widgets.plots import CAPACITY, History, Plots, difference, sample_time_s, span
+from gui.window.widgets.plots import CAPACITY, History, PlotsPanel, difference, sample_time_s, span
 
 Arms = tuple[float, float, float]
 LAG_S = 0.2
 
 
 @pytest.fixture
-def plots(qtbot: QtBot, monkeypatch: pytest.MonkeyPatch) -> Plots:
+def plots(qtbot: QtBot, monkeypatch: pytest.MonkeyPatch) -> PlotsPanel:
     monkeypatch.setattr(plots_module, "PERIOD_S", 0.0)
-    made = Plots(Texts("en"))
+    made = PlotsPanel(Texts("en"))
     qtbot.addWidget(made)
     made.resize(600, 500)
     return made
@@ -54,7 +54,7 @@ def ramp(time_s: float) -> float:
     return 10 * max(0.0, time_s - 5)
 
 
-def fill(plots: Plots, arms: Callable[[float], Arms], seconds: float = 10.0) -> None:
+def fill(plots: PlotsPanel, arms: Callable[[float], Arms], seconds: float = 10.0) -> None:
     """Append 20 worlds a second; the hardware lags by LAG_S."""
     for tick in range(round(seconds * 20) + 1):
         now_s = tick / 20
@@ -67,7 +67,7 @@ def curve(line: PlotDataItem) -> np.ndarray:
     return np.array((times, angles))
 
 
-def test_the_plots_show_the_lag_of_the_hardware(plots: Plots) -> None:
+def test_the_plots_show_the_lag_of_the_hardware(plots: PlotsPanel) -> None:
     fill(plots, lambda time_s: (ramp(time_s), 0, 0))
     plots.show()
     hw, sim = (curve(line) for line in plots.arms[0].lines)
@@ -80,7 +80,7 @@ def test_the_plots_show_the_lag_of_the_hardware(plots: Plots) -> None:
     assert curve(plots.arms[1].lines[0])[1] == pytest.approx(0.0)
 
 
-def test_hidden_plots_draw_nothing_and_keep_samples(plots: Plots) -> None:
+def test_hidden_plots_draw_nothing_and_keep_samples(plots: PlotsPanel) -> None:
     fill(plots, lambda time_s: (ramp(time_s), 0, 0))
     line = plots.arms[0].lines[0]
     assert line.getData()[0] is None
@@ -92,7 +92,9 @@ def test_hidden_plots_draw_nothing_and_keep_samples(plots: Plots) -> None:
     assert (curve(line) == before).all()
 
 
-def test_curves_are_drawn_at_most_20_times_a_second(plots: Plots, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_curves_are_drawn_at_most_20_times_a_second(
+    plots: PlotsPanel, monkeypatch: pytest.MonkeyPatch
+) -> None:
     plots.append(world_at(1.0))
     plots.show()
     monkeypatch.setattr(plots_module, "PERIOD_S", 60.0)
@@ -156,14 +158,14 @@ def test_an_axis_has_round_limits(lowest: float, highest: float, limits: tuple[f
     assert (low, high) == limits
 
 
-def test_another_robot_begins_with_empty_plots(plots: Plots) -> None:
+def test_another_robot_begins_with_empty_plots(plots: PlotsPanel) -> None:
     plots.show()
     fill(plots, lambda _: (10, 0, 0), seconds=1)
     plots.append(replace(world_at(1.05), robot="bea2"))
     assert curve(plots.arms[0].lines[0])[1].tolist() == [0.0]
 
 
-def test_plots_without_samples_show_a_hint(plots: Plots) -> None:
+def test_plots_without_samples_show_a_hint(plots: PlotsPanel) -> None:
     plots.show()
     assert plots.empty.isVisible()
     plots.append(gui_worlds.world(gui_worlds.absent("sim"), gui_worlds.absent("hw")))
@@ -173,7 +175,7 @@ def test_plots_without_samples_show_a_hint(plots: Plots) -> None:
 
 
 @pytest.mark.parametrize("theme", Theme)
-def test_each_theme_has_its_colours_and_widths(plots: Plots, theme: Theme) -> None:
+def test_each_theme_has_its_colours_and_widths(plots: PlotsPanel, theme: Theme) -> None:
     plots.show_theme(theme)
     hw, sim = (line.opts["pen"] for line in plots.arms[0].lines)
     assert sim.color() == QColor(style_of(theme).sim)
@@ -188,7 +190,7 @@ def test_each_theme_has_its_colours_and_widths(plots: Plots, theme: Theme) -> No
     assert corner.name() == style_of(theme).field
 
 
-def test_nan_angles_are_ignored(plots: Plots) -> None:
+def test_nan_angles_are_ignored(plots: PlotsPanel) -> None:
     plots.show()
     plots.append(world_at(1.0, (math.nan, 0, 0)))
     plots.append(world_at(1.1, (5, 0, 0)))

@@ -18,9 +18,9 @@ from gui.console.state.intents import Theme
 from gui.console.state.views import Orientation
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.eyes import Eyes, OutsideView
-from gui.window.widgets.head_pad import HeadPad
-from gui.window.widgets.plots import Plots
+from gui.window.widgets.eyes import EyesPanel, OutsideView
+from gui.window.widgets.head import HeadPad
+from gui.window.widgets.plots import PlotsPanel
 from gui.window.window import Window
 
 PAGE = (ROOT / "docs/how-to/window.md").read_text(encoding="utf-8")
@@ -32,12 +32,14 @@ def test_the_tabs_of_the_middle_are_heads_eyes_and_plots(window: Window) -> None
     tabs = window.panels.tabs
     names = [tabs.tabText(number) for number in range(tabs.count())]
     assert f"| {', '.join(names)} |" in PAGE
-    for number, kind in enumerate((OutsideView, Eyes, Plots)):
+    for number, kind in enumerate((OutsideView, EyesPanel, PlotsPanel)):
         tabs.setCurrentIndex(number)
         page = tabs.currentWidget()
         assert page is not None
         assert [
-            kind for kind in (OutsideView, Eyes, Plots) if isinstance(page, kind) or page.findChildren(kind)
+            kind
+            for kind in (OutsideView, EyesPanel, PlotsPanel)
+            if isinstance(page, kind) or page.findChildren(kind)
         ] == [kind]
 
 

@@ -43,7 +43,7 @@ from gui.console.state.intents import (
     Undo,
 )
 from gui.console.state.views import Orientation
-from gui.window.widgets.head_pad import HeadPad
+from gui.window.widgets.head import HeadPad
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]

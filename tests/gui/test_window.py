@@ -35,8 +35,7 @@ from gui.console.state.intents import (
     Tab,
     Theme,
 )
-from gui.window.bridge import Bridge
-from gui.window.run import begin_size, errors_shown
+from gui.window.run import Bridge, begin_size, errors_shown
 from gui.window.theme import style_of
 from gui.window.window import Window
 

@@ -53,7 +53,7 @@ class ArmRow:
             button.setAccessibleName(f"{view.title} {shown.text}")
 
 
-class Arms(QFrame):
+class ArmsPanel(QFrame):
     """The rows of the arms, the mode of + and -, increment and speed."""
 
     intent = pyqtSignal(object)

@@ -41,7 +41,7 @@ def decode(jpeg: bytes) -> QImage | None:
     return None if image.isNull() else image
 
 
-class Picture(QWidget):
+class CameraPicture(QWidget):
     """The newest picture of one camera under its title, or the reason why there is none.
 
     Pictures are decoded only when drawn: none while the widget is hidden, and at most 30 a second.
@@ -181,7 +181,7 @@ class Picture(QWidget):
         painter.restore()
 
 
-class Eyes(QWidget):
+class EyesPanel(QWidget):
     """The pictures of the eyes: a row for each robot, the left eye on the left."""
 
     def __init__(self, texts: Texts) -> None:
@@ -189,7 +189,7 @@ class Eyes(QWidget):
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
         grid.setSpacing(6)
-        self.pictures = {(side, eye): Picture(texts) for side in SIDES for eye in EYES}
+        self.pictures = {(side, eye): CameraPicture(texts) for side in SIDES for eye in EYES}
         for (side, eye), picture in self.pictures.items():
             grid.addWidget(picture, SIDES.index(side), EYES.index(eye))
 
@@ -216,7 +216,7 @@ class OutsideView(QWidget):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
-        self.picture = Picture(texts)
+        self.picture = CameraPicture(texts)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self.picture)

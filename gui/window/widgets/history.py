@@ -21,7 +21,7 @@ from gui.window.theme import style_of
 from gui.window.widgets.controls import label
 
 
-class History(QWidget):
+class HistoryPanel(QWidget):
     """The list of requests, newest first."""
 
     intent = pyqtSignal(object)

@@ -186,7 +186,7 @@ class Curves:
         self.plot.getAxis("left").setWidth(colours.px(34))
 
 
-class Plots(QWidget):
+class PlotsPanel(QWidget):
     """A plot for each arm, thin for the simulation and wide for the hardware, and one of their difference.
 
     The times are the robots' own stamps, so that a lag of the hardware is visible. While the widget is hidden, samples

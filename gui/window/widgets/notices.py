@@ -1,12 +1,12 @@
-"""A refusal beside the control of the request: the sentence, the alternative, and a button to hide it."""
+"""Sentences over the panels: the next action needed, an error of the window, a refusal beside its control."""
 
 from __future__ import annotations
 
 from PyQt5.QtCore import QPoint, pyqtSignal
-from PyQt5.QtWidgets import QFrame, QHBoxLayout, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QFrame, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
 from gui.console.state.intents import DismissRefusal
-from gui.console.state.views import ButtonView, RefusalView
+from gui.console.state.views import BannerView, ButtonView, RefusalView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import IntentButton, label, set_text
 
@@ -14,7 +14,76 @@ WIDTH_PX = 290
 GAP_PX = 4
 
 
-class Refusal(QFrame):
+class Banner(QFrame):
+    """A sentence and buttons for the next step; hidden while there is nothing to do."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._view: BannerView | None = None
+        self.setProperty("notice", True)  # noqa: FBT003
+        self.text = label(role="title", wrap=True)
+        self.buttons: list[IntentButton] = []
+        self._layout = QHBoxLayout(self)
+        self._layout.setContentsMargins(10, 4, 6, 4)
+        self._layout.addWidget(self.text, 1)
+        self.hide()
+
+    def show_view(self, view: BannerView | None) -> None:
+        """Show the banner, or hide it."""
+        if view == self._view:
+            return
+        self._view = view
+        if view is not None:
+            set_text(self.text, view.text)
+            while len(self.buttons) < len(view.buttons):
+                button = IntentButton(main=not self.buttons)
+                button.intent.connect(self.intent)
+                self.buttons.append(button)
+                self._layout.addWidget(button)
+            for button, shown in zip(self.buttons, view.buttons, strict=False):
+                button.show_view(shown)
+            for number, button in enumerate(self.buttons):
+                button.setVisible(number < len(view.buttons))
+        self.setVisible(view is not None)
+
+
+class TroubleNotice(QFrame):
+    """A line over the lower edge of the panels, until the user closes it."""
+
+    def __init__(self, texts: Texts, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setProperty("notice", True)  # noqa: FBT003
+        self.text = label(wrap=True)
+        self.close_button = QPushButton(texts("label.dismiss"))
+        self.close_button.setAutoDefault(False)
+        self.close_button.setToolTip(texts("tip.dismiss"))
+        self.close_button.setAccessibleName(texts("label.dismiss"))
+        self.close_button.clicked.connect(self.hide)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(10, 4, 6, 4)
+        layout.addWidget(self.text, 1)
+        layout.addWidget(self.close_button)
+        self.hide()
+
+    def show_text(self, text: str) -> None:
+        """Show an error."""
+        set_text(self.text, f"✕ {text}")
+        self.setAccessibleName(text)
+        self.show()
+        self.place()
+        self.raise_()
+
+    def place(self) -> None:
+        """Move to the lower edge of the parent, above STOP."""
+        parent = self.parentWidget()
+        if parent is not None:
+            height = max(self.sizeHint().height(), self.heightForWidth(parent.width()))
+            self.setGeometry(0, parent.height() - height, parent.width(), height)
+
+
+class RefusalNotice(QFrame):
     """A frame over the panels next to the control, so that no control moves; also shows questions of buttons."""
 
     intent = pyqtSignal(object)
