@@ -96,31 +96,6 @@ def _wait_for_turn(robot: RobotBase, holder: str, deadline_s: float) -> str:
     return holder
 
 
-def freeze(robot: RobotBase) -> LeaseReply:
-    """Stop a robot and let only the teacher move it; raises Refused (TEACHER_ONLY) for other seats."""
-    return ask(robot, LeaseAction.FREEZE)
-
-
-def unfreeze(robot: RobotBase) -> LeaseReply:
-    """Let every seat move a robot again; raises the errors of `freeze`."""
-    return ask(robot, LeaseAction.UNFREEZE)
-
-
-def limit_speed(robot: RobotBase, speed: float | None) -> LeaseReply:
-    """Limit the speed of every arm to `speed` (deg/s; None ends the limit); raises Refused, or WrongUsage for 0."""
-    return ask(robot, LeaseAction.LIMIT, 0.0 if speed is None else limit_of(speed))
-
-
-def mute(robot: RobotBase, seat: str) -> LeaseReply:
-    """Let a seat only watch a robot: its motion and its lease end, and its requests are refused; raises as `freeze`."""
-    return ask(robot, LeaseAction.MUTE, seat=seat)
-
-
-def unmute(robot: RobotBase, seat: str) -> LeaseReply:
-    """End the mute of a seat; raises the errors of `freeze`."""
-    return ask(robot, LeaseAction.UNMUTE, seat=seat)
-
-
 def limit_of(speed: float) -> float:
     """Return a speed limit in rad/s from one in deg/s; raises WrongUsage (BAD_VALUE) unless it is above 0."""
     if checked_number("speed", speed, "deg/s") <= 0:

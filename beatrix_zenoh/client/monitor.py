@@ -14,7 +14,6 @@ from typing import Generic, NamedTuple, Self, TypeVar
 import msgspec
 
 from beatrix_zenoh.bus import ProcessBound, Received, Reply
-from beatrix_zenoh.client.clocks import Offsets, clock_offsets
 from beatrix_zenoh.client.degrees import Reading, reading
 from beatrix_zenoh.client.request import matching_robot
 from beatrix_zenoh.client.session import Client, Place
@@ -61,8 +60,6 @@ class RobotState:
     """positions per second over the last second"""
     events: tuple[Event, ...]
     """oldest first"""
-    offsets: Offsets | None
-    """clock offsets after `Monitor.measure_clocks`"""
     stops: tuple[tuple[str, int], ...] = ()
     """seats that have sent STOP to this robot, empty for an unknown one, and how often, the most frequent first"""
 
@@ -156,7 +153,7 @@ class EventLog:
         return tuple(self._stops.most_common())
 
 
-class Record:
+class RobotRecord:
     """All stored data of one robot."""
 
     def __init__(self, client: Client, robot: str, side: str, events: int) -> None:
@@ -165,7 +162,6 @@ class Record:
         self.positions = Channel(client, keys.positions(robot, side), Positions)
         self.status = Channel(client, keys.status(robot, side), Status)
         self.events = EventLog(client, keys.events(robot, side), events)
-        self.offsets: Offsets | None = None
 
     def state(self) -> RobotState:
         """Return the current state."""
@@ -182,7 +178,6 @@ class Record:
             positions_age_s=positions_age_s,
             hz=self.positions.rate(now),
             events=self.events.read(),
-            offsets=self.offsets,
             stops=self.events.stops(),
         )
 
@@ -232,7 +227,7 @@ class Monitor(ProcessBound):
         self._wakeup = Wakeup()
         self._adding = threading.Lock()
         self._changes = self._seen = 0
-        self._records: dict[Place, Record] = {}
+        self._records: dict[Place, RobotRecord] = {}
         self._puts: dict[str, Callable[[bytes], None]] = {}
         bus = client.bus
         # This query must precede the subscription to tokens: just after it, Zenoh would return an empty list.
@@ -297,10 +292,10 @@ class Monitor(ProcessBound):
         self._puts |= puts
         return puts.get(key)
 
-    def _record(self, place: Place) -> Record | None:
+    def _record(self, place: Place) -> RobotRecord | None:
         with self._adding:
             if place not in self._records and len(self._records) < ROBOTS:
-                self._records[place] = Record(self._client, *place, self._events)
+                self._records[place] = RobotRecord(self._client, *place, self._events)
             return self._records.get(place)
 
     def _changed(self) -> None:
@@ -337,15 +332,7 @@ class Monitor(ProcessBound):
     def robot(self, name: str, side: str) -> RobotState:
         """Return the state of one robot; its presence is ABSENT if nothing has arrived from it."""
         record = self._records.get((name, side))
-        return (Record(self._client, name, side, 0) if record is None else record).state()
-
-    def measure_clocks(self, name: str, side: str) -> Offsets:
-        """Measure the offsets of a robot's clocks and add them to its states; raises the errors of `clock_offsets`."""
-        offsets = clock_offsets(self._client, name, side)
-        record = self._record((name, side))
-        if record is not None:
-            record.offsets = offsets
-        return offsets
+        return (RobotRecord(self._client, name, side, 0) if record is None else record).state()
 
     def close(self) -> None:
         """End the subscriptions. May be called twice."""
@@ -368,7 +355,7 @@ class Seats:
         client.bus.watch_tokens(keys.seat("*", "*"), self._on_token)
 
     def _on_token(self, key: str, alive: bool) -> None:  # noqa: FBT001
-        """Record on Zenoh's thread that a session of a seat has begun or ended."""
+        """RobotRecord on Zenoh's thread that a session of a seat has begun or ended."""
         parts = keys.parse(key)
         if parts is not None and alive:
             if len(self._sessions) < SESSIONS:

@@ -13,7 +13,7 @@ from robots import ready, until
 
 from beatrix_zenoh import Robot, Subscription
 from beatrix_zenoh.client import Client, lease
-from beatrix_zenoh.contract._generated.messages import Status
+from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.node.callers import RETURN_S
 from beatrix_zenoh.settings import Settings
@@ -53,8 +53,8 @@ def test_a_restart_for_a_new_seat_keeps_lease_queue_mute_and_freeze(tmp_path: Pa
         waiter = stack.enter_context(ThreadPoolExecutor())
         held = ready(ana).lease()
         waits = waiter.submit(lease.take, ben, PATIENCE_S)
-        lease.mute(teacher, "cleo")
-        lease.freeze(teacher)
+        lease.ask(teacher, LeaseAction.MUTE, seat="cleo")
+        lease.ask(teacher, LeaseAction.FREEZE)
         until(lambda: ana.status().waiting == ["ben"], "ben waits")
         statuses = stack.enter_context(ana.status_stream())
 
@@ -70,7 +70,7 @@ def test_a_restart_for_a_new_seat_keeps_lease_queue_mute_and_freeze(tmp_path: Pa
         for status in [*statuses_for(statuses, RETURN_S + 0.5), dora.status()]:
             assert (status.holder, status.lease, status.waiting) == ("ana", held.number, ["ben"])
             assert (status.frozen, status.muted) == (True, ["cleo"])
-        lease.unfreeze(teacher)
+        lease.ask(teacher, LeaseAction.UNFREEZE)
         ana.look(yaw=2, speed=60)
         held.close()
         assert waits.result(PATIENCE_S) == held.number + 1

@@ -22,8 +22,8 @@ def left_free(body: Body) -> Iterator[None]:
     """Free the robot after the test: a seat that moved it would hold it for some time."""
     yield
     teacher = body.robot("teacher")
-    lease.unfreeze(teacher)
-    lease.limit_speed(teacher, None)
+    lease.ask(teacher, LeaseAction.UNFREEZE)
+    lease.ask(teacher, LeaseAction.LIMIT)
     lease.ask(teacher, LeaseAction.GIVE_BACK)
     until(lambda: teacher.status().holder == "", "the robot is free", 6.0)
     body.stage.close_clients()
@@ -95,10 +95,10 @@ def test_a_motion_under_an_earlier_lease_is_refused(body: Body, robot: Robot) ->
 def test_a_frozen_robot_moves_for_the_teacher_only(body: Body, robot: Robot) -> None:
     teacher = body.robot("teacher")
     with pytest.raises(Refused) as refused:
-        lease.freeze(robot)
+        lease.ask(robot, LeaseAction.FREEZE)
     assert reason_of(refused) is Reason.TEACHER_ONLY
     motion = robot.look(yaw=25, wait=False)
-    lease.freeze(teacher)
+    lease.ask(teacher, LeaseAction.FREEZE)
     with pytest.raises(Interrupted, match="by the teacher, who has frozen the robot"):
         motion.wait()
     assert robot.status().frozen
@@ -106,21 +106,25 @@ def test_a_frozen_robot_moves_for_the_teacher_only(body: Body, robot: Robot) -> 
         robot.look(yaw=0)
     assert reason_of(refused) is Reason.FROZEN
     teacher.look(yaw=1, speed=60)
-    lease.unfreeze(teacher)
+    lease.ask(teacher, LeaseAction.UNFREEZE)
     assert not robot.status().frozen
 
 
 def test_the_speed_limit_of_the_teacher_stops_and_refuses_faster_motions(body: Body, robot: Robot) -> None:
     teacher = body.robot("teacher")
     with pytest.raises(Refused) as refused:
-        lease.limit_speed(teacher, 2.0)
+        lease.ask(teacher, LeaseAction.LIMIT, lease.limit_of(2.0))
     assert reason_of(refused) is Reason.SPEED_LIMIT
     motion = robot.look(yaw=60, speed=30, wait=False)
-    assert "A faster motion was stopped" in lease.limit_speed(teacher, 10.0).message
+    assert (
+        "A faster motion was stopped" in lease.ask(teacher, LeaseAction.LIMIT, lease.limit_of(10.0)).message
+    )
     with pytest.raises(Interrupted, match="by the teacher, whose new speed limit is lower"):
         motion.wait()
     home = robot.look(yaw=0, wait=False)
-    assert "stopped" not in lease.limit_speed(teacher, 10.0).message, "this motion is slow enough"
+    assert "stopped" not in lease.ask(teacher, LeaseAction.LIMIT, lease.limit_of(10.0)).message, (
+        "this motion is slow enough"
+    )
     home.wait()
     with pytest.raises(
         Refused, match=r"the teacher's limit of 10\.0°/s applies\. Try a speed of 10\.0°/s"
@@ -129,7 +133,7 @@ def test_the_speed_limit_of_the_teacher_stops_and_refuses_faster_motions(body: B
     assert reason_of(refused) is Reason.SPEED_LIMIT
     assert robot.look(yaw=5).duration > 0.5
     assert robot.status().speed_limit == pytest.approx(0.1745, abs=0.001)
-    lease.limit_speed(teacher, None)
+    lease.ask(teacher, LeaseAction.LIMIT)
     robot.look(yaw=0, speed=60)
 
 

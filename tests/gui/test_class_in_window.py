@@ -24,8 +24,8 @@ def teacher(stage: Stage) -> Iterator[Windowed]:
         yield made
     for side in ("sim", "hw"):
         robot = stage.robot("bea", side, "teacher")
-        lease.unfreeze(robot)
-        lease.limit_speed(robot, None)
+        lease.ask(robot, LeaseAction.UNFREEZE)
+        lease.ask(robot, LeaseAction.LIMIT)
         lease.ask(robot, LeaseAction.GIVE_BACK)
 
 

@@ -380,10 +380,6 @@ def test_clock_offsets_on_the_same_computer_are_zero(stage: Stage, robot: Robot)
     for offset in (wall, mono, clock_offsets(robot.client, "bea", "hw", tries=3).wall):
         assert abs(offset.offset) <= offset.bound + 1e-4
         assert offset.bound_ns == pytest.approx(offset.bound * 1e9, abs=1)
-    with Monitor(robot.client) as monitor:
-        assert monitor.robot("bea", "hw").offsets is None
-        measured = monitor.measure_clocks("bea", "hw")
-        assert monitor.robot("bea", "hw").offsets == measured
 
 
 def test_the_error_names_a_missing_router() -> None:

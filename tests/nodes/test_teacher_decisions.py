@@ -60,19 +60,19 @@ def kept(tmp_path: Path) -> Iterator[Place]:
 
 def test_freeze_limit_and_mute_outlive_a_restart_until_the_teacher_lifts_them(kept: Place) -> None:
     assert not kept.file.exists()
-    lease.freeze(kept.boss)
-    lease.limit_speed(kept.boss, 20)
-    lease.mute(kept.boss, "ben")
+    lease.ask(kept.boss, LeaseAction.FREEZE)
+    lease.ask(kept.boss, LeaseAction.LIMIT, lease.limit_of(20))
+    lease.ask(kept.boss, LeaseAction.MUTE, seat="ben")
     kept.restart()
     status = kept.ana.status()
     assert (status.frozen, status.muted) == (True, ["ben"])
     assert status.speed_limit == pytest.approx(math.radians(20))
     assert kept.refused(kept.ana.enable) is Reason.FROZEN
     assert kept.refused(kept.ben.enable) is Reason.MUTED
-    lease.unfreeze(kept.boss)
-    lease.limit_speed(kept.boss, None)
+    lease.ask(kept.boss, LeaseAction.UNFREEZE)
+    lease.ask(kept.boss, LeaseAction.LIMIT)
     assert kept.file.read_text() == 'muted = ["ben"]\n'
-    lease.unmute(kept.boss, "ben")
+    lease.ask(kept.boss, LeaseAction.UNMUTE, seat="ben")
     assert not kept.file.exists()
     kept.restart()
     kept.ana.enable()
@@ -81,13 +81,13 @@ def test_freeze_limit_and_mute_outlive_a_restart_until_the_teacher_lifts_them(ke
 def test_a_node_process_keeps_the_decisions_in_the_folder_of_its_user() -> None:
     with Stage() as stage:
         first = stage.hardware("kept")
-        lease.freeze(stage.robot("kept", "hw", "teacher"))
+        lease.ask(stage.robot("kept", "hw", "teacher"), LeaseAction.FREEZE)
         first.end()
         assert (files.user_folder() / "robots" / "kept.hw.toml").read_text() == "frozen = true\n"
         stage.hardware("kept")
         robot = stage.robot("kept", "hw", "teacher")
         assert robot.status().frozen
-        lease.unfreeze(robot)
+        lease.ask(robot, LeaseAction.UNFREEZE)
 
 
 def test_an_emergency_stop_of_the_teacher_is_the_teachers_to_reset_also_after_a_restart(kept: Place) -> None:
@@ -107,9 +107,9 @@ def test_an_emergency_stop_of_the_teacher_is_the_teachers_to_reset_also_after_a_
 
 def test_every_seat_resets_an_emergency_stop_of_a_student_unless_the_robot_is_frozen(kept: Place) -> None:
     kept.ana.emergency_stop()
-    lease.freeze(kept.boss)
+    lease.ask(kept.boss, LeaseAction.FREEZE)
     assert kept.refused(kept.ben.reset) is Reason.FROZEN
-    lease.unfreeze(kept.boss)
+    lease.ask(kept.boss, LeaseAction.UNFREEZE)
     kept.ben.reset()
 
 
@@ -122,7 +122,7 @@ def test_a_broken_file_freezes_the_robot_with_a_sentence_and_unfreeze_mends_it(
 ) -> None:
     with Stage() as stage:
         kept = Place(stage, tmp_path)
-        lease.freeze(kept.boss)
+        lease.ask(kept.boss, LeaseAction.FREEZE)
         kept.file.write_text(content)
         kept.restart()
         try:
@@ -131,7 +131,7 @@ def test_a_broken_file_freezes_the_robot_with_a_sentence_and_unfreeze_mends_it(
             assert any(
                 "beatrix unfreeze" in warning and str(kept.file) in warning for warning in status.warnings
             )
-            lease.unfreeze(kept.boss)
+            lease.ask(kept.boss, LeaseAction.UNFREEZE)
             assert not kept.file.exists()
             kept.ana.enable()
         finally:
@@ -140,7 +140,7 @@ def test_a_broken_file_freezes_the_robot_with_a_sentence_and_unfreeze_mends_it(
 
 def test_a_decision_that_cannot_be_kept_is_in_force_with_a_warning(kept: Place) -> None:
     (kept.folder / "robots").write_text("a file in place of the folder")
-    lease.freeze(kept.boss)
+    lease.ask(kept.boss, LeaseAction.FREEZE)
     status = kept.ana.status()
     assert status.frozen
     assert any("a restart of this robot's program ends it" in warning for warning in status.warnings)
@@ -152,7 +152,7 @@ def test_mute_stops_the_motion_of_the_seat_and_the_next_one_gets_the_robot(kept:
     motion = kept.ana.look(yaw=60, speed=20, wait=False)
     until(lambda: kept.ana.positions().commanded.short > 1, "moving")
     lease.ask(kept.ben, LeaseAction.WAIT)
-    lease.mute(kept.boss, "ana")
+    lease.ask(kept.boss, LeaseAction.MUTE, seat="ana")
     with pytest.raises(Interrupted, match="has muted this seat"):
         motion.wait()
     assert kept.ben.status().holder == "ben"
@@ -173,7 +173,7 @@ def test_mute_stops_the_motion_of_the_seat_and_the_next_one_gets_the_robot(kept:
 
 def test_the_stop_of_a_muted_seat_stops_no_other_seat_and_is_recorded(kept: Place) -> None:
     ready(kept.ben)
-    lease.mute(kept.boss, "ana")
+    lease.ask(kept.boss, LeaseAction.MUTE, seat="ana")
     motion = kept.ben.look(yaw=10, speed=20, wait=False)
     with kept.ben.events(timeout_s=20.0) as events:
         for stop in (kept.ana.stop, kept.ana.emergency_stop):
@@ -186,12 +186,12 @@ def test_the_stop_of_a_muted_seat_stops_no_other_seat_and_is_recorded(kept: Plac
 
 @pytest.mark.parametrize("seat", ["teacher", "Ana", "", OLD_PROGRAMS])
 def test_mute_refuses_the_teacher_and_invalid_seats(kept: Place, seat: str) -> None:
-    assert kept.refused(lambda: lease.mute(kept.boss, seat)) is Reason.BAD_VALUE
+    assert kept.refused(lambda: lease.ask(kept.boss, LeaseAction.MUTE, seat=seat)) is Reason.BAD_VALUE
     assert kept.boss.status().muted == []
 
 
 def test_only_the_teacher_mutes(kept: Place) -> None:
-    assert kept.refused(lambda: lease.mute(kept.ana, "ben")) is Reason.TEACHER_ONLY
+    assert kept.refused(lambda: lease.ask(kept.ana, LeaseAction.MUTE, seat="ben")) is Reason.TEACHER_ONLY
 
 
 @pytest.mark.parametrize("taken", [True, False], ids=["taken", "by its motion"])

@@ -120,7 +120,6 @@ def robot(
         positions_age_s=age_s if here and arms is not None else None,
         hz=50.0,
         events=events,
-        offsets=None,
     )
 
 

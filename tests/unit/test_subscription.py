@@ -12,7 +12,7 @@ import pytest
 from statuses import READY
 
 from beatrix_zenoh.bus import Received, Reply
-from beatrix_zenoh.client.monitor import Channel, EventLog, Presence, Record
+from beatrix_zenoh.client.monitor import Channel, EventLog, Presence, RobotRecord
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription, message
 from beatrix_zenoh.contract import codec
@@ -186,7 +186,7 @@ def test_earlier_and_new_events_are_merged(client: FakeClient) -> None:
 def test_the_presence_of_a_robot_follows_its_token_and_positions(
     client: FakeClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    record = Record(cast("Client", client), "bea", "hw", 0)
+    record = RobotRecord(cast("Client", client), "bea", "hw", 0)
     assert record.state().presence is Presence.ABSENT
     record.alive = True
     assert record.state().presence is Presence.SILENT

@@ -63,7 +63,6 @@ class Published:
             positions_age_s=self.age_s,
             hz=50.0,
             events=(),
-            offsets=None,
         )
 
     def status(self) -> Status:

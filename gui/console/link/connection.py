@@ -223,4 +223,4 @@ class Connection:
 
 def absent(robot: str, side: str) -> RobotState:
     """Return the state of a robot that has published nothing."""
-    return RobotState(robot, side, Presence.ABSENT, None, None, None, None, 0.0, (), None)
+    return RobotState(robot, side, Presence.ABSENT, None, None, None, None, 0.0, ())

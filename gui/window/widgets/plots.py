@@ -86,8 +86,6 @@ def sample_time_s(state: RobotState, now_s: float) -> float:
     """Return the time at which positions were measured, by the monotonic clock of this computer (s)."""
     assert state.positions is not None
     stamp_s = state.positions.t_mono_ns / 1e9
-    if state.offsets is not None:
-        return stamp_s - state.offsets.mono.certain
     arrived_s = now_s - (state.positions_age_s or 0.0)
     return stamp_s if abs(stamp_s - arrived_s) < FOREIGN_S else arrived_s
 
