@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from beatrix_zenoh.bus.declarations import CLOSED as CLOSED
-from beatrix_zenoh.bus.description import describe as describe
 from beatrix_zenoh.bus.endpoint import endpoints as endpoints
 from beatrix_zenoh.bus.endpoint import is_listening as is_listening
 from beatrix_zenoh.bus.endpoint import is_local as is_local
@@ -25,3 +24,4 @@ from beatrix_zenoh.bus.session import connect as connect
 from beatrix_zenoh.bus.session import hanging_router as hanging_router
 from beatrix_zenoh.bus.sessions import Sessions as Sessions
 from beatrix_zenoh.bus.sessions import SessionWatchdog as SessionWatchdog
+from beatrix_zenoh.bus.sessions import describe as describe

@@ -1,18 +1,19 @@
-"""The Zenoh sessions of a process, and the watchdog that checks them.
+"""The Zenoh sessions of a process, the watchdog that checks them, and the description of the program from their keys.
 
 Each traffic class has a session, so that a flood in one class does not delay the others.
 """
 
 from __future__ import annotations
 
+import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from pathlib import Path
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.bus.description import describe
 from beatrix_zenoh.bus.incoming import Incoming, Received
 from beatrix_zenoh.bus.publication import Publication
-from beatrix_zenoh.bus.session import HEALTH, HEALTHY, Bus
+from beatrix_zenoh.bus.session import HEALTH, HEALTHY, PUBLISHER, QUERYABLE, SUBSCRIBER, Bus
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import ProgramInfo, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
@@ -187,3 +188,38 @@ def reached(checked: Bus, through: Bus) -> bool:
     finally:
         query.close()
     return False
+
+
+COMMAND_LINES = ("beatrix", "beatrix.exe", "cli")
+"""Names of programs whose first argument is a verb; `cli`: `python -m beatrix_zenoh.cli`."""
+
+
+def describe(sessions: Iterable[Bus], side: str = "") -> ProgramInfo:
+    """Return the description of this program; `side` is that of a node. Fast enough for Zenoh's threads."""
+    buses = list(sessions)
+
+    def declared(kind: str) -> list[str]:
+        return sorted({key for bus in buses for key in bus.declared(kind)})
+
+    return ProgramInfo(
+        program=program_name(sys.argv),
+        side=side,
+        serves=[key for key in declared(QUERYABLE) if not _is_description(key)],
+        publishes=declared(PUBLISHER),
+        subscribes=declared(SUBSCRIBER),
+        asks=sorted({key for bus in buses for key in bus.asked()}),
+    )
+
+
+def program_name(words: list[str]) -> str:
+    """Return the name of the program with these command-line words: `lesson.py`, `beatrix gui` or `python`."""
+    path = Path(words[0] if words else "")
+    name = path.parent.name if path.name == "__main__.py" else path.name
+    if name in COMMAND_LINES:
+        return " ".join(["beatrix", *words[1:2]])
+    return "python" if name in ("", "-c") else name
+
+
+def _is_description(key: str) -> bool:
+    parts = keys.parse(key)
+    return parts is not None and parts.row == "program"

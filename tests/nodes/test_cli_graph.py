@@ -14,7 +14,7 @@ from router_storm import SEATS, storm
 from shell import NAME, Shell
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus.description import program_name
+from beatrix_zenoh.bus.sessions import program_name
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Clock, ProgramInfo

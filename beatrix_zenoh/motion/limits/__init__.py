@@ -14,13 +14,12 @@ from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits.alternatives import in_single, typed_speed
-from beatrix_zenoh.motion.limits.motion import PlannedMotion
 from beatrix_zenoh.motion.limits.path_check import TILT, YAW, Bounds, PathChecker
 from beatrix_zenoh.motion.limits.path_check import TILT_KNOWN_BEYOND as TILT_KNOWN_BEYOND
 from beatrix_zenoh.motion.limits.path_check import known_tilt as known_tilt
 from beatrix_zenoh.motion.limits.refusal import RefusalBuilder, Rules
 from beatrix_zenoh.motion.rotation import tilt_of
-from beatrix_zenoh.motion.trajectory import Trajectory
+from beatrix_zenoh.motion.trajectory import PlannedMotion, Trajectory
 
 _REACH_MARGIN: Final = math.radians(1.0)
 _ROUNDING: Final = 1e-9

@@ -11,10 +11,9 @@ from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits.alternatives import furthest, in_single, nearest_pose, typed_speed
-from beatrix_zenoh.motion.limits.motion import PlannedMotion
 from beatrix_zenoh.motion.limits.path_check import GAP, TILT, Bounds, PathChecker, Violation
 from beatrix_zenoh.motion.rotation import tilt_of
-from beatrix_zenoh.motion.trajectory import Trajectory
+from beatrix_zenoh.motion.trajectory import PlannedMotion, Trajectory
 
 _SAMPLES: Final = 24
 _PAIRS: Final = (["short", "middle"], ["middle", "long"], ["long", "short"])
