@@ -10,7 +10,7 @@ from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Gear
-from beatrix_zenoh.node import ArmState, Component, Context
+from beatrix_zenoh.node import ArmState, Component, Node
 from hw_node.cameras import PATTERN, Camera, CameraChoice, same_for_both
 from hw_node.port import VIRTUAL, SerialPort, find
 
@@ -42,9 +42,9 @@ class Hardware:
     def straighten(self) -> None:
         """Do nothing: a person has set the head upright."""
 
-    def components(self, context: Context) -> list[Component]:
+    def components(self, node: Node) -> list[Component]:
         """Return a component for each camera."""
-        return [Camera(context, choice.eye, choice.build()) for choice in self._cameras]
+        return [Camera(node, choice.eye, choice.build()) for choice in self._cameras]
 
     def plant(self) -> PlantStatus | None:
         """Return None: only a simulation has a plant."""

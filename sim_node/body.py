@@ -11,14 +11,14 @@ from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
-from beatrix_zenoh.node import ArmState, Component, Context, Preview, PreviewHandler
+from beatrix_zenoh.node import ArmState, Component, Node
 from sim_node.clock import StepClock
 from sim_node.eyes import Eyes
 from sim_node.following.handler import FollowHandler
 from sim_node.model import TIMESTEP_MS
 from sim_node.painter import SceneState
 from sim_node.plant import Plant
-from sim_node.preview import simulate_motion
+from sim_node.preview import Preview, PreviewHandler, simulate_motion
 from sim_node.target import Target, TargetHandler, TargetPath
 from sim_node.viewer import Viewer, ViewerFeed
 
@@ -123,17 +123,15 @@ class Simulation:
         with self._lock:
             self._plant.straighten()
 
-    def components(self, context: Context) -> list[Component]:
+    def components(self, node: Node) -> list[Component]:
         """Return the components that only a simulation has: previews, following, the person, rendered eyes, and the viewer."""
         parts: list[Component] = [
-            PreviewHandler(context, self.preview),
-            FollowHandler(context, at_start=self._follow),
-            TargetHandler(context, self._target, time.monotonic),
+            PreviewHandler(node.name, node.controller, self.preview),
+            FollowHandler(node.requests, node.controller, node.snapshot, at_start=self._follow),
+            TargetHandler(node.name, self._target, time.monotonic),
         ]
         if self._eyes_hz > 0:
-            parts.append(
-                Eyes(context, self._robot, self._eyes_hz, self.scene_state, lambda: self._clock.late)
-            )
+            parts.append(Eyes(node, self._robot, self._eyes_hz, self.scene_state, lambda: self._clock.late))
         if self._viewer is not None:
             parts.append(ViewerFeed(self._viewer, self.scene_state))
         return parts

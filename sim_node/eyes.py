@@ -15,8 +15,9 @@ from typing import Final
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.robot import RobotData
-from beatrix_zenoh.node import CameraFrame, CameraPublisher, Component, Context, StatusFields
+from beatrix_zenoh.node import CameraFrame, CameraPublisher, Component, Node, StatusFields
 from sim_node import gl
 from sim_node.painter import SceneState
 from sim_node.rate import FrameRate
@@ -52,7 +53,7 @@ class Eyes(Component):
 
     def __init__(
         self,
-        context: Context,
+        node: Node,
         robot: RobotData,
         hz: float,
         scene_state: Callable[[], SceneState],
@@ -61,7 +62,7 @@ class Eyes(Component):
         """Create the eyes; the drawing process starts with the first subscriber.
 
         Args:
-            context: the context of the node.
+            node: the node whose name the pictures have.
             robot: values of the robot that is drawn.
             hz: pictures a second of each camera, if this computer has the time.
             scene_state: returns the present scene.
@@ -70,7 +71,10 @@ class Eyes(Component):
         self._robot, self._scene_state, self._late_steps = robot, scene_state, late_steps
         self._rate = FrameRate(hz)
         self._wake, self._closed = threading.Event(), threading.Event()
-        self._publishers = {view: CameraPublisher(context, view, "", self._wake.set) for view in names.VIEWS}
+        self._publishers = {
+            view: CameraPublisher(keys.camera(node.name, node.side, view), node.events, "", self._wake.set)
+            for view in names.VIEWS
+        }
         self._rounds = 0
         self._lock = threading.Lock()
         self._renderer: Renderer | None = None

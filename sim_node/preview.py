@@ -1,13 +1,25 @@
-"""Preview of a motion: the same firmware and physics, on copies, faster than real time."""
+"""Previews of motions: their queries, and the same firmware and physics on copies, faster than real time.
+
+A thread of its own answers, so that previews never delay the robot.
+"""
 
 from __future__ import annotations
 
 import math
+import queue
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Final
 
+from beatrix_zenoh import threads
 from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
 from beatrix_zenoh.board.virtual import Firmware
-from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.bus import Incoming, Sessions, query_forms
+from beatrix_zenoh.bus.query_forms import RawQuery
+from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Head, PreviewReply, Reason
 from beatrix_zenoh.contract._generated.serial import (
     ERROR_REASON,
     ERROR_TEXT,
@@ -22,11 +34,34 @@ from beatrix_zenoh.contract._generated.serial import (
     MoveStraight,
     Telemetry,
 )
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
-from beatrix_zenoh.node.interfaces import PREVIEW_MAX_S, Preview
+from beatrix_zenoh.node import Component
+from beatrix_zenoh.node.controller import MotionController
+from beatrix_zenoh.node.planner import vector
+from beatrix_zenoh.node.requests import own_key, seat_of
 from sim_node.model import TIMESTEP_MS
 from sim_node.plant import Plant
+
+PREVIEW_MAX_S = 60.0
+"""Longest duration (s) of a motion in a preview."""
+
+
+@dataclass(frozen=True)
+class Preview:
+    """Result of a motion on a copy of the robot.
+
+    `arms` and `head` (yaw, pitch, roll), in rad, are the angles at the times `t` (s) after the start; `tilt_max` and
+    `gap_min` (rad) are the largest tilt and the smallest gap during the motion.
+    """
+
+    duration_s: float
+    tilt_max: float
+    gap_min: float
+    t: list[float]
+    arms: list[Arms]
+    head: list[Arms]
+
 
 LONGEST_MS: Final = round(PREVIEW_MAX_S * 1000)
 """Longest preview (simulated ms), in case the firmware takes longer than was computed before."""
@@ -153,3 +188,97 @@ def _check(ack: SerialFrame) -> None:
     error = Error(ack.payload[0])
     if error is not Error.OK:
         raise Refused(ERROR_REASON[error], f"The firmware refuses this motion: {ERROR_TEXT[error]}.")
+
+
+CAPACITY: Final = 8
+"""Largest number of waiting previews; further ones are refused."""
+
+
+class PreviewHandler(Component):
+    """Answers preview queries one after the other."""
+
+    def __init__(
+        self, name: str, controller: MotionController, carry_out: Callable[[Move | MoveStraight], Preview]
+    ) -> None:
+        """Store `carry_out`, which runs a motion on a copy of the robot and may raise BeatrixError."""
+        self._key, self._controller, self._carry_out = keys.preview(name, "*"), controller, carry_out
+        self._waiting: queue.Queue[Incoming | None] = queue.Queue(maxsize=CAPACITY)
+        self._thread: threading.Thread | None = None
+
+    def start(self, sessions: Sessions) -> None:
+        self._thread = threads.start(self._run, "preview")
+        sessions.serve(self._key, self._query)
+
+    def _query(self, incoming: Incoming) -> None:
+        """Queue a query, on Zenoh's thread; refuse it if the queue is full."""
+        try:
+            self._waiting.put_nowait(incoming)
+        except queue.Full:
+            self._reply(incoming, preview_refusal(refusals.queue_full(CAPACITY)))
+
+    def _reply(self, incoming: Incoming, reply: PreviewReply) -> None:
+        key = own_key(self._key, seat_of(incoming.key, self._key))
+        incoming.reply(key, *incoming.raw.answer(reply))
+        incoming.finish()
+
+    def _run(self) -> None:
+        while (incoming := self._waiting.get()) is not None:
+            try:
+                reply = preview_reply(self._preview(incoming.raw))
+            except BeatrixError as error:
+                reply = preview_refusal(error)
+            self._reply(incoming, reply)
+
+    def _preview(self, raw: RawQuery) -> Preview:
+        query = query_forms.read_motion_or_pose(raw)
+        controller = self._controller
+        if controller.access.following:
+            raise Refused(Reason.FOLLOWING)
+        goal = controller.planner.goal(query, controller.board.ready_telemetry(), controller.last_goal)
+        if goal.duration > PREVIEW_MAX_S:
+            raise refusals.motion_too_long(goal.duration, PREVIEW_MAX_S)
+        return self._carry_out(goal.frame(0))
+
+    def close(self) -> None:
+        """Refuse the waiting previews, finish the running one, and end the thread."""
+        while not self._waiting.empty():
+            try:
+                incoming = self._waiting.get_nowait()
+            except queue.Empty:
+                break
+            if incoming is not None:
+                self._reply(incoming, preview_refusal(Refused(Reason.SHUTDOWN)))
+        self._waiting.put(None)
+        if self._thread is not None:
+            self._thread.join(timeout=2.0)
+
+
+def preview_reply(preview: Preview) -> PreviewReply:
+    """Return the reply to a preview."""
+    return PreviewReply(
+        result=True,
+        reason=Reason.OK,
+        message=f"Possible: {preview.duration_s:.1f} s.",
+        duration=preview.duration_s,
+        tilt_max=preview.tilt_max,
+        gap_min=preview.gap_min,
+        t=preview.t,
+        arms=[vector(arms) for arms in preview.arms],
+        head=[Head(*head) for head in preview.head],
+    )
+
+
+def preview_refusal(error: BeatrixError) -> PreviewReply:
+    """Return the reply to a refused preview."""
+    return PreviewReply(
+        result=False,
+        reason=error.reason,
+        message=error.message,
+        duration=0.0,
+        tilt_max=0.0,
+        gap_min=0.0,
+        t=[],
+        arms=[],
+        head=[],
+        detail=error.detail,
+    )

@@ -13,7 +13,7 @@ from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetQuery, TargetReply
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.node import Component, Context
+from beatrix_zenoh.node import Component
 from sim_node.shapes import Point
 
 BOUNDS: Final = {"x": (-1.9, 2.3), "y": (-2.0, 2.0), "z": (-0.6, 1.1)}
@@ -90,8 +90,8 @@ class Target:
 class TargetHandler(Component):
     """Answers queries that set or read the place of the person, on its own thread."""
 
-    def __init__(self, context: Context, target: Target, clock_s: Callable[[], float]) -> None:
-        self._key = keys.target(context.name)
+    def __init__(self, name: str, target: Target, clock_s: Callable[[], float]) -> None:
+        self._key = keys.target(name)
         self._target, self._clock_s = target, clock_s
         self._worker: ThreadPoolExecutor | None = None
 

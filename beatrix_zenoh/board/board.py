@@ -10,11 +10,13 @@ from typing import Final
 from beatrix_zenoh.board.connection import BoardConnection
 from beatrix_zenoh.board.link import SerialFrame, encode
 from beatrix_zenoh.board.state import BoardLink, Port, TelemetrySample, not_connected
+from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import (
     ERROR_REASON,
     ERROR_TEXT,
+    BoardState,
     Error,
     FrameType,
     Move,
@@ -121,6 +123,23 @@ class Board:
         """Raise NoAnswer (BOARD_LOST or CONTRACT_MISMATCH) unless the board is connected."""
         if not self.connected:
             raise not_connected(self.link)
+
+    def ready_telemetry(self) -> Telemetry:
+        """Return the newest telemetry of a robot that is ready to move.
+
+        Raises:
+            Refused or NoAnswer: the robot is not ready to move; the message says why and what to do.
+        """
+        telemetry = self.telemetry
+        if telemetry is None or not self.link.connected:
+            raise not_connected(self.link)
+        state = telemetry.state
+        refusals.check_ready(
+            emergency=bool(state & BoardState.EMERGENCY),
+            enabled=bool(state & BoardState.ENABLED),
+            calibrated=bool(state & BoardState.CALIBRATED),
+        )
+        return telemetry
 
     def request(self, kind: FrameType, payload: bytes = b"") -> None:
         """Send a request and wait for its acknowledgement; without one, send it again, TRIES times in all.

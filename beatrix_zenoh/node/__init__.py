@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from beatrix_zenoh.node.camera import CameraFrame as CameraFrame
 from beatrix_zenoh.node.camera import CameraPublisher as CameraPublisher
-from beatrix_zenoh.node.context import Context as Context
-from beatrix_zenoh.node.context import RobotBody as RobotBody
 from beatrix_zenoh.node.interfaces import ArmState as ArmState
 from beatrix_zenoh.node.interfaces import Component as Component
-from beatrix_zenoh.node.interfaces import Preview as Preview
 from beatrix_zenoh.node.interfaces import StatusFields as StatusFields
 from beatrix_zenoh.node.node import Node as Node
-from beatrix_zenoh.node.preview import PreviewHandler as PreviewHandler

@@ -37,7 +37,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
-class Action(Enum):
+class Operation(Enum):
     """The kinds of requests that the access rules distinguish."""
 
     MOVE = auto()
@@ -54,10 +54,10 @@ class Action(Enum):
     EMERGENCY_STOP = auto()
 
 
-ALWAYS = (Action.STOP, Action.EMERGENCY_STOP)
-MOVING = (Action.MOVE, Action.FOLLOW, Action.ENABLE, Action.CALIBRATE)
+ALWAYS = (Operation.STOP, Operation.EMERGENCY_STOP)
+MOVING = (Operation.MOVE, Operation.FOLLOW, Operation.ENABLE, Operation.CALIBRATE)
 """Actions that are refused under the emergency latch."""
-FROZEN = (*MOVING, Action.DISABLE, Action.RESET)
+FROZEN = (*MOVING, Operation.DISABLE, Operation.RESET)
 """Actions that are refused while the robot is frozen; DISABLE too, because without motor power the head may sink."""
 
 
@@ -72,12 +72,12 @@ class Teacher:
     latch: bool = False
     """whether the teacher has pressed EMERGENCY_STOP, so that only the teacher may clear the latch"""
 
-    def check(self, action: Action, seat: str, *, latched: bool) -> None:
+    def check(self, action: Operation, seat: str, *, latched: bool) -> None:
         """Check mute, latch and freeze; raises Refused (MUTED, TEACHER_ONLY, EMERGENCY or FROZEN)."""
         others = seat != TEACHER
         if seat in self.muted:
             raise refusals.muted(seat)
-        if action is Action.RESET and self.latch and others:
+        if action is Operation.RESET and self.latch and others:
             raise Refused(Reason.TEACHER_ONLY, detail=Detail(needs=["RESET"]))
         if action in MOVING and latched:
             raise refusals.emergency_latched(TEACHER if self.latch and others else "")
@@ -130,7 +130,7 @@ class Access:
 
     @_locked
     def authorize(
-        self, action: Action, caller: Caller, now_s: float, *, resting: bool = True, lease: int = 0
+        self, action: Operation, caller: Caller, now_s: float, *, resting: bool = True, lease: int = 0
     ) -> None:
         """Raise Refused unless the caller may request the action now.
 
@@ -144,20 +144,20 @@ class Access:
         if action in ALWAYS:
             return
         began_s = self._sessions.heard(caller, now_s)
-        pause = self._pauses.restart(caller, now_s, began_s) if action is Action.MOVE else None
+        pause = self._pauses.restart(caller, now_s, began_s) if action is Operation.MOVE else None
         if self._sessions.has_ended(caller):
             raise Refused(Reason.CLIENT_LOST)
-        if action is Action.GOVERN:
+        if action is Operation.GOVERN:
             if caller.seat != TEACHER:
                 raise Refused(Reason.TEACHER_ONLY, detail=Detail(holder=caller.seat))
             return
         self.teacher.check(action, caller.seat, latched=self.latched)
-        if action is Action.RESET:
+        if action is Operation.RESET:
             return
         self.lease.check(caller, lease, now_s)
-        if self.following and action in (Action.MOVE, Action.CALIBRATE):
+        if self.following and action in (Operation.MOVE, Operation.CALIBRATE):
             raise Refused(Reason.FOLLOWING)
-        if action not in (Action.MOVE, Action.FOLLOW):
+        if action not in (Operation.MOVE, Operation.FOLLOW):
             return
         # Accept a motion of a program of 2023 after its own STOP: the firmware delays the motion until the arms rest.
         stop = self.last_stop
@@ -176,7 +176,7 @@ class Access:
         Raises:
             Refused: MUTED, EMERGENCY, FROZEN or STOPPED, if this was so after `authorize`.
         """
-        self.teacher.check(Action.MOVE, caller.seat, latched=self.latched)
+        self.teacher.check(Operation.MOVE, caller.seat, latched=self.latched)
         if not self.last_stop.resting and caller.session != TEXT_SESSION:
             raise refusals.coming_to_rest(self.last_stop.seat)
         self.begun += 1

@@ -13,7 +13,7 @@ from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract._generated.serial import BoardState, Telemetry, Text, TextWarning
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.interfaces import Component, HardwareInterface, StatusFields
-from beatrix_zenoh.node.requests import RequestQueue
+from beatrix_zenoh.node.requests import ControllerQueue
 
 BOARD_READY_S = 1.7
 """Time (s) within which a board that was reset by opening its port sends telemetry."""
@@ -33,7 +33,7 @@ class Observer(NamedTuple):
 class BoardWatch(Component):
     """Owns the board. The callbacks of the board run on its thread and only queue calls for the controller's thread."""
 
-    def __init__(self, hardware: HardwareInterface, access: Access, queue: RequestQueue) -> None:
+    def __init__(self, hardware: HardwareInterface, access: Access, queue: ControllerQueue) -> None:
         self._hardware, self._access, self._queue = hardware, access, queue
         self._observers: list[Observer] = []
         self._on_text: Callable[[int, Text | TextWarning], None] = lambda *_: None

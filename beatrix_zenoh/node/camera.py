@@ -4,7 +4,7 @@ A component that makes pictures (the renderer of a simulation, or the thread of 
 for each camera:
 
     self._wake = threading.Event()
-    self._left = CameraPublisher(context, "left", "egl", self._wake.set)
+    self._left = CameraPublisher(key, events, "egl", self._wake.set)
     ...
     def start(self, sessions):      self._left.start(sessions)
     def contribute(self, status):   self._left.contribute(status)
@@ -30,9 +30,8 @@ import msgspec
 
 from beatrix_zenoh.bus import Publication, Sessions
 from beatrix_zenoh.contract import codec, names
-from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CameraStatus, EventKind, FrameHeader, Reason
-from beatrix_zenoh.node.context import Context
+from beatrix_zenoh.node.events import NodeEvents
 from beatrix_zenoh.node.interfaces import StatusFields
 
 JPEG: Final = "image/jpeg"
@@ -59,17 +58,17 @@ class CameraFrame:
 class CameraPublisher:
     """Publishes the pictures of one camera; one thread may publish, any thread may read its status."""
 
-    def __init__(self, context: Context, eye: str, source: str, on_subscribed: Callable[[], None]) -> None:
+    def __init__(self, key: str, events: NodeEvents, source: str, on_subscribed: Callable[[], None]) -> None:
         """Store the arguments; `start` declares the publication.
 
         Args:
-            context: context of the node.
-            eye: `left` or `right`; of simulations also `outside`.
+            key: key of the publication, which ends with `left` or `right`; of simulations also with `outside`.
+            events: the events of the node.
             source: source of the pictures, as in `CameraFrame`.
             on_subscribed: called when `subscribed` may have changed; may run on Zenoh's thread, must return at once.
         """
-        self._key = keys.camera(context.name, context.side, eye)
-        self._events, self._eye, self._on_subscribed = context.events, eye, on_subscribed
+        self._key, self._events, self._on_subscribed = key, events, on_subscribed
+        self._eye = eye = key.rpartition("/")[2]
         self._publication: Publication | None = None
         self._lock = threading.Lock()
         self._times_s: deque[float] = deque()

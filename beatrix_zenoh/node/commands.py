@@ -21,19 +21,16 @@ from beatrix_zenoh.contract._generated.messages import (
     EventKind,
     MotionQuery,
     Reason,
-    Source,
     Vector3,
 )
 from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Telemetry
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.motion.gear import Arms
-from beatrix_zenoh.node import replies
-from beatrix_zenoh.node.access import Action
-from beatrix_zenoh.node.context import Context
+from beatrix_zenoh.node.access import Operation
+from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.interfaces import Component, HardwareInterface, StatusFields
 from beatrix_zenoh.node.planner import degrees
-from beatrix_zenoh.node.requests import RequestHandle, Task, check_own_key, request_handle
-from beatrix_zenoh.node.stop import FRAMES, StopHandler
+from beatrix_zenoh.node.requests import RequestHandle, Requests, check_own_key, command_refusal, command_reply
 
 TELEMETRY_S = 1.0
 """Longest wait until telemetry shows an acknowledged change; usually 10 ms, longer on a busy computer."""
@@ -67,7 +64,7 @@ def calibrate(board: Board, hardware: HardwareInterface, arms: Arms) -> str:
     if state & BoardState.MOVING:
         raise Refused(Reason.NOT_AT_REST)
     if not state & BoardState.ENABLED:
-        raise refusals.not_enabled()
+        raise Refused(Reason.NOT_ENABLED)
     if state & BoardState.CALIBRATED and max(map(abs, arms)) > HOME_SHIFT_MAX:
         raise refusals.home_known(arms, HOME_SHIFT_MAX)
     hardware.straighten()
@@ -120,35 +117,44 @@ def wait_until_shown(board: Board, holds: Callable[[Telemetry], bool]) -> None:
         raise refusals.emergency_latched()
 
 
+STOPS: Final = (Command.STOP, Command.EMERGENCY_STOP)
 HOME: Final = MotionQuery(position=Vector3(0.0, 0.0, 0.0))
 
 
 class CommandHandler(Component):
     """Answers command queries; the controller's thread carries out all but STOP and EMERGENCY_STOP."""
 
-    def __init__(self, context: Context, stop: StopHandler, keep: Callable[[], None]) -> None:
-        """`keep` keeps the decisions of the teacher, of which a RESET may end one."""
-        self._context, self._stop, self._keep = context, stop, keep
-        self._board = context.board_watch.board
-        self._key = keys.command(context.name, context.side, "*")
-        self.calibrations = 0
-        """Number of times that a client or an old program has set home."""
+    def __init__(
+        self,
+        requests: Requests,
+        controller: MotionController,
+        hardware: HardwareInterface,
+        press: Callable[[Command, RequestHandle], None],
+        keep: Callable[[], None],
+    ) -> None:
+        """`press` handles STOPS; `keep` keeps the decisions of the teacher, of which a RESET may end one."""
+        self._requests, self._controller, self._hardware = requests, controller, hardware
+        self._press, self._keep = press, keep
+        self._access, self._board = controller.access, controller.board
+        self._key = keys.command(requests.name, requests.side, "*")
 
     def start(self, sessions: Sessions) -> None:
         sessions.serve(self._key, self._query)
 
     def contribute(self, status: StatusFields) -> None:
-        status.values["calibrations"] = self.calibrations
+        status.values["calibrations"] = self._controller.calibrations
 
     # -- on Zenoh's thread ----------------------------------------------------------------------------
 
     def _query(self, incoming: Incoming) -> None:
         received_s = time.monotonic()
-        handle = request_handle(incoming, self._key, "", self._context.events, EventKind.COMMAND)
+        handle = self._requests.handle(incoming, self._key, "", EventKind.COMMAND)
         try:
             query = query_forms.read(incoming.raw, CommandQuery)
-            if query.command in FRAMES:  # before any check: STOP is open to every seat and allows wildcards
-                self._press(incoming, Command(query.command), query.source)
+            if query.command in STOPS:  # before any check: STOP is open to every seat and allows wildcards
+                command = Command(query.command)
+                handle = self._requests.handle(incoming, self._key, command.name, EventKind.STOP)
+                self._press(command, replace(handle, source=query.source))
                 return
             names.check_seat(handle.caller.seat)
             check_own_key(incoming.key, self._key)
@@ -161,14 +167,10 @@ class CommandHandler(Component):
         def decline(error: BeatrixError) -> None:
             self._decline(handle, error)
 
-        self._context.queue.post(Task(lambda: self._run(command, query, handle, received_s), decline))
-
-    def _press(self, incoming: Incoming, command: Command, source: Source) -> None:
-        handle = request_handle(incoming, self._key, command.name, self._context.events, EventKind.STOP)
-        self._stop.press(command, replace(handle, source=source))
+        self._requests.queue.post(lambda: self._run(command, query, handle, received_s), decline)
 
     def _decline(self, handle: RequestHandle, error: BeatrixError) -> None:
-        handle.end(replies.command_refusal(error, self._context.controller.arms()))
+        handle.end(command_refusal(error, self._controller.arms()))
 
     # -- on the controller's thread -------------------------------------------------------------------
 
@@ -181,27 +183,27 @@ class CommandHandler(Component):
         except BeatrixError as error:
             self._decline(handle, error)
             return
-        handle.end(replies.command_reply(Reason.OK, text, self._context.controller.arms()))
+        handle.end(command_reply(Reason.OK, text, self._controller.arms()))
 
     def _carry_out(
         self, command: Command, query: CommandQuery, handle: RequestHandle, received_s: float
     ) -> str:
         """Carry out ENABLE, CALIBRATE or RESET and return the new state as a sentence; raises BeatrixError."""
-        access, now_s = self._context.access, time.monotonic()
+        access, now_s = self._access, time.monotonic()
         if command is Command.ENABLE:
-            access.authorize(Action.ENABLE if query.value else Action.DISABLE, handle.caller, now_s)
+            access.authorize(Operation.ENABLE if query.value else Operation.DISABLE, handle.caller, now_s)
             return switch_motors(self._board, on=query.value)
         if command is Command.CALIBRATE:
-            access.authorize(Action.CALIBRATE, handle.caller, now_s)
-            self._context.controller.last_goal = None
-            text = calibrate(self._board, self._context.hardware, self._context.controller.arms())
-            self.calibrations += 1
+            access.authorize(Operation.CALIBRATE, handle.caller, now_s)
+            self._controller.last_goal = None
+            text = calibrate(self._board, self._hardware, self._controller.arms())
+            self._controller.calibrations += 1
             return text
-        access.authorize(Action.RESET, handle.caller, now_s)
+        access.authorize(Operation.RESET, handle.caller, now_s)
         return self._reset(received_s)
 
     def _reset(self, received_s: float) -> str:
-        access = self._context.access
+        access = self._access
         latched, teacher = access.latched, access.teacher.latch
         access.reset(received_s)
         try:
@@ -215,9 +217,9 @@ class CommandHandler(Component):
 
     def _home(self, handle: RequestHandle) -> None:
         def ended(_number: int, reason: Reason, text: str, _took_s: float) -> None:
-            handle.end(replies.command_reply(reason, text, self._context.controller.arms()))
+            handle.end(command_reply(reason, text, self._controller.arms()))
 
-        self._context.controller.begin(HOME, handle.caller, ended)
+        self._controller.begin(HOME, handle.caller, ended)
 
 
 def command_of(number: int) -> Command:

@@ -14,7 +14,7 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
-from beatrix_zenoh.node.context import Context
+from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.interfaces import Component, StatusFields
 
 LONGEST: Final = 64 * 1024
@@ -68,28 +68,28 @@ def write(path: Path, decisions: Decisions) -> None:
 
 
 class TeacherDecisions(Component):
-    """Restores the decisions of the teacher at the start of a node, and keeps later ones in a file of `folder`.
+    """Restores the decisions of the teacher at the start of a node, and keeps later ones in the file at `path`.
 
-    Without a folder nothing is kept. A file that cannot be read freezes the robot: it exists only if the teacher has
+    Without a path nothing is kept. A file that cannot be read freezes the robot: it exists only if the teacher has
     decided something, and freezing is the decision that the teacher can lift without harm.
     """
 
-    def __init__(self, context: Context, folder: Path | None) -> None:
-        self._context = context
-        self._path = None if folder is None else folder / f"{context.name}.{context.side}.toml"
+    def __init__(self, controller: MotionController, path: Path | None) -> None:
+        self._access, self._planner = controller.access, controller.planner
+        self._diagnostics, self._path = controller.diagnostics, path
         self._kept = Decisions()
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002
         if self._path is None:
             return
-        access, diagnostics = self._context.access, self._context.diagnostics
+        access = self._access
         try:
             kept = read(self._path)
-            self._context.planner.limit_speed(math.radians(kept.speed_limit_deg_s))
+            self._planner.limit_speed(math.radians(kept.speed_limit_deg_s))
         except (OSError, WrongUsage, Refused) as error:
             kept = Decisions(frozen=True)
             reason = error.message if isinstance(error, BeatrixError) else f"{error}."
-            diagnostics.warn(
+            self._diagnostics.warn(
                 f"The teacher's decisions about this robot, in {self._path}, cannot be read, so the robot is frozen until "
                 f"the teacher types `beatrix unfreeze`. {reason}",
                 Reason.FROZEN,
@@ -101,21 +101,21 @@ class TeacherDecisions(Component):
         self._kept = kept
 
     def contribute(self, status: StatusFields) -> None:
-        access = self._context.access
+        access = self._access
         with access.lock:
             status.values["frozen"] = access.teacher.frozen
             status.values["muted"] = sorted(access.teacher.muted)
             status.values["teacher_latch"] = access.teacher.latch
-        status.values["speed_limit"] = self._context.planner.speed_limit
+        status.values["speed_limit"] = self._planner.speed_limit
 
     def keep(self) -> None:
         """Write the present decisions if they have changed; called on the controller's thread."""
-        access = self._context.access
+        access = self._access
         with access.lock:
             now = Decisions(
                 frozen=access.teacher.frozen,
                 muted=sorted(access.teacher.muted),
-                speed_limit_deg_s=round(math.degrees(self._context.planner.speed_limit), 3),
+                speed_limit_deg_s=round(math.degrees(self._planner.speed_limit), 3),
                 teacher_latch=access.teacher.latch,
             )
         if self._path is None or now == self._kept:
@@ -123,7 +123,7 @@ class TeacherDecisions(Component):
         try:
             write(self._path, now)
         except OSError as error:
-            self._context.diagnostics.warn(
+            self._diagnostics.warn(
                 f"The teacher's decision is in force, but a restart of this robot's program ends it: {error}."
             )
         self._kept = now

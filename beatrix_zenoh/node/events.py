@@ -12,7 +12,6 @@ from typing import Final
 
 import msgspec
 
-from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import (
     Detail,
@@ -27,8 +26,6 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.contract.sentences.events import sentence
-from beatrix_zenoh.node.callers import NO_CALLER, Caller
-from beatrix_zenoh.node.interfaces import Component
 
 KEPT: Final = 200
 """Number of newest events that the log keeps, for queries and for the publisher."""
@@ -69,7 +66,7 @@ class NodeEvents:
         kind: EventKind,
         *,
         action: str = "",
-        caller: Caller = NO_CALLER,
+        caller: tuple[str, str] = ("", ""),
         phase: Phase | None = None,
         reason: Reason = Reason.OK,
         message: str = "",
@@ -80,15 +77,16 @@ class NodeEvents:
         query: MotionQuery | PoseQuery | None = None,
         position: Vector3 | None = None,
     ) -> None:
-        """Record an event with the present time; `query` is the motion as it was requested."""
+        """Record an event with the present time; `caller`: seat and session; `query`: the motion as it was requested."""
+        seat, session = caller
         event = Event(
             seq=0,
             t_mono_ns=time.monotonic_ns(),
             t_wall_ns=time.time_ns(),
             kind=kind,
             action=action,
-            seat=printable.name(caller.seat),
-            session=caller.session,
+            seat=printable.name(seat),
+            session=session,
             phase=phase,
             reason=reason,
             message=printable.line(message),
@@ -191,27 +189,3 @@ class Diagnostics:
 
 
 LOGGERS = ("beatrix_zenoh", "sim_node", "hw_node")
-
-
-class LogEvents(Component, logging.Handler):
-    """Adds each record of our loggers to the event log, except the records of the event log itself."""
-
-    def __init__(self, log: NodeEvents) -> None:
-        logging.Handler.__init__(self, logging.INFO)
-        self._events = log
-
-    def start(self, sessions: Sessions) -> None:  # noqa: ARG002
-        for name in LOGGERS:
-            logging.getLogger(name).addHandler(self)
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Add a record; called by logging, on any thread."""
-        if record.name != log.name:
-            message = f"{record.name}: {record.getMessage()}"
-            self._events.add(EventKind.LOG, action=record.levelname, message=message)
-
-    def close(self) -> None:
-        """Remove the handler."""
-        for name in LOGGERS:
-            logging.getLogger(name).removeHandler(self)
-        logging.Handler.close(self)

@@ -44,10 +44,6 @@ class Component(Protocol):
         return
 
 
-PREVIEW_MAX_S = 60.0
-"""Longest duration (s) of a motion in a preview."""
-
-
 @dataclass(frozen=True)
 class ArmState:
     """Angles (rad) and velocities (rad/s) of the arms at one time, and the firmware's step counters."""
@@ -59,22 +55,6 @@ class ArmState:
     steps: tuple[int, int, int]
     head: Arms | None = None
     """yaw, pitch, roll (rad) if the robot measures them"""
-
-
-@dataclass(frozen=True)
-class Preview:
-    """Result of a motion on a copy of the robot.
-
-    `arms` and `head` (yaw, pitch, roll), in rad, are the angles at the times `t` (s) after the start; `tilt_max` and
-    `gap_min` (rad) are the largest tilt and the smallest gap during the motion.
-    """
-
-    duration_s: float
-    tilt_max: float
-    gap_min: float
-    t: list[float]
-    arms: list[Arms]
-    head: list[Arms]
 
 
 class HardwareInterface(Protocol):

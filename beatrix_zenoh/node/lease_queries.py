@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final, NamedTuple
 
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
@@ -19,12 +20,11 @@ from beatrix_zenoh.contract._generated.messages import (
     Reason,
 )
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
-from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.context import Context
+from beatrix_zenoh.node.controller import MotionController, StopCause
 from beatrix_zenoh.node.interfaces import Component, StatusFields
-from beatrix_zenoh.node.replies import StopCause
-from beatrix_zenoh.node.requests import RequestHandle, Task, check_own_key, request_handle
+from beatrix_zenoh.node.requests import RequestHandle, Requests, check_own_key
 
 GOVERNS: Final = (
     LeaseAction.FREEZE,
@@ -63,7 +63,7 @@ def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False) ->
     """
     with access.lock:
         try:
-            access.authorize(Action.LEASE, caller, now_s)
+            access.authorize(Operation.LEASE, caller, now_s)
         except Refused as error:
             if not wait or error.reason is not Reason.NOT_HOLDER:
                 raise
@@ -104,16 +104,17 @@ def end_turn(access: Access, now_s: float) -> str:
 class LeaseHandler(Component):
     """Answers lease queries; each is carried out on the controller's thread."""
 
-    def __init__(self, context: Context, keep: Callable[[], None]) -> None:
+    def __init__(self, requests: Requests, controller: MotionController, keep: Callable[[], None]) -> None:
         """`keep` keeps the decisions of the teacher after each of them."""
-        self._context, self._keep = context, keep
-        self._key = keys.lease(context.name, context.side, "*")
+        self._requests, self._controller, self._keep = requests, controller, keep
+        self._access = controller.access
+        self._key = keys.lease(requests.name, requests.side, "*")
 
     def start(self, sessions: Sessions) -> None:
         sessions.serve(self._key, self._query)
 
     def contribute(self, status: StatusFields) -> None:
-        now = standing(self._context.access, time.monotonic())
+        now = standing(self._access, time.monotonic())
         status.values["holder"] = now.holder
         status.values["lease"] = now.lease
         status.values["waiting"] = list(now.waiting)
@@ -121,7 +122,7 @@ class LeaseHandler(Component):
     # -- on Zenoh's thread ----------------------------------------------------------------------------
 
     def _query(self, incoming: Incoming) -> None:
-        handle = request_handle(incoming, self._key, "", self._context.events, EventKind.LEASE)
+        handle = self._requests.handle(incoming, self._key, "", EventKind.LEASE)
         try:
             names.check_seat(handle.caller.seat)
             check_own_key(incoming.key, self._key)
@@ -129,14 +130,12 @@ class LeaseHandler(Component):
         except BeatrixError as error:
             self._decline(handle, error)
             return
-        handle = request_handle(
-            incoming, self._key, query.action.value, self._context.events, EventKind.LEASE
-        )
+        handle = replace(handle, action=query.action.value)
 
         def decline(error: BeatrixError) -> None:
             self._decline(handle, error)
 
-        self._context.queue.post(Task(lambda: self._run(query, handle), decline))
+        self._requests.queue.post(lambda: self._run(query, handle), decline)
 
     def _decline(self, handle: RequestHandle, error: BeatrixError) -> None:
         handle.end(self._reply(error.reason, error.message, handle.caller, error.detail))
@@ -146,7 +145,7 @@ class LeaseHandler(Component):
     def _run(self, query: LeaseQuery, handle: RequestHandle) -> None:
         try:
             if query.action in GOVERNS:
-                self._context.access.authorize(Action.GOVERN, handle.caller, time.monotonic())
+                self._access.authorize(Operation.GOVERN, handle.caller, time.monotonic())
                 text = self._govern(query)
                 self._keep()
             elif query.action is LeaseAction.GIVE_BACK:
@@ -163,7 +162,7 @@ class LeaseHandler(Component):
 
         If the teacher takes the robot, stop a motion of another seat or of an old program.
         """
-        access, controller = self._context.access, self._context.controller
+        access, controller = self._access, self._controller
         take(access, caller, time.monotonic(), wait=wait)
         now = standing(access, time.monotonic())
         if caller.seat in now.waiting:
@@ -175,11 +174,11 @@ class LeaseHandler(Component):
 
     def _give_back(self, caller: Caller) -> str:
         """End the lease of the caller; from the teacher, the turn of the seat that holds or moves the robot."""
-        access, now_s = self._context.access, time.monotonic()
+        access, now_s = self._access, time.monotonic()
         holder = standing(access, now_s).holder
         if caller.seat == names.TEACHER and holder not in ("", names.TEACHER):
             following = end_turn(access, now_s)
-            if self._context.controller.running is None or self._drives(holder):
+            if self._controller.running is None or self._drives(holder):
                 self._stop(StopCause.SKIPPED)
             return f"The turn of {holder} has ended; {following or 'no seat'} holds the robot now."
         if give_back(access, caller):
@@ -188,7 +187,7 @@ class LeaseHandler(Component):
 
     def _govern(self, query: LeaseQuery) -> str:
         """Carry out a request that only the teacher may send; return the new state as a sentence."""
-        access, controller, planner = self._context.access, self._context.controller, self._context.planner
+        access, controller, planner = self._access, self._controller, self._controller.planner
         if query.action in (LeaseAction.MUTE, LeaseAction.UNMUTE):
             return self._mute(query.seat, on=query.action is LeaseAction.MUTE)
         if query.action is LeaseAction.LIMIT:
@@ -209,7 +208,7 @@ class LeaseHandler(Component):
 
     def _mute(self, seat: str, *, on: bool) -> str:
         """Mute or unmute a seat; return the new state as a sentence; raises Refused or WrongUsage (BAD_VALUE)."""
-        access = self._context.access
+        access = self._access
         if names.check_seat(seat) == names.TEACHER:
             raise WrongUsage(Reason.BAD_VALUE, "The teacher cannot be muted. Give the seat of a student.")
         if not on:
@@ -223,15 +222,15 @@ class LeaseHandler(Component):
         return f"{seat} is muted: it only watches, and its STOP stops no other seat."
 
     def _stop(self, cause: StopCause) -> None:
-        if self._context.controller.driven:
-            self._context.controller.stop(cause)
+        if self._controller.driven:
+            self._controller.stop(cause)
 
     def _drives(self, seat: str) -> bool:
-        running = self._context.controller.running
+        running = self._controller.running
         return running is not None and running.caller.seat == seat
 
     def _reply(self, reason: Reason, text: str, caller: Caller, detail: Detail | None = None) -> LeaseReply:
-        now = standing(self._context.access, time.monotonic())
+        now = standing(self._access, time.monotonic())
         return LeaseReply(
             result=reason is Reason.OK,
             reason=reason,

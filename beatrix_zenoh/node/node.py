@@ -2,82 +2,93 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Protocol
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import FrameType
 from beatrix_zenoh.legacy import Terminal
+from beatrix_zenoh.node import events
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.board_watch import BoardWatch, Observer
 from beatrix_zenoh.node.commands import CommandHandler
-from beatrix_zenoh.node.context import Context, RobotBody
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.decisions import TeacherDecisions
-from beatrix_zenoh.node.events import Diagnostics, LogEvents, NodeEvents
-from beatrix_zenoh.node.interfaces import Component, StatusFields
+from beatrix_zenoh.node.events import LOGGERS, Diagnostics, NodeEvents
+from beatrix_zenoh.node.interfaces import Component, HardwareInterface, StatusFields
 from beatrix_zenoh.node.lease_queries import LeaseHandler
 from beatrix_zenoh.node.legacy_port import LegacyPort
 from beatrix_zenoh.node.motions import ArmTopics, MotionHandler
 from beatrix_zenoh.node.planner import Planner
 from beatrix_zenoh.node.presence import ClientWatch, claim_name
-from beatrix_zenoh.node.requests import RequestQueue
+from beatrix_zenoh.node.requests import ControllerQueue, Requests
 from beatrix_zenoh.node.snapshot import Snapshot
 from beatrix_zenoh.node.state import Publisher, StateQueries
 from beatrix_zenoh.node.stop import StopHandler
 
 
-def components(context: Context, terminal: Terminal | None, kept: Path | None) -> list[Component]:
-    """Return the components of a node in the order in which they start."""
-    decisions, stop = TeacherDecisions(context, kept), StopHandler(context)
-    stop.on_stop(decisions.keep)  # an EMERGENCY_STOP may be the teacher's
-    commands = CommandHandler(context, stop, decisions.keep)
-    return [
-        LogEvents(context.events),
-        decisions,
-        context.board_watch,
-        Publisher(context),
-        StateQueries(context),
-        stop,
-        ControllerThread(context),
-        commands,
-        LeaseHandler(context, decisions.keep),
-        MotionHandler(context),
-        ArmTopics(context),
-        *context.hardware.components(context),
-        *([] if terminal is None else [LegacyPort(context, stop, commands, terminal)]),
-        ClientWatch(context),
-    ]
+class LogEvents(Component, logging.Handler):
+    """Adds each record of our loggers to the event log, except the records of the event log itself."""
+
+    def __init__(self, log: NodeEvents) -> None:
+        logging.Handler.__init__(self, logging.INFO)
+        self._events = log
+
+    def start(self, sessions: Sessions) -> None:  # noqa: ARG002
+        for name in LOGGERS:
+            logging.getLogger(name).addHandler(self)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Add a record; called by logging, on any thread."""
+        if record.name != events.log.name:
+            message = f"{record.name}: {record.getMessage()}"
+            self._events.add(EventKind.LOG, action=record.levelname, message=message)
+
+    def close(self) -> None:
+        """Remove the handler."""
+        for name in LOGGERS:
+            logging.getLogger(name).removeHandler(self)
+        logging.Handler.close(self)
 
 
 class ControllerThread(Component):
     """The controller's thread, which carries out the tasks of the request queue one after the other."""
 
-    def __init__(self, context: Context) -> None:
-        self._context = context
+    def __init__(self, queue: ControllerQueue, controller: MotionController) -> None:
+        self._queue, self._controller = queue, controller
         self._thread: threading.Thread | None = None
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002
         self._thread = threads.start(self._run, "controller")
 
     def contribute(self, status: StatusFields) -> None:
-        status.warnings += self._context.diagnostics.warnings()
+        status.warnings += self._controller.diagnostics.warnings()
 
     def _run(self) -> None:
-        while (task := self._context.queue.take()) is not None:
-            task.run()
-        self._context.controller.close()
+        while (run := self._queue.take()) is not None:
+            run()
+        self._controller.close()
 
     def close(self) -> None:
         """Decline later requests, carry out the waiting ones, stop the arms."""
-        self._context.queue.close()
+        self._queue.close()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
+
+
+class RobotBody(HardwareInterface, Protocol):
+    """A robot with the components that only its kind has."""
+
+    def components(self, node: Node) -> list[Component]:
+        """Return the components that only this kind of robot has: previews, cameras."""
 
 
 class Node:
@@ -102,14 +113,50 @@ class Node:
         `kept` is the folder in which the decisions of the teacher outlive the node; None: they end with it.
         """
         self.sessions, self.hardware = sessions, hardware
-        self.context = build_context(sessions, names.check_name(name), hardware, robot)
-        self._components = components(self.context, terminal, kept)
-        self.context.snapshot.components = self._components
+        self.name, self.side = names.check_name(name), hardware.side
+        self.events, queue = NodeEvents(), ControllerQueue()
+        planner, access, diagnostics = Planner(robot), Access(), Diagnostics(self.events)
+        self.requests = Requests(name, self.side, queue, self.events)
+        self.board_watch = BoardWatch(hardware, access, queue)
+        self.board = self.board_watch.board
+        self.controller = MotionController(self.board, planner, access, diagnostics)
+        self.snapshot = Snapshot(name, hardware, self.board, planner, sessions.control.endpoint)
+        # Add the controller first: the other observers, for example that of STOP, read the state of the motion from it.
+        self.board_watch.observe(Observer(self.controller.observe, self.controller.overdue))
+        path = None if kept is None else kept / f"{name}.{self.side}.toml"
+        self.snapshot.components = self._components = self._build(terminal, path)
+
+    def _build(self, terminal: Terminal | None, kept: Path | None) -> list[Component]:
+        """Return the components in the order in which they start; `kept`: file of the teacher's decisions."""
+        requests, controller, watch, hardware = (
+            self.requests,
+            self.controller,
+            self.board_watch,
+            self.hardware,
+        )
+        decisions, stop = TeacherDecisions(controller, kept), StopHandler(requests, controller, watch)
+        controller.on_stop.append(decisions.keep)  # an EMERGENCY_STOP may be the teacher's
+        return [
+            LogEvents(self.events),
+            decisions,
+            watch,
+            Publisher(self.snapshot, self.events),
+            StateQueries(self.snapshot, self.events),
+            stop,
+            ControllerThread(requests.queue, controller),
+            CommandHandler(requests, controller, hardware, stop.press, decisions.keep),
+            LeaseHandler(requests, controller, decisions.keep),
+            MotionHandler(requests, controller),
+            ArmTopics(requests, controller),
+            *hardware.components(self),
+            *([] if terminal is None else [LegacyPort(requests, controller, watch, hardware, terminal)]),
+            ClientWatch(requests, controller),
+        ]
 
     @property
     def alive_key(self) -> str:
         """Key of this robot's liveliness token."""
-        return keys.alive(self.context.name, self.context.side)
+        return keys.alive(self.name, self.side)
 
     def start(self) -> Node:
         """Claim the name and start the components; return this node.
@@ -118,9 +165,9 @@ class Node:
             Refused: NAME_TAKEN, before any component starts.
             NoAnswer: NO_ROUTER, the router was lost meanwhile; ACCOUNT_REFUSED, it has no rules for the account.
         """
-        claim_name(self.sessions.control, self.context.name, self.context.side)
+        claim_name(self.sessions.control, self.name, self.side)
         with ExitStack() as undo:
-            undo.callback(self.context.board_watch.board.close)
+            undo.callback(self.board.close)
             for component in self._components:
                 undo.callback(component.close)
                 component.start(self.sessions)
@@ -129,39 +176,15 @@ class Node:
 
     def make_ready(self) -> None:
         """Switch the motors on and calibrate, which only a simulation may do without a person; raises BeatrixError."""
-        board = self.context.board_watch.board
-        board.enable(on=True)
+        self.board.enable(on=True)
         self.hardware.straighten()
-        board.request(FrameType.CALIBRATE)
+        self.board.request(FrameType.CALIBRATE)
 
     def close(self) -> None:
         """Stop the motion, reply to open requests, publish the last status, close sessions, board and hardware."""
         with ExitStack() as later:  # runs its callbacks in reverse order
             later.callback(self.hardware.close)
-            later.callback(self.context.board_watch.board.close)
+            later.callback(self.board.close)
             later.callback(self.sessions.close)
             for component in self._components:
                 later.callback(component.close)
-
-
-def build_context(sessions: Sessions, name: str, hardware: RobotBody, robot: RobotData) -> Context:
-    """Return the context of a node's components."""
-    planner, access, events, queue = Planner(robot), Access(), NodeEvents(), RequestQueue()
-    diagnostics = Diagnostics(events)
-    board_watch = BoardWatch(hardware, access, queue)
-    controller = MotionController(board_watch.board, planner, access, diagnostics)
-    # Add the controller first: the other observers, for example that of STOP, read the state of the motion from it.
-    board_watch.observe(Observer(controller.observe, controller.overdue))
-    return Context(
-        name=name,
-        side=hardware.side,
-        hardware=hardware,
-        planner=planner,
-        access=access,
-        events=events,
-        diagnostics=diagnostics,
-        queue=queue,
-        board_watch=board_watch,
-        controller=controller,
-        snapshot=Snapshot(name, hardware, board_watch.board, planner, sessions.control.endpoint),
-    )

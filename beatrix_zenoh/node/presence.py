@@ -9,15 +9,18 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.node.callers import RETURN_S, SETTLE_S, Caller
-from beatrix_zenoh.node.context import Context
+from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.interfaces import Component
+from beatrix_zenoh.node.requests import Requests
 
 
 class ClientWatch(Component):
     """Declares the robot's token, watches the tokens of clients and the router, and runs the session watchdog."""
 
-    def __init__(self, context: Context) -> None:
-        self._context = context
+    def __init__(self, requests: Requests, controller: MotionController) -> None:
+        self._controller = controller
+        self._alive_key = keys.alive(requests.name, requests.side)
+        self._queue, self._events, self._access = requests.queue, requests.events, controller.access
         self._watchdog: SessionWatchdog | None = None
         self._endpoint = ""
         self._router_connected = True
@@ -28,9 +31,8 @@ class ClientWatch(Component):
         self._endpoint = bus.endpoint
         bus.watch_tokens(keys.seat("*", "*"), self._seat)
         bus.watch_router(self._router)
-        token = keys.alive(self._context.name, self._context.side)
-        bus.declare_token(token)
-        self._watchdog = SessionWatchdog(sessions, token, self._renewed, self._refused)
+        bus.declare_token(self._alive_key)
+        self._watchdog = SessionWatchdog(sessions, self._alive_key, self._renewed, self._refused)
 
     def _seat(self, key: str, alive: bool) -> None:  # noqa: FBT001
         """Handle a client's session that has begun or ended, on Zenoh's thread."""
@@ -38,17 +40,17 @@ class ClientWatch(Component):
         if parts is not None:
             caller = Caller(parts.who, parts.session)
             now_s = time.monotonic()
-            self._context.queue.post_event(lambda: self._session_changed(caller, now_s, alive=alive))
+            self._queue.post_event(lambda: self._session_changed(caller, now_s, alive=alive))
 
     def _session_changed(self, caller: Caller, now_s: float, *, alive: bool) -> None:
-        if self._context.access.session_changed(caller, now_s, alive=alive):
-            self._context.controller.client_lost()
+        if self._access.session_changed(caller, now_s, alive=alive):
+            self._controller.client_lost()
         if not alive:
-            self._context.queue.post_later(now_s + SETTLE_S, self._give_up_sessions)
+            self._queue.post_later(now_s + SETTLE_S, self._give_up_sessions)
 
     def _give_up_sessions(self) -> None:
-        if self._context.access.give_up_sessions(time.monotonic()):
-            self._context.controller.client_lost()
+        if self._access.give_up_sessions(time.monotonic()):
+            self._controller.client_lost()
 
     def _router(self, connected: bool) -> None:  # noqa: FBT001
         """Handle a lost or reconnected router, on Zenoh's thread."""
@@ -56,37 +58,37 @@ class ClientWatch(Component):
             return
         self._router_connected = connected
         now_s = time.monotonic()
-        self._context.queue.post_event(lambda: self._router_changed(now_s, connected=connected))
+        self._queue.post_event(lambda: self._router_changed(now_s, connected=connected))
         if connected:
             text = f"The router at {self._endpoint} is connected again."
-            self._context.events.add(EventKind.ROUTER, message=text)
+            self._events.add(EventKind.ROUTER, message=text)
             return
         text = (
             f"The router at {self._endpoint} was lost: the node stops all motions and receives no requests."
         )
-        self._context.events.add(EventKind.ROUTER, reason=Reason.NO_ROUTER, message=text)
+        self._events.add(EventKind.ROUTER, reason=Reason.NO_ROUTER, message=text)
 
     def _router_changed(self, now_s: float, *, connected: bool) -> None:
-        self._context.access.router_changed(now_s, connected=connected)
+        self._access.router_changed(now_s, connected=connected)
         if connected:
-            self._context.queue.post_later(now_s + RETURN_S, self._give_up_sessions)
+            self._queue.post_later(now_s + RETURN_S, self._give_up_sessions)
         else:
-            self._context.controller.client_lost()
+            self._controller.client_lost()
 
     def _renewed(self, traffic: str) -> None:
         """Queue a stop, on the watchdog's thread: replies and disconnect notices of the old session may be lost."""
 
         def end() -> None:
             text = f"The router had forgotten the {traffic} session; the node has connected again."
-            self._context.diagnostics.warn(text)
-            self._context.controller.client_lost()
+            self._controller.diagnostics.warn(text)
+            self._controller.client_lost()
 
-        self._context.queue.post_event(end)
+        self._queue.post_event(end)
 
     def _refused(self, error: NoAnswer) -> None:
         """Report that the router refuses the account, on the watchdog's thread."""
         text = f"{error.message} Then start the node again: until then it receives no requests."
-        self._context.events.add(EventKind.ROUTER, reason=error.reason, message=text)
+        self._events.add(EventKind.ROUTER, reason=error.reason, message=text)
 
     def close(self) -> None:
         """End the watchdog; the robot's token ends with the session."""

@@ -17,6 +17,7 @@ from collections import deque
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import NamedTuple
 
 import msgspec
 
@@ -24,101 +25,105 @@ from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated.messages import (
     CommandReply,
+    Detail,
     EventKind,
     LeaseReply,
     MotionQuery,
     MotionReply,
     Phase,
     PoseQuery,
-    PreviewReply,
     Reason,
     Source,
 )
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.events import NodeEvents
+from beatrix_zenoh.node.planner import vector
 
 CAPACITY = 64
 """Largest number of waiting entries. Beginning a motion takes about 1 ms, and a command that waits for telemetry 10 ms;
 so the last entry waits for some tenths of a second, and STOP for one entry."""
 
 
-@dataclass(frozen=True)
-class Task:
-    """Work for the reader's thread; if the queue rejects or replaces it, `decline` runs on the posting thread."""
-
-    run: Callable[[], None]
-    decline: Callable[[BeatrixError], None]
+Run = Callable[[], None]
+"""Work for the reader's thread."""
+Decline = Callable[[BeatrixError], None]
+"""Called on the posting thread if the queue rejects or replaces the work."""
 
 
-class RequestQueue:
-    """A bounded queue with one reader, in which `post_latest` replaces an entry with the same key."""
+class _Entry(NamedTuple):
+    run: Run
+    decline: Decline
+
+
+class ControllerQueue:
+    """A bounded queue of work with one reader, in which `post_latest` replaces an entry with the same key."""
 
     def __init__(self) -> None:
-        self._urgent: deque[Task] = deque()
-        self._entries: dict[Hashable, Task] = {}
+        self._urgent: deque[_Entry] = deque()
+        self._entries: dict[Hashable, _Entry] = {}
         self._lock = threading.Lock()
         self._arrived: queue.SimpleQueue[None] = queue.SimpleQueue()
         """One item for each entry and for `close`; a SimpleQueue wakes the reader in half the time of a Condition."""
         self._count = 0
-        self._later: list[tuple[float, int, Callable[[], None]]] = []
+        self._later: list[tuple[float, int, Run]] = []
         """Heap of the entries of `post_later`: time (s), number, function."""
         self._numbers = itertools.count()
         self._closed = False
 
-    def post(self, task: Task) -> None:
+    def post(self, run: Run, decline: Decline) -> None:
         """Append an entry; decline it as BUSY if the queue is full, as SHUTDOWN once closed."""
-        self._queue(task, most=CAPACITY)
+        self._queue(_Entry(run, decline), most=CAPACITY)
 
-    def post_event(self, run: Callable[[], None]) -> None:
+    def post_event(self, run: Run) -> None:
         """Append an entry even if the queue is full; drop it once closed."""
-        self._queue(Task(run, lambda _: None), most=math.inf)
+        self._queue(_Entry(run, lambda _: None), most=math.inf)
 
-    def post_urgent(
-        self, run: Callable[[], None], decline: Callable[[BeatrixError], None] = lambda _: None
-    ) -> None:
+    def post_urgent(self, run: Run, decline: Decline = lambda _: None) -> None:
         """Put an entry before all entries that are not urgent; decline it once closed.
 
         This is for STOP and changes of the board.
         """
-        self._queue(Task(run, decline), most=math.inf, urgent=True)
+        self._queue(_Entry(run, decline), most=math.inf, urgent=True)
 
-    def post_later(self, due_s: float, run: Callable[[], None]) -> None:
+    def post_later(self, due_s: float, run: Run) -> None:
         """Append an entry at `due_s` (monotonic clock), after all that wait then; only the reader may call this."""
         heapq.heappush(self._later, (due_s, next(self._numbers), run))
 
-    def post_latest(self, key: Hashable, task: Task) -> None:
+    def post_latest(self, key: Hashable, run: Run, decline: Decline = lambda _: None) -> None:
         """Append an entry as `post` does; remove a waiting entry with the same key and decline it as REPLACED."""
+        entry = _Entry(run, decline)
         with self._lock:
             refusal = self._refusal(full=key not in self._entries and len(self._entries) >= CAPACITY)
             replaced = None if refusal is not None else self._entries.pop(key, None)
             if replaced is not None:
-                self._entries[key] = task
+                self._entries[key] = entry
             elif refusal is None:
-                self._put(key, task)
+                self._put(key, entry)
         if refusal is not None:
-            task.decline(refusal)
+            decline(refusal)
         if replaced is not None:
             replaced.decline(Refused(Reason.REPLACED))
 
-    def _queue(self, task: Task, *, most: float, urgent: bool = False) -> None:
+    def _queue(self, entry: _Entry, *, most: float, urgent: bool = False) -> None:
         with self._lock:
             refusal = self._refusal(full=len(self._entries) >= most)
             if refusal is None and urgent:
-                self._urgent.append(task)
+                self._urgent.append(entry)
                 self._arrived.put(None)
             elif refusal is None:
                 self._count += 1
-                self._put(self._count, task)
+                self._put(self._count, entry)
         if refusal is not None:
-            task.decline(refusal)
+            entry.decline(refusal)
 
-    def _put(self, key: Hashable, task: Task) -> None:
-        self._entries[key] = task
+    def _put(self, key: Hashable, entry: _Entry) -> None:
+        self._entries[key] = entry
         self._arrived.put(None)
 
-    def take(self) -> Task | None:
-        """Wait for the next entry and return it; return None once the queue is closed and empty."""
+    def take(self) -> Run | None:
+        """Wait for the next work and return it; return None once the queue is closed and empty."""
         while True:
             wait_s = self._later[0][0] - time.monotonic() if self._later else None
             if wait_s is not None and wait_s <= 0:
@@ -129,8 +134,8 @@ class RequestQueue:
                 break
         with self._lock:
             if self._urgent:
-                return self._urgent.popleft()
-            return self._entries.pop(next(iter(self._entries))) if self._entries else None
+                return self._urgent.popleft().run
+            return self._entries.pop(next(iter(self._entries))).run if self._entries else None
 
     def close(self) -> None:
         """Accept no more entries; the reader finishes the waiting ones."""
@@ -176,20 +181,19 @@ def check_own_key(key: str, served: str) -> None:
         raise refusals.wildcard_key(key, own)
 
 
-Reply = MotionReply | CommandReply | LeaseReply | PreviewReply
+Reply = MotionReply | CommandReply | LeaseReply
 
 
 @dataclass(frozen=True)
 class RequestHandle:
     """A request of one caller.
 
-    `reply` may be called several times; `end` sends the last reply. Replies are recorded as events, except those to
-    previews.
+    `reply` may be called several times; `end` sends the last reply. Replies are recorded as events.
     """
 
     caller: Caller
     action: str
-    """`motion`, `pose`, `preview`, `<arm> target`, or the name of a command or of a lease action"""
+    """`motion`, `pose`, `<arm> target`, or the name of a command or of a lease action"""
     events: NodeEvents | None
     """None: do not record replies"""
     send: Callable[[msgspec.Struct], None] = field(default=lambda _: None)
@@ -203,7 +207,7 @@ class RequestHandle:
     def reply(self, message: Reply) -> None:
         """Send a reply and record it."""
         self.send(message)
-        if self.events is None or isinstance(message, PreviewReply):
+        if self.events is None:
             return
         motion = message if isinstance(message, MotionReply) else None
         done = motion is not None and motion.phase is Phase.DONE
@@ -229,15 +233,36 @@ class RequestHandle:
         self.finish()
 
 
-def request_handle(
-    incoming: Incoming, key: str, action: str, events: NodeEvents, kind: EventKind = EventKind.MOTION
-) -> RequestHandle:
-    """Return the handle of a query; the key of its replies is the served `key` with the seat in place of `*`."""
-    seat = seat_of(incoming.key, key)
-    reply_key = own_key(key, seat)
-    raw = incoming.raw
+@dataclass(frozen=True)
+class Requests:
+    """What the requests to one robot have in common: its name and side, the queue, the events that replies become."""
 
-    def send(message: msgspec.Struct) -> None:
-        incoming.reply(reply_key, *raw.answer(message))
+    name: str
+    side: str
+    queue: ControllerQueue
+    events: NodeEvents
 
-    return RequestHandle(Caller(seat, incoming.session), action, events, send, incoming.finish, kind)
+    def handle(
+        self, incoming: Incoming, served: str, action: str, kind: EventKind = EventKind.MOTION
+    ) -> RequestHandle:
+        """Return the handle of a query; the key of its replies is the `served` key with the seat in place of `*`."""
+        seat = seat_of(incoming.key, served)
+        reply_key, raw = own_key(served, seat), incoming.raw
+
+        def send(message: msgspec.Struct) -> None:
+            incoming.reply(reply_key, *raw.answer(message))
+
+        caller = Caller(seat, incoming.session)
+        return RequestHandle(caller, action, self.events, send, incoming.finish, kind)
+
+
+def command_reply(reason: Reason, text: str, position: Arms, detail: Detail | None = None) -> CommandReply:
+    """Return a reply to a command; its result follows from the reason; `position`: set points of the arms (rad)."""
+    return CommandReply(
+        result=reason is Reason.OK, reason=reason, message=text, position=vector(position), detail=detail
+    )
+
+
+def command_refusal(error: BeatrixError, position: Arms) -> CommandReply:
+    """Return the reply to a refused command; `position`: set points of the arms (rad)."""
+    return command_reply(error.reason, error.message, position, error.detail)

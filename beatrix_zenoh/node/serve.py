@@ -23,9 +23,8 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.legacy import Terminal
-from beatrix_zenoh.node.context import RobotBody
 from beatrix_zenoh.node.events import LOGGERS
-from beatrix_zenoh.node.node import Node
+from beatrix_zenoh.node.node import Node, RobotBody
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import FAULT, Shutdown
 
@@ -91,7 +90,7 @@ def serve(
 
 def _announce(node: Node, legacy: Path | None) -> None:
     """Print that the node serves, with or without a board, and the path for programs of 2023."""
-    link = node.context.board_watch.board.link
+    link = node.board.link
     without = "" if link.connected else " (unusable firmware)" if link.foreign else " (no board yet)"
     print(f"ready {node.alive_key}{without}", flush=True)
     if legacy is not None:

@@ -33,7 +33,7 @@ class Snapshot:
     def __init__(
         self, name: str, hardware: HardwareInterface, board: Board, planner: Planner, endpoint: str
     ) -> None:
-        self._name, self._endpoint = name, endpoint
+        self.name, self.side, self._endpoint = name, hardware.side, endpoint
         self._hardware, self._board, self._planner = hardware, board, planner
         self._head = Head(0.0, 0.0, 0.0)
         self._lock = threading.Lock()
@@ -85,8 +85,8 @@ class Snapshot:
         values: dict[str, object] = {
             "t_mono_ns": time.monotonic_ns(),
             "t_wall_ns": time.time_ns(),
-            "robot": self._name,
-            "side": self._hardware.side,
+            "robot": self.name,
+            "side": self.side,
             "plant": self._hardware.plant(),
             "warnings": fields.warnings,
             "cameras": fields.cameras,
@@ -100,11 +100,11 @@ class Snapshot:
 
     def info(self) -> Info:
         """Return all data that a program without this library needs to drive this robot."""
-        limits, side = self._planner.limits, self._hardware.side
+        limits, side = self._planner.limits, self.side
         open_names = {name: f"<{name}>" for name in ("who", "arm", "eye", "session")}
-        names = {"robot": self._name, "side": side, **open_names}
+        names = {"robot": self.name, "side": side, **open_names}
         return Info(
-            robot=self._name,
+            robot=self.name,
             side=side,
             version=metadata.version("beatrix-zenoh"),
             contract=msg.CONTRACT,
@@ -134,7 +134,7 @@ class Snapshot:
                 for row in keys.KEYS.values()
                 if side in row.sides
             ],
-            examples=examples(self._name, side, self._endpoint),
+            examples=examples(self.name, side, self._endpoint),
         )
 
 

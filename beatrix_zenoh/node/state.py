@@ -30,9 +30,9 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract.errors import quoted
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.context import Context
 from beatrix_zenoh.node.events import NodeEvents
 from beatrix_zenoh.node.interfaces import Component
+from beatrix_zenoh.node.snapshot import Snapshot
 
 
 class StatusEvents:
@@ -88,16 +88,16 @@ class StatePublication:
 class Publisher(Component):
     """Publishes positions, status and events until closed."""
 
-    def __init__(self, context: Context) -> None:
-        self._context = context
-        self._changes = StatusEvents(context.events)
+    def __init__(self, snapshot: Snapshot, events: NodeEvents) -> None:
+        self._snapshot, self._recorded = snapshot, events
+        self._changes = StatusEvents(events)
         self._published: object = None
         self._status_due_s = 0.0
         self._closed = threading.Event()
         self._thread: threading.Thread | None = None
 
     def start(self, sessions: Sessions) -> None:
-        name, side = self._context.name, self._context.side
+        name, side = self._snapshot.name, self._snapshot.side
         self._positions = StatePublication(
             sessions, keys.positions(name, side), keys.positions_json(name, side)
         )
@@ -108,14 +108,14 @@ class Publisher(Component):
     def _run(self) -> None:
         due_s = time.monotonic()
         while not self._closed.wait(max(0.0, due_s - time.monotonic())):
-            self._positions.put(self._context.snapshot.positions(count=True))
+            self._positions.put(self._snapshot.positions(count=True))
             self._publish_status()
             self._publish_events()
             # After a stall of the process, skip the missed publications: clients need no burst of old positions.
             due_s = max(due_s + PERIOD_S, time.monotonic() - PERIOD_S)
 
     def _publish_status(self, *, always: bool = False) -> None:
-        status = self._context.snapshot.status()
+        status = self._snapshot.status()
         values = change_fields(status)
         now_s = time.monotonic()
         if values != self._published:
@@ -125,7 +125,7 @@ class Publisher(Component):
             self._status.put(status)
 
     def _publish_events(self) -> None:
-        for event in self._context.events.take():
+        for event in self._recorded.take():
             self._events.put(event)
 
     def close(self) -> None:
@@ -198,15 +198,15 @@ the queries for known keys, so STOP and motions must find them in their own sess
 class StateQueries(Component):
     """Answers state queries on a thread of its own."""
 
-    def __init__(self, context: Context) -> None:
-        name, side, snapshot = context.name, context.side, context.snapshot
+    def __init__(self, snapshot: Snapshot, events: NodeEvents) -> None:
+        name, side = snapshot.name, snapshot.side
         self._answers: dict[str, Callable[[], msgspec.Struct]] = {
             keys.positions(name, side): snapshot.positions,
             keys.positions_json(name, side): snapshot.positions,
             keys.status(name, side): snapshot.status,
             keys.status_json(name, side): snapshot.status,
-            keys.events(name, side): context.events.latest,
-            keys.events_json(name, side): context.events.latest,
+            keys.events(name, side): events.latest,
+            keys.events_json(name, side): events.latest,
             keys.info(name, side): snapshot.info,
             keys.clock(name, side): snapshot.clock,
         }

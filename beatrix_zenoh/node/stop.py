@@ -5,13 +5,14 @@
    another one, without a motion in between, needs no request of its own.
 3. The controller's thread, before all waiting requests (`settle`): stop a motion that has overtaken STOP.
 4. The controller's thread, when the board reports that the arms rest (`Rest`): reply.
+
+Two more files belong to the way of a STOP: `access` refuses motions, and `controller` ends those that run.
 """
 
 from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Final
@@ -23,14 +24,14 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Command, CommandReply, EventKind, Reason
 from beatrix_zenoh.contract._generated.serial import BoardState, FrameType
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
-from beatrix_zenoh.node import replies
-from beatrix_zenoh.node.board_watch import Observer
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.node.board_watch import BoardWatch, Observer
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.context import Context
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.events import NodeEvents
 from beatrix_zenoh.node.interfaces import Component
-from beatrix_zenoh.node.requests import RequestHandle, request_handle, seat_of
+from beatrix_zenoh.node.planner import degrees
+from beatrix_zenoh.node.requests import RequestHandle, Requests, command_refusal, command_reply, seat_of
 
 FRAMES: Final = {
     Command.EMERGENCY_STOP: FrameType.EMERGENCY_STOP,
@@ -59,9 +60,9 @@ STILL_MOVING: Final = NoAnswer(
 class StopHandler(Component):
     """Carries out STOP and EMERGENCY_STOP for one robot."""
 
-    def __init__(self, context: Context) -> None:
-        self._context = context
-        self._board = context.board_watch.board
+    def __init__(self, requests: Requests, controller: MotionController, board_watch: BoardWatch) -> None:
+        self._requests, self._controller = requests, controller
+        self._access, self._board = controller.access, controller.board
         self._pressed: dict[Command, list[RequestHandle]] = {}
         self._changed = threading.Condition()
         self._closed = False
@@ -72,12 +73,11 @@ class StopHandler(Component):
         self._recorded: dict[Caller, tuple[str, float]] = {}
         """Form (put or query) and time (s, monotonic) of the last recorded press of each caller, the newest last."""
         self._thread: threading.Thread | None = None
-        self._on_stop: list[Callable[[], None]] = []
-        self._rest = Rest(self._board, context.controller)
-        context.board_watch.observe(Observer(self._rest.observe, self._rest.overdue))
+        self._rest = Rest(self._board, controller)
+        board_watch.observe(Observer(self._rest.observe, self._rest.overdue))
 
     def start(self, sessions: Sessions) -> None:
-        name, side = self._context.name, self._context.side
+        name, side = self._requests.name, self._requests.side
         self._thread = threads.start(self._run, "stop")
         # The watchdog checks the first key of a session, and the account of a robot may not query STOP without a seat.
         for key in (keys.stop(name, side, "*"), keys.stop_unsigned(name, side)):
@@ -86,22 +86,18 @@ class StopHandler(Component):
                 key, partial(self._put, key), lambda key: self.repeats(key, time.monotonic())
             )
 
-    def on_stop(self, callback: Callable[[], None]) -> None:
-        """Call `callback` on the controller's thread after each STOP, to discard motions outside the request queue."""
-        self._on_stop.append(callback)
-
     # -- 1. pressed, on Zenoh's thread or that of the puts ------------------------------------------
 
     def _query(self, served: str, incoming: Incoming) -> None:
         if is_stop(incoming.key):
-            handle = request_handle(incoming, served, Command.STOP.name, self._context.events, EventKind.STOP)
+            handle = self._requests.handle(incoming, served, Command.STOP.name, EventKind.STOP)
             self.press(Command.STOP, replace(handle, events=self._events(handle.caller, "query")))
         else:
             incoming.finish()
 
     def repeats(self, key: str, now_s: float) -> bool:
         """Return whether a put of STOP with this key only repeats the last one."""
-        begun = self._context.access.begun
+        begun = self._access.begun
         last_s, then = self._puts.get(key, (float("-inf"), 0))
         if now_s - last_s < SAME_PUT_S and begun == then:
             return True
@@ -129,7 +125,7 @@ class StopHandler(Component):
             self._recorded[caller] = form, now_s
             if len(self._recorded) > RECORDED:
                 del self._recorded[next(iter(self._recorded))]
-        return self._context.events
+        return self._requests.events
 
     def press(self, command: Command, handle: RequestHandle) -> None:
         """Handle a requested STOP or EMERGENCY_STOP.
@@ -139,9 +135,9 @@ class StopHandler(Component):
         """
         emergency = command is Command.EMERGENCY_STOP
         try:
-            self._context.access.stop_pressed(handle.caller, time.monotonic(), emergency=emergency)
+            self._access.stop_pressed(handle.caller, time.monotonic(), emergency=emergency)
         except Refused as error:
-            handle.end(replies.command_refusal(error, self._context.controller.arms()))
+            handle.end(command_refusal(error, self._controller.arms()))
             return
         with self._changed:
             closed = self._closed
@@ -151,7 +147,7 @@ class StopHandler(Component):
                 self._pressed[command] = [handle]
                 self._changed.notify()
         if closed:
-            handle.end(replies.command_refusal(Refused(Reason.SHUTDOWN), self._context.controller.arms()))
+            handle.end(command_refusal(Refused(Reason.SHUTDOWN), self._controller.arms()))
 
     # -- 2. sent, on the stop thread ----------------------------------------------------------------
 
@@ -169,10 +165,10 @@ class StopHandler(Component):
     def _is_repeated(self) -> bool:
         """Return whether the board has just acknowledged a STOP, and no motion has begun since it was sent."""
         sent_s, begun = self._sent
-        return time.monotonic() - sent_s < REPEAT_S and self._context.access.begun == begun
+        return time.monotonic() - sent_s < REPEAT_S and self._access.begun == begun
 
     def _send(self, command: Command) -> BeatrixError | None:
-        before = time.monotonic(), self._context.access.begun
+        before = time.monotonic(), self._access.begun
         self._sent = float("-inf"), 0
         try:
             self._board.request(FRAMES[command])
@@ -184,27 +180,22 @@ class StopHandler(Component):
 
     def _hand_over(self, command: Command, handles: list[RequestHandle], error: BeatrixError | None) -> None:
         def decline(closing: BeatrixError) -> None:
-            refusal = closing if error is None else replies.not_stopped(error)
-            end_all(handles, replies.command_refusal(refusal, self._context.controller.arms()))
+            refusal = closing if error is None else not_stopped(error)
+            end_all(handles, command_refusal(refusal, self._controller.arms()))
 
-        self._context.queue.post_urgent(lambda: self.settle(command, handles, error), decline)
+        self._requests.queue.post_urgent(lambda: self.settle(command, handles, error), decline)
 
     # -- 3. settled, on the controller's thread -----------------------------------------------------
 
     def settle(self, command: Command, handles: list[RequestHandle], error: BeatrixError | None) -> None:
         """Carry out step 3 after the board has acknowledged STOP, or has refused or not answered it (`error`)."""
-        controller = self._context.controller
-        for callback in self._on_stop:
-            callback()
-        self._context.access.stop_sent(time.monotonic())
-        if error is None and controller.driven:
-            controller.stop(replies.StopCause.STOP)  # again, because this motion may have overtaken STOP
+        self._controller.settle_stop(acknowledged=error is None)
         if error is None and command is Command.EMERGENCY_STOP:
             error = self._check_latch()
         if error is None:
             self._rest.wait(handles)
         else:
-            end_all(handles, replies.command_refusal(replies.not_stopped(error), controller.arms()))
+            end_all(handles, command_refusal(not_stopped(error), self._controller.arms()))
 
     def _check_latch(self) -> BeatrixError | None:
         board = self._board
@@ -235,7 +226,7 @@ class Rest:
         self._waiting: list[RequestHandle] = []
         self._until_s = float("inf")
         self._how = AT_REST
-        """Outcome of the last press."""
+        """BoardOutcome of the last press."""
 
     @property
     def _moving(self) -> bool:
@@ -267,17 +258,17 @@ class Rest:
         self._how = how
         arms, link = self._controller.arms(), self._board.link
         if how == STOPPED and not link.connected:
-            lost = replies.lost_while_stopping(reset=link.reset)
-            end_all(handles, replies.command_refusal(lost, arms))
+            lost = lost_while_stopping(reset=link.reset)
+            end_all(handles, command_refusal(lost, arms))
         elif self._moving:
-            end_all(handles, replies.command_refusal(replies.not_stopped(STILL_MOVING), arms))
+            end_all(handles, command_refusal(not_stopped(STILL_MOVING), arms))
         else:
-            text = replies.at_rest(self._board, how, arms)
-            end_all(handles, replies.command_reply(Reason.OK, text, arms))
+            text = at_rest(self._board, how, arms)
+            end_all(handles, command_reply(Reason.OK, text, arms))
 
     def close(self) -> None:
         """Reply to the waiting clients that the node is closing."""
-        end_all(self._waiting, replies.command_refusal(Refused(Reason.SHUTDOWN), self._controller.arms()))
+        end_all(self._waiting, command_refusal(Refused(Reason.SHUTDOWN), self._controller.arms()))
 
 
 def end_all(handles: list[RequestHandle], reply: CommandReply) -> None:
@@ -293,3 +284,31 @@ def is_stop(key: str) -> bool:
     """
     *_, before, last = key.split("/")
     return last == "stop" or (before == "stop" and last != "**")
+
+
+def not_stopped(error: BeatrixError) -> BeatrixError:
+    """Return the error about a STOP that did not stop the arms, with advice."""
+    return BeatrixError(
+        error.reason,
+        f"NOT stopped. {error.message} Without frames of its node a board stops the arms after half a second; if they "
+        "still move, switch the motor power off.",
+    )
+
+
+def lost_while_stopping(*, reset: bool) -> BeatrixError:
+    """Return the error about a STOP whose effect is unknown: the board was lost while the arms moved."""
+    if reset:
+        return NoAnswer(
+            Reason.BOARD_LOST, "The board was reset meanwhile: its motors are off, and home is not known."
+        )
+    return not_stopped(NoAnswer(Reason.BOARD_LOST, "The board was lost while the arms moved."))
+
+
+def at_rest(board: Board, how: str, arms: Arms) -> str:
+    """Return the state after an acknowledged STOP as a sentence; `how`: its first words at rest; arms in rad."""
+    link = board.link
+    if not link.connected:
+        return f"The board has acknowledged STOP, but its state is unknown. {link.trouble}"
+    if board.state & BoardState.EMERGENCY:
+        return "The motors are off, EMERGENCY_STOP is latched until reset, and home is no longer known."
+    return f"{how}; the arms rest at {degrees(arms)}."

@@ -12,9 +12,10 @@ from typing import Final
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import CameraPublisher, Component, Context, StatusFields
+from beatrix_zenoh.node import CameraPublisher, Component, Node, StatusFields
 from hw_node.cameras.source import FrameSource
 
 CHECK_S: Final = 1.0
@@ -30,10 +31,12 @@ log = logging.getLogger(__name__)
 class Camera(Component):
     """One eye of the robot; failures of its camera do not affect the rest of the node."""
 
-    def __init__(self, context: Context, eye: str, source: FrameSource) -> None:
+    def __init__(self, node: Node, eye: str, source: FrameSource) -> None:
         self._eye, self._source = eye, source
         self._wake = threading.Event()
-        self._publisher = CameraPublisher(context, eye, source.name, self._wake.set)
+        self._publisher = CameraPublisher(
+            keys.camera(node.name, node.side, eye), node.events, source.name, self._wake.set
+        )
         self._closed = False
         self._thread: threading.Thread | None = None
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.node import Context
 from beatrix_zenoh.node.access import Access
+from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.planner import tuple3
-from beatrix_zenoh.node.readiness import ready_telemetry
+from beatrix_zenoh.node.snapshot import Snapshot
 from sim_node.following.course import SetPoint, advanced
 from sim_node.following.follower import Limits, Step
 from sim_node.following.parting import Places
@@ -24,14 +24,14 @@ def follows(access: Access) -> bool:
 class OwnArms:
     """The arms of the simulation; all methods run on the controller's thread."""
 
-    def __init__(self, context: Context) -> None:
-        self._context = context
-        self._board = context.board_watch.board
+    def __init__(self, controller: MotionController, snapshot: Snapshot) -> None:
+        self._controller, self._snapshot = controller, snapshot
+        self._board, self._planner = controller.board, controller.planner
         self._last: Move | MoveStraight | None = None
 
     def set_point(self, now_s: float) -> SetPoint | None:
         """Return the set points at `now_s` (monotonic clock, s); None before the first telemetry."""
-        sample, gear = self._board.sample, self._context.planner.gear
+        sample, gear = self._board.sample, self._planner.gear
         if sample is None:
             return None
         telemetry = sample.telemetry
@@ -40,12 +40,12 @@ class OwnArms:
 
     def limits(self) -> Limits:
         """Return the limits of the arms; the teacher may change them at any time."""
-        limits = self._context.planner.limits
+        limits = self._planner.limits
         return Limits(limits.default_speed, limits.speed_max, limits.acceleration)
 
     def measured(self) -> tuple[float, Places]:
         """Return a time (monotonic clock, s), and the measured places of arms and head then."""
-        now = self._context.snapshot.positions()
+        now = self._snapshot.positions()
         head = now.head_measured or now.head
         places = Places(tuple3(now.position), tuple3(now.velocity), (head.yaw, head.pitch, head.roll))
         return now.t_mono_ns / 1e9, places
@@ -66,11 +66,11 @@ class OwnArms:
     def _send(self, frame: Move | MoveStraight) -> None:
         if frame == self._last:
             return
-        telemetry = ready_telemetry(self._board)
+        telemetry = self._board.ready_telemetry()
         if telemetry.position == frame.target and not any(telemetry.velocity):
             return
-        controller = self._context.controller
-        if follows(self._context.access):
+        controller = self._controller
+        if follows(self._controller.access):
             controller.follows, controller.last_goal = True, None
             controller.send(lambda number: frame._replace(motion=number))
             self._board.wake()
@@ -78,11 +78,11 @@ class OwnArms:
 
     def _frame(self, step: Step) -> Move | MoveStraight:
         """Return the frame of a motion, without its number; raises Refused if its path exceeds a limit."""
-        planner, (target, speed) = self._context.planner, step.course
+        planner, (target, speed) = self._planner, step.course
         steps, quarters = planner.gear.to_steps(target), planner.gear.speed_to_quarters(speed)
         if not step.straight:
             return Move(0, steps, quarters)
-        telemetry = ready_telemetry(self._board)
+        telemetry = self._board.ready_telemetry()
         start, velocity = planner.gear.to_rad(telemetry.position), planner.gear.to_rad(telemetry.velocity)
         sent = planner.gear.quarters_to_speed(quarters)
         planner.limits.check_motion(start, velocity, target, sent, straight=True)

@@ -12,11 +12,12 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, FollowQuery, FollowState, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.robot_file import fingerprint
-from beatrix_zenoh.node import Component, Context, StatusFields, replies
-from beatrix_zenoh.node.access import Action
+from beatrix_zenoh.node import Component, StatusFields
+from beatrix_zenoh.node.access import Operation
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.readiness import ready_telemetry
-from beatrix_zenoh.node.requests import RequestHandle, Task, check_own_key, request_handle
+from beatrix_zenoh.node.controller import MotionController, StopCause
+from beatrix_zenoh.node.requests import RequestHandle, Requests, check_own_key, command_refusal, command_reply
+from beatrix_zenoh.node.snapshot import Snapshot
 from sim_node.following.arms import OwnArms, follows
 from sim_node.following.follower import NO_STATUS, Follower, Sample
 from sim_node.following.hardware import HardwareMessages
@@ -35,14 +36,18 @@ ENDED: Final = "The simulation does not follow the hardware; it carries out its 
 class FollowHandler(Component):
     """Moves the simulation to the set points of the hardware, on the controller's thread."""
 
-    def __init__(self, context: Context, *, at_start: bool) -> None:
+    def __init__(
+        self, requests: Requests, controller: MotionController, snapshot: Snapshot, *, at_start: bool
+    ) -> None:
         """`at_start`: follow from the start on, as soon as the simulation is ready."""
-        self._context, self._at_start = context, at_start
-        self._key = keys.follow(context.name, "*")
-        self._messages = HardwareMessages(context.name, self._hear_sample, self._hear_status)
+        self._controller, self._snapshot, self._at_start = controller, snapshot, at_start
+        self._requests, self._queue, self._events = requests, requests.queue, requests.events
+        self._access = controller.access
+        self._key = keys.follow(requests.name, "*")
+        self._messages = HardwareMessages(requests.name, self._hear_sample, self._hear_status)
         self._sessions: Sessions | None = None
         self._follower: Follower | None = None
-        self._arms = OwnArms(context)
+        self._arms = OwnArms(controller, snapshot)
         self._sample: Sample | None = None
         self._was_ready = self._file_known = self._files_differ = self._holds = False
         self._state = FollowState.OFF
@@ -52,12 +57,12 @@ class FollowHandler(Component):
         self._sessions = sessions
         sessions.serve(self._key, self._query)
         if self._at_start:
-            self._context.access.following = True
-            self._context.queue.post_event(lambda: self._begin(sessions))
+            self._access.following = True
+            self._queue.post_event(lambda: self._begin(sessions))
 
     def contribute(self, status: StatusFields) -> None:
         # STOP ends following at once, before this component notices it.
-        following = self._context.access.following
+        following = self._access.following
         status.values["following"] = self._state if following else FollowState.OFF
         if following:
             status.values["motion"] = 0
@@ -70,10 +75,10 @@ class FollowHandler(Component):
     # -- on Zenoh's threads -------------------------------------------------------------------------
 
     def _query(self, incoming: Incoming) -> None:
-        handle = request_handle(incoming, self._key, "FOLLOW", self._context.events, EventKind.COMMAND)
+        handle = self._requests.handle(incoming, self._key, "FOLLOW", EventKind.COMMAND)
 
         def decline(error: BeatrixError) -> None:
-            handle.end(replies.command_refusal(error, self._context.controller.arms()))
+            handle.end(command_refusal(error, self._controller.arms()))
 
         try:
             names.check_seat(handle.caller.seat)
@@ -82,11 +87,11 @@ class FollowHandler(Component):
         except BeatrixError as error:
             decline(error)
             return
-        self._context.queue.post(Task(lambda: self._run(query, handle), decline))
+        self._queue.post(lambda: self._run(query, handle), decline)
 
     def _hear_sample(self, sample: Sample) -> None:
         self._sample = sample
-        self._context.queue.post_latest("follow", Task(self._step, lambda _: None))
+        self._queue.post_latest("follow", self._step)
 
     def _hear_status(self, status: Status) -> None:
         def hear() -> None:
@@ -95,30 +100,30 @@ class FollowHandler(Component):
                 if not self._file_known:  # ask with each status: a node publishes before it answers
                     self._messages.ask_file(self._sessions, self._hear_file)
 
-        self._context.queue.post_event(hear)
+        self._queue.post_event(hear)
 
     def _hear_file(self, file: str) -> None:
         def hear() -> None:
             self._file_known = True
-            differ = file not in ("", fingerprint(self._context.planner.robot))
+            differ = file not in ("", fingerprint(self._controller.planner.robot))
             if differ and not self._files_differ:
-                self._context.events.add(EventKind.WARNING, message=FILES_DIFFER)
+                self._events.add(EventKind.WARNING, message=FILES_DIFFER)
             self._files_differ = differ
 
-        self._context.queue.post_event(hear)
+        self._queue.post_event(hear)
 
     # -- switching, on the controller's thread ------------------------------------------------------
 
     def _run(self, query: FollowQuery, handle: RequestHandle) -> None:
         action = "FOLLOW" if query.follow else "FOLLOW off"
         handle = replace(handle, action=action, source=query.source)
-        controller = self._context.controller
+        controller = self._controller
         try:
             text = self._switch(handle.caller, on=query.follow)
         except BeatrixError as error:
-            handle.end(replies.command_refusal(error, controller.arms()))
+            handle.end(command_refusal(error, controller.arms()))
             return
-        handle.end(replies.command_reply(Reason.OK, text, controller.arms()))
+        handle.end(command_reply(Reason.OK, text, controller.arms()))
 
     def _switch(self, caller: Caller, *, on: bool) -> str:
         """Begin or end following; return the new state as a sentence; raises BeatrixError."""
@@ -126,12 +131,10 @@ class FollowHandler(Component):
         begins = on and self._follower is None and self._sessions is not None
         try:
             if begins:
-                self._context.access.following = (
-                    True  # before `authorize`: a STOP after it must not be overwritten
-                )
+                self._access.following = True  # before `authorize`: a STOP after it must not be overwritten
             self._authorize(caller, begins=begins)
         except BeatrixError:
-            self._context.access.following = self._follower is not None and self._context.access.following
+            self._access.following = self._follower is not None and self._access.following
             raise
         if not on:
             self._end("")
@@ -141,16 +144,16 @@ class FollowHandler(Component):
         return FOLLOWS
 
     def _authorize(self, caller: Caller, *, begins: bool) -> None:
-        context = self._context
-        resting = not context.controller.moving
-        context.access.authorize(Action.FOLLOW, caller, time.monotonic(), resting=resting)
+        controller = self._controller
+        resting = not controller.moving
+        self._access.authorize(Operation.FOLLOW, caller, time.monotonic(), resting=resting)
         if begins:
-            if context.controller.driven or not resting:
+            if controller.driven or not resting:
                 raise Refused(Reason.NOT_AT_REST)
-            ready_telemetry(context.board_watch.board)
+            controller.board.ready_telemetry()
 
     def _begin(self, sessions: Sessions) -> None:
-        self._follower, self._arms = Follower(time.monotonic()), OwnArms(self._context)
+        self._follower, self._arms = Follower(time.monotonic()), OwnArms(self._controller, self._snapshot)
         self._sample, self._was_ready = None, False
         self._file_known = self._files_differ = self._holds = False
         self._state, self._warnings = FollowState.WAITING, []
@@ -161,14 +164,14 @@ class FollowHandler(Component):
         """End following, with a warning if there is a reason to state."""
         if self._follower is None:
             return
-        controller = self._context.controller
-        self._follower, self._context.access.following = None, False
+        controller = self._controller
+        self._follower, self._access.following = None, False
         self._messages.close()
         self._brake()  # the next motion begins where the arms come to rest
         controller.follows = False
         if why:
             text = f"The simulation no longer follows the hardware: {why}"
-            self._context.events.add(EventKind.WARNING, message=text)
+            self._events.add(EventKind.WARNING, message=text)
 
     # -- following, on the controller's thread ------------------------------------------------------
 
@@ -179,7 +182,7 @@ class FollowHandler(Component):
             now_s = time.monotonic()
             self._hold_if_waiting(follower, now_s)
             self._show(follower, now_s)
-            self._context.queue.post_later(now_s + CHECK_S, lambda: self._check(follower))
+            self._queue.post_later(now_s + CHECK_S, lambda: self._check(follower))
 
     def _hold_if_waiting(self, follower: Follower, now_s: float) -> bool:
         """Stop the arms if the simulation has to wait for the hardware; return whether it has to."""
@@ -192,20 +195,20 @@ class FollowHandler(Component):
 
     def _brake(self) -> None:
         """Stop the arms if they follow; the telemetry may not show yet that they move."""
-        if self._context.controller.follows:
-            self._context.controller.stop(replies.StopCause.STOP)
-            self._arms = OwnArms(self._context)  # the same motion may be needed again
+        if self._controller.follows:
+            self._controller.stop(StopCause.STOP)
+            self._arms = OwnArms(self._controller, self._snapshot)  # the same motion may be needed again
 
     def _check_allowed(self) -> None:
         """End following if the simulation was stopped or is no longer ready to move."""
         if self._follower is None:
             return
-        if not follows(self._context.access):
-            frozen = self._context.access.teacher.frozen
+        if not follows(self._access):
+            frozen = self._access.teacher.frozen
             self._end("the teacher has frozen it." if frozen else "STOP of the simulation was pressed.")
             return
         try:
-            ready_telemetry(self._context.board_watch.board)
+            self._controller.board.ready_telemetry()
             self._was_ready = True
         except BeatrixError as error:
             if self._was_ready:
@@ -237,9 +240,9 @@ class FollowHandler(Component):
         state, warnings = follower.state(now_s), follower.warnings(now_s)
         changed = state is not self._state
         if state is FollowState.FOLLOWING and changed:
-            self._context.events.add(EventKind.WARNING, message="The simulation follows the hardware.")
+            self._events.add(EventKind.WARNING, message="The simulation follows the hardware.")
         elif (state is FollowState.PARTED and changed) or (
             state is FollowState.WAITING and warnings != self._warnings[:1] and warnings != [NO_STATUS]
         ):
-            self._context.events.add(EventKind.WARNING, message=warnings[0])
+            self._events.add(EventKind.WARNING, message=warnings[0])
         self._state, self._warnings = state, [*warnings, *([FILES_DIFFER] if self._files_differ else [])]

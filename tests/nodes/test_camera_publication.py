@@ -18,7 +18,7 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.node import CameraFrame, CameraPublisher, Component, Context, Node, StatusFields
+from beatrix_zenoh.node import CameraFrame, CameraPublisher, Component, Node, StatusFields
 from hw_node.body import VirtualHardware
 
 PERIOD_S = 0.02
@@ -36,9 +36,12 @@ with Robot("bea", "hw", connect=sys.argv[1]) as robot, robot.camera("left") as i
 class Eyes(Component):
     """Two eyes with one thread, like those of a renderer; counts the pictures, so that tests detect unneeded ones."""
 
-    def __init__(self, context: Context) -> None:
+    def __init__(self, node: Node) -> None:
         self._wake = threading.Event()
-        self.eyes = {eye: CameraPublisher(context, eye, "test", self._wake.set) for eye in ("left", "right")}
+        self.eyes = {
+            eye: CameraPublisher(keys.camera(node.name, "hw", eye), node.events, "test", self._wake.set)
+            for eye in ("left", "right")
+        }
         self.taken = {"left": 0, "right": 0}
         self._closed = False
         self._thread = threading.Thread(target=self._run, daemon=True)
@@ -73,8 +76,8 @@ class HardwareWithEyes(VirtualHardware):
 
     eyes: Eyes
 
-    def components(self, context: Context) -> list[Component]:
-        self.eyes = Eyes(context)
+    def components(self, node: Node) -> list[Component]:
+        self.eyes = Eyes(node)
         return [self.eyes]
 
 

@@ -15,7 +15,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import CameraFrame, Component, Context, Node
+from beatrix_zenoh.node import CameraFrame, Component, Node
 from hw_node.body import VirtualHardware
 from hw_node.cameras import Camera, camera
 
@@ -58,8 +58,8 @@ class HardwareWithOneEye(VirtualHardware):
         super().__init__(name, cameras=())
         self._source = source
 
-    def components(self, context: Context) -> list[Component]:
-        return [Camera(context, "left", self._source)]
+    def components(self, node: Node) -> list[Component]:
+        return [Camera(node, "left", self._source)]
 
 
 @pytest.fixture

@@ -22,7 +22,6 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import serial
 from beatrix_zenoh.contract._generated.messages import Command, Fault, Reason
 from beatrix_zenoh.node import Node
-from beatrix_zenoh.node.stop import StopHandler
 from hw_node.body import VirtualHardware
 
 
@@ -228,18 +227,12 @@ def test_a_reset_of_the_board_ends_the_motion_and_clears_the_calibration(stage: 
     assert not robot.status().calibrated
 
 
-def stop_handler(node: Node) -> StopHandler:
-    """Return the STOP handler of the node."""
-    (handler,) = (part for part in node.context.snapshot.components if isinstance(part, StopHandler))
-    return handler
-
-
 def test_a_motion_that_begins_just_after_stop_is_stopped_too(stage: Stage) -> None:
     node = stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
     motion = robot.look(yaw=40, wait=False)
     until(lambda: robot.positions().commanded.short > 1, "moving")
-    stop_handler(node).settle(Command.STOP, [], None)  # as if STOP had reached the board before the motion
+    node.controller.settle_stop()  # as if STOP had reached the board before the motion
     with pytest.raises(Interrupted) as ended:
         motion.wait()
     assert ended.value.reason is Reason.STOPPED
@@ -250,7 +243,7 @@ def test_an_enable_that_reaches_the_board_after_emergency_stop_does_not_undo_it(
     robot = ready(stage.robot("bea", "hw"))
     robot.emergency_stop()
     with pytest.raises(Refused) as refused:
-        node.context.board_watch.board.enable(on=True)
+        node.board.enable(on=True)
     assert refused.value.reason is Reason.EMERGENCY
     status = robot.status()
     assert (status.fault, status.enabled) == (Fault.EMERGENCY, False)

@@ -141,7 +141,7 @@ def cut(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[PtyBoard, Pa
         sessions = Sessions(lambda: zbus.connect(stage.endpoint))
         node = Node(sessions, "bea", Hardware(str(board.path)), terminal=terminal).start()
         try:
-            until(lambda: node.context.snapshot.status().board.connected, "found")
+            until(lambda: node.snapshot.status().board.connected, "found")
             yield board, folder / "COM4"
         finally:
             node.close()

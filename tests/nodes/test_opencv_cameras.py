@@ -9,7 +9,7 @@ from robots import Stage, until
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import EventKind
-from beatrix_zenoh.node import Component, Context, Node
+from beatrix_zenoh.node import Component, Node
 from hw_node.body import VirtualHardware
 from hw_node.cameras import Camera, camera
 from hw_node.cameras.opencv import UsbCamera
@@ -22,8 +22,8 @@ class HardwareWithOneEye(VirtualHardware):
         super().__init__(name, cameras=())
         self._module = module
 
-    def components(self, context: Context) -> list[Component]:
-        return [Camera(context, "left", UsbCamera(0, self._module))]
+    def components(self, node: Node) -> list[Component]:
+        return [Camera(node, "left", UsbCamera(0, self._module))]
 
 
 def test_an_eye_is_open_while_subscribed_and_returns_after_unplugging(

@@ -54,7 +54,7 @@ def test_all_sessions_return_after_a_restart_of_the_router(tmp_path: Path) -> No
     router.end()
     try:
         until(
-            lambda: not node.context.snapshot.status().moving,
+            lambda: not node.snapshot.status().moving,
             "the motion of a disconnected client is stopped",
             3.0,
         )
@@ -112,10 +112,10 @@ def test_a_suspended_router_counts_as_lost(stage: Stage) -> None:
     try:
         with Robot("bea", "hw", connect=endpoint, who="ana") as robot:
             ready(robot).look(yaw=150, speed=10, wait=False)
-            until(lambda: node.context.controller.arms()[0] > 0.05, "moving")
+            until(lambda: node.controller.arms()[0] > 0.05, "moving")
             router.send(signal.SIGSTOP)
-            until(lambda: not node.context.snapshot.status().moving, "stopped after a silence of 2 s", 10.0)
-            assert 0 < node.context.controller.arms()[0] < math.radians(100), "not at its goal"
+            until(lambda: not node.snapshot.status().moving, "stopped after a silence of 2 s", 10.0)
+            assert 0 < node.controller.arms()[0] < math.radians(100), "not at its goal"
             router.send(signal.SIGCONT)
             until(lambda: not refused(robot), "all sessions are connected again", 10.0)
     finally:
@@ -192,7 +192,7 @@ def test_the_error_of_a_suspended_program_does_not_name_the_router(
     program = stage.script(script, stage.endpoint, str(yaw))
     program.expect("moving")
     program.send(signal.SIGSTOP)
-    until(lambda: not node.context.snapshot.status().moving, "its session is lost, so the robot stops", 10.0)
+    until(lambda: not node.snapshot.status().moving, "its session is lost, so the robot stops", 10.0)
     threading.Event().wait(more_s)  # the fault itself: the program does not run until the motion is overdue
     program.send(signal.SIGCONT)
     output = program.expect("refused")
@@ -219,13 +219,13 @@ def test_a_session_whose_declarations_the_router_has_lost_is_replaced(stage: Sta
         if not isinstance(declared, zenoh.Publisher):
             declared.undeclare()  # as after a reconnection that lost them
     until(
-        lambda: any("has connected again" in warning for warning in node.context.diagnostics.warnings()),
+        lambda: any("has connected again" in warning for warning in node.controller.diagnostics.warnings()),
         "the node warns of the loss",
         10.0,
     )
     until(lambda: bool(forgotten.is_closed()), "the router has no declarations of the session")
     until(
-        lambda: not node.context.snapshot.status().moving,
+        lambda: not node.snapshot.status().moving,
         "the motion is stopped, because its reply may be lost",
     )
     with pytest.raises((Interrupted, NoAnswer)):

@@ -7,7 +7,7 @@ from typing import Final
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import OLD_PROGRAMS, TEACHER
-from beatrix_zenoh.node.access import TEXT_SESSION, Access, Action
+from beatrix_zenoh.node.access import TEXT_SESSION, Access, Operation
 from beatrix_zenoh.node.callers import Caller
 
 ANA: Final = Caller("ana", "a1")
@@ -24,7 +24,7 @@ def refusal(
     access: Access,
     caller: Caller,
     now_s: float,
-    action: Action = Action.MOVE,
+    action: Operation = Operation.MOVE,
     *,
     resting: bool = True,
     lease: int = 0,
@@ -39,7 +39,7 @@ def refusal(
 
 def begin_motion(access: Access, caller: Caller, now_s: float) -> Access:
     """Begin a motion of the caller."""
-    access.authorize(Action.MOVE, caller, now_s)
+    access.authorize(Operation.MOVE, caller, now_s)
     access.take(caller)
     return access
 

@@ -8,7 +8,7 @@ from access_callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, begin_mot
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.refusals import LINGER_S
-from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import ENDED_SESSIONS, Caller
 
 
@@ -23,21 +23,21 @@ def access() -> Access:
 @pytest.mark.parametrize(
     ("caller", "action", "reason"),
     [
-        (ANA, Action.MOVE, Reason.OK),
-        (ANA_AGAIN, Action.MOVE, Reason.OK),
-        (BEN, Action.MOVE, Reason.NOT_HOLDER),
-        (BEN, Action.ENABLE, Reason.NOT_HOLDER),
-        (BEN, Action.DISABLE, Reason.NOT_HOLDER),
-        (BEN, Action.CALIBRATE, Reason.NOT_HOLDER),
-        (BEN, Action.STOP, Reason.OK),
-        (BEN, Action.EMERGENCY_STOP, Reason.OK),
-        (BEN, Action.RESET, Reason.OK),
-        (BOSS, Action.MOVE, Reason.OK),
-        (OLD, Action.MOVE, Reason.NOT_HOLDER),
+        (ANA, Operation.MOVE, Reason.OK),
+        (ANA_AGAIN, Operation.MOVE, Reason.OK),
+        (BEN, Operation.MOVE, Reason.NOT_HOLDER),
+        (BEN, Operation.ENABLE, Reason.NOT_HOLDER),
+        (BEN, Operation.DISABLE, Reason.NOT_HOLDER),
+        (BEN, Operation.CALIBRATE, Reason.NOT_HOLDER),
+        (BEN, Operation.STOP, Reason.OK),
+        (BEN, Operation.EMERGENCY_STOP, Reason.OK),
+        (BEN, Operation.RESET, Reason.OK),
+        (BOSS, Operation.MOVE, Reason.OK),
+        (OLD, Operation.MOVE, Reason.NOT_HOLDER),
     ],
 )
 def test_actions_of_each_caller_while_ana_holds_the_robot(
-    access: Access, caller: Caller, action: Action, reason: Reason
+    access: Access, caller: Caller, action: Operation, reason: Reason
 ) -> None:
     assert refusal(begin_motion(access, ANA, 0), caller, 100, action) is reason
 
@@ -45,7 +45,7 @@ def test_actions_of_each_caller_while_ana_holds_the_robot(
 def test_the_refusal_has_the_holder_and_the_waiting_time(access: Access) -> None:
     finish_motion(access, ANA, 10)
     with pytest.raises(Refused) as refused:
-        access.authorize(Action.MOVE, BEN, 10.5)
+        access.authorize(Operation.MOVE, BEN, 10.5)
     assert refused.value.detail is not None
     assert refused.value.detail.holder == "ana"
     assert refused.value.detail.wait_s == pytest.approx(LINGER_S - 0.5)
@@ -77,17 +77,17 @@ def test_undo_take_restores_the_previous_lease(access: Access) -> None:
 @pytest.mark.parametrize(
     ("action", "reason"),
     [
-        (Action.MOVE, Reason.EMERGENCY),
-        (Action.ENABLE, Reason.EMERGENCY),
-        (Action.CALIBRATE, Reason.EMERGENCY),
-        (Action.DISABLE, Reason.OK),
-        (Action.STOP, Reason.OK),
-        (Action.EMERGENCY_STOP, Reason.OK),
-        (Action.RESET, Reason.OK),
+        (Operation.MOVE, Reason.EMERGENCY),
+        (Operation.ENABLE, Reason.EMERGENCY),
+        (Operation.CALIBRATE, Reason.EMERGENCY),
+        (Operation.DISABLE, Reason.OK),
+        (Operation.STOP, Reason.OK),
+        (Operation.EMERGENCY_STOP, Reason.OK),
+        (Operation.RESET, Reason.OK),
     ],
 )
 def test_actions_under_the_emergency_latch(
-    access: Access, caller: Caller, action: Action, reason: Reason
+    access: Access, caller: Caller, action: Operation, reason: Reason
 ) -> None:
     begin_motion(access, ANA, 0).stop_pressed(BEN, 1, emergency=True)
     access.stop_sent(1)
@@ -97,7 +97,7 @@ def test_actions_under_the_emergency_latch(
 def test_the_refusal_under_the_latch_lists_reset_first(access: Access) -> None:
     access.latch(0)
     with pytest.raises(Refused) as refused:
-        access.authorize(Action.ENABLE, ANA, 1)
+        access.authorize(Operation.ENABLE, ANA, 1)
     assert refused.value.detail is not None
     assert refused.value.detail.needs[0] == "RESET"
 
@@ -109,7 +109,7 @@ def test_only_reset_clears_the_latch(access: Access) -> None:
     assert access.latched
     access.reset(3)
     assert not access.latched
-    assert refusal(access, ANA, 3, Action.ENABLE) is Reason.OK
+    assert refusal(access, ANA, 3, Operation.ENABLE) is Reason.OK
 
 
 def test_a_reset_received_before_the_emergency_stop_does_not_clear_it(access: Access) -> None:
@@ -121,7 +121,7 @@ def test_a_reset_received_before_the_emergency_stop_does_not_clear_it(access: Ac
 
 
 def test_take_is_refused_if_emergency_stop_was_pressed_since_authorize(access: Access) -> None:
-    access.authorize(Action.MOVE, ANA, 0)
+    access.authorize(Operation.MOVE, ANA, 0)
     access.stop_pressed(BEN, 0, emergency=True)
     with pytest.raises(Refused) as refused:
         access.take(ANA)
@@ -134,8 +134,8 @@ def test_take_is_refused_if_emergency_stop_was_pressed_since_authorize(access: A
 def test_requests_of_an_ended_session_are_refused_until_it_is_back(access: Access) -> None:
     assert not access.session_changed(ANA, 0, alive=False)
     assert refusal(access, ANA, 0) is Reason.CLIENT_LOST
-    assert refusal(access, ANA, 0, Action.ENABLE) is Reason.CLIENT_LOST
-    assert refusal(access, ANA, 0, Action.STOP) is Reason.OK
+    assert refusal(access, ANA, 0, Operation.ENABLE) is Reason.CLIENT_LOST
+    assert refusal(access, ANA, 0, Operation.STOP) is Reason.OK
     access.session_changed(ANA, 0, alive=True)
     assert refusal(access, ANA, 0) is Reason.OK
 

@@ -7,7 +7,7 @@ from access_callers import ANA, BEN, BOSS, OLD, begin_motion, finish_motion, ref
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.refusals import LINGER_S
-from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import Caller
 from sim_node.following.arms import follows
 
@@ -24,18 +24,18 @@ def access() -> Access:
 @pytest.mark.parametrize(
     ("action", "reason"),
     [
-        (Action.MOVE, Reason.FOLLOWING),
-        (Action.CALIBRATE, Reason.FOLLOWING),
-        (Action.ENABLE, Reason.OK),
-        (Action.DISABLE, Reason.OK),
-        (Action.FOLLOW, Reason.OK),
-        (Action.LEASE, Reason.OK),
-        (Action.STOP, Reason.OK),
-        (Action.EMERGENCY_STOP, Reason.OK),
+        (Operation.MOVE, Reason.FOLLOWING),
+        (Operation.CALIBRATE, Reason.FOLLOWING),
+        (Operation.ENABLE, Reason.OK),
+        (Operation.DISABLE, Reason.OK),
+        (Operation.FOLLOW, Reason.OK),
+        (Operation.LEASE, Reason.OK),
+        (Operation.STOP, Reason.OK),
+        (Operation.EMERGENCY_STOP, Reason.OK),
     ],
 )
 def test_only_motions_and_calibrate_are_refused_while_it_follows(
-    access: Access, caller: Caller, action: Action, reason: Reason
+    access: Access, caller: Caller, action: Operation, reason: Reason
 ) -> None:
     assert refusal(access, caller, 1, action) is reason
 
@@ -62,16 +62,16 @@ def test_each_motion_that_follows_counts_so_that_a_stop_is_not_taken_for_a_repet
 @pytest.mark.parametrize(("seat", "reason"), [(ANA, Reason.OK), (BEN, Reason.NOT_HOLDER), (BOSS, Reason.OK)])
 def test_a_seat_that_does_not_hold_the_robot_cannot_switch_following(seat: Caller, reason: Reason) -> None:
     access = finish_motion(Access(), ANA, 1)
-    assert refusal(access, seat, 1 + LINGER_S / 2, Action.FOLLOW) is reason
+    assert refusal(access, seat, 1 + LINGER_S / 2, Operation.FOLLOW) is reason
 
 
 def test_following_begins_only_after_a_stopped_motion_has_come_to_rest() -> None:
     access = begin_motion(Access(), ANA, 1)
     access.stop_pressed(BEN, 2)
-    assert refusal(access, ANA, 2.1, Action.FOLLOW, resting=False) is Reason.STOPPED
+    assert refusal(access, ANA, 2.1, Operation.FOLLOW, resting=False) is Reason.STOPPED
     access.stop_sent(2.2)
     access.rested(2.3)
-    assert refusal(access, ANA, 2.4, Action.FOLLOW) is Reason.OK
+    assert refusal(access, ANA, 2.4, Operation.FOLLOW) is Reason.OK
 
 
 def test_a_frozen_latched_or_muted_seat_cannot_switch_following() -> None:
@@ -79,7 +79,7 @@ def test_a_frozen_latched_or_muted_seat_cannot_switch_following() -> None:
     frozen.teacher.frozen = True
     latched.latch(1)
     muted.teacher.muted = frozenset({"ana"})
-    reasons = [refusal(one, ANA, 2, Action.FOLLOW) for one in (frozen, latched, muted)]
+    reasons = [refusal(one, ANA, 2, Operation.FOLLOW) for one in (frozen, latched, muted)]
     assert reasons == [Reason.FROZEN, Reason.EMERGENCY, Reason.MUTED]
 
 

@@ -19,7 +19,7 @@ from access_callers import (
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.refusals import LINGER_S
-from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import LOOP_S, NO_CALLER, QUIET_OLD_PROGRAM_S, QUIET_S, Caller
 
 
@@ -40,7 +40,7 @@ def test_no_motion_begins_before_stop_was_sent_and_the_arms_rest(access: Access)
 
 
 def test_take_is_refused_if_stop_was_pressed_since_authorize(access: Access) -> None:
-    access.authorize(Action.MOVE, ANA, 0)
+    access.authorize(Operation.MOVE, ANA, 0)
     access.stop_pressed(BEN, 0)
     access.stop_sent(0)
     with pytest.raises(Refused) as refused:
@@ -57,7 +57,7 @@ def test_a_motion_that_ends_after_stop_names_the_seat_until_the_next_motion(acce
     assert access.last_stop.seat == "ben"
     access.rested(1.5)
     with pytest.raises(Refused, match="STOP was pressed by ben while ana was driving"):
-        access.authorize(Action.MOVE, ANA, 1.6)
+        access.authorize(Operation.MOVE, ANA, 1.6)
     begin_motion(access, BOSS, 1.7)
     assert access.last_stop.seat == ""
 
@@ -154,7 +154,7 @@ def test_a_stop_without_a_session_also_pauses_a_caller_without_a_session(access:
 
 
 def test_the_seat_of_a_motion_that_overtook_stop_must_pause(access: Access) -> None:
-    access.authorize(Action.MOVE, ANA, 0)
+    access.authorize(Operation.MOVE, ANA, 0)
     access.take(ANA)
     access.stop_pressed(BEN, 0)
     access.stop_sent(0.1)
@@ -227,7 +227,7 @@ def test_a_second_stop_by_another_seat_ends_a_loop_of_programs(access: Access) -
     stop(begin_motion(access, Caller("ana", "p1"), 2), BEN, 3)
     for number in range(2, 9):
         with pytest.raises(Refused, match="also of a new program") as refused:
-            access.authorize(Action.MOVE, Caller("ana", f"p{number}"), 2.0 + number)
+            access.authorize(Operation.MOVE, Caller("ana", f"p{number}"), 2.0 + number)
         assert refused.value.detail is not None
         assert refused.value.detail.wait_s == QUIET_S
     assert refusal(access, Caller("ana", "p9"), 10 + QUIET_S) is Reason.OK

@@ -6,7 +6,7 @@ import pytest
 from access_callers import ANA, BEN, CLEO, begin_motion, refusal
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import IDLE_S, RETURN_S, SETTLE_S
 from beatrix_zenoh.node.lease_queries import LeaseState, standing, take
 
@@ -70,7 +70,7 @@ def test_a_session_that_does_not_return_keeps_its_lease_for_return_s(access: Acc
 def test_a_request_before_the_token_is_accepted_and_its_motion_ends_with_the_session(access: Access) -> None:
     begin_motion(return_of(access), ANA, BACK_S + 0.5)
     assert access.give_up_sessions(GIVEN_UP_S), "the client of the running motion is lost"
-    assert refusal(access, ANA, GIVEN_UP_S, Action.ENABLE) is Reason.CLIENT_LOST
+    assert refusal(access, ANA, GIVEN_UP_S, Operation.ENABLE) is Reason.CLIENT_LOST
 
 
 def test_a_second_loss_restarts_the_time(access: Access) -> None:

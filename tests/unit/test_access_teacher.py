@@ -7,7 +7,7 @@ from access_callers import ANA, ANA_AGAIN, BEN, BOSS, begin_motion, refusal
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.lease_queries import end_turn, mute, unmute
 
@@ -23,17 +23,17 @@ def test_only_the_teacher_resets_an_emergency_stop_of_the_teacher(
 ) -> None:
     for presser in pressers:
         access.stop_pressed(presser, 1, emergency=True)
-    assert refusal(access, ANA, 2, Action.RESET) is Reason.TEACHER_ONLY
+    assert refusal(access, ANA, 2, Operation.RESET) is Reason.TEACHER_ONLY
     with pytest.raises(Refused, match="Wait until the teacher resets"):
-        access.authorize(Action.ENABLE, ANA, 2)
-    assert refusal(access, BOSS, 2, Action.RESET) is Reason.OK
+        access.authorize(Operation.ENABLE, ANA, 2)
+    assert refusal(access, BOSS, 2, Operation.RESET) is Reason.OK
     access.reset(2)
-    assert refusal(access, ANA, 3, Action.RESET) is Reason.OK
+    assert refusal(access, ANA, 3, Operation.RESET) is Reason.OK
 
 
 def test_every_seat_resets_the_emergency_stop_of_a_student(access: Access) -> None:
     access.stop_pressed(BEN, 1, emergency=True)
-    assert refusal(access, ANA, 2, Action.RESET) is Reason.OK
+    assert refusal(access, ANA, 2, Operation.RESET) is Reason.OK
 
 
 def test_while_the_robot_is_frozen_only_the_teacher_resets_and_every_seat_may_press_emergency_stop(
@@ -42,23 +42,26 @@ def test_while_the_robot_is_frozen_only_the_teacher_resets_and_every_seat_may_pr
     access.teacher.frozen = True
     access.stop_pressed(BEN, 1, emergency=True)
     assert access.latched
-    assert refusal(access, ANA, 2, Action.RESET) is Reason.FROZEN
-    assert refusal(access, BOSS, 2, Action.RESET) is Reason.OK
+    assert refusal(access, ANA, 2, Operation.RESET) is Reason.FROZEN
+    assert refusal(access, BOSS, 2, Operation.RESET) is Reason.OK
 
 
 # -- mute ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    ("action", "muted"), [(action, action not in (Action.STOP, Action.EMERGENCY_STOP)) for action in Action]
+    ("action", "muted"),
+    [(action, action not in (Operation.STOP, Operation.EMERGENCY_STOP)) for action in Operation],
 )
-def test_requests_of_a_muted_seat_are_refused(access: Access, action: Action, muted: bool) -> None:
+def test_requests_of_a_muted_seat_are_refused(access: Access, action: Operation, muted: bool) -> None:
     mute(access, "ana", 0)
-    expected = Reason.TEACHER_ONLY if action is Action.GOVERN else Reason.MUTED if muted else Reason.OK
+    expected = Reason.TEACHER_ONLY if action is Operation.GOVERN else Reason.MUTED if muted else Reason.OK
     assert refusal(access, ANA, 1, action) is expected
     assert refusal(access, ANA_AGAIN, 1, action) is expected
     unmute(access, "ana")
-    assert refusal(access, ANA, 1, action) is (Reason.TEACHER_ONLY if action is Action.GOVERN else Reason.OK)
+    assert refusal(access, ANA, 1, action) is (
+        Reason.TEACHER_ONLY if action is Operation.GOVERN else Reason.OK
+    )
 
 
 @pytest.mark.parametrize("emergency", [False, True])
@@ -73,7 +76,7 @@ def test_the_stop_of_a_muted_seat_stops_no_other_seat(access: Access, emergency:
 
 
 def test_a_motion_of_a_seat_that_is_muted_after_authorize_does_not_begin(access: Access) -> None:
-    access.authorize(Action.MOVE, ANA, 0)
+    access.authorize(Operation.MOVE, ANA, 0)
     mute(access, "ana", 0)
     with pytest.raises(Refused) as refused:
         access.take(ANA)

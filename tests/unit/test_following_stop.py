@@ -13,6 +13,7 @@ from access_callers import ANA
 from msgspec.structs import replace
 from statuses import READY
 
+from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.state import NO_TELEMETRY, BoardLink, TelemetrySample
 from beatrix_zenoh.bus import Received, Sessions
 from beatrix_zenoh.contract import codec
@@ -20,12 +21,12 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import FollowState, Head, Positions, Steps
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Move, MoveStraight
-from beatrix_zenoh.node import Context, StatusFields
+from beatrix_zenoh.node import StatusFields
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.events import Diagnostics, NodeEvents
 from beatrix_zenoh.node.planner import Planner, vector
-from beatrix_zenoh.node.requests import Task
+from beatrix_zenoh.node.requests import Requests
 from sim_node.following import follower
 from sim_node.following.handler import FollowHandler
 
@@ -36,6 +37,7 @@ class FakeBoard:
     """A board that records frames; its telemetry shows arms at rest, as in the first milliseconds of a motion."""
 
     connected = True
+    ready_telemetry = Board.ready_telemetry
 
     def __init__(self) -> None:
         self.frames: list[str] = []
@@ -85,8 +87,8 @@ class FakeQueue:
     def post_event(self, run: Callable[[], None]) -> None:
         self._runs.append(run)
 
-    def post_latest(self, _key: str, task: Task) -> None:
-        self._runs.append(task.run)
+    def post_latest(self, _key: str, run: Callable[[], None]) -> None:
+        self._runs.append(run)
 
     def post_later(self, _due_s: float, _run: Callable[[], None]) -> None:
         """Drop the periodic check: it would find the same as the step of the next sample."""
@@ -104,13 +106,10 @@ class Following:
         board, events, planner = cast("Any", self.board), NodeEvents(), Planner(ROBOT)
         self.controller = MotionController(board, planner, self.access, Diagnostics(events))
         here = SimpleNamespace(positions=lambda: positions(0.0, 0))
-        context = Context(
-            "bea", "sim", cast("Any", None), planner, self.access, events, Diagnostics(events), cast("Any", self.queue),
-            cast("Any", SimpleNamespace(board=board)), self.controller, cast("Any", here),
-        )  # fmt: skip
+        requests = Requests("bea", "sim", cast("Any", self.queue), events)
         self._handlers: dict[str, Callable[[Received], None]] = {}
         self._seq = 0
-        self.handler = FollowHandler(context, at_start=True)
+        self.handler = FollowHandler(requests, self.controller, cast("Any", here), at_start=True)
         self.handler.start(cast("Sessions", self))
         self.queue.run()
         self.publish(keys.status("bea", "hw"), codec.encode(READY))
@@ -144,8 +143,7 @@ class Following:
 
     def settle_stop(self) -> None:
         """Do what the handler of STOP then does on the controller's thread."""
-        if self.controller.driven:
-            self.controller.stop(cast("Any", None))
+        self.controller.settle_stop()
 
     def status(self) -> StatusFields:
         fields = StatusFields()

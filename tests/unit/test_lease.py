@@ -9,7 +9,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.contract.refusals import LINGER_S
-from beatrix_zenoh.node.access import Access, Action
+from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import IDLE_S, SETTLE_S, WAITING_MAX, Caller
 from beatrix_zenoh.node.lease_queries import give_back, standing, take
 
@@ -22,18 +22,18 @@ def access() -> Access:
 @pytest.mark.parametrize(
     ("caller", "action", "reason"),
     [
-        (ANA, Action.MOVE, Reason.OK),
-        (ANA_AGAIN, Action.MOVE, Reason.OK),
-        (BEN, Action.MOVE, Reason.NOT_HOLDER),
-        (BEN, Action.ENABLE, Reason.NOT_HOLDER),
-        (BEN, Action.CALIBRATE, Reason.NOT_HOLDER),
-        (BEN, Action.STOP, Reason.OK),
-        (BEN, Action.EMERGENCY_STOP, Reason.OK),
-        (BOSS, Action.MOVE, Reason.OK),
+        (ANA, Operation.MOVE, Reason.OK),
+        (ANA_AGAIN, Operation.MOVE, Reason.OK),
+        (BEN, Operation.MOVE, Reason.NOT_HOLDER),
+        (BEN, Operation.ENABLE, Reason.NOT_HOLDER),
+        (BEN, Operation.CALIBRATE, Reason.NOT_HOLDER),
+        (BEN, Operation.STOP, Reason.OK),
+        (BEN, Operation.EMERGENCY_STOP, Reason.OK),
+        (BOSS, Operation.MOVE, Reason.OK),
     ],
 )
 def test_permissions_while_a_robot_is_taken_and_rests(
-    access: Access, caller: Caller, action: Action, reason: Reason
+    access: Access, caller: Caller, action: Operation, reason: Reason
 ) -> None:
     take(access, ANA, 0)
     assert refusal(access, caller, 1000, action=action) is reason
@@ -101,7 +101,7 @@ def test_a_holder_that_moves_is_not_idle(access: Access) -> None:
     take(access, BEN, 1, wait=True)
     access.take(ANA)
     assert standing(access, 1000).holder == "ana"
-    access.authorize(Action.MOVE, ANA, 1000)
+    access.authorize(Operation.MOVE, ANA, 1000)
     access.rested(1001)
     assert standing(access, 1000 + IDLE_S - 1).holder == "ana"
     assert standing(access, 1001 + IDLE_S).holder == "ben"
@@ -134,26 +134,26 @@ def test_the_queue_is_bounded(access: Access) -> None:
 @pytest.mark.parametrize(
     ("caller", "action", "reason"),
     [
-        (ANA, Action.MOVE, Reason.FROZEN),
-        (ANA, Action.ENABLE, Reason.FROZEN),
-        (ANA, Action.CALIBRATE, Reason.FROZEN),
-        (ANA, Action.DISABLE, Reason.FROZEN),
-        (ANA, Action.STOP, Reason.OK),
-        (ANA, Action.EMERGENCY_STOP, Reason.OK),
-        (ANA, Action.GOVERN, Reason.TEACHER_ONLY),
-        (BOSS, Action.MOVE, Reason.OK),
-        (BOSS, Action.GOVERN, Reason.OK),
+        (ANA, Operation.MOVE, Reason.FROZEN),
+        (ANA, Operation.ENABLE, Reason.FROZEN),
+        (ANA, Operation.CALIBRATE, Reason.FROZEN),
+        (ANA, Operation.DISABLE, Reason.FROZEN),
+        (ANA, Operation.STOP, Reason.OK),
+        (ANA, Operation.EMERGENCY_STOP, Reason.OK),
+        (ANA, Operation.GOVERN, Reason.TEACHER_ONLY),
+        (BOSS, Operation.MOVE, Reason.OK),
+        (BOSS, Operation.GOVERN, Reason.OK),
     ],
 )
 def test_permissions_while_a_robot_is_frozen(
-    access: Access, caller: Caller, action: Action, reason: Reason
+    access: Access, caller: Caller, action: Operation, reason: Reason
 ) -> None:
     access.teacher.frozen = True
     assert refusal(access, caller, 0, action=action) is reason
 
 
 def test_take_is_refused_if_the_robot_was_frozen_since_authorize(access: Access) -> None:
-    access.authorize(Action.MOVE, ANA, 0)
+    access.authorize(Operation.MOVE, ANA, 0)
     access.teacher.frozen = True
     with pytest.raises(Refused) as refused:
         access.take(ANA)

@@ -14,9 +14,8 @@ from beatrix_zenoh.contract._generated.serial import Enable, FrameType, Move, Mo
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.node.interfaces import Preview
 from sim_node.plant import Plant
-from sim_node.preview import SAMPLES_MAX, simulate_motion
+from sim_node.preview import SAMPLES_MAX, Preview, simulate_motion
 
 GEAR = Gear()
 NECK = Neck()

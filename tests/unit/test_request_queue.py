@@ -7,7 +7,7 @@ import time
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
-from beatrix_zenoh.node.requests import CAPACITY, RequestQueue, Task
+from beatrix_zenoh.node.requests import CAPACITY, ControllerQueue, Decline, Run
 
 
 class Log:
@@ -17,42 +17,42 @@ class Log:
         self.ran: list[str] = []
         self.declined: list[tuple[str, Reason]] = []
 
-    def task(self, name: str) -> Task:
+    def task(self, name: str) -> tuple[Run, Decline]:
         def decline(error: BeatrixError) -> None:
             self.declined.append((name, error.reason))
 
-        return Task(lambda: self.ran.append(name), decline)
+        return lambda: self.ran.append(name), decline
 
 
-def drain(queue: RequestQueue) -> None:
+def drain(queue: ControllerQueue) -> None:
     queue.close()
-    while (task := queue.take()) is not None:
-        task.run()
+    while (run := queue.take()) is not None:
+        run()
 
 
 def test_entries_run_in_order() -> None:
-    log, queue = Log(), RequestQueue()
+    log, queue = Log(), ControllerQueue()
     for name in "abc":
-        queue.post(log.task(name))
+        queue.post(*log.task(name))
     drain(queue)
     assert log.ran == ["a", "b", "c"]
 
 
 def test_a_newer_motion_of_a_seat_replaces_the_older_and_runs_last() -> None:
-    log, queue = Log(), RequestQueue()
-    queue.post_latest("ana", log.task("old"))
-    queue.post(log.task("command"))
-    queue.post_latest("ben", log.task("other"))
-    queue.post_latest("ana", log.task("new"))
+    log, queue = Log(), ControllerQueue()
+    queue.post_latest("ana", *log.task("old"))
+    queue.post(*log.task("command"))
+    queue.post_latest("ben", *log.task("other"))
+    queue.post_latest("ana", *log.task("new"))
     drain(queue)
     assert log.ran == ["command", "other", "new"]
     assert log.declined == [("old", Reason.REPLACED)]
 
 
 def test_a_full_queue_declines_commands_as_busy_but_not_events() -> None:
-    log, queue = Log(), RequestQueue()
+    log, queue = Log(), ControllerQueue()
     for number in range(CAPACITY + 1):
-        queue.post(log.task(str(number)))
+        queue.post(*log.task(str(number)))
     queue.post_event(lambda: log.ran.append("event"))
     drain(queue)
     assert len(log.ran) == CAPACITY + 1
@@ -62,26 +62,26 @@ def test_a_full_queue_declines_commands_as_busy_but_not_events() -> None:
 
 def test_a_replaced_entry_does_not_wake_the_reader() -> None:
     """Otherwise `take` would return None, which ends the reader."""
-    log, queue = Log(), RequestQueue()
-    queue.post_latest("ana", log.task("old"))
-    queue.post_latest("ana", log.task("new"))
+    log, queue = Log(), ControllerQueue()
+    queue.post_latest("ana", *log.task("old"))
+    queue.post_latest("ana", *log.task("new"))
     assert queue.take() is not None
     reader = threading.Thread(target=queue.take, daemon=True)
     reader.start()
     reader.join(0.05)
     assert reader.is_alive()
-    queue.post(log.task("command"))
+    queue.post(*log.task("command"))
     reader.join(2.0)
     assert not reader.is_alive()
 
 
 def test_a_full_queue_declines_motions_except_those_that_replace_another() -> None:
-    log, queue = Log(), RequestQueue()
+    log, queue = Log(), ControllerQueue()
     for number in range(CAPACITY - 1):
-        queue.post(log.task(str(number)))
+        queue.post(*log.task(str(number)))
     for name in ("old", "new"):
-        queue.post_latest("ana", log.task(name))
-    queue.post_latest("ben", log.task("late"))
+        queue.post_latest("ana", *log.task(name))
+    queue.post_latest("ben", *log.task("late"))
     drain(queue)
     assert log.ran[-1] == "new"
     assert len(log.ran) == CAPACITY
@@ -89,52 +89,50 @@ def test_a_full_queue_declines_motions_except_those_that_replace_another() -> No
 
 
 def test_a_closed_queue_declines_new_entries_and_runs_the_waiting_ones() -> None:
-    log, queue = Log(), RequestQueue()
-    queue.post_latest("ana", log.task("before"))
+    log, queue = Log(), ControllerQueue()
+    queue.post_latest("ana", *log.task("before"))
     queue.close()
-    queue.post(log.task("command"))
-    queue.post_latest("ana", log.task("motion"))
-    queue.post_event(log.task("event").run)
-    while (task := queue.take()) is not None:
-        task.run()
+    queue.post(*log.task("command"))
+    queue.post_latest("ana", *log.task("motion"))
+    queue.post_event(log.task("event")[0])
+    while (run := queue.take()) is not None:
+        run()
     assert log.ran == ["before"]
     assert log.declined == [(name, Reason.SHUTDOWN) for name in ("command", "motion")]
 
 
 def test_urgent_entries_go_first_in_their_own_order() -> None:
-    log, queue = Log(), RequestQueue()
+    log, queue = Log(), ControllerQueue()
     for number in range(CAPACITY):
-        queue.post(log.task(f"command {number}"))
+        queue.post(*log.task(f"command {number}"))
     for name in ("stop", "its reply"):
-        task = log.task(name)
-        queue.post_urgent(task.run, task.decline)
+        queue.post_urgent(*log.task(name))
     first = [queue.take() for _ in range(3)]
     for taken in first:
         assert taken is not None
-        taken.run()
+        taken()
     assert log.ran == ["stop", "its reply", "command 0"]
     queue.close()
-    late = log.task("late")
-    queue.post_urgent(late.run, late.decline)
+    queue.post_urgent(*log.task("late"))
     assert log.declined == [("late", Reason.SHUTDOWN)]
 
 
 def test_a_later_entry_runs_at_its_time_after_all_that_wait_then() -> None:
-    log, queue, due_s = Log(), RequestQueue(), time.monotonic() + 0.05
+    log, queue, due_s = Log(), ControllerQueue(), time.monotonic() + 0.05
     queue.post_later(due_s + 0.01, lambda: log.ran.append("last"))
     queue.post_later(due_s, lambda: log.ran.append(f"late: {time.monotonic() >= due_s}"))
-    queue.post(log.task("now"))
+    queue.post(*log.task("now"))
     for _ in range(3):
-        task = queue.take()
-        assert task is not None
-        task.run()
+        run = queue.take()
+        assert run is not None
+        run()
     assert log.ran == ["now", "late: True", "last"]
     queue.post_later(time.monotonic(), lambda: log.ran.append("due"))
-    queue.post(log.task("waits already"))
+    queue.post(*log.task("waits already"))
     for _ in range(2):
-        task = queue.take()
-        assert task is not None
-        task.run()
+        run = queue.take()
+        assert run is not None
+        run()
     assert log.ran[3:] == ["waits already", "due"]
     queue.post_later(time.monotonic() + 60, lambda: log.ran.append("never"))
     drain(queue)

@@ -12,13 +12,11 @@ import pytest
 
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Command, CommandReply, EventKind, Reason
-from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract._generated.serial import FrameType
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node.access import Action
+from beatrix_zenoh.node.access import Operation
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.context import Context
-from beatrix_zenoh.node.node import ControllerThread, build_context
+from beatrix_zenoh.node.node import ControllerThread, Node
 from beatrix_zenoh.node.requests import RequestHandle
 from beatrix_zenoh.node.stop import REPEAT_S, SAME_PUT_S, StopHandler
 from hw_node.body import VirtualHardware
@@ -45,14 +43,14 @@ class Stage:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         sessions = cast("Sessions", Unconnected())
         self.hardware = VirtualHardware("bea")
-        self.context: Context = build_context(sessions, "bea", self.hardware, ROBOT)
+        self.node = node = Node(sessions, "bea", self.hardware)
         self.sent: list[FrameType] = []
         self.failure: NoAnswer | None = None
         self.busy, self.go_on = threading.Event(), threading.Event()
         self.go_on.set()
-        monkeypatch.setattr(self.context.board_watch.board, "request", self._request)
-        self.handler = StopHandler(self.context)
-        self.controller = ControllerThread(self.context)
+        monkeypatch.setattr(node.board, "request", self._request)
+        self.handler = StopHandler(node.requests, node.controller, node.board_watch)
+        self.controller = ControllerThread(node.requests.queue, node.controller)
         self.handler.start(sessions)
         self.controller.start(sessions)
         self.replies: dict[str, CommandReply] = {}
@@ -72,7 +70,7 @@ class Stage:
             self.replied.release()
 
         caller = Caller(seat, seat)
-        handle = RequestHandle(caller, command.name, self.context.events, reply, kind=EventKind.STOP)
+        handle = RequestHandle(caller, command.name, self.node.events, reply, kind=EventKind.STOP)
         self.handler.press(command, handle)
 
     def close(self) -> None:
@@ -121,11 +119,11 @@ def test_a_flood_of_stops_costs_few_requests_to_the_board_and_all_are_answered(s
 
 def test_puts_of_one_key_are_skipped_while_they_only_repeat_a_stop(stage: Stage) -> None:
     key, now_s = "beatrix/bea/hw/stop/cem", 100.0
-    repeats, access, ana = stage.handler.repeats, stage.context.access, Caller("ana", "session")
+    repeats, access, ana = stage.handler.repeats, stage.node.controller.access, Caller("ana", "session")
     assert not repeats(key, now_s)
     assert repeats(key, now_s)
     assert not repeats("beatrix/bea/hw/stop/ben", now_s), "the STOP of another seat"
-    access.authorize(Action.MOVE, ana, now_s)
+    access.authorize(Operation.MOVE, ana, now_s)
     assert not repeats(key, now_s), "a motion may begin"
     access.take(ana)
     assert not repeats(key, now_s), "a motion has begun"
@@ -133,7 +131,7 @@ def test_puts_of_one_key_are_skipped_while_they_only_repeat_a_stop(stage: Stage)
 
 
 def test_a_stop_after_a_new_motion_is_sent_however_soon(stage: Stage) -> None:
-    access = stage.context.access
+    access = stage.node.controller.access
     for number in (1, 2, 3):
         with access.lock:
             access.begun += 1
@@ -156,7 +154,7 @@ def test_a_stop_after_one_that_the_board_did_not_acknowledge_is_sent(stage: Stag
 def test_every_press_is_an_event(stage: Stage) -> None:
     stage.press(Command.STOP, "ana")
     assert stage.replied.acquire(timeout=5)
-    (event,) = stage.context.events.latest().events
+    (event,) = stage.node.events.latest().events
     assert (event.kind, event.action, event.seat) == (EventKind.STOP, "STOP", "ana")
 
 
