@@ -7,6 +7,7 @@ import struct
 
 import msgspec
 import pytest
+from golden import same
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -48,67 +49,41 @@ ACCEPTED = Event(
     pose_query=LOOK,
     position=vector(20.0, 20.0, 19.98),
 )
-ASKED = "ana asked look yaw 20.0°, pitch 0.0°, roll 0.0° at 40°/s, lead 2 s, from the window"
+OTHER = {"source": None, "pose_query": None, "position": None}
+CASES: dict[str, dict[str, object]] = {
+    "accepted": {},
+    "refused": {"reason": Reason.ARM_GAP, "message": "Too close.", "motion": 0, "position": None},
+    "repeated": {"count": 12},
+    "done": {"phase": Phase.DONE, "message": "Arrived.", "source": None, "pose_query": None},
+    "command refused": OTHER
+    | {"kind": EventKind.COMMAND, "action": "ENABLE", "phase": None, "source": Source.CLI, "motion": 0}
+    | {"reason": Reason.EMERGENCY, "message": "No."},
+    "board": OTHER
+    | {
+        "kind": EventKind.BOARD,
+        "action": "",
+        "seat": "",
+        "phase": None,
+        "motion": 0,
+        "message": "It is connected.",
+    },
+}
+REQUESTS = {
+    "look": PoseQuery(yaw=rad(-0.05)),
+    "look relative": PoseQuery(absolute=False, pitch=rad(2.5), lead=0.0),
+    "move": MotionQuery(position=vector(5, -5, 0), speed=vector(30, 30, 30)),
+    "move relative": MotionQuery(absolute=False, position=vector(0, 0, 1.125), speed=vector(20, 30.5, 40)),
+}
 
 
-@pytest.mark.parametrize(
-    ("changes", "text"),
-    [
-        ({}, f"{ASKED}: Accepted: 0.6 s. Motion 17 to arms 20.0°, 20.0°, 19.98°."),
-        (
-            {"reason": Reason.ARM_GAP, "message": "Too close.", "motion": 0, "position": None},
-            f"{ASKED}, refused ARM_GAP: Too close.",
-        ),
-        ({"count": 12}, f"{ASKED} (12 times): Accepted: 0.6 s. Motion 17 to arms 20.0°, 20.0°, 19.98°."),
-        (
-            {"phase": Phase.DONE, "message": "Arrived.", "source": None, "pose_query": None},
-            "ana motion pose 17 done: Arrived.",
-        ),
-        (
-            {
-                "kind": EventKind.COMMAND,
-                "action": "ENABLE",
-                "phase": None,
-                "source": Source.CLI,
-                "pose_query": None,
-                "motion": 0,
-                "reason": Reason.EMERGENCY,
-                "message": "No.",
-                "position": None,
-            },
-            "ana command ENABLE, from the command line, refused EMERGENCY: No.",
-        ),
-        (
-            {"kind": EventKind.BOARD, "action": "", "seat": "", "phase": None, "source": None}
-            | {"pose_query": None, "motion": 0, "message": "The board is connected.", "position": None},
-            "board: The board is connected.",
-        ),
-    ],
-)
-def test_an_event_is_one_sentence(changes: dict[str, object], text: str) -> None:
-    assert sentence(msgspec.structs.replace(ACCEPTED, **changes)) == text
+@pytest.mark.parametrize("case", CASES)
+def test_an_event_is_one_sentence(case: str) -> None:
+    same(f"event.{case}", sentence(msgspec.structs.replace(ACCEPTED, **CASES[case])))
 
 
-@pytest.mark.parametrize(
-    ("query", "text"),
-    [
-        (PoseQuery(yaw=rad(-0.05)), "look yaw -0.05°, pitch 0.0°, roll 0.0° at the default speed"),
-        (
-            PoseQuery(absolute=False, pitch=rad(2.5), lead=0.0),
-            "look relative yaw 0.0°, pitch 2.5°, roll 0.0° at the default speed, lead 0 s",
-        ),
-        (
-            MotionQuery(position=vector(5, -5, 0), speed=vector(30, 30, 30)),
-            "move short 5.0°, middle -5.0°, long 0.0° at 30°/s",
-        ),
-        (
-            MotionQuery(absolute=False, position=vector(0, 0, 1.125), speed=vector(20, 30.5, 40)),
-            "move relative short 0.0°, middle 0.0°, long 1.125° at 20, 30.5, 40°/s",
-        ),
-    ],
-)
-def test_a_request_is_written_as_it_was_made(query: MotionQuery | PoseQuery, text: str) -> None:
-    assert request(query) == text
+@pytest.mark.parametrize("case", REQUESTS)
+def test_a_request_is_written_as_it_was_made(case: str) -> None:
+    same(f"request.{case}", request(REQUESTS[case]))
 
 
 @given(st.floats(-360, 360))

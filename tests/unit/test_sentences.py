@@ -6,8 +6,10 @@ import itertools
 import math
 import re
 import string
+from collections import Counter
 
 import pytest
+from golden import same
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -194,41 +196,14 @@ def test_a_decoded_detail_gives_the_sentence_of_the_original() -> None:
             assert sentences.render(refusal.reason, detail) == refusal.message
 
 
-@pytest.mark.parametrize(
-    ("refusal", "text"),
-    [
-        (
-            pose(Reason.OUT_OF_REACH, Limit.TILT, RAD(40), at_goal=True),
-            (
-                "The head would tilt 40.0°; at most 35.0° is allowed. The motion leaves the limits 0.52 s after its start, "
-                "with the arms at 10.0°, -20.0°, 30.2°. Try moving to yaw 1.0°, pitch 34.0°, roll 0.0°."
-            ),
-        ),
-        (
-            speed(RAD(0.01), RAD(0.022)),
-            (
-                "A speed of 0.010°/s for the short and long arm is too low; 0.022°/s to 90.0°/s is allowed. Try a speed of "
-                "0.022°/s."
-            ),
-        ),
-        (
-            refusals.emergency_latched(),
-            (
-                "EMERGENCY_STOP is latched and the motors are off. Look at the robot and set the head upright, then reset, "
-                "enable and calibrate; `beatrix reset` sends RESET."
-            ),
-        ),
-    ],
-)
-def test_sentences_say_what_happened_what_is_allowed_and_what_to_do(refusal: Refused, text: str) -> None:
-    assert refusal.message == text
-
-
-def test_german_has_its_own_decimal_sign_and_names() -> None:
-    detail = pose(Reason.ARM_GAP, Limit.ARM_GAP, RAD(12), at_goal=True).detail
-    assert sentences.render(Reason.ARM_GAP, detail, LANGUAGES["de"]).startswith(
-        "Zwischen dem kurzen und mittleren Arm blieben 12,0°; mindestens 30,0° sind nötig."
-    )
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_sentences_are_those_of_the_golden_file(language: str) -> None:
+    count: Counter[str] = Counter()
+    for refusal in REFUSALS:
+        reason, limit, case = key_of(refusal)
+        name = " ".join(filter(None, (reason.name, limit.name if limit else "", case)))
+        count[name] += 1
+        same(f"{language}.{name} {count[name]}", sentences.render(refusal.reason, refusal.detail, LANGUAGES[language]))
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
