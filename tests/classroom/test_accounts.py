@@ -184,18 +184,6 @@ def test_stop_needs_no_readable_account(
     assert done.returncode == 3, "the program looked for a router"
 
 
-def test_an_empty_variable_hides_the_account_and_leaving_the_class_deletes_it(
-    joined: Account, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert resolve().account == joined
-    monkeypatch.setenv("BEATRIX_ACCOUNT", "")
-    assert resolve().account is None
-    monkeypatch.delenv("BEATRIX_ACCOUNT")
-    assert beatrix("join", "--leave").returncode == 0
-    assert resolve().account is None
-    assert not list((tmp_path / "beatrix").iterdir())
-
-
 def test_an_account_may_be_named_by_a_file_or_the_environment(
     router: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -209,15 +197,6 @@ def test_an_account_may_be_named_by_a_file_or_the_environment(
     monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("teacher")))
     assert resolve().who == "teacher"
     assert resolve(robot="bea2", who="ana").who == "ana"
-
-
-def test_join_reads_an_account_from_standard_input(
-    router: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
-    assert beatrix("join", "-", answers=router.path("ben").read_text()).returncode == 0
-    assert resolve().account == router.account("ben")
-    assert beatrix("join", "-", answers="nonsense").returncode == 2
 
 
 FILE = """class = "8b"
@@ -256,19 +235,6 @@ def test_the_error_for_a_wrong_file_names_cause_and_right_file(tmp_path: Path, t
     assert f"is not an account file: {cause}" in done.stderr
     assert "Use the file of your seat or robot, for example ana.toml" in done.stderr
     assert "Object" not in done.stderr
-
-
-def test_the_refusal_states_why_a_file_is_no_account_file(router: ClassRouter, tmp_path: Path) -> None:
-    picture = tmp_path / "picture.png"
-    picture.write_bytes(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR")
-    causes = {
-        router.class_file: "it is the class file",
-        router.folder / "router.toml": "it is the account of the class's router",
-        tmp_path / "ana.toml": "it cannot be read (No such file or directory)",
-    }
-    for path, cause in causes.items():
-        assert f"{path} is not an account file: {cause}" in beatrix("join", str(path)).stderr
-    assert f"{picture} is not a text file: choose a file in TOML" in beatrix("join", str(picture)).stderr
 
 
 def test_the_account_of_a_class_is_not_used_for_another_router(joined: Account) -> None:

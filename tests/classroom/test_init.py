@@ -13,7 +13,6 @@ from shell import beatrix
 from beatrix_zenoh import account
 from beatrix_zenoh.classroom import class_file
 from beatrix_zenoh.classroom.certificates import Authority
-from beatrix_zenoh.classroom.router_file import grants
 from beatrix_zenoh.contract.errors import WrongUsage
 
 
@@ -87,16 +86,6 @@ def test_a_second_init_keeps_secrets_and_adds_new_seats(file: Path) -> None:
     assert (folder / "router.toml").read_text() == router, "a router that runs need not restart"
 
 
-def test_a_damaged_account_file_is_not_replaced(file: Path) -> None:
-    assert beatrix("classroom", "init", str(file)).returncode == 0
-    damaged = file.parent / "8b" / "seats" / "ana.toml"
-    damaged.write_text("class = 3\n")
-    done = beatrix("classroom", "init", str(file))
-    assert done.returncode == 2
-    assert "ana.toml" in done.stderr
-    assert damaged.read_text() == "class = 3\n"
-
-
 def test_the_error_of_a_router_without_accounts_names_the_command_to_run(file: Path) -> None:
     done = beatrix("router", "--class", str(file))
     assert done.returncode == 2
@@ -146,15 +135,6 @@ def test_the_refusal_of_a_wrong_class_file_names_the_field(
         class_file.read(path)
 
 
-def test_seats_may_be_a_number(tmp_path: Path) -> None:
-    path = tmp_path / "class.toml"
-    path.write_text('name = "8b"\naddresses = ["192.168.1.20", "teacher.local"]\nseats = 30\n')
-    made = class_file.read(path)
-    assert (made.seats[0], made.seats[-1], len(made.seats)) == ("seat01", "seat30", 30)
-    assert made.listen == "tls/192.168.1.20:7447,tls/teacher.local:7447"
-    assert len(grants(made.seats, made.robots)) == 31
-
-
 def test_pupils_may_have_names_in_any_alphabet_which_only_cards_and_the_teacher_have(tmp_path: Path) -> None:
     path = tmp_path / "class.toml"
     without_seats = class_text().replace('seats = ["ana", "ben"]\n', "")
@@ -174,20 +154,3 @@ def test_pupils_may_have_names_in_any_alphabet_which_only_cards_and_the_teacher_
     assert not any("Müller" in text for text in (*others.values(), (folder / "router.toml").read_text()))
     path.write_text(path.read_text(encoding="utf-8").replace("Müller", "Maier"), encoding="utf-8")
     assert "Names of pupils have changed" in beatrix("classroom", "init", str(path)).stderr
-
-
-def test_the_teachers_card_of_a_large_class_still_fits_a_code(tmp_path: Path) -> None:
-    path = tmp_path / "class.toml"
-    pupils = "".join(f'seat{number:02d} = "{"李" * 48}"\n' for number in range(1, 100))
-    path.write_text(f'name = "8b"\naddresses = ["192.168.100.200"]\n[seats]\n{pupils}', encoding="utf-8")
-    done = beatrix("classroom", "init", str(path))
-    assert done.returncode == 0, done.stderr
-    assert account.load(tmp_path / "8b" / "seats" / "teacher.toml").shown("seat99").startswith("李")
-
-
-@pytest.mark.parametrize("name", ['"a\\u001bb"', '"a\\nb"', f'"{"a" * 49}"', "3"])
-def test_the_name_of_a_pupil_must_be_printable_and_short(tmp_path: Path, name: str) -> None:
-    path = tmp_path / "class.toml"
-    path.write_text(f'name = "8b"\naddresses = ["192.168.1.20"]\n[seats]\nzoe = {name}\n')
-    with pytest.raises(WrongUsage):
-        class_file.read(path)

@@ -264,11 +264,6 @@ def test_a_command_of_a_seat_without_its_simulation_goes_to_no_other_robot(
     assert "Online: bea1 (hw)" in done.stderr
 
 
-def test_each_cause_of_a_missing_answer_has_an_exit_code_of_its_own() -> None:
-    codes = [exit_code(reason) for _, reason, _ in TABLE]
-    assert len({*codes, 0, 1, 2}) == len(TABLE) + 3
-
-
 def doctor(lesson: Lesson, case: Case, monkeypatch: pytest.MonkeyPatch) -> dict[str, list[dict[str, str]]]:
     """Return the findings of `beatrix doctor` about router, account and robots, by their subject."""
     monkeypatch.chdir(lesson.folder)

@@ -220,24 +220,6 @@ def test_the_robot_stays_stopped_while_another_client_floods_it(body: Body, robo
     assert counts == {Gear().to_steps((reply.position.x, reply.position.y, reply.position.z))}
 
 
-@pytest.mark.bodies("sim")
-def test_a_command_of_another_client_is_answered_during_a_flood(body: Body, robot: Robot) -> None:
-    other = body.robot("ben")
-    with Flood(robot) as flood:
-        until(lambda: flood.sent > 500 and other.status().holder == "ana", "flooded", FLOOD_S)
-        with pytest.raises(Refused, match="ana drives"):
-            other.calibrate()
-
-
-@pytest.mark.bodies("sim")
-def test_after_a_flood_the_robot_moves_to_the_newest_target(robot: Robot) -> None:
-    with Flood(robot) as flood:
-        until(lambda: flood.sent > 500, "flooded", FLOOD_S)
-    robot.timeout_s = 10.0
-    robot.look(yaw=5, speed=60)
-    assert robot.positions().commanded.short == pytest.approx(5, abs=0.1)
-
-
 def test_a_stopped_seat_must_pause_before_it_moves_again(body: Body, robot: Robot) -> None:
     other = body.robot("ben")
     robot.look(yaw=40, wait=False)

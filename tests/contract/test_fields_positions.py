@@ -14,7 +14,6 @@ from published import Published, published_positions
 from robots import ask_raw, until
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.client.degrees import Reading
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Head, Positions, Steps, Vector3
@@ -85,28 +84,6 @@ def test_velocity_is_the_change_of_position_with_time(robot: Robot) -> None:
         assert statistics.mean(arms(at.velocity)[arm] for at in middle) == near
         assert slope(times, [arms(at.position)[arm] for at in middle]) == near
         assert slope(times, [arms(at.commanded)[arm] for at in middle]) == near
-
-
-def test_velocity_is_zero_at_rest(robot: Robot) -> None:
-    robot.move(5, 4, 3, speed=60)
-    positions = published_positions(robot)
-    positions.next(lambda at: max(map(abs, arms(at.velocity))) < math.radians(0.2), 2.0)
-
-
-def test_velocity_of_the_sdk_is_in_degrees_per_second(robot: Robot) -> None:
-    motion = robot.move(80, 70, 60, speed=25, wait=False)
-    samples: list[Reading] = []
-
-    def far() -> bool:
-        reading = robot.positions()
-        if 30 < reading.commanded.long < 55:
-            samples.append(reading)
-        return reading.commanded.long >= 55
-
-    until(far, f"the long arm at 55 deg ({motion})", 15.0)
-    robot.stop()
-    for arm in range(3):
-        assert statistics.mean(reading.velocity[arm] for reading in samples) == pytest.approx(25, abs=5)
 
 
 def test_steps_are_the_commanded_angles_in_microsteps(robot: Robot) -> None:

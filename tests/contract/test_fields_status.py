@@ -20,7 +20,6 @@ from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys, serial
 from beatrix_zenoh.contract._generated.messages import (
     CONTRACT,
-    Clock,
     Command,
     Fault,
     GeometryInfo,
@@ -165,14 +164,6 @@ def test_only_a_simulation_has_a_plant_status(body: Body, robot: Robot) -> None:
     assert (plant.slipped_steps, plant.re_placed) == (0, 0)
 
 
-def test_clock_returns_the_present_time_of_both_clocks(robot: Robot) -> None:
-    began_ns, began_wall_ns = time.monotonic_ns(), time.time_ns()
-    (answer,) = ask_raw(robot.client, keys.clock(robot.name, robot.side))
-    clock = codec.decode_json(answer.payload, Clock)
-    assert began_ns < clock.t_mono_ns < time.monotonic_ns()
-    assert began_wall_ns < clock.t_wall_ns < time.time_ns()
-
-
 def test_info_has_name_and_versions(body: Body, robot: Robot) -> None:
     info = robot.info()
     assert (info.robot, info.side) == (body.name, body.side)
@@ -205,13 +196,6 @@ def test_info_has_limits_and_geometry_in_radians_on_the_wire(robot: Robot) -> No
         hand=shape.hand,
     )
     assert msgspec.structs.astuple(info.geometry) == pytest.approx(msgspec.structs.astuple(neck))
-
-
-def test_info_of_the_library_has_limits_and_geometry_in_degrees(robot: Robot) -> None:
-    info = robot.info()
-    assert info.geometry is not None
-    assert info.limits._asdict() == {name: getattr(ROBOT.limits, name) for name in info.limits._fields}
-    assert info.geometry._asdict() == {name: getattr(ROBOT.geometry, name) for name in info.geometry._fields}
 
 
 def test_info_lists_commands_reasons_keys_and_examples(body: Body, robot: Robot) -> None:

@@ -7,11 +7,10 @@ from collections.abc import Iterator
 
 import pytest
 from bodies import Body
-from robots import ask_raw, until
+from robots import until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.client import lease
-from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
 
 pytestmark = pytest.mark.bodies("sim", "in-process")  # no mega: the node alone decides about leases
@@ -135,16 +134,3 @@ def test_the_speed_limit_of_the_teacher_stops_and_refuses_faster_motions(body: B
     assert robot.status().speed_limit == pytest.approx(0.1745, abs=0.001)
     lease.ask(teacher, LeaseAction.LIMIT)
     robot.look(yaw=0, speed=60)
-
-
-def test_a_foreign_client_takes_the_robot_with_a_text_query(body: Body, robot: Robot) -> None:
-    stranger = body.stage.client("zoe")
-    key = keys.lease(robot.name, robot.side, "zoe")
-    (answer,) = ask_raw(stranger, key, b"take")
-    assert b'"holder":"zoe"' in answer.payload
-    with pytest.raises(Refused):
-        robot.look(yaw=2)
-    (answer,) = ask_raw(stranger, key, b"grab")
-    assert b"take, wait, give_back" in answer.payload
-    (answer,) = ask_raw(stranger, key, b"give_back")
-    assert b'"holder":""' in answer.payload

@@ -55,17 +55,6 @@ def test_look_turns_the_head_to_the_pose(robot: Robot) -> None:
     until(lambda: near(robot.positions().head, (15, -8, 5), 0.4), "head at the pose", 2.0)
 
 
-def test_a_relative_pose_is_added_to_the_present_pose(robot: Robot) -> None:
-    robot.look(yaw=10, speed=60)
-    robot.look(pitch=5, relative=True, speed=60)
-    until(lambda: near(robot.positions().head, (10, 5, 0), 0.4), "head at the pose", 2.0)
-
-
-def test_equal_arm_angles_turn_the_head_left(robot: Robot) -> None:
-    robot.move(12, 12, 12, speed=60)
-    until(lambda: near(robot.positions().head, (12, 0, 0), MEASURED_DEG), "head turned left", 2.0)
-
-
 @pytest.mark.measures_time
 def test_a_motion_gets_two_replies_accepted_and_done(robot: Robot) -> None:
     key = keys.pose(robot.name, robot.side, "ana")
@@ -85,11 +74,6 @@ def test_a_motion_gets_two_replies_accepted_and_done(robot: Robot) -> None:
 def test_the_duration_follows_from_the_speed(robot: Robot) -> None:
     slow = robot.move(6, 0, 0, speed=6)
     assert slow.duration == pytest.approx(6 / 6 + 6 / 180, rel=0.02)
-
-
-def test_a_motion_to_the_present_position_ends_at_once(robot: Robot) -> None:
-    motion = robot.move(0, 0, 0)
-    assert motion.duration == 0
 
 
 def test_a_newer_motion_replaces_the_running_one(robot: Robot) -> None:
@@ -122,12 +106,6 @@ def test_the_reply_to_stop_has_the_exact_rest_position(robot: Robot) -> None:
 
 def test_the_reply_to_stop_at_rest_says_that_nothing_moves(robot: Robot) -> None:
     assert "Nothing moves" in robot.stop().message
-
-
-def test_home_is_answered_when_the_arms_are_at_home(robot: Robot) -> None:
-    robot.move(5, 5, 5, speed=60)
-    robot.home()
-    assert_rests_at(robot, (0, 0, 0))
 
 
 REFUSALS = [
@@ -177,14 +155,6 @@ def test_the_suggestion_of_a_refusal_is_accepted(robot: Robot) -> None:
     assert offer.head.pitch == pytest.approx(35, abs=0.5)
     robot.look(*offer.head, speed=60)
     assert suggestion(Refused(Reason.BUSY)) is None
-
-
-@pytest.mark.bodies("in-process")
-@pytest.mark.parametrize("yaw", [200.0, 500.0])
-def test_the_refusal_of_a_yaw_names_the_limits_of_the_head(robot: Robot, yaw: float) -> None:
-    with pytest.raises(Refused, match=r"yaw [25]00\.0°; -180\.0° to 180\.0°") as refusal:
-        robot.look(yaw=yaw)
-    assert refusal.value.reason is Reason.YAW_LIMIT
 
 
 @pytest.mark.bodies("in-process")

@@ -50,11 +50,6 @@ def test_a_motion_in_text_is_answered_in_json(robot: Robot, parameters: str, pay
     assert robot.positions().commanded.short == pytest.approx(math.degrees(0.05), abs=0.09)
 
 
-@pytest.mark.parametrize("parameters", ["?yaw=0.05", "?yaw=0.05;pitch=0;roll=0;speed=1"])
-def test_a_pose_in_parameters_is_accepted(robot: Robot, parameters: str) -> None:
-    assert last_json(robot, key_of(robot, "pose") + parameters)["result"] is True
-
-
 @pytest.mark.parametrize(
     ("parameters", "payload"),
     [
@@ -69,22 +64,6 @@ def test_a_command_is_accepted_in_every_form(robot: Robot, parameters: str, payl
     robot.disable()
     assert last_json(robot, key_of(robot, "command") + parameters, payload)["result"] is True
     assert robot.status().enabled
-
-
-def test_a_mistyped_command_is_refused_with_the_list_of_commands(robot: Robot) -> None:
-    reply = last_json(robot, key_of(robot, "command") + "?command=enabel")
-    assert (reply["result"], reply["reason"]) == (False, "UNKNOWN_COMMAND")
-    assert "1 ENABLE" in str(reply["message"])
-
-
-def test_disable_is_accepted_as_a_command_name(robot: Robot) -> None:
-    assert last_json(robot, key_of(robot, "command") + "?command=disable")["result"] is True
-    assert not robot.status().enabled
-
-
-def test_the_refusal_of_an_angle_in_text_explains_radians(robot: Robot) -> None:
-    reply = last_json(robot, key_of(robot, "pose") + "?yaw=20")
-    assert "10° = 0.1745 rad" in str(reply["message"])
 
 
 def test_msgpack_of_another_library_is_answered_in_msgpack(robot: Robot) -> None:
@@ -142,19 +121,6 @@ def test_the_refusal_of_invalid_text_names_the_cause(
     assert word in str(reply["message"])
 
 
-@pytest.mark.parametrize(
-    ("selector", "payload", "word"),
-    [("", b"{}", "yaw"), ("", b'{"yaw":0.1,"yaw":0.2}', "twice"), ("?speed=0.5", None, "yaw")],
-)
-def test_a_pose_without_or_with_repeated_angles_is_refused(
-    robot: Robot, selector: str, payload: bytes | None, word: str
-) -> None:
-    reply = last_json(robot, key_of(robot, "pose") + selector, payload)
-    assert (reply["result"], reply["reason"]) == (False, "BAD_VALUE")
-    assert word in str(reply["message"])
-    assert robot.positions().commanded == (0, 0, 0)
-
-
 @pytest.mark.bodies("sim", "in-process")
 @pytest.mark.parametrize("key", ["{}/{}/cmd/ana/motio$*", "*/*/cmd/ana/motion", "{}/{}/cmd/ana/*"])
 def test_a_motion_query_with_wildcards_moves_no_robot(robot: Robot, key: str) -> None:
@@ -169,12 +135,6 @@ def test_a_motion_query_with_wildcards_moves_no_robot(robot: Robot, key: str) ->
     assert robot.positions().commanded == (0, 0, 0)
 
 
-def test_an_invalid_seat_is_refused_with_a_valid_example(robot: Robot) -> None:
-    reply = last_json(robot, f"beatrix/{robot.name}/{robot.side}/cmd/Ana_B/pose?yaw=0.1")
-    assert reply["reason"] == "BAD_VALUE"
-    assert "ana-b" in str(reply["message"])
-
-
 @pytest.mark.parametrize("seat", ["legacy", "arm-topics"])
 def test_a_reserved_seat_is_refused(robot: Robot, seat: str) -> None:
     reply = last_json(robot, f"beatrix/{robot.name}/{robot.side}/cmd/{seat}/pose?yaw=0.1")
@@ -187,19 +147,6 @@ def test_a_reserved_seat_is_refused(robot: Robot, seat: str) -> None:
 )
 def test_state_queries_are_answered_in_json(robot: Robot, key: str) -> None:
     assert last_json(robot, f"beatrix/{robot.name}/{robot.side}/{key}")
-
-
-def test_state_queries_may_have_wildcards(robot: Robot) -> None:
-    answers = ask_raw(robot.client, "beatrix/*/*/state/status")
-    assert [answer.key for answer in answers] == [keys.status(robot.name, robot.side)]
-
-
-def test_info_has_limits_keys_and_commands(robot: Robot) -> None:
-    info = robot.info()
-    assert info.robot == robot.name
-    assert info.limits.tilt_max == 35
-    assert any("cmd/<who>/pose" in key.key for key in info.keys)
-    assert any(line.startswith("1 ENABLE") for line in info.commands)
 
 
 def test_a_stream_of_positions_has_no_gaps(robot: Robot) -> None:
@@ -266,11 +213,6 @@ def test_a_per_arm_target_with_wildcards_moves_no_arm(robot: Robot) -> None:
             "the warning",
         )
     assert robot.positions().commanded == (0, 0, 0)
-
-
-def test_an_invalid_per_arm_target_becomes_a_warning(robot: Robot) -> None:
-    robot.client.bus.put(keys.arm_target(robot.name, robot.side, "short"), b"far", "text/plain")
-    until(lambda: any("number" in text for text in robot.status().warnings), "warning shown")
 
 
 @pytest.mark.bodies("sim", "in-process")

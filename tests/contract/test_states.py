@@ -34,11 +34,6 @@ def test_switching_the_motors_off_clears_the_calibration(robot: Robot) -> None:
     assert not robot.status().calibrated
 
 
-def test_enabling_twice_changes_nothing(robot: Robot) -> None:
-    robot.enable()
-    assert robot.status().calibrated
-
-
 def test_calibrate_with_motors_off_is_refused(robot: Robot) -> None:
     robot.disable()
     with pytest.raises(Refused) as refusal:
@@ -124,20 +119,9 @@ def test_emergency_stop_is_latched_until_reset(robot: Robot) -> None:
     robot.look(yaw=2, speed=60)
 
 
-def test_reset_without_a_latch_changes_nothing(robot: Robot) -> None:
-    assert "not latched" in robot.command(Command.RESET).message
-    assert robot.status().calibrated
-
-
 def test_an_unknown_command_is_refused_with_the_list_of_commands(robot: Robot) -> None:
     key = keys.command(robot.name, robot.side, "ana")
     (answer,) = ask_raw(robot.client, key, codec.encode(CommandQuery(command=99)), codec.MSGPACK)
     reply = codec.decode(answer.payload, CommandReply)
     assert (reply.result, reply.reason) == (False, Reason.UNKNOWN_COMMAND)
     assert "2 CALIBRATE" in reply.message
-
-
-def test_the_status_has_the_holder_until_the_lease_ends(robot: Robot) -> None:
-    robot.look(yaw=2, speed=60)
-    assert robot.status().holder == "ana"
-    until(lambda: robot.status().holder == "", "lease over", 4.0)

@@ -68,16 +68,6 @@ def test_the_yaw_limit_includes_the_extreme_position_of_an_arm_that_turns_back(r
     assert ready.outcome == BoardOutcome.YAW
 
 
-def test_the_first_reason_for_braking_is_reported(ready: Rig) -> None:
-    ready.move((1500, 1500, 1500), (SPEED_MAX, 400, SPEED_MAX))
-    while BoardState.STOPPING not in ready.state:
-        ready.ask(FrameType.PING)
-        ready.tick(10)
-    ready.ask(FrameType.STOP)
-    ready.run()
-    assert ready.outcome == BoardOutcome.GAP
-
-
 def test_a_motion_back_from_a_limit_is_accepted(ready: Rig) -> None:
     ready.move((1500, 1500, 1500), (SPEED_MAX, 400, SPEED_MAX))
     ready.run()

@@ -144,12 +144,6 @@ def test_an_emergency_stop_takes_effect_when_it_is_received(ready: Rig) -> None:
     assert ready.steps == at
 
 
-def test_telemetry_contains_the_velocity_of_each_arm(ready: Rig) -> None:
-    ready.move((400, -400, 0), (1000, 2002, 1000))
-    ready.tick(400)
-    assert ready.last.velocity == (250, -501, 0)  # 500.5 is rounded away from zero
-
-
 def test_telemetry_reports_motors_switched_off_during_a_motion(ready: Rig) -> None:
     ready.move((400, 400, 400))
     ready.tick(300)
@@ -250,33 +244,6 @@ def test_a_repeated_move_runs_once(ready: Rig) -> None:
     assert (ready.steps, ready.outcome) == ((300, -100, 7), BoardOutcome.DONE)
 
 
-def test_a_straight_move_with_the_number_of_a_move_is_a_new_move(ready: Rig) -> None:
-    ready.move((300, 300, 300), 800, motion=5)
-    ready.ask(FrameType.STOP)
-    ready.run()
-    assert ready.move((300, 300, 300), 800, straight=True, motion=5) == Error.OK
-    ready.run()
-    assert (ready.steps, ready.outcome) == ((300, 300, 300), BoardOutcome.DONE)
-
-
-def test_after_calibration_the_same_move_is_a_new_move(ready: Rig) -> None:
-    ready.move((300, 300, 300), motion=5)
-    ready.run()
-    ready.ask(FrameType.CALIBRATE)
-    assert ready.move((300, 300, 300), motion=5) == Error.OK
-    assert BoardState.MOVING in ready.state
-
-
-def test_after_a_text_motion_the_same_move_is_a_new_move(ready: Rig) -> None:
-    ready.move((0, 0, 0), motion=5)
-    ready.run()
-    ready.raw(b"@CALNOW\r@MOVRALL 20 20 20 200\r")
-    ready.tick(300)
-    assert BoardState.MOVING not in ready.state
-    ready.move((0, 0, 0), motion=5)
-    assert BoardState.MOVING in ready.state
-
-
 def test_a_repeated_move_does_not_undo_a_stop(ready: Rig) -> None:
     ready.move((300, 300, 300), motion=5)
     ready.tick(100)
@@ -286,22 +253,6 @@ def test_a_repeated_move_does_not_undo_a_stop(ready: Rig) -> None:
     assert ready.move((300, 300, 300), motion=5) == Error.OK
     ready.tick(100)
     assert (ready.steps, ready.outcome) == (at, BoardOutcome.STOPPED)
-
-
-def test_telemetry_contains_the_number_of_the_motion(ready: Rig) -> None:
-    ready.move((300, 300, 300), motion=65535)
-    assert (ready.last.motion, ready.outcome) == (65535, BoardOutcome.NONE)
-    ready.tick(100)
-    ready.move((0, 0, 0), motion=0)
-    assert (ready.last.motion, ready.outcome) == (0, BoardOutcome.NONE)
-    ready.run()
-    assert (ready.last.motion, ready.outcome) == (0, BoardOutcome.DONE)
-
-
-def test_a_move_to_the_present_position_takes_one_tick(ready: Rig) -> None:
-    ready.move((0, 0, 0), motion=9)
-    ready.tick()
-    assert (ready.state, ready.outcome, ready.last.motion) == (HOME, BoardOutcome.DONE, 9)
 
 
 def test_499_ms_without_a_frame_do_not_stop_the_arms(ready: Rig) -> None:

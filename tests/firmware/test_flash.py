@@ -240,22 +240,6 @@ def test_a_port_without_a_reset_line_is_rejected(capsys: pytest.CaptureFixture[s
     os.close(slave)
 
 
-def test_the_progress_bar_appears_with_the_first_write(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("FORCE_COLOR", "1")  # makes rich treat stderr as a terminal
-    with flash.progress() as show_progress:
-        assert capsys.readouterr().err == ""
-        show_progress("Writing", 0, 10)
-        show_progress("Writing", 10, 10)
-    drawn = capsys.readouterr().err
-    assert "100%" in drawn
-    assert "Verifying" not in drawn
-    with flash.progress():
-        pass
-    assert capsys.readouterr().err == ""
-
-
 @given(noise=st.binary(max_size=40), body=st.binary(min_size=1, max_size=300), sequence=st.integers(0, 255))
 def test_a_reply_is_found_in_noise_and_a_damaged_one_is_ignored(
     noise: bytes, body: bytes, sequence: int
@@ -267,12 +251,6 @@ def test_a_reply_is_found_in_noise_and_a_damaged_one_is_ignored(
     assert stk500.find(message + bytes([check]), sequence) == body
     assert stk500.find(message + bytes([check ^ 1]), sequence) is None
     assert stk500.find(noise.replace(b"\x1b", b"") + message + bytes([check]), sequence) == body
-
-
-def test_a_closed_stderr_does_not_abort_the_writing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(flash, "note", pull)
-    with flash.progress() as show_progress:
-        show_progress("Writing", 0, 10)
 
 
 def line(at: int, kind: int, data: bytes) -> str:
@@ -332,20 +310,6 @@ def test_an_invalid_hex_file_is_rejected_with_its_cause(tmp_path: Path, text: st
         flash.firmware(path)
 
 
-def test_special_missing_and_long_files_are_rejected(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "pipe")
-    (tmp_path / "long").write_text("\n" * (hexfile.LONGEST_FILE + 1))
-    for path, why in (
-        (Path("/dev/zero"), "not a regular file"),
-        (tmp_path / "pipe", "not a regular file"),
-        (tmp_path, "not a regular file"),
-        (tmp_path / "none", "No such file"),
-        (tmp_path / "long", "is longer"),
-    ):
-        with pytest.raises(WrongUsage, match=f"{path} .*{why}"):
-            flash.firmware(path)
-
-
 RECORD = st.builds(
     line,
     st.sampled_from([0, 1, 16, 0xDFFF, 0xE000, 0xFFFF]) | st.integers(0, 0xFFFF),
@@ -371,14 +335,3 @@ def test_any_file_is_read_or_rejected_with_its_cause(
         image, refused = b"", error.message
     known = r"any\.hex(, line \d+ | has no end record after line \d+: | contains no data)"
     assert re.search(known, refused) if refused else 0 < len(image) <= FLASH
-
-
-@given(image=st.binary(min_size=1, max_size=2000), width=st.integers(1, 255), chance=st.randoms())
-def test_an_image_is_read_back_from_lines_in_any_order(
-    tmp_path_factory: pytest.TempPathFactory, image: bytes, width: int, chance: random.Random
-) -> None:
-    lines = [line(at, 0, image[at : at + width]) for at in range(0, len(image), width)]
-    chance.shuffle(lines)
-    path = tmp_path_factory.getbasetemp() / "any.hex"
-    path.write_text("".join(lines) + THE_END)
-    assert hexfile.read(path) == image

@@ -39,13 +39,6 @@ def test_the_drivers_stay_off_at_start() -> None:
         assert len(mega.avr.edges("enable")) == 0
 
 
-def test_every_start_has_a_new_boot_number() -> None:
-    with Mega() as mega:
-        for boot in range(1, 200):
-            assert hello(mega).boot == boot
-            mega.restart()
-
-
 def test_a_reset_during_start_does_not_reuse_a_boot_number() -> None:
     chance = random.Random(3)
     boot_numbers = [0]
@@ -58,16 +51,6 @@ def test_a_reset_during_start_does_not_reuse_a_boot_number() -> None:
             boot_numbers += [HelloReply.unpack(frame.payload).boot for frame in replies]
     assert len(boot_numbers) > 30
     assert boot_numbers == sorted(set(boot_numbers))
-
-
-def test_starts_rotate_through_the_eeprom_records() -> None:
-    with Mega() as mega:
-        before = mega.avr.eeprom
-        for _ in range(64):
-            mega.restart()
-        changed = [at for at, (a, b) in enumerate(zip(before, mega.avr.eeprom, strict=True)) if a != b]
-        assert 64 <= len(changed) <= 64 * 6
-        assert changed[0] > 0
 
 
 def test_a_name_survives_resets_and_power_loss() -> None:
@@ -95,16 +78,6 @@ def test_a_reset_during_a_name_write_leaves_the_old_or_the_new_name() -> None:
             mega.restart(after_cycles=chance.randint(0, 2_500_000))
             seen.add(hello(mega).name.rstrip(b"\0"))
     assert seen == {b"old-name", b"new-longer-name"}
-
-
-def test_the_same_name_is_not_written_again() -> None:
-    with Mega() as mega:
-        mega.ask(FrameType.SET_NAME, SetName(b"bea").pack())
-        mega.tick(300)
-        before = mega.avr.eeprom
-        mega.ask(FrameType.SET_NAME, SetName(b"bea").pack())
-        mega.tick(300)
-        assert mega.avr.eeprom == before
 
 
 @pytest.mark.parametrize("cells", [b"\xff" * 4096, bytes(4096), random.Random(1).randbytes(4096)])

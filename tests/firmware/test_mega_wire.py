@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
-from avr.bench import CYCLES_PER_MS, TICK
+from avr.bench import CYCLES_PER_MS
 from avr.mega import Mega
 from firmware_host import damaged
 
@@ -76,23 +76,6 @@ def test_a_full_serial_line_loses_no_request_and_no_reply() -> None:
         assert [frame.seq for frame in mega.others] == list(range(1, 30))
 
 
-def test_a_reply_queued_across_a_tick_is_sent_once() -> None:
-    """The tick takes longer than sending all queued bytes."""
-    pings = encode(FrameType.PING, 1, b"") * 2
-    with Mega() as mega:
-        mega.ready()
-        mega.move((-2200, -2200, -2200))
-        mega.run()
-        mega.move((2200, 2200, 2200))
-        mega.tick(300)
-        for early in range(700, 1100):
-            due = mega.avr.work(TICK).last + 2 * CYCLES_PER_MS
-            mega.avr.run_until(due - early - len(pings) * mega.avr.byte_cycles)
-            assert len(mega.raw(pings)) == 2
-        mega.run()
-        mega.settle()
-
-
 SLOW_TO_ANSWER = (b"@GETALLPOS\r", b"@FOO\r", b"@\r", b"@MOVAX 1\r")
 RECOGNISED_MS = 1.5
 """Longest time from the last byte of a stop frame to its effect, while a slow line of text is handled."""
@@ -139,16 +122,6 @@ def test_a_stop_behind_a_flood_of_targets_brakes_as_soon_as_without_it() -> None
             return max(int(mega.avr.steps(arm)[0][-1]) for arm in range(3)) - arrival
 
     assert abs(braking(flood) - braking(b"")) < RECOGNISED_MS * CYCLES_PER_MS
-
-
-def test_discarded_bytes_are_counted_and_leave_no_partial_line() -> None:
-    with Mega() as mega:
-        mega.ready()
-        assert mega.last.overflowed == 0
-        mega.avr.send(b"@FOO\r" * 400)
-        mega.tick(300)
-        assert mega.last.overflowed == 255
-        assert mega.ask(FrameType.PING) == Error.OK
 
 
 def test_requests_before_a_stop_start_no_motion_after_it() -> None:

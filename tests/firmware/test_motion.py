@@ -176,16 +176,6 @@ def test_an_arm_slowed_for_a_straight_line_brakes_with_its_full_ramp_afterwards(
     assert last == pytest.approx(best, abs=3)
 
 
-def test_a_replaced_straight_motion_gives_every_arm_its_full_ramp() -> None:
-    watched = Watched()
-    assert watched.rig.move((1000, 100, 0), 4000, straight=True) == Error.OK
-    watched.tick(600)
-    assert watched.rig.move((1000, 600, 0), 4000, straight=True) == Error.OK
-    before = watched.moves()[-1][1]
-    watched.tick(20)
-    assert watched.moves()[-1][1] - before == pytest.approx(20 * ACCELERATION, rel=0.01)
-
-
 def test_an_arm_that_only_turns_back_keeps_a_minimum_speed(ready: Rig) -> None:
     ready.move((0, 400, 0))
     ready.tick(400)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import pytest
 from firmware_host import ARM_SPACING, ARM_TURN, GAP_MIN, Steps, least_gap
@@ -12,7 +11,7 @@ from hypothesis import strategies as st
 from text_port_programs import Program
 
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.contract._generated.serial import BoardOutcome, FrameType, MoveStraight, WarningCode
+from beatrix_zenoh.contract._generated.serial import FrameType, MoveStraight, WarningCode
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.motion.kinematics import Neck
 
@@ -30,11 +29,6 @@ def gaps(steps: Steps) -> list[int]:
     return [ARM_SPACING + y - x, ARM_SPACING + z - y, ARM_TURN - 2 * ARM_SPACING + x - z]
 
 
-def tilt(steps: Steps) -> float:
-    """Return the tilt of the head (deg)."""
-    return math.degrees(math.acos(min(1.0, NECK.head(GEAR.to_rad(steps)).up)))
-
-
 def allowed(steps: Steps) -> bool:
     """Return whether the text port allows this position."""
     return (
@@ -46,53 +40,6 @@ def allowed(steps: Steps) -> bool:
 @pytest.fixture
 def framed() -> Program:
     return Program(framed=True).ready()
-
-
-def border() -> list[Steps]:
-    """Return the positions on the border of the text port's limits at which the short arm is at 0."""
-    low, high = TILT_GAP_MIN - ARM_SPACING, TILT_GAP_MAX - ARM_SPACING
-    poses: list[Steps] = []
-    for first in range(low, high + 1):
-        seconds = range(max(low, -high - first), min(high, -low - first) + 1)
-        ends = seconds if first in (low, high) else (seconds[0], seconds[-1])
-        poses.extend((0, first, first + second) for second in ends)
-    return poses
-
-
-def test_the_tilt_is_within_its_limit_on_the_whole_border() -> None:
-    poses = border()
-    assert len(poses) > 4000
-    assert all(allowed(pose) for pose in poses)
-    tilts = [tilt(pose) for pose in poses]
-    assert max(tilts) <= ROBOT.limits.tilt_max
-    assert max(tilts) > ROBOT.limits.tilt_max - 0.1
-
-
-def furthest(holds: Callable[[Steps], bool], direction: tuple[float, float, float]) -> float:
-    """Return the largest distance from home in a direction at which `holds` is true, in microsteps."""
-    low, high = 0.0, 1000.0
-    for _ in range(30):
-        middle = (low + high) / 2
-        x, y, z = (round(middle * part) for part in direction)
-        low, high = (middle, high) if holds((x, y, z)) else (low, middle)
-    return low
-
-
-def test_the_border_is_close_to_the_tilt_limit() -> None:
-    """Compare the allowed distance in every direction, and the allowed area, with those of the tilt limit."""
-    ways, areas = [], []
-    for degrees in range(0, 360, 2):
-        angle = math.radians(degrees)
-        u, v = math.cos(angle) / math.sqrt(2), math.sin(angle) / math.sqrt(6)
-        direction = (u + v, -u + v, -2 * v)
-
-        here = furthest(allowed, direction)
-        most = furthest(lambda steps: tilt(steps) <= ROBOT.limits.tilt_max, direction)
-        ways.append(here / most)
-        areas.append((here**2, most**2))
-    assert max(ways) <= 1.0
-    assert min(ways) > 0.88  # 0.89, but for rounding to steps
-    assert sum(here for here, _ in areas) / sum(most for _, most in areas) > 0.87
 
 
 @pytest.mark.parametrize(
@@ -126,32 +73,6 @@ def test_a_motion_is_shortened_on_its_line_and_the_limit_is_named(
     assert all(abs(a - part * b) < 1.01 for a, b in zip(end, target, strict=True))
     beyond = tuple(a + (b > a) - (b < a) for a, b in zip(end, target, strict=True))
     assert end == target or not allowed(beyond) or abs(sum(beyond)) > YAW_SUM_MAX  # type: ignore[arg-type]
-
-
-def test_motions_along_a_limit_and_back_from_it_are_possible(framed: Program) -> None:
-    framed.run("@MOVRX 2000")
-    edge = framed.position
-    assert framed.run("@MOVRX 50") == DONE
-    assert framed.position == edge
-    assert framed.run("@MOVRALL 100 100 100") == DONE
-    assert framed.position == tuple(at + 100 for at in edge)
-    assert framed.warnings == [WarningCode.TILT] * 2
-    assert framed.run("@MOVRX -300") == DONE
-    assert framed.position[0] == edge[0] - 200
-    assert framed.warnings == [WarningCode.TILT] * 2
-
-
-@pytest.mark.parametrize("way", [(200, -100, -100), (-200, 100, 100), (-100, 200, -100), (100, -50, -50)])
-def test_motions_along_the_yaw_limit_are_not_stopped_by_the_firmware_limits(
-    framed: Program, way: Steps
-) -> None:
-    framed.run("@MOVAALL 9000 9000 9000")
-    x, y, z = way
-    before = framed.position
-    assert framed.run(f"@MOVRALL {x} {y} {z}", 5000) == DONE
-    framed.tick(200)
-    assert framed.telemetry[-1].outcome == BoardOutcome.DONE
-    assert framed.position == tuple(a + b for a, b in zip(before, way, strict=True))
 
 
 TOO_FAR_OUT = MoveStraight(5, (400, -600, 400), 2000).pack()

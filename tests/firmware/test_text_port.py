@@ -9,7 +9,6 @@ from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import (
     BoardOutcome,
     BoardState,
-    Enable,
     FrameType,
     MoveStraight,
     WarningCode,
@@ -35,19 +34,6 @@ def state(program: Program) -> BoardState:
     return BoardState(program.telemetry[-1].state)
 
 
-def test_at_power_up_motors_are_off_and_home_is_unknown() -> None:
-    program = Program()
-    assert program.say("@CALSTATUS", "@MOVRX 1 1", "@MOVHOME") == REFUSED * 3
-    assert program.position == (0, 0, 0)
-
-
-@pytest.mark.parametrize("switch", ["ON", "OFF"])
-def test_enmotors_clears_the_ports_calibration_and_keeps_the_positions(program: Program, switch: str) -> None:
-    assert program.run("@MOVRALL 10 20 30") == DONE
-    assert program.say(f"@ENMOTORS {switch}", "@CALSTATUS", "@MOVRX 1") == DONE + REFUSED * 2
-    assert program.position == (10, 20, 30)
-
-
 def test_calnow_makes_the_present_position_0_without_motion(program: Program) -> None:
     program.run("@MOVRALL 10 20 30")
     assert program.say("@CALNOW", "@CALSTATUS") == DONE * 2
@@ -57,37 +43,6 @@ def test_calnow_makes_the_present_position_0_without_motion(program: Program) ->
     assert program.core.steps() == (6, 20, 30)
     assert program.run("@MOVHOME") == DONE
     assert program.core.steps() == (10, 20, 30)
-
-
-def test_calnow_sets_home_if_home_is_unknown(framed: Program) -> None:
-    framed.say("@ENMOTORS ON")
-    assert state(framed) == BoardState.ENABLED
-    framed.say("@CALNOW")
-    assert state(framed) == BoardState.ENABLED | BoardState.CALIBRATED
-
-
-def test_calnow_keeps_a_known_home(framed: Program) -> None:
-    framed.ready().run("@MOVRALL 100 100 100")
-    framed.say("@ENMOTORS ON", "@CALNOW")
-    framed.frame(FrameType.MOVE_STRAIGHT, TO_ORIGIN)
-    framed.tick(2000)
-    assert framed.core.steps() == (0, 0, 0)
-    assert framed.position == (-100, -100, -100)
-
-
-def test_calnow_with_motors_off_does_not_set_home(framed: Program) -> None:
-    assert framed.say("@CALNOW", "@CALSTATUS") == DONE * 2
-    assert state(framed) == BoardState(0)
-
-
-def test_the_hosts_calibration_does_not_move_the_ports_positions(framed: Program) -> None:
-    framed.ready().run("@MOVRALL 10 20 30")
-    framed.tick(60)
-    framed.frame(FrameType.CALIBRATE)
-    assert framed.core.steps() == (0, 0, 0)
-    assert framed.position == (10, 20, 30)
-    assert framed.run("@MOVAALL 11 20 30") == DONE
-    assert framed.core.steps() == (1, 0, 0)
 
 
 def test_with_motors_off_moves_are_only_counted() -> None:
@@ -103,25 +58,6 @@ def test_with_motors_off_moves_are_only_counted() -> None:
     assert firmware.steps() == (0, 0, 0)
     assert firmware.pulses() == (0, 0, 0)
     assert set(framed.warnings) == {WarningCode.MOTORS_OFF}
-
-
-def test_a_counted_move_can_be_stopped_and_then_does_not_count(program: Program) -> None:
-    program.say("@ENMOTORS OFF", "@CALNOW")
-    program.send(b"@MOVRX 1000\r")
-    program.tick(100)
-    assert program.say("@STOPALL") == [ACK, NACK, *DONE]
-    assert program.position == (0, 0, 0)
-
-
-def test_moves_are_refused_until_calnow_if_the_host_clears_home(framed: Program) -> None:
-    framed.ready()
-    for on in (0, 1):
-        framed.frame(FrameType.ENABLE, Enable(on).pack())
-    assert framed.say("@CALSTATUS", "@MOVRX 10") == DONE + REFUSED
-    assert framed.warnings == [WarningCode.HOME_UNKNOWN]
-    assert framed.say("@CALNOW") == DONE
-    assert framed.run("@MOVRX 10") == DONE
-    assert framed.core.steps() == (10, 0, 0)
 
 
 def test_text_cannot_clear_an_emergency(framed: Program) -> None:
@@ -162,16 +98,6 @@ def test_a_frame_that_ends_a_text_move_refuses_it_and_cancels_the_queued_ones(
         assert (framed.telemetry[-1].motion, framed.telemetry[-1].outcome) == (7, BoardOutcome.DONE)
 
 
-def test_a_finished_move_is_answered_as_done_although_the_host_moves_at_once(framed: Program) -> None:
-    framed.ready()
-    framed.send(b"@MOVRX 1\r")
-    framed.core.tick(1)
-    framed.frame(FrameType.MOVE_STRAIGHT, TO_ORIGIN)
-    framed.tick(200)
-    assert framed.new() == DONE
-    assert framed.core.steps() == (0, 0, 0)
-
-
 def test_a_text_move_replaces_the_motion_of_the_host_under_its_own_number(framed: Program) -> None:
     framed.ready()
     framed.frame(FrameType.MOVE_STRAIGHT, MoveStraight(7, (500, 500, 500), 2000).pack())
@@ -208,11 +134,3 @@ def test_opening_the_port_resets_everything_except_home(framed: Program) -> None
     assert framed.say("@CALSTATUS", "@MOVRX 1") == REFUSED * 2
     assert max(framed.position) < 15
     assert framed.core.steps()[0] > 150
-
-
-def test_opening_the_port_does_not_stop_a_motion_of_the_host(framed: Program) -> None:
-    framed.ready()
-    framed.frame(FrameType.MOVE_STRAIGHT, MoveStraight(7, (200, 200, 200), 2000).pack())
-    framed.frame(FrameType.TEXT_OPEN)
-    framed.tick(1000)
-    assert framed.core.steps() == (200, 200, 200)

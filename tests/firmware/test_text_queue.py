@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
-
 import pytest
 from firmware_host import Core
 from text_port_programs import Program
 
-from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState, WarningCode
+from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState
 
 ACK, NACK = "ACK\n", "NACK\n"
 DONE, REFUSED, UNKNOWN = [ACK, ACK], [ACK, NACK], [NACK]
@@ -52,15 +50,6 @@ def test_commands_are_executed_and_answered_in_order(program: Program) -> None:
     ]
 
 
-def test_a_line_beyond_the_queue_is_refused_in_order(framed: Program) -> None:
-    framed.send(b"@MOVRX 100\r" + b"@MOVRX 1\r" * 32 + b"@MOVRX 500\r@FOO\r@GETXPOS\r@CALX\r")
-    assert framed.new() == [ACK]
-    assert set(framed.warnings) == {WarningCode.BUSY}
-    framed.tick(5000)
-    assert framed.new() == [ACK] + DONE * 32 + REFUSED + UNKNOWN + REFUSED + REFUSED
-    assert framed.position == (132, 0, 0)
-
-
 def test_every_line_of_a_flood_on_a_full_queue_is_answered(program: Program) -> None:
     program.send(b"@MOVRX 100\r" + b"@MOVRX 1\r" * 32)
     for _ in range(50):
@@ -82,27 +71,6 @@ def test_stopall_stops_at_once(framed: Program) -> None:
     assert framed.new() == [NACK, *DONE]
     assert framed.core.steps()[0] - at <= 12
     assert framed.telemetry[-1].outcome == BoardOutcome.STOPPED
-
-
-def test_stopall_answers_when_the_arms_rest(program: Program) -> None:
-    program.send(b"@MOVRX 1000\r")
-    program.tick(1000)
-    program.send(b"@STOPALL\r")
-    program.tick(50)
-    assert program.new() == [ACK]
-    program.tick(60)
-    assert program.new() == [NACK, *DONE]
-
-
-def test_stopall_cancels_queued_moves_only(program: Program) -> None:
-    program.send(b"@MOVRX 1000\r@MOVRX 1\r@GETXPOS\r@FOO\r@MOVHOME\r@CALNOW\r@MOVAALL 5 5 5\r")
-    program.tick(500)
-    assert program.new() == [ACK]
-    program.send(b"@STOPALL\r@MOVRX 7\r@GETXPOS\r")
-    program.tick(1000)
-    _, position, *rest = program.new()[3:]
-    assert 80 < int(position) < 120
-    assert rest == [ACK, *UNKNOWN, *REFUSED, *DONE, *REFUSED, *DONE, *DONE, ACK, "7\r\n", ACK]
 
 
 def test_stopall_stops_the_arms_when_the_queue_is_full(program: Program) -> None:
@@ -136,18 +104,6 @@ def test_stopall_at_any_time_leaves_two_replies_for_each_line(program: Program, 
     answers = program.new()
     assert answers in (REFUSED + DONE * 2, DONE * 3)
     assert answers == REFUSED + DONE * 2 or program.position == (40, -20, 9)
-
-
-@pytest.mark.parametrize("framed", [False, True])
-def test_moves_sent_every_second_for_two_minutes_are_all_executed(framed: bool, body: Core) -> None:
-    """Firmware 1.0 executed 7 of 20 such moves and then restarted."""
-    program = Program(body, framed=framed).ready()
-    for sign in itertools.islice(itertools.cycle((1, -1)), 120):
-        program.send(f"@MOVRALL {90 * sign} {45 * sign} {60 * sign} 200 200 200\r".encode("ascii"))
-        program.tick(1000)
-    program.tick(1000)
-    assert program.new() == DONE * 120
-    assert program.position == (0, 0, 0)
 
 
 @pytest.mark.parametrize("framed", [False, True])

@@ -30,41 +30,11 @@ def test_cr_lf_and_crlf_each_end_a_line_once(program: Program, end: bytes) -> No
     assert program.new() == DONE * 2
 
 
-@pytest.mark.parametrize("empty", [b"\r", b"\n", b"\r\n\r\n", b"\n" * 300])
-def test_empty_lines_are_not_answered(empty: bytes) -> None:
-    program = Program()
-    program.send(empty)
-    assert program.new() == []
-    assert program.say("@COMSTATUS") == DONE
-
-
-def test_a_line_may_come_in_pieces(program: Program) -> None:
-    for piece in (b"@ENMO", b"TORS O", b"N\r"):
-        assert program.new() == []
-        program.tick(1900)
-        program.send(piece)
-    assert program.new() == DONE
-
-
-def test_an_incomplete_line_is_discarded_after_two_seconds(program: Program) -> None:
-    program.send(b"@ENMO")
-    program.tick(2001)
-    program.send(b"TORS ON\r")
-    assert program.new() == []
-    assert program.say("@COMSTATUS") == DONE
-
-
 @pytest.mark.parametrize(
     "line", ["@FOO", "@", "@ ", "@enmotors ON", "@ENMOTOR", "@ENMOTORSS ON", "@@COMSTATUS"]
 )
 def test_an_unknown_word_is_answered_once(program: Program, line: str) -> None:
     assert program.say(line) == UNKNOWN
-
-
-@pytest.mark.parametrize("line", ["COMSTATUS", "hello", "0 COMSTATUS"])
-def test_text_without_an_at_sign_is_not_answered(program: Program, line: str) -> None:
-    assert program.say(line) == []
-    assert program.say("@COMSTATUS") == DONE
 
 
 WHOLE = [
@@ -87,20 +57,6 @@ EXTENSIONS = ["MOVTORPOS", "MOVTOAPOS"]
 def test_the_guide_lists_every_word(word: str) -> None:
     guide = Path(__file__).resolve().parents[2] / "docs/how-to/old-programs.md"
     assert re.search(rf"`@{word}\b", guide.read_text(encoding="utf-8"))
-
-
-@pytest.mark.parametrize("word", WHOLE + RESERVED)
-def test_words_without_arguments_must_end_the_line(program: Program, word: str) -> None:
-    assert program.say(f"@{word} ", f"@{word} 5") == UNKNOWN * 2
-    answer = program.say(f"@{word}")
-    assert (answer[0], answer[-1]) == (ACK, NACK if word in RESERVED else ACK)
-
-
-@pytest.mark.parametrize("word", WITH_ARGUMENTS + EXTENSIONS)
-def test_words_with_arguments_must_be_followed_by_a_space(program: Program, word: str) -> None:
-    assert program.say(f"@{word}") == UNKNOWN
-    assert program.say(f"@{word} ") == (REFUSED if word == "ENMOTORS" else DONE)
-    assert program.position == (0, 0, 0)
 
 
 @pytest.mark.parametrize(
@@ -159,16 +115,6 @@ def test_numbers_beyond_32767_are_refused_and_move_nothing(
     assert program.position == (0, 0, 0)
 
 
-def test_the_largest_numbers_are_accepted() -> None:
-    program = Program()
-    assert program.say("@CALNOW") == DONE
-    assert program.run("@MOVRALL 32767 -32767 0", limit_ms=170_000) == DONE
-    assert program.position == (32767, -32767, 0)
-    assert program.run("@MOVRALL 32767 -32767 0", limit_ms=170_000) == DONE
-    assert program.position == (65534, -65534, 0)
-    assert program.say("@GETYPOS") == [ACK, "-65534\r\n", ACK]
-
-
 @pytest.mark.parametrize(
     ("line", "moved"),
     [
@@ -193,27 +139,6 @@ def test_the_largest_numbers_are_accepted() -> None:
 def test_extra_and_missing_arguments_are_accepted(program: Program, line: str, moved: Steps) -> None:
     assert program.run(line) == DONE
     assert program.position == moved
-
-
-def test_relative_moves_add_steps_and_absolute_moves_count_from_zero(program: Program) -> None:
-    for line in ("@MOVRALL 10 20 30", "@MOVRX 5", "@MOVAY 3", "@MOVRALL -1 -1 -1"):
-        assert program.run(line) == DONE
-    assert program.position == (14, 2, 29)
-    assert program.run("@MOVHOME") == DONE
-    assert program.position == (0, 0, 0)
-
-
-@pytest.mark.parametrize(("argument", "answer"), [("ON", DONE), ("OFF", DONE), ("ON now", DONE)])
-@pytest.mark.parametrize("before", ["ON", "OFF"])
-def test_enmotors_accepts_on_and_off(argument: str, answer: list[str], before: str) -> None:
-    program = Program()
-    program.say(f"@ENMOTORS {before}")
-    assert program.say(f"@ENMOTORS {argument}") == answer
-
-
-@pytest.mark.parametrize("argument", ["on", "1", "", " ON", "ONN", "O"])
-def test_a_wrong_argument_of_enmotors_changes_nothing(program: Program, argument: str) -> None:
-    assert program.say(f"@ENMOTORS {argument}", "@CALSTATUS") == REFUSED + DONE
 
 
 @pytest.mark.parametrize(

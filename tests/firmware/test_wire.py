@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import random
-from itertools import pairwise
 
 import pytest
 from firmware_host import ROOT, Rig, damaged
@@ -16,8 +15,6 @@ from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import (
     CONTRACT,
     HOST_GONE,
-    TELEMETRY_PATIENCE,
-    TELEMETRY_PERIOD,
     Ack,
     BoardState,
     Error,
@@ -90,17 +87,6 @@ def test_every_request_is_answered_once(kind: int, payload: bytes) -> None:
     assert (reply.type, reply.seq) == (kind | 0x80, 77)
 
 
-@pytest.mark.parametrize("kind", [0x00, 0x0A, 0x0D, 0x3F])
-def test_an_unknown_type_is_refused_as_unknown(rig: Rig, kind: int) -> None:
-    (reply,) = rig.raw(encode(kind, 1, b"?"))
-    assert reply.payload == bytes([Error.UNKNOWN])
-
-
-@pytest.mark.parametrize("kind", [0x40, 0x80, 0x82, 0xC0, 0xFF])
-def test_echoed_replies_and_telemetry_are_ignored(rig: Rig, kind: int) -> None:
-    assert rig.raw(encode(kind, 1, b"")) == []
-
-
 @pytest.mark.parametrize("kind", [kind for kind in FrameType if kind < 0x80])
 def test_a_payload_of_the_wrong_length_is_refused(rig: Rig, kind: FrameType) -> None:
     (reply,) = rig.raw(encode(kind, 1, bytes(17)))
@@ -123,49 +109,9 @@ def test_a_reset_received_before_an_emergency_is_refused(rig: Rig) -> None:
     assert rig.state == BoardState.EMERGENCY
 
 
-def test_rejected_frames_are_counted(rig: Rig) -> None:
-    rig.raw(b"\0\0\x05\x02\xff\x70\xcd\0" + b"\x02" * 100 + b"\0\x01\0\0")
-    rig.tick(10)
-    assert rig.last.rejected == 3
-
-
 def test_telemetry_is_sent_every_ten_milliseconds(rig: Rig) -> None:
     rig.tick(100)
     assert [t.tick for t in rig.telemetry] == list(range(10, 101, 10))
-
-
-def test_telemetry_keeps_its_period_when_the_tick_counter_wraps(rig: Rig) -> None:
-    for _ in range(67):
-        rig.ask(FrameType.PING)
-        rig.tick(1000)
-    ticks = [t.tick for t in rig.telemetry]
-    assert {(later - earlier) % 2**16 for earlier, later in pairwise(ticks)} == {10}
-    assert ticks[-1] < ticks[0] + 2000
-
-
-def byte_a_millisecond(rig: Rig, data: bytes) -> None:
-    for byte in data:
-        rig.raw(bytes([byte]))
-        rig.tick(1)
-
-
-def test_telemetry_waits_for_an_incoming_frame(rig: Rig) -> None:
-    ping = encode(FrameType.PING, 1, b"")
-    rig.tick(10 - len(ping) + 2)  # the period of telemetry ends just before the last byte
-    byte_a_millisecond(rig, ping)
-    assert [t.tick for t in rig.telemetry] == [11]
-
-
-def test_telemetry_waits_at_most_for_telemetry_patience(rig: Rig) -> None:
-    byte_a_millisecond(rig, b"\0" + b"\x30" * 40)
-    period = TELEMETRY_PERIOD + TELEMETRY_PATIENCE
-    assert [t.tick for t in rig.telemetry] == [period, 2 * period, 3 * period]
-
-
-def test_telemetry_does_not_wait_for_an_abandoned_frame(rig: Rig) -> None:
-    rig.raw(b"\0\x30\x30")
-    rig.tick(50)
-    assert [t.tick for t in rig.telemetry] == [10, 20, 30, 40, 50]
 
 
 def test_telemetry_leaves_room_for_a_reply() -> None:

@@ -9,7 +9,6 @@ from gui_worlds import world
 
 from gui.console.state import intents, saved
 from gui.console.state.intents import Theme
-from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.window.run import Autosave
 
@@ -36,13 +35,6 @@ def test_a_saved_pose_survives_the_save_of_a_second_window(file: Path) -> None:
     first.save_changes()
     kept, _ = saved.load(file)
     assert (kept.poses, kept.theme) == ((), Theme.PROJECTOR)
-
-
-def test_unchanged_choices_are_not_written(file: Path) -> None:
-    Autosave(
-        State(Saved(theme=Theme.LIGHT))
-    ).save_changes()  # a command-line option applies to one window only
-    assert not file.exists()
 
 
 def test_a_folder_that_cannot_be_written_is_logged(file: Path, caplog: pytest.LogCaptureFixture) -> None:

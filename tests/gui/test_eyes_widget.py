@@ -7,14 +7,12 @@ import time
 import numpy as np
 import pytest
 import simplejpeg
-from PyQt5.QtGui import QColor, QImage
+from PyQt5.QtGui import QImage
 from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client import CameraImage
-from gui.console.state.intents import Theme
 from gui.console.state.views import EyeView
 from gui.console.texts import Texts
-from gui.window.theme import style_of
 from gui.window.widgets import eyes
 from gui.window.widgets.eyes import CameraPicture, EyesPanel, OutsideView
 
@@ -80,15 +78,6 @@ def alike(one: tuple[int, int, int], other: tuple[int, int, int]) -> bool:
     return max(abs(a - b) for a, b in zip(one, other, strict=True)) < 20
 
 
-def test_a_picture_keeps_its_aspect_ratio(picture: CameraPicture) -> None:
-    picture.show_image(picture_of(RED))
-    assert alike(colour(picture, 0.5, 0.5), RED)
-    field = QColor(style_of(Theme.DARK).field)
-    assert alike(colour(picture, 0.5, 0.98), (field.red(), field.green(), field.blue())), (
-        "the picture does not reach the lower edge"
-    )
-
-
 def test_only_the_newest_picture_is_decoded_and_only_when_visible(
     qtbot: QtBot, picture: CameraPicture, decoder: Decoder
 ) -> None:
@@ -147,18 +136,6 @@ def test_a_damaged_picture_is_reported_and_the_next_is_shown(picture: CameraPict
     assert alike(colour(picture, 0.5, 0.5), BLUE)
 
 
-def test_the_shown_rate_is_that_of_the_camera_and_a_stale_picture_shows_its_age(
-    picture: CameraPicture,
-) -> None:
-    for seq in range(0, 30, 3):  # two of three pictures are lost
-        picture.show_image(picture_of(RED, seq=seq, t_s=seq / 15))
-    picture.show_view(ON)
-    assert picture.note == "15/s"
-    picture.show_image(picture_of(RED, seq=40, t_s=40 / 15, age_s=4.0))
-    picture.show_view(ON)
-    assert picture.note == "4 s"
-
-
 def test_both_eyes_of_both_robots_have_their_places(qtbot: QtBot) -> None:
     shown = EyesPanel(WORDS)
     qtbot.addWidget(shown)
@@ -176,16 +153,6 @@ def test_both_eyes_of_both_robots_have_their_places(qtbot: QtBot) -> None:
     places = ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75))
     for place, painted in zip(places, colours, strict=True):
         assert alike(colour(shown, *place), painted)
-
-
-def test_the_outside_view_shows_no_picture_of_an_eye(qtbot: QtBot) -> None:
-    shown = OutsideView(WORDS)
-    qtbot.addWidget(shown)
-    shown.resize(400, 320)
-    shown.show_view((ON, OUTSIDE))
-    shown.show_image("sim", picture_of(RED, "outside"))
-    shown.show_image("sim", picture_of(BLUE, "left"))
-    assert alike(colour(shown, 0.5, 0.5), RED)
 
 
 def test_a_picture_whose_header_claims_too_many_pixels_is_not_decoded(picture: CameraPicture) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Iterator
 
 import pytest
@@ -11,7 +10,7 @@ from robots import Process, Stage, until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import CameraImage, Client
-from gui.console.link.pictures import CLOSE_S, Pictures
+from gui.console.link.pictures import Pictures
 
 FIRST_S = 20.0
 """Longest wait (s) for the first picture, which starts rendering."""
@@ -31,11 +30,6 @@ class ImageLog:
 
     def count(self, *place: str) -> int:
         return len(self.seen.get((place[0], place[1]), []))
-
-
-def reading_threads() -> list[str]:
-    names = [one.name for one in threading.enumerate()]
-    return [name for name in names if name.startswith("beatrix-pictures")]
 
 
 @pytest.fixture(scope="module")
@@ -129,27 +123,3 @@ def test_a_session_for_pictures_that_cannot_be_opened_is_tried_again(
     client.settings = type(client.settings)("bea", endpoint, "window")
     until(lambda: images_taken.count(*LEFT) > 0, "pictures come", FIRST_S)
     pictures.close()
-
-
-def test_close_is_fast_and_no_picture_follows(client: Client, images_taken: ImageLog) -> None:
-    pictures = Pictures(client, "bea", images_taken.add)
-    wanted = frozenset({LEFT, RIGHT, ("sim", "left")})
-    pictures.watch(wanted)
-    until(lambda: images_taken.count(*LEFT) > 0, "pictures come", FIRST_S)
-    begin_s = time.monotonic()
-    pictures.close()
-    assert time.monotonic() - begin_s < CLOSE_S
-    counts = {place: images_taken.count(*place) for place in wanted}
-    pictures.close()
-    client.close()
-    assert counts == {place: images_taken.count(*place) for place in wanted}
-    assert not reading_threads()
-
-
-def test_the_client_may_close_first(client: Client, images_taken: ImageLog) -> None:
-    pictures = Pictures(client, "bea", images_taken.add)
-    pictures.watch(frozenset({LEFT}))
-    until(lambda: images_taken.count(*LEFT) > 0, "pictures come", FIRST_S)
-    client.close()
-    pictures.close()
-    until(lambda: not reading_threads(), "the threads have ended")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,17 +10,14 @@ import gui_worlds
 import msgspec
 import numpy as np
 import pytest
-from PyQt5.QtGui import QColor
 from pyqtgraph import PlotDataItem
 from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client import RobotState
-from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
-from gui.window.theme import style_of
 from gui.window.widgets import plots as plots_module
-from gui.window.widgets.plots import CAPACITY, History, PlotsPanel, difference, sample_time_s, span
+from gui.window.widgets.plots import CAPACITY, History, PlotsPanel, sample_time_s
 
 Arms = tuple[float, float, float]
 LAG_S = 0.2
@@ -131,62 +127,8 @@ def test_a_sample_is_kept_once_and_a_pause_breaks_the_line() -> None:
     assert history.samples[:, 1].tolist() == [7.0], "another clock clears the samples"
 
 
-def test_there_is_no_difference_without_a_simulation() -> None:
-    alone = np.array([[1.0, 0, 0, 0], [2.0, 0, 0, 0]])
-    assert len(difference(alone, np.empty((0, 4)))) == 0
-    later = alone + np.array([5.0, 0, 0, 0])
-    assert np.isnan(difference(later, alone)[:, 1]).all(), "no times in common"
-
-
 def test_time_stamps_of_another_computer_are_converted_to_this_clock() -> None:
     state = robot_at("hw", 99.9, (0, 0, 0))
     assert sample_time_s(state, 100.0) == pytest.approx(99.9)
     foreign = robot_at("hw", 5099.9, (0, 0, 0))
     assert sample_time_s(foreign, 100.0) == pytest.approx(99.99), "the time of arrival"
-
-
-@pytest.mark.parametrize(
-    ("lowest", "highest", "limits"), [(0, 0, (-10, 10)), (-1, 62, (-5, 65)), (40, 41, (30, 50))]
-)
-def test_an_axis_has_round_limits(lowest: float, highest: float, limits: tuple[float, float]) -> None:
-    low, high = span(lowest, highest, 20.0)
-    assert (low, high) == limits
-
-
-def test_another_robot_begins_with_empty_plots(plots: PlotsPanel) -> None:
-    plots.show()
-    fill(plots, lambda _: (10, 0, 0), seconds=1)
-    plots.append(replace(world_at(1.05), robot="bea2"))
-    assert curve(plots.arms[0].lines[0])[1].tolist() == [0.0]
-
-
-def test_plots_without_samples_show_a_hint(plots: PlotsPanel) -> None:
-    plots.show()
-    assert plots.empty.isVisible()
-    plots.append(gui_worlds.world(gui_worlds.absent("sim"), gui_worlds.absent("hw")))
-    assert plots.empty.isVisible()
-    plots.append(world_at(100.0))
-    assert not plots.empty.isVisible()
-
-
-@pytest.mark.parametrize("theme", Theme)
-def test_each_theme_has_its_colours_and_widths(plots: PlotsPanel, theme: Theme) -> None:
-    plots.show_theme(theme)
-    hw, sim = (line.opts["pen"] for line in plots.arms[0].lines)
-    assert sim.color() == QColor(style_of(theme).sim)
-    assert hw.color().name() == style_of(theme).hw
-    assert hw.color().alphaF() < 0.7, "the hardware's line is translucent"
-    assert hw.widthF() >= 2 * sim.widthF(), "the hardware's line is wide"
-    if theme is Theme.PROJECTOR:
-        assert sim.widthF() == 3.0
-    plots.show()
-    plots.append(world_at(100.0))
-    corner = plots.grab().toImage().pixelColor(2, 2)
-    assert corner.name() == style_of(theme).field
-
-
-def test_nan_angles_are_ignored(plots: PlotsPanel) -> None:
-    plots.show()
-    plots.append(world_at(1.0, (math.nan, 0, 0)))
-    plots.append(world_at(1.1, (5, 0, 0)))
-    assert np.isfinite(plots.arms[0].plot.viewRange()[1]).all()

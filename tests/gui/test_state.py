@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,14 +17,12 @@ from gui_worlds import (
     sent,
     state_after,
     status,
-    vector,
     world,
 )
 
 from beatrix_zenoh.contract._generated.messages import (
     CameraStatus,
     Command,
-    PoseQuery,
 )
 from gui.console.state import intents
 from gui.console.state.actions import (
@@ -88,27 +85,6 @@ def test_a_tooltip_shows_the_effect_before_it_is_sent() -> None:
     rows = state_after(intents.SetRelative(False), intents.SetIncrement(8.0)).view(now).arms.rows
     assert rows[0].minus.tooltip == "Short arm: 12.0° → -8.0°"
     assert rows[3].minus.tooltip == "All arms: to -8.0°"
-
-
-def test_sliders_set_increment_and_speed() -> None:
-    state = state_after(intents.SetIncrement(2.5), intents.SetSpeed(60.0))
-    jog = sent(state.handle(Jog("middle", 1), world()))
-    assert arms_of(jog) == (0, 2.5, 0)
-    assert jog.query.speed == vector(60, 60, 60)
-    state.handle(intents.AimHead(20, -10, 5), world())
-    look = sent(state.handle(intents.SendHead(), world())).query
-    assert isinstance(look, PoseQuery)
-    assert look == PoseQuery(
-        yaw=math.radians(20), pitch=math.radians(-10), roll=math.radians(5), speed=math.radians(60)
-    )
-
-
-def test_angles_of_both_robots_are_shown_side_by_side() -> None:
-    now = world(robot("sim", arms=(12, 0, 0)), robot("hw", arms=(12.14, 0, 0)))
-    row = State().view(now).arms.rows[0]
-    assert (row.sim, row.hw, row.difference, row.axis) == ("12.0°", "12.1°", "+0.1°", "x")
-    row = State().view(world(hw=absent("hw"))).arms.rows[0]
-    assert (row.sim, row.hw, row.difference) == ("0.0°", "–", "")
 
 
 # -- destinations ------------------------------------------------------------------------------------
@@ -190,14 +166,6 @@ def test_an_absolute_jog_needs_the_angles_of_the_other_arms() -> None:
 def test_limits_are_checked_by_the_robot_not_by_the_window() -> None:
     off = world(robot("sim", known=status("sim", enabled=False)))
     assert sent(state_after(intents.AimHead(0, 80, 0)).handle(intents.SendHead(), off)).sides == ("sim",)
-
-
-def test_a_number_outside_the_range_of_the_message_is_refused() -> None:
-    state = state_after(intents.SetSpeed(1e300))
-    assert state.handle(intents.SendHead(), world()) == []
-    refusal = state.view(world()).head.refusal
-    assert refusal is not None
-    assert "speed" in refusal.text
 
 
 # -- stop --------------------------------------------------------------------------------------------

@@ -11,9 +11,8 @@ from gui_worlds import status, world
 
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason
 from gui.console.state import intents
-from gui.console.state.actions import Govern, Outcome, Select, SendStop, WatchCameras, WatchClass
+from gui.console.state.actions import Govern, Outcome, SendStop, WatchCameras, WatchClass
 from gui.console.state.intents import (
-    ChooseRobot,
     GovernClass,
     Intent,
     LimitClass,
@@ -149,15 +148,6 @@ def test_an_invalid_speed_limit_is_not_sent(text: str) -> None:
     assert view.good is False
 
 
-def test_buttons_of_a_row_fit_its_state() -> None:
-    rows = {row.place: row for row in page(opened()).rows}
-    assert rows[PLACE].freeze.intent == GovernClass(LeaseAction.UNFREEZE, PLACE)
-    first = rows["bea1", "sim"]
-    assert first.freeze.intent == GovernClass(LeaseAction.FREEZE, ("bea1", "sim"))
-    assert first.take.intent == GovernClass(LeaseAction.TAKE, ("bea1", "sim"))
-    assert first.show.intent == ChooseRobot("bea1")
-
-
 def test_the_outcome_is_shown_with_the_robots_that_failed() -> None:
     state = opened()
     state.handle(GovernClass(LeaseAction.FREEZE), TEACHER)
@@ -209,20 +199,6 @@ def test_an_emergency_stop_on_the_page_of_the_class_goes_to_all_robots() -> None
     state.report(Outcome(1, "", accepted=True, done=True, robots=8))
     assert page(state).result == "emergency stop of all robots: done by 8 robots"
     assert "--all --emergency" in state.view(TEACHER).history[0].command_line
-
-
-def test_requests_to_the_robot_are_not_sent_while_the_class_is_shown() -> None:
-    state = opened()
-    assert state.handle(intents.SendHead(), TEACHER) == []
-    assert state.handle(intents.Undo(), TEACHER) == []
-
-
-def test_choosing_a_robot_shows_it() -> None:
-    state = opened()
-    actions = state.handle(ChooseRobot("bea3"), TEACHER)
-    assert actions[0] == WatchClass(on=False)
-    assert actions[-1] == Select("bea3")
-    assert state.view(TEACHER).page is Page.ROBOT
 
 
 def test_requests_have_command_lines() -> None:

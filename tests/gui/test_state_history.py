@@ -57,20 +57,6 @@ def test_a_row_follows_its_motion_to_its_end() -> None:
     assert view.last == "last: look 20/-10/0 done, 1.2 s, both"
 
 
-def test_a_row_ends_when_every_robot_has_ended() -> None:
-    state, now = State(), world()
-    for intent in (BOTH, RunCommand(Command.CALIBRATE)):
-        state.handle(intent, now)
-    state.report(Outcome(1, "sim", accepted=True, done=True))
-    assert state.view(now).history[0].good is None
-    state.report(
-        Outcome(1, "hw", accepted=False, done=True, reason=Reason.NOT_ENABLED, detail=not_enabled().detail)
-    )
-    row = state.view(now).history[0]
-    assert row.good is False
-    assert row.result.startswith("refused: Hardware: The motors are off.")
-
-
 def test_a_motion_is_sent_again_to_the_robots_that_are_checked_now() -> None:
     state = State()
     (first,) = state.handle(Jog("short", 1), world())
@@ -85,17 +71,6 @@ def test_a_motion_is_sent_again_to_the_robots_that_are_checked_now() -> None:
     assert state.handle(intents.Repeat(77), world()) == []
     refusal = state.view(world()).commands.refusal
     assert refusal is not None
-
-
-def test_in_german_the_history_has_a_decimal_comma() -> None:
-    state, now = State(), world()
-    for intent in (intents.SetIncrement(2.5), Jog("short", -1), intents.SetLanguage("de")):
-        state.handle(intent, now)
-    state.report(Outcome(1, "sim", accepted=True, done=True, duration_s=0.5))
-    row = state.view(now).history[0]
-    assert (row.who, row.what, row.result) == ("du", "Arme um -2,5/0/0 (Simulation)", "fertig, 0,5 s")
-    assert row.python == "twin.sim.move(-2.5, 0, 0, relative=True, speed=30)"
-    assert state.view(now).last == "zuletzt: Arme um -2,5/0/0 fertig, 0,5 s, Simulation"
 
 
 # -- lines -------------------------------------------------------------------------------------------
@@ -187,12 +162,6 @@ def parsed(words: list[str]) -> dict[str, Any]:
             return parameters
 
 
-def test_the_command_line_names_the_robot_if_several_are_online() -> None:
-    assert (
-        newest(intents.Stop(), now=world(names=("bea1", "bea2"))).command_line == "beatrix stop --name bea1"
-    )
-
-
 def test_the_command_line_of_an_emergency_stop() -> None:
     assert newest(intents.EmergencyStop()).command_line == "beatrix stop --emergency"
 
@@ -279,10 +248,6 @@ def test_different_requests_have_rows_of_their_own_newest_first() -> None:
     assert found[1][2].startswith("refused: The motors are off.")
 
 
-def test_a_row_counts_the_requests_that_an_event_counts() -> None:
-    assert rows(event(10, times=30)) == [("ana", "look (30 times)", "under way, takes 1.2 s", None)]
-
-
 def test_own_requests_are_not_shown_twice() -> None:
     own = event(10, seat="ben", session="abc")
     assert rows(own) == []
@@ -298,16 +263,6 @@ def test_a_stop_with_the_session_of_this_window_is_its_own_only_under_its_seat(
     stop = event(10, "STOP", kind=EventKind.STOP, phase=None, motion=0, seat=seat, session="abc")
     now = replace(world(robot("sim", events=(stop,))), session="abc" if seat else "def")
     assert [row.who for row in State().view(now).history] == who
-
-
-def test_own_and_other_rows_are_in_the_order_of_their_times() -> None:
-    state = State()
-    now = world(
-        robot("sim", events=(event(999_990), event(1_000_010, "STOP", kind=EventKind.STOP, phase=None)))
-    )
-    state.handle(Jog("short", 1), now)
-    assert [row.what for row in state.view(now).history] == ["stop", "move by +5/0/0 (simulation)", "look"]
-    assert [row.row for row in state.view(now).history] == [-1, 1, -1]
 
 
 # -- poses -------------------------------------------------------------------------------------------

@@ -140,25 +140,12 @@ def test_a_lease_that_this_window_gives_back_has_no_banner() -> None:
     assert banner_of(state, sim_with(holder="cleo", lease=6)) == ""
 
 
-def test_a_lease_that_continues_after_a_loss_of_the_robot_has_no_banner() -> None:
-    state = State()
-    banner_of(state, sim_with(holder="ben", lease=5))
-    banner_of(state, world(absent("sim")))
-    assert banner_of(state, sim_with(holder="ben", lease=5)) == ""
-
-
 def test_a_taken_robot_is_given_back_before_another_is_shown() -> None:
     state, mine = State(), sim_with(holder="ben", lease=5)
     assert state.handle(AskLease(TAKE, "sim"), mine) == [SendLease(1, TAKE, "sim")]
     state.follow(mine)
     expected = [Govern(2, GIVE_BACK, (("bea1", "sim"),)), Select("bea2")]
     assert state.handle(intents.ChooseRobot("bea2"), mine) == expected
-    assert state.handle(intents.ChooseRobot("bea2"), mine) == [Select("bea2")]
-
-
-def test_a_lease_of_another_program_of_this_seat_is_kept() -> None:
-    state, mine = State(), sim_with(holder="ben", lease=5)
-    state.follow(mine)
     assert state.handle(intents.ChooseRobot("bea2"), mine) == [Select("bea2")]
 
 

@@ -19,7 +19,6 @@ from gui.console.state.intents import (
     SetLanguage,
     StartSimulation,
 )
-from gui.console.state.pills import SYMBOLS
 from gui.console.state.state import State
 from gui.console.state.views import Condition, PillView
 from gui.console.state.world import LinkPhase, World
@@ -85,11 +84,6 @@ def test_a_pill_names_the_first_problem_and_the_next_step(
     assert bool(found.reason) is (condition not in (Condition.READY, Condition.MOVING))
 
 
-def test_each_condition_has_a_symbol_of_its_own() -> None:
-    assert set(SYMBOLS) == set(Condition)
-    assert len(set(SYMBOLS.values())) == len(Condition)
-
-
 def test_the_hardware_is_enabled_before_it_is_calibrated() -> None:
     found = pill(world(hw=robot("hw", known=status("hw", enabled=False, calibrated=False))), "hw")
     assert found.next_step is not None
@@ -110,13 +104,6 @@ def test_without_a_router_no_robot_is_online(phase: LinkPhase, text: str) -> Non
     assert (found.condition, found.text) == (Condition.ABSENT, text)
     assert "tcp/127.0.0.1:7447" in found.reason
     assert found.latency == ""
-
-
-def test_the_pill_of_the_hardware_offers_to_try_the_router_again() -> None:
-    next_step = pill(world(phase=LinkPhase.NO_ROUTER), "hw").next_step
-    assert next_step is not None
-    assert next_step.intent == Retry()
-    assert pill(world(hw=absent("hw")), "hw").next_step is None
 
 
 def test_a_window_whose_account_is_refused_only_offers_to_try_again() -> None:
@@ -143,15 +130,6 @@ def test_a_robot_that_was_online_is_lost_and_one_that_was_not_is_absent() -> Non
     assert (found.condition, found.text) == (Condition.ABSENT, "lost")
     assert "is no longer online" in found.reason
     assert pill(world(hw=absent("hw")), "hw").text == "not online"
-
-
-def test_a_simulation_that_starts_is_not_started_again() -> None:
-    now = world(absent("sim"), starting=True)
-    next_step = pill(now).next_step
-    assert next_step is not None
-    assert not next_step.enabled
-    assert next_step.tooltip == "A simulation is starting."
-    assert State().handle(StartSimulation(), now) == []
 
 
 def test_latency_and_details_are_shown() -> None:
@@ -191,11 +169,3 @@ def test_without_a_robot_the_banner_offers_the_next_step() -> None:
     found = State().view(world(sim, hw, starting=True)).banner
     assert found is not None
     assert found.buttons == ()
-
-
-def test_a_pill_is_translated_into_german() -> None:
-    state, now = State(), world(sim_with(holder="ana"))
-    state.handle(SetLanguage("de"), now)
-    assert state.view(now).pills[0].text == "ana steuert"
-    emergency = world(sim_with(fault=Fault.EMERGENCY))
-    assert state.view(emergency).pills[0].reason.startswith("EMERGENCY_STOP ist eingerastet")

@@ -41,14 +41,13 @@ from beatrix_zenoh.contract.refusals import (
 )
 from gui.console.state import intents
 from gui.console.state.actions import (
-    DESELECTED,
     Action,
     Outcome,
     Ready,
     SendCommand,
     SendLease,
 )
-from gui.console.state.intents import Jog, RunCommand
+from gui.console.state.intents import Jog
 from gui.console.state.state import State
 from gui.console.state.world import PlanPhase
 
@@ -78,17 +77,6 @@ def test_a_refusal_is_shown_at_the_pad_and_its_alternative_is_sent() -> None:
     assert isinstance(send.query, PoseQuery)
     assert (send.query.pitch, send.query.speed) == (math.radians(34), math.radians(30))
     assert state.view(world()).head.refusal is None
-
-
-def test_an_alternative_of_arms_is_absolute() -> None:
-    state = state_after(Jog("short", 1))
-    refused(state, tilt(arms=vector(1, 2, 3)), Reason.OUT_OF_REACH)
-    refusal = state.view(world()).arms.refusal
-    assert refusal is not None
-    assert refusal.alternative is not None
-    assert refusal.alternative.text == "Move to 1.0°/2.0°/3.0°"
-    send = sent(state.handle(intents.TakeAlternative(), world()))
-    assert (send.query.absolute, arms_of(send), send.query.speed) == (True, (1, 2, 3), vector(30, 30, 30))
 
 
 def test_an_alternative_speed_keeps_the_motion() -> None:
@@ -173,13 +161,6 @@ def test_a_motion_that_this_window_stops_or_aborts_is_not_a_refusal() -> None:
         assert view.history[-1].result == result
 
 
-def test_the_last_line_omits_the_advice() -> None:
-    state = state_after(intents.SendHead())
-    refused(state, tilt(head=Head(0.0, 0.5, 0.0)), Reason.OUT_OF_REACH)
-    text = "last: look 0/0/0 refused: The head would tilt 40.0°; at most 35.0° is allowed, simulation"
-    assert state.view(world()).last == text
-
-
 def test_a_stop_of_another_seat_is_shown_with_its_pause() -> None:
     state = state_after(Jog("short", 1))
     refused(state, stopped_pause("ben", 1.5).detail, Reason.STOPPED)
@@ -207,22 +188,6 @@ def test_a_refusal_without_data_is_german_unless_only_its_message_explains_it(
     shown = state.view(world()).arms.refusal
     assert shown is not None
     assert shown.text == german
-
-
-def test_a_request_that_ends_because_another_robot_is_chosen_is_explained_in_german() -> None:
-    state = state_after(Jog("short", 1), intents.SetLanguage("de"))
-    accept(state, 1)
-    refused(state, None, Reason.STOPPED, DESELECTED)
-    assert state.view(world()).history[0].result.endswith("ein anderer Roboter gewählt.")
-
-
-def test_a_motion_that_ends_before_its_goal_is_not_a_refusal() -> None:
-    state = state_after(Jog("short", 1))
-    state.report(Outcome(1, "sim", accepted=True, done=False, duration_s=1.2))
-    refused(state, None, Reason.STOPPED, "Ended by STOP.")
-    view = state.view(world())
-    assert view.arms.refusal is None
-    assert view.last == "last: move by +5/0/0 stopped, simulation"
 
 
 def test_a_new_target_hides_the_refusal_of_the_pad() -> None:
@@ -254,21 +219,3 @@ def test_undo_goes_back_through_accepted_motions() -> None:
     accept(state, further.row)
     assert not state.view(here).commands.undo.enabled
     assert state.handle(intents.Undo(), here) == []
-
-
-def test_an_undo_that_was_refused_can_be_tried_again() -> None:
-    state = state_after(Jog("short", 1))
-    accept(state, 1)
-    state.handle(intents.Undo(), world())
-    refused(state, None, Reason.NOT_HOLDER)
-    assert state.view(world()).commands.undo.enabled
-    refusal = state.view(world()).commands.refusal
-    assert refusal is not None
-
-
-def test_a_new_home_clears_the_undo_list() -> None:
-    state = state_after(Jog("short", 1))
-    accept(state, 1)
-    state.handle(RunCommand(Command.CALIBRATE), world())
-    accept(state, 2)
-    assert not state.view(world()).commands.undo.enabled

@@ -35,10 +35,6 @@ def test_choices_and_poses_are_those_of_the_previous_window(tmp_path: Path) -> N
     assert (view.arms.increment, view.arms.speed, view.sending.lead_s) == (2.5, 45, 0)
 
 
-def test_without_a_file_the_defaults_apply(tmp_path: Path) -> None:
-    assert saved.load(tmp_path / "window.json") == (Saved(), "")
-
-
 @pytest.mark.parametrize(
     "text", [b"", b"{", b"[]", b'{"theme": "pink"}', b'{"speed": -1}', b'{"lead_s": "2"}', b"\xff\xfe"]
 )
@@ -55,12 +51,6 @@ def test_a_damaged_file_is_renamed_and_reported(tmp_path: Path, text: bytes) -> 
     assert state.view(world()).last == sentence
     state.handle(intents.Stop(), world())
     assert state.view(world()).last == "last: stop sent, both"
-
-
-def test_an_unreadable_file_is_reported(tmp_path: Path) -> None:
-    found, sentence = saved.load(tmp_path)  # a folder
-    assert found == Saved()
-    assert "cannot be read" in sentence
 
 
 def test_an_unknown_language_is_replaced_by_the_default(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import pytest
@@ -27,13 +26,11 @@ from gui.console.state.intents import (
     PlayPoses,
     Repeat,
     RunCommand,
-    SavePose,
     SendHead,
     SendNow,
     SetCameras,
     SetDestination,
     SetIncrement,
-    SetLead,
     SetRelative,
     SetSpeed,
     StartSimulation,
@@ -42,7 +39,6 @@ from gui.console.state.intents import (
     ToggleRecording,
     Undo,
 )
-from gui.console.state.views import Orientation
 from gui.window.widgets.head import HeadPad
 from gui.window.window import Window
 
@@ -156,25 +152,6 @@ def test_a_slider_and_its_box_report_the_same_intent(window: Window, intents: Ta
     assert intents() == [intent(12.5)]
 
 
-def test_enter_in_the_box_reports_the_lead(window: Window, intents: Taken) -> None:
-    lead = window.panels.sending.lead
-    lead.setFocus()
-    lead.selectAll()
-    QTest.keyClicks(lead, "0.5")
-    QTest.keyClick(lead, Qt.Key.Key_Return)
-    assert intents() == [SetLead(0.5)]
-
-
-def test_a_pose_is_saved_under_the_name_that_is_typed(window: Window, intents: Taken) -> None:
-    poses = window.panels.poses
-    window.panels.side.setCurrentWidget(poses)
-    assert "STOP" in poses.name.toolTip()
-    poses.name.setFocus()
-    QTest.keyClicks(poses.name, "look-up")
-    QTest.mouseClick(poses.save, LEFT)
-    assert intents() == [SavePose("look-up")]
-
-
 def test_a_row_of_the_history_is_sent_again_and_copied(window: Window, intents: Taken) -> None:
     history = window.panels.history
     assert not history.repeat.isEnabled()
@@ -266,23 +243,3 @@ def test_dragging_the_ring_changes_yaw(window: Window, intents: Taken, yaw: floa
     aims = [intent for intent in intents() if isinstance(intent, AimHead)]
     assert aims[-1].yaw == pytest.approx(yaw, abs=1.5)
     assert (aims[-1].pitch, aims[-1].roll) == (14.0, 12.0), "the disc stays where it was"
-
-
-def test_left_on_the_ring_is_left_on_the_screen(window: Window) -> None:
-    pad = pad_of(window)
-    assert pad.yaw_point(90.0).x() < pad.width() / 2 < pad.yaw_point(-90.0).x()
-    assert pad.yaw_point(0.0).y() < pad.height() / 2
-
-
-def test_the_pad_accepts_a_target_beyond_the_limit(window: Window, intents: Taken) -> None:
-    pad = pad_of(window)
-    edge = pad.tilt_point(Orientation(0.0, 35.0, 0.0), 35.0)
-    drag(pad, QPointF(pad.width() / 2, pad.height() / 2), edge + QPointF(0, 12))
-    aim = intents()[-1]
-    assert isinstance(aim, AimHead)
-    assert 36.0 < math.hypot(aim.pitch, aim.roll) <= 42.0
-
-
-def test_a_press_beside_the_ring_is_ignored(window: Window, intents: Taken) -> None:
-    QTest.mouseClick(pad_of(window), LEFT, pos=QPoint(2, 2))
-    assert intents() == []

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from gui_views import posed
 from gui_worlds import absent
-from PyQt5.QtCore import QSize, Qt, QTimer
+from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
@@ -30,12 +30,10 @@ from gui.console.state.intents import (
     SetDestination,
     SetLanguage,
     SetTheme,
-    ShowTab,
     Stop,
-    Tab,
     Theme,
 )
-from gui.window.run import Bridge, begin_size, errors_shown
+from gui.window.run import Bridge, errors_shown
 from gui.window.theme import style_of
 from gui.window.window import Window
 
@@ -50,14 +48,6 @@ def test_the_window_shows_the_world_of_the_link_periodically(
     row = window.panels.arms.rows["short"]
     qtbot.waitUntil(lambda: row.sim.text() == "33.3°")
     assert window.panels.head.numbers["sim", "yaw"].text() == "44.0°"
-
-
-def test_an_intent_becomes_an_action_and_is_shown(window: Window, link: RecordingLink, qtbot: QtBot) -> None:
-    QTest.mouseClick(window.panels.arms.rows["short"].plus, LEFT)
-    (action,) = link.done
-    assert isinstance(action, Send)
-    assert action.sides == ("sim",)
-    qtbot.waitUntil(lambda: window.panels.history.list.count() == 1)
 
 
 def test_an_outcome_is_shown(window: Window, link: RecordingLink) -> None:
@@ -111,19 +101,6 @@ def test_the_question_disappears_when_another_control_is_used(
     assert not any(isinstance(intent, RunCommand) for intent in intents())
 
 
-def test_a_question_follows_its_button(window: Window) -> None:
-    window.handle(SetDestination("hw", checked=True))
-    window.handle(SetLanguage("de"))
-    panels = window.panels
-    QTest.mouseClick(panels.commands.buttons["disable"], LEFT)  # before the new widgets have their places
-    window.resize(1024, 600)
-    QApplication.processEvents()
-    window.refresh()
-    assert panels.refusal.isVisible()
-    assert panels.body.rect().contains(panels.refusal.geometry())
-    assert panels.refusal.geometry().right() < panels.commands.x()
-
-
 def test_a_theme_applies_to_all_widgets(window: Window) -> None:
     for theme in (Theme.LIGHT, Theme.PROJECTOR, Theme.DARK):
         window.handle(SetTheme(theme))
@@ -148,13 +125,6 @@ def test_the_language_changes_while_the_window_runs(
     QTest.keyClick(window, Qt.Key.Key_Space)
     assert intents() == [Stop()]
     qtbot.waitUntil(window.panels.isVisible)
-
-
-def test_the_choice_of_a_tab_is_reported(window: Window, intents: Taken) -> None:
-    for number, name in enumerate(Tab):
-        window.panels.tabs.setCurrentIndex(number)
-        assert window.panels.tabs.currentIndex() == number, name
-    assert intents() == [ShowTab(Tab.EYES), ShowTab(Tab.PLOTS)]
 
 
 @pytest.mark.qt_log_ignore("This plugin does not support")
@@ -248,13 +218,3 @@ def test_nothing_is_drawn_while_nothing_changes(qtbot: QtBot, window: Window) ->
         assert painted == []
         pad.update()
         qtbot.waitUntil(lambda: painted == ["pad"])
-
-
-@pytest.mark.parametrize(
-    ("room", "size"), [((1920, 1080), (1366, 768)), ((1024, 560), (1024, 560)), ((1366, 728), (1366, 728))]
-)
-def test_the_initial_window_is_not_larger_than_the_screen(
-    window: Window, room: tuple[int, int], size: tuple[int, int]
-) -> None:
-    window.resize(begin_size(QSize(*room)))
-    assert (window.width(), window.height()) == size

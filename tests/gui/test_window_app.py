@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from beatrix_zenoh.contract.errors import Refused
-from gui.window.app import PLUGINS, check_display, main
+from gui.window.app import main
 
 PROGRAM = "import sys; from gui.window.app import main; sys.exit(main(sys.argv[1:]))"
 NOWHERE = "tcp/127.0.0.1:1"
@@ -58,20 +57,3 @@ def test_without_a_display_the_window_is_refused(tmp_path: Path) -> None:
 def test_an_unknown_language_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--language", "xx"]) == 2
     assert "Choose one of en, de" in capsys.readouterr().err
-
-
-def test_the_plugin_folder_of_opencv_is_not_used(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(PLUGINS, "/somewhere/cv2/qt/plugins")
-    check_display()
-    assert PLUGINS not in os.environ
-    monkeypatch.setenv(PLUGINS, "/somewhere/else")
-    check_display()
-    assert os.environ[PLUGINS] == "/somewhere/else"
-
-
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere there is always a display")
-def test_a_display_that_does_not_answer_counts_as_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("QT_QPA_PLATFORM", "xcb")
-    monkeypatch.setenv("DISPLAY", ":4711")
-    with pytest.raises(Refused, match="no display"):
-        check_display()

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication, QFileDialog, QLineEdit, QMessageBox
+from PyQt5.QtWidgets import QApplication, QFileDialog, QLineEdit
 from pytestqt.qtbot import QtBot
 
-from gui.console.state.intents import Intent, PlayFile, SaveChoreography, SavePose, SetLanguage, Stop
+from gui.console.state.intents import Intent, PlayFile, SaveChoreography, SavePose, Stop
 from gui.window.widgets.controls import IntentButton
-from gui.window.widgets.poses import FileDialog, begin_folder
+from gui.window.widgets.poses import FileDialog
 from gui.window.window import Window
 
 pytestmark = pytest.mark.qt_log_ignore("This plugin does not support")  # dialogs without a display
@@ -111,53 +111,3 @@ def test_a_file_that_is_missing_is_not_played(
     assert intents() == [Stop()]
     enter(dialog, str(tmp_path / "dance.csv"))
     assert intents() == [PlayFile(tmp_path / "dance.csv")]
-
-
-def test_message_boxes_of_the_dialog_are_closed_at_once(qtbot: QtBot, window: Window) -> None:
-    dialog = opened(qtbot, window, window.panels.poses.play_file)
-    box = QMessageBox(dialog)
-    late = QTimer(dialog)
-    late.timeout.connect(lambda: box.done(QMessageBox.StandardButton.Cancel))
-    late.start(2000)
-    box.setText("There is no such folder.")
-    with qtbot.assertNotEmitted(dialog.finished):
-        box.exec()
-    late.stop()
-    assert box.result() == QMessageBox.DialogCode.Rejected
-    assert dialog.notice.text() == "There is no such folder."
-    assert QApplication.activeModalWidget() is None
-
-
-def test_the_dialog_closes_when_the_language_changes(qtbot: QtBot, window: Window, intents: Taken) -> None:
-    destroyed: list[bool] = []
-    opened(qtbot, window, window.panels.poses.play_file).destroyed.connect(lambda: destroyed.append(True))
-    window.handle(SetLanguage("de"))
-    qtbot.waitUntil(lambda: bool(destroyed))
-    dialog = opened(qtbot, window, window.panels.poses.play_file)
-    intents()
-    enter(dialog, "hello.csv")
-    (intent,) = intents()
-    assert isinstance(intent, PlayFile)
-
-
-def test_a_second_dialog_replaces_the_first(qtbot: QtBot, window: Window) -> None:
-    poses = window.panels.poses
-    destroyed: list[bool] = []
-    opened(qtbot, window, poses.save_file).destroyed.connect(lambda: destroyed.append(True))
-    second = opened(qtbot, window, poses.play_file)
-    qtbot.waitUntil(lambda: bool(destroyed))
-    assert poses.dialog is second
-    second.close()
-    qtbot.waitUntil(lambda: poses.dialog is None)
-
-
-def test_the_dialog_begins_in_the_folder_of_shipped_files_or_the_working_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert (begin_folder(QFileDialog.AcceptMode.AcceptOpen) / "hello.csv").is_file()
-    assert begin_folder(QFileDialog.AcceptMode.AcceptSave) == tmp_path
-    deleted = tmp_path / "gone"
-    deleted.mkdir()
-    monkeypatch.chdir(deleted)
-    deleted.rmdir()
-    assert begin_folder(QFileDialog.AcceptMode.AcceptSave) == Path.home()

@@ -20,7 +20,6 @@ from gui.console.state.intents import (
     Jog,
     SavePose,
     SendHead,
-    SetIncrement,
     Stop,
     ToggleRecording,
     Undo,
@@ -191,16 +190,6 @@ def test_ctrl_z_undoes_and_ctrl_r_records(
     assert intents() == [intent]
 
 
-def test_ctrl_z_in_a_text_field_undoes_typing(qtbot: QtBot, window: Window, intents: Taken) -> None:
-    panels = window.panels
-    panels.side.setCurrentWidget(panels.poses)
-    focus(qtbot, panels.poses.name)
-    QTest.keyClicks(panels.poses.name, "nod")
-    press(Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert intents() == []
-    assert panels.poses.name.text() == ""
-
-
 STEPS = [
     (Qt.Key.Key_Left, 0, (0.0, 0.0, -1.0)),
     (Qt.Key.Key_Right, 0, (0.0, 0.0, 1.0)),
@@ -238,25 +227,6 @@ def test_enter_sends_the_target(qtbot: QtBot, window: Window, link: RecordingLin
     assert isinstance(link.done[-1], Send)
 
 
-def test_enter_presses_the_button_that_has_the_focus(qtbot: QtBot, window: Window, intents: Taken) -> None:
-    focus(qtbot, window.panels.arms.rows["long"].minus)
-    intents()
-    press(Qt.Key.Key_Enter)
-    assert intents() == [Jog("long", -1)]
-
-
-def test_enter_reports_the_number_that_is_typed(qtbot: QtBot, window: Window, intents: Taken) -> None:
-    box = window.panels.arms.increment.box
-    focus(qtbot, box)
-    box.selectAll()
-    QTest.keyClicks(box, "12.5")
-    assert intents() == []
-    window.refresh()
-    assert box.text() == "12.5 °", "typed text stays when the window is updated"
-    press(Qt.Key.Key_Return)
-    assert intents() == [SetIncrement(12.5)]
-
-
 def test_tab_reaches_every_control_and_returns_to_the_first(qtbot: QtBot, window: Window) -> None:
     """Tab follows the order in which the window is read: header, left, middle, right, STOP."""
     start = window.panels.header.robots
@@ -286,10 +256,3 @@ def test_tab_reaches_every_control_and_returns_to_the_first(qtbot: QtBot, window
     places = [seen.index(widget) for widget in order]
     assert places == sorted(places)
     assert all(widget.accessibleName() or widget.inherits("QTabBar") for widget in seen)
-
-
-def test_f1_shows_and_hides_the_list_of_keys(window: Window) -> None:
-    press(Qt.Key.Key_F1)
-    assert window.panels.key_sheet.isVisible()
-    press(Qt.Key.Key_F1)
-    assert not window.panels.key_sheet.isVisible()

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from gui_views import STATES, example
 from PyQt5.QtCore import QRect, Qt
-from PyQt5.QtGui import QFontMetrics, QTextDocumentFragment
+from PyQt5.QtGui import QTextDocumentFragment
 from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
@@ -17,7 +17,6 @@ from gui.console.state.views import Condition
 from gui.console.texts import LANGUAGES
 from gui.window.theme import Style, style_of
 from gui.window.widgets.controls import ElidedLabel, OptionalLabel, PartsLabel
-from gui.window.widgets.eyes import BAR_PX
 from gui.window.window import LEAST_HEIGHT, LEAST_WIDTH, Window
 
 SIZES = [(1366, 768), (1024, 600), (LEAST_WIDTH, LEAST_HEIGHT)]
@@ -70,11 +69,6 @@ def test_every_text_has_enough_contrast(theme: Theme) -> None:
         if contrast(*colours) < least
     }
     assert found == {}
-
-
-def test_contrast_follows_the_standard() -> None:
-    assert contrast("#000000", "#ffffff") == pytest.approx(21)
-    assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.01)
 
 
 @pytest.mark.parametrize("theme", Theme)
@@ -170,25 +164,6 @@ def test_no_text_and_no_widget_is_cut_off(qtbot: QtBot, theme: Theme, language: 
     assert not found, "\n".join(sorted(set(found)))
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
-@pytest.mark.parametrize("theme", Theme)
-def test_the_title_of_the_outside_picture_is_not_cut_off(qtbot: QtBot, theme: Theme, language: str) -> None:
-    """The end of the title names the side on which the robot's left is."""
-    window = Window(RecordingLink(), ShownState(example("well", theme, language)))
-    qtbot.addWidget(window)
-    window.show()
-    for size in SIZES:
-        window.resize(*size)
-        QApplication.processEvents()
-        picture = window.panels.heads.picture
-        rate_px = picture.fontMetrics().horizontalAdvance("15/s  ")
-        font = picture.font()
-        font.setBold(True)
-        title_px = QFontMetrics(font).horizontalAdvance(picture.accessibleName())
-        room_px = picture.width() - BAR_PX - 2 * style_of(theme).px(6) - rate_px
-        assert title_px <= room_px, f"{picture.accessibleName()} {size}"
-
-
 def test_stop_keeps_its_height_and_spans_the_window(qtbot: QtBot, window: Window) -> None:
     for size in SIZES:
         window.resize(*size)
@@ -197,21 +172,3 @@ def test_stop_keeps_its_height_and_spans_the_window(qtbot: QtBot, window: Window
         assert bar.height() == 72
         assert bar.width() == size[0]
         assert bar.mapTo(window, bar.rect().bottomLeft()).y() == size[1] - 1
-
-
-def test_the_window_has_a_minimum_size(window: Window) -> None:
-    window.resize(400, 300)
-    assert (window.width(), window.height()) == (1024, 560)
-
-
-def test_a_low_window_shows_history_and_poses_as_tabs(qtbot: QtBot, window: Window) -> None:
-    panels = window.panels
-    assert panels.side.isVisible()
-    window.resize(1024, 600)
-    QApplication.processEvents()
-    assert not panels.side.isVisible()
-    assert [panels.tabs.tabText(i) for i in range(5)] == ["Heads", "Eyes", "Plots", "History", "Poses"]
-    window.resize(1366, 768)
-    QApplication.processEvents()
-    assert panels.side.isVisible()
-    assert panels.tabs.count() == 3

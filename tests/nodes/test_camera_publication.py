@@ -12,12 +12,11 @@ from signal import SIGKILL, SIGSTOP
 import pytest
 from robots import Stage, until
 
-from beatrix_zenoh import NoAnswer, Robot
+from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
-from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import CameraFrame, CameraPublisher, Component, Node, StatusFields
 from hw_node.body import VirtualHardware
 
@@ -135,14 +134,6 @@ def test_an_image_has_its_header(eyes: Eyes, robot: Robot) -> None:
     assert 0 <= one.arrived_wall_ns - one.t_wall_ns < 5e9
 
 
-def test_a_slow_reader_sees_new_pictures(eyes: Eyes, robot: Robot) -> None:
-    with robot.camera("left") as images:
-        first = images.next(5.0)
-        until(lambda: images.dropped > 10, "the reader is behind")
-        oldest_waiting = images.next(5.0)
-    assert oldest_waiting.seq > first.seq + 10
-
-
 def test_a_suspended_subscriber_delays_no_other_subscriber(
     eyes: Eyes, stage: Stage, robot: Robot, tmp_path: Path
 ) -> None:
@@ -191,48 +182,3 @@ def test_a_lost_camera_is_an_event_and_a_warning(eyes: Eyes, robot: Robot) -> No
         lost, found = islice((event for event in events if event.kind is EventKind.CAMERA), 2)
     assert (lost.kind, lost.action, lost.reason) == (EventKind.CAMERA, "right", Reason.FAULT)
     assert (found.reason, found.message) == (Reason.OK, "right eye: The camera is connected again.")
-
-
-def test_undecodable_pictures_are_skipped_and_reported_once(
-    eyes: Eyes, robot: Robot, caplog: pytest.LogCaptureFixture
-) -> None:
-    key = keys.camera("bea", "hw", "left")
-    with robot.camera("left") as images:
-        images.next(5.0)
-        for _ in range(3):
-            robot.client.media.put(key, b"<html>", "image/jpeg")
-        until(
-            lambda: bool(images.take()) and "it is not a JPEG picture" in caplog.text,
-            "the foreign publisher is reported",
-        )
-        assert all(image.jpeg == PICTURE for _ in range(5) for image in images.take(0.1))
-    (message,) = [record.getMessage() for record in caplog.records if "not a JPEG" in record.getMessage()]
-    assert key in message
-
-
-def test_an_unknown_eye_is_wrong_usage(robot: Robot) -> None:
-    with pytest.raises(WrongUsage, match="choose 'left' or 'right'"):
-        robot.camera("third")
-
-
-def test_the_error_for_a_missing_picture_names_the_eye(stage: Stage) -> None:
-    with (
-        stage.robot("blind", "hw").camera("left", timeout_s=0.05) as images,
-        pytest.raises(NoAnswer, match="no picture from the left eye") as caught,
-    ):
-        images.next()
-    assert caught.value.reason is Reason.TIMED_OUT
-
-
-def test_pictures_continue_after_a_restart_of_the_router() -> None:
-    with Stage() as own:
-        body = HardwareWithEyes("bea")
-        node = Node(Sessions(lambda: zbus.connect(own.endpoint)), "bea", body).start()
-        try:
-            with own.robot("bea", "hw").camera("left") as images:
-                images.next(5.0)
-                own.restart_router()
-                images.take()
-                until(lambda: bool(images.take()), "pictures through the new router", 10.0)
-        finally:
-            node.close()

@@ -138,17 +138,6 @@ def test_a_camera_fault_is_shown_until_the_next_picture(source: FakeSource, robo
     ]
 
 
-def test_a_camera_without_pictures_has_a_fault(
-    source: FakeSource, robot: Robot, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(camera, "SILENT_S", 0.1)
-    monkeypatch.setattr(camera, "WAIT_S", 0.02)
-    with robot.camera("left"):
-        wait_status(
-            robot, lambda _: "no picture for 0.1 s" in trouble(robot), "the missing pictures are reported"
-        )
-
-
 def test_a_camera_that_is_plugged_in_later_is_used(source: FakeSource) -> None:
     source.missing = "It is not there."
     with Stage() as stage:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import signal
 from pathlib import Path
 
@@ -63,13 +62,6 @@ def test_a_replay_with_a_lead_is_compared_live_and_from_its_recording(
     assert ended["head_deg"]["yaw"] == pytest.approx(0, abs=0.3)
 
 
-def test_no_lag_is_measured_without_motion(free: Shell) -> None:
-    done = free.run("compare", "--seconds", "1.5", "--max-lag", "1")
-    assert done.returncode == 1, done.stderr
-    assert "No lag can be measured: nothing moved." in done.stdout
-    assert "the lag could not be measured" in done.stdout.splitlines()[-1]
-
-
 def ended_at(path: Path) -> motion_file.Place:
     """Return the place (deg) of the last point in a motion file."""
     return motion_file.read(path).points[-1].place
@@ -92,29 +84,6 @@ def test_signals_end_a_recording_of_a_motion_with_its_summary(
     assert record.returncode == 0, output
     assert f"To replay it: beatrix replay {path}" in output
     assert ended_at(path) == pytest.approx((8, 0, 0), abs=0.2)
-
-
-def test_a_replay_that_was_stopped_is_continued(free: Shell, tmp_path: Path) -> None:
-    path = tmp_path / "mine.csv"
-    path.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n10,0,0,0\n30,40,0,0\n", encoding="utf-8")
-    slow = free.start("replay", str(path), "--on", "hw", "--who", "cleo", "--from", "14")
-    with free.robot("hw") as hardware:
-        until(lambda: 9 < hardware.positions().commanded.short < 30, "it moves", 20.0)
-        slow.send_signal(signal.SIGINT)
-        output, _ = slow.communicate(timeout=END_S)
-        assert slow.returncode == 130
-        assert "(hw): Stopped;" in output
-        assert hardware.positions().commanded.short < 30
-    found = re.search(r"The replay ended at (\S+) s; --from (\S+) continues there\.", output)
-    assert found is not None, output
-    assert 14 <= float(found[1]) < 30
-    slow = free.start("replay", str(path), "--on", "hw", "--who", "cleo", "--from", found[2])
-    with free.robot("hw") as hardware:
-        until(lambda: hardware.status().moving, "it goes on", 20.0)
-        free.good("stop", "--who", "ben")
-    output, _ = slow.communicate(timeout=END_S)
-    assert slow.returncode == 1, output
-    assert re.search("ben pressed STOP|STOP of ben|STOP was pressed by ben", output), output
 
 
 @pytest.mark.parametrize(

@@ -90,15 +90,6 @@ def test_ctrl_c_after_the_lead_stops_both_robots(free: Shell) -> None:
 # -- speed --------------------------------------------------------------------------------------
 
 
-def test_move_takes_a_speed_for_each_arm(free: Shell) -> None:
-    free.good("home", "--on", "hw")
-    with free.robot("hw") as robot, robot.stream() as readings:
-        free.good("move", "24", "24", "0", "--speed", "60,20,30", "--on", "hw")
-        velocities = [reading.velocity for reading in readings.take()]
-    assert max(velocity.short for velocity in velocities) == pytest.approx(60, rel=0.1)
-    assert max(velocity.middle for velocity in velocities) == pytest.approx(20, rel=0.1)
-
-
 @pytest.mark.parametrize(
     "words",
     [
@@ -158,14 +149,3 @@ def test_ctrl_c_stops_a_choreography_on_both_robots(free: Shell, tmp_path: Path)
         assert "(sim): Stopped;" in output
         assert "(hw): Stopped;" in output
         assert [robot.status().moving for robot in (hardware, simulation)] == [False, False]
-
-
-def test_a_pose_out_of_reach_is_refused_before_anything_moves(free: Shell, tmp_path: Path) -> None:
-    path = tmp_path / "far.csv"
-    path.write_text(MINE + "2.0,0,60,0,,,,,\n", encoding="utf-8")
-    with free.robot("sim") as simulation:
-        before = steps(simulation)
-        done = free.run("play", str(path), "--on", "sim", "--who", "finn")
-        assert done.returncode == 1
-        assert "far.csv, line 5 (t = 2.00 s): The head would tilt" in done.stderr
-        assert steps(simulation) == before

@@ -72,23 +72,8 @@ def test_a_router_prints_ready_and_ends_cleanly(endpoint: str, number: signal.Si
     assert router.end(number) == 0
 
 
-def test_a_second_router_at_an_endpoint_is_refused(endpoint: str) -> None:
-    first = Process(*CLI, "router", "--listen", endpoint)
-    first.expect("ready")
-    second = Process(*CLI, "router", "--listen", endpoint)
-    assert second.wait() == 3
-    assert any("already listens there" in line for line in second.lines)
-    assert first.end() == 0
-
-
 ELSEWHERE = "tcp/192.0.2.7:7447"
 """An address for documentation (RFC 5737), which no computer has."""
-
-
-def test_a_router_at_the_address_of_another_computer_is_wrong_usage() -> None:
-    router = Process(*CLI, "router", "--listen", ELSEWHERE)
-    assert router.wait() == 2
-    assert any("0.0.0.0" in line for line in router.lines)
 
 
 def test_up_does_not_start_the_router_of_another_computer(
@@ -113,12 +98,6 @@ def test_the_command_line_passes_options_to_the_node(endpoint: str) -> None:
     assert any("--port" in line for line in robot.lines)
     wrong = Process(*CLI, "sim", "--nonsense", "--connect", endpoint)
     assert wrong.wait() == 2
-
-
-def test_virtual_without_its_colon_is_wrong_usage_before_the_router_is_needed() -> None:
-    robot = Process(*CLI, "hw", "--port", "virtual", "--connect", free_endpoint())
-    assert robot.wait() == 2
-    assert any("with a colon" in line for line in robot.lines)
 
 
 @pytest.mark.parametrize(("port", "end"), [("virtual:", ""), ("{folder}/COM9", " (no board yet)")])
@@ -234,25 +213,6 @@ def test_a_log_file_contains_requests_stops_and_the_loss_of_the_board(endpoint: 
         assert re.search(line, text), text
 
 
-def test_a_log_file_that_cannot_be_written_is_wrong_usage(endpoint: str, tmp_path: Path) -> None:
-    node = Process(*CLI, "hw", "--port", "virtual:", "--connect", endpoint, "--log-file", str(tmp_path))
-    assert node.wait() == 2
-    assert any(f"--log-file {tmp_path}" in line for line in node.lines)
-
-
-def test_up_gives_each_robot_a_log_file(endpoint: str, tmp_path: Path) -> None:
-    log = tmp_path / "day.log"
-    up = Process(
-        *CLI, "up", "--connect", endpoint, "--hw", "virtual:", "--name", "bea", "--log-file", str(log)
-    )
-    up.expect("The output of all processes")
-    with Robot("bea", "sim", connect=endpoint, who="ana") as robot:
-        robot.stop()
-    assert up.end() == 0
-    assert "stop STOP" in (tmp_path / "day-sim.log").read_text(encoding="utf-8")
-    assert (tmp_path / "day-hw.log").exists()
-
-
 def test_up_uses_a_running_router_and_leaves_it_running(endpoint: str) -> None:
     router = start_router(endpoint)
     up = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:", "--json")
@@ -283,32 +243,3 @@ def test_up_gives_old_programs_a_port(endpoint: str, tmp_path: Path, robots: lis
         assert not path.is_symlink()
     finally:
         up.end(signal.SIGKILL)
-
-
-def test_up_reports_that_there_is_no_board_at_the_port(endpoint: str, tmp_path: Path) -> None:
-    up = Process(
-        *CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", str(tmp_path / "tty")
-    )
-    try:
-        assert "fault BOARD_LOST" in up.expect("hardware")
-        assert "is not there: plug the board in" in up.expect("hardware:")
-        up.expect("The output of all processes")
-        listing = Process(*CLI, "ls", "--connect", endpoint)
-        assert listing.wait() == 0
-        assert any("is not there: plug the board in" in line for line in listing.lines)
-    finally:
-        assert up.end(signal.SIGINT) == 0
-
-
-def test_up_reports_a_name_that_is_in_use(up: Process, endpoint: str) -> None:
-    second = Process(*CLI, "up", "--connect", endpoint, "--name", "bea")
-    assert second.wait() == 1
-    assert any("online at" in line and "already" in line for line in second.lines)
-    assert alive(up.pid)
-
-
-def test_up_with_nothing_to_serve_is_wrong_usage(endpoint: str) -> None:
-    assert Process(*CLI, "up", "--connect", endpoint, "--no-sim").wait() == 2
-    unready = Process(*CLI, "up", "--connect", endpoint, "--no-sim", "--ready", "--hw", "virtual:")
-    assert unready.wait() == 2
-    assert "--ready is for the simulation" in "".join(unready.lines)

@@ -65,10 +65,6 @@ def test_after_an_emergency_stop_enable_is_refused_until_reset(shell: Shell) -> 
     shell.good("calibrate", "--on", "both")
 
 
-def test_the_help_of_stop_names_reset(shell: Shell) -> None:
-    assert "beatrix reset" in " ".join(shell.good("stop", "--help").split())
-
-
 def test_stop_with_a_wrong_name_stops_the_others_and_then_fails(free: Shell) -> None:
     with free.robot("hw") as robot:
         motion = robot.look(yaw=60, speed=10, wait=False)
@@ -86,11 +82,6 @@ def test_stop_with_a_name_that_is_not_online_stops_the_others_and_then_fails(she
     assert "bea7 is not online" in done.stderr
 
 
-def test_stop_with_only_invalid_names_is_wrong_usage(shell: Shell) -> None:
-    done = shell.run("stop", "--name", "Bea 2")
-    assert (done.returncode, done.stdout, "'Bea 2' is not a robot name" in done.stderr) == (2, "", True)
-
-
 def test_a_command_to_both_robots_names_the_robot_that_refuses(shell: Shell) -> None:
     shell.good("disable", "--on", "hw")
     done = shell.run("calibrate", "--on", "both")
@@ -98,16 +89,3 @@ def test_a_command_to_both_robots_names_the_robot_that_refuses(shell: Shell) -> 
     shell.good("calibrate", "--on", "both")
     assert (done.returncode, f"{NAME} (sim): " in done.stdout) == (1, True)
     assert f"\n{NAME} (hw): The motors are off" in done.stderr
-
-
-def test_stop_of_an_unknown_robot_has_its_own_exit_code(shell: Shell) -> None:
-    assert shell.run("stop", "--name", "bea7").returncode == 6
-
-
-def test_the_choice_of_hardware_without_a_simulation_is_reported(shell: Shell) -> None:
-    with another(shell, "bea2"):
-        printed = shell.run("enable", "--name", "bea2").stderr
-        asked = shell.run("enable", "--name", "bea2", "--on", "hw").stderr
-        shown = shell.run("info", "--name", "bea2").stderr
-    assert printed == "No simulation of bea2 is online: using the hardware.\n"
-    assert asked == shown == ""

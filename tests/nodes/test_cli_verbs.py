@@ -7,7 +7,6 @@ import math
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from robots import END_S, free_endpoint, until
@@ -41,22 +40,6 @@ def test_ls_lists_both_robots(shell: Shell) -> None:
     ]
 
 
-def test_output_into_a_pipe_is_plain_text(shell: Shell) -> None:
-    for verb in (("ls",), ("top", "--once"), ("doctor",), ("--help",), ("look", "--help")):
-        process = shell.start(*verb)
-        text, _ = process.communicate(timeout=END_S)
-        assert process.returncode == 0
-        assert text.isprintable() or all(line.isprintable() for line in text.splitlines())
-        assert not set(text) & set("│┃━─╭╰")
-
-
-def test_warnings_are_shown_by_ls(shell: Shell) -> None:
-    with shell.robot("hw") as robot:
-        robot.client.bus.put(f"beatrix/{NAME}/hw/arm/elbow/target", b"1", "text/plain")
-        until(lambda: bool(robot.status().warnings), "a warning")
-    assert "There is no arm 'elbow'" in shell.good("ls")
-
-
 def test_ls_warns_of_two_nodes_under_one_name(shell: Shell) -> None:
     with shell.robot("hw") as robot:  # as if two networks, each with such a node, were joined
         robot.client.bus.declare_token(f"beatrix/{NAME}/hw/@claim/ffff")
@@ -71,20 +54,11 @@ def test_info_gives_limits_in_degrees(shell: Shell) -> None:
     assert "35°" in shell.good("info")
 
 
-def test_the_only_robot_online_needs_no_name_and_is_named_on_stderr(shell: Shell) -> None:
-    done = shell.run("info")
-    assert NAME in done.stderr
-
-
 def test_echo_shows_the_requested_number(shell: Shell) -> None:
     lines = shell.good("echo", "--count", "3", "--json").splitlines()
     first, *_, last = (json.loads(line) for line in lines)
     assert (len(lines), last["seq"] - first["seq"]) == (3, 2)
     assert set(first["head_deg"]) == {"yaw", "pitch", "roll"}
-
-
-def test_echo_shows_status_in_words(shell: Shell) -> None:
-    assert "ready" in shell.good("echo", "status", "--count", "1", "--on", "hw")
 
 
 def test_echo_shows_the_last_events_and_then_the_next_ones(free: Shell) -> None:
@@ -116,16 +90,6 @@ def test_echo_counts_past_events_and_gives_them_as_json(shell: Shell) -> None:
     assert rows[-1]["seq"] - rows[0]["seq"] == 1
 
 
-def test_echo_of_both_robots_merges_their_events_by_time(shell: Shell) -> None:
-    for _ in range(2):
-        shell.good("stop")
-    lines = shell.good("echo", "events", "--count", "4", "--on", "both", "--json").splitlines()
-    rows = [json.loads(line) for line in lines]
-    times = [row["t_wall_ns"] for row in rows]
-    assert times == sorted(times)
-    assert {row["side"] for row in rows} == {"sim", "hw"}
-
-
 def test_echo_of_events_ends_when_the_robot_is_lost(shell: Shell) -> None:
     with another(shell, "bea5") as node:
         echo = shell.start("echo", "events", "--name", "bea5")
@@ -136,47 +100,11 @@ def test_echo_of_events_ends_when_the_robot_is_lost(shell: Shell) -> None:
     assert (echo.returncode, "bea5 (hw) is no longer online" in output) == (9, True)
 
 
-def test_echo_into_a_closed_pipe_ends(shell: Shell) -> None:
-    echo = shell.start("echo")
-    assert echo.stdout is not None
-    assert "yaw" in echo.stdout.readline() + echo.stdout.readline()
-    echo.stdout.close()
-    assert echo.wait(5) == 141
-
-
 def test_hz_counts_fifty_positions_a_second_and_no_loss(shell: Shell) -> None:
     (row,) = shell.json("hz", "--seconds", "1", "--on", "hw")["robots"]
     assert row["lost"] == 0
     assert 40 < row["hz"] < 60
     assert math.isfinite(row["age_ms"])
-
-
-def test_hz_and_echo_show_pictures(shell: Shell) -> None:
-    (row,) = shell.json("hz", "camera/left", "--seconds", "1", "--on", "hw")["robots"]
-    assert row["lost"] == 0
-    assert 20 < row["hz"] < 40
-    picture = json.loads(shell.good("echo", "camera/right", "--count", "1", "--on", "hw", "--json"))
-    assert (picture["side"], picture["eye"], picture["width"], picture["height"]) == ("hw", "right", 640, 480)
-    assert picture["bytes"] > 1000
-    assert "right eye, picture" in shell.good("echo", "camera/right", "--count", "1", "--on", "hw")
-
-
-def test_top_shows_all_robots_once(shell: Shell) -> None:
-    rows = shell.json("top", "--once")["robots"]
-    assert [(row["robot"], row["side"]) for row in rows] == [(NAME, "sim"), (NAME, "hw")]
-    assert all(row["state"] == "ready" and row["hz"] > 30 for row in rows)
-
-
-def test_top_into_a_pipe_prints_plain_tables(shell: Shell) -> None:
-    top = shell.start("top")
-    assert top.stdout is not None
-    lines = [top.stdout.readline().rstrip("\n") for _ in range(8)]
-    top.stdout.close()
-    assert top.wait(5) == 141
-    tables = [line for line in lines if line.startswith("robot")]
-    assert len(tables) == 2
-    assert "".join(lines).isprintable()
-    assert any(line.startswith(NAME) for line in lines)
 
 
 def test_doctor_checks_each_step_from_the_router_to_the_cameras(shell: Shell) -> None:
@@ -235,12 +163,6 @@ def test_look_on_both_robots_is_previewed_and_turns_both(shell: Shell) -> None:
     assert pitches == pytest.approx([-8, -8], abs=0.5)
 
 
-def test_move_accepts_negative_and_relative_angles(shell: Shell) -> None:
-    shell.good("move", "-10", "-5", "0", "--speed", "80")
-    (row,) = shell.json("move", "-1", "2", "-3.5", "--relative")["robots"]
-    assert list(row["arms_deg"].values()) == pytest.approx([-11, -3, -3.5], abs=0.5)
-
-
 def test_disable_enable_and_calibrate_change_the_hardware(shell: Shell) -> None:
     assert "home is no longer known" in shell.good("disable", "--on", "hw")
     refused = shell.run("look", "--yaw", "5", "--on", "hw")
@@ -254,21 +176,6 @@ def test_a_refusal_is_printed_on_stderr_with_exit_code_one(shell: Shell) -> None
     done = shell.run("look", "--pitch", "50")
     assert (done.returncode, done.stdout) == (1, "")
     assert "tilt" in done.stderr
-
-
-def test_with_json_the_refusal_is_the_only_output(shell: Shell) -> None:
-    done = shell.run("look", "--pitch", "50", "--json", "--name", NAME)
-    document = json.loads(done.stdout)
-    assert (document["result"], document["reason"], done.stderr) == (False, "OUT_OF_REACH", "")
-
-
-@pytest.mark.parametrize(
-    ("yaw", "message"),
-    [("nan", "yaw is nan: give a finite number of degrees"), ("1e300", "numbers up to 3.4e38 are allowed")],
-)
-def test_an_angle_beyond_the_range_of_messages_is_wrong_usage(shell: Shell, yaw: str, message: str) -> None:
-    done = shell.run("look", "--yaw", yaw)
-    assert (done.returncode, done.stdout, message in done.stderr) == (2, "", True)
 
 
 def test_an_interrupted_look_stops_the_robot(free: Shell) -> None:
@@ -310,34 +217,12 @@ def test_an_interrupted_look_on_both_robots_stops_both(free: Shell) -> None:
         assert not simulation.status().moving
 
 
-def test_no_wait_does_not_stop_the_motion(free: Shell) -> None:
-    with free.robot("hw") as robot:
-        start = yaw_deg(robot)
-        free.good("look", "--yaw", f"{start + 20:.0f}", "--speed", "10", "--on", "hw", "--no-wait")
-        assert robot.status().moving
-        until(lambda: not robot.status().moving, "it rests")
-        assert yaw_deg(robot) == pytest.approx(start + 20, abs=1)
-
-
 # -- exit codes ---------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "words", [("look", "--yaw", "left"), ("move", "1", "2"), ("dance",), ("look", "--on", "moon")]
-)
-def test_wrong_usage_has_exit_code_two(words: tuple[str, ...]) -> None:
-    assert Shell(free_endpoint()).run(*words).returncode == 2
 
 
 def test_a_missing_router_has_exit_code_three() -> None:
     done = Shell(free_endpoint()).run("ls")
     assert (done.returncode, "beatrix router" in done.stderr) == (3, True)
-
-
-def test_look_on_both_fails_if_one_of_the_robots_is_missing(shell: Shell) -> None:
-    with another(shell, "bea2"):
-        done = shell.run("look", "--name", "bea2", "--on", "both")
-    assert (done.returncode, "bea2 (sim)" in done.stderr) == (5, True)
 
 
 def test_stop_names_a_robot_that_does_not_answer_and_has_its_exit_code(shell: Shell) -> None:
@@ -357,14 +242,6 @@ def test_a_request_without_a_name_is_refused_with_the_names_of_all_robots(shell:
     with another(shell, "bea4"):
         done = shell.run("look", "--yaw", "5")
     assert (done.returncode, f"{NAME}, bea4" in done.stderr) == (1, True)
-
-
-def test_the_robot_name_is_read_from_beatrix_toml(shell: Shell, tmp_path: Path) -> None:
-    (tmp_path / "beatrix.toml").write_text('robot = "bea9"\n', encoding="utf-8")
-    done = shell.run("look", cwd=tmp_path)
-    assert "bea9" in done.stderr
-    flag = shell.run("info", "--name", NAME, cwd=tmp_path)
-    assert flag.returncode == 0
 
 
 def test_look_imports_no_slow_package(shell: Shell) -> None:

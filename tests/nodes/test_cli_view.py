@@ -85,36 +85,6 @@ def write_recording(path: Path) -> None:
     stream.close()
 
 
-def test_an_empty_file_is_refused(tmp_path: Path) -> None:
-    recording = tmp_path / "lesson.rrd"
-    recording.write_bytes(b"")
-    with Stage() as stage:
-        process = stage.process("beatrix_zenoh.cli", "view", str(recording))
-        assert process.wait(30.0) == 1
-    assert process.lines == [f"{recording} is empty. `beatrix record FILE.rrd` writes recordings."]
-
-
-def test_an_incomplete_recording_is_shown_with_a_note(tmp_path: Path) -> None:
-    recording = tmp_path / "lesson.rrd"
-    write_recording(recording)
-    whole = recording.read_bytes()
-    recording.write_bytes(whole[: whole.rindex(b"RRF2FOOT")])
-    words = ("view", str(recording), "--web", "--port", str(free_port()), "--web-port", str(free_port()))
-    with Stage() as stage:
-        process = stage.process("beatrix_zenoh.cli", *words)
-        assert f"`beatrix record --repair {recording}`" in process.expect(
-            f"The end of {recording} is missing"
-        )
-        process.end(signal.SIGTERM)
-
-
-def test_a_file_that_is_missing_is_named(tmp_path: Path) -> None:
-    with Stage() as stage:
-        process = stage.process("beatrix_zenoh.cli", "view", str(tmp_path / "none.rrd"))
-        assert process.wait(30.0) == 1
-    assert process.lines == [f"{tmp_path / 'none.rrd'}: there is no such file."]
-
-
 def test_without_the_extra_the_error_names_the_package_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
     with pytest.raises(Refused, match=r'pip install "\.\[rerun\]"'):

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from robots import Stage, free_endpoint, ready, until
+from robots import Stage, ready, until
 from statuses import READY
 
 from beatrix_zenoh import Interrupted, Monitor, Motion, Refused, Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import SUBSCRIBER, Incoming
-from beatrix_zenoh.client import Presence, clock_offsets
+from beatrix_zenoh.bus import Incoming
+from beatrix_zenoh.client import Presence
 from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -26,7 +26,6 @@ from beatrix_zenoh.contract._generated.messages import (
     Detail,
     Event,
     EventKind,
-    Events,
     Fault,
     Limit,
     Reason,
@@ -126,16 +125,6 @@ def test_the_session_that_sent_stop_may_move_at_once(robot: Robot) -> None:
         robot.look(yaw=0)
 
 
-def test_each_arm_turns_with_its_own_speed(robot: Robot) -> None:
-    motion = robot.move(6, 3, 3, speed=(10, 20, 20), wait=False)
-    assert motion.duration == pytest.approx(0.6, abs=0.1)
-    motion.wait()
-    assert robot.positions().commanded == pytest.approx((6, 3, 3), abs=0.05)
-    with pytest.raises(Refused) as caught:
-        robot.move(3, 3, 3, speed=(10, 20, 2000))
-    assert caught.value.reason is Reason.SPEED_LIMIT
-
-
 def test_the_timeout_of_a_query_follows_from_the_longest_possible_motion(
     robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -194,23 +183,6 @@ def test_make_ready_enables_and_calibrates_as_far_as_needed(robot: Robot) -> Non
     robot.look(yaw=2)
 
 
-@pytest.mark.parametrize(
-    ("enabled", "calibrated", "commands"),
-    [
-        (False, False, [Command.ENABLE, Command.CALIBRATE]),
-        (True, False, [Command.CALIBRATE]),
-        (True, True, []),
-    ],
-)
-def test_make_ready_sends_only_the_needed_commands(
-    stage: Stage, enabled: bool, calibrated: bool, commands: list[Command]
-) -> None:
-    robot, node = fake_node(stage, msgspec.structs.replace(READY, enabled=enabled, calibrated=calibrated))
-    with node.bus:
-        robot.make_ready()
-    assert [query.command for query in node.commands] == commands
-
-
 def test_make_ready_never_clears_the_emergency_latch(stage: Stage) -> None:
     latched = msgspec.structs.replace(READY, enabled=False, calibrated=False, fault=Fault.EMERGENCY)
     robot, node = fake_node(stage, latched)
@@ -232,12 +204,6 @@ def test_the_error_of_a_refused_command_contains_the_detail(stage: Stage) -> Non
 
 
 # -- wrong arguments, closed clients ------------------------------------------------------------
-
-
-@pytest.mark.parametrize("timeout_s", [-1, 0, "2"])
-def test_an_invalid_timeout_is_wrong_usage(robot: Robot, timeout_s: float) -> None:
-    with pytest.raises(WrongUsage, match="timeout_s is"):
-        robot.command(Command.STOP, timeout_s=timeout_s)
 
 
 def test_a_closed_robot_raises_wrong_usage_and_its_streams_end(stage: Stage) -> None:
@@ -287,32 +253,6 @@ def test_a_stream_is_in_degrees_and_can_be_iterated_and_closed(robot: Robot) -> 
         stream.next()
 
 
-def test_a_closed_stream_receives_nothing(robot: Robot) -> None:
-    streams = [robot.stream() for _ in range(50)]
-    for stream in streams:
-        stream.next(PATIENCE_S)
-        stream.close()
-    assert robot.client.bus.declared(SUBSCRIBER) == []
-    counted = robot.status_stream()
-    assert counted.next(PATIENCE_S).robot == "bea"
-
-
-def test_a_stream_receives_a_change_of_the_status(robot: Robot) -> None:
-    with robot.status_stream() as stream:
-        robot.disable()
-        until(lambda: not stream.next(PATIENCE_S).enabled, "the motors are off")
-
-
-def test_events_are_read_in_order(stage: Stage) -> None:
-    robot = stage.robot("bea", "hw")
-    with robot.events(timeout_s=PATIENCE_S) as events, zbus.connect(stage.endpoint) as bus:
-        for seq in (1, 2):
-            event = Event(seq=seq, t_mono_ns=1, t_wall_ns=2, kind=EventKind.STOP, seat="ben")
-            bus.put(keys.events("bea", "hw"), codec.encode(event), codec.MSGPACK)
-        of_ben = (event.seq for event in events if event.seat == "ben")
-        assert [next(of_ben), next(of_ben)] == [1, 2]
-
-
 # -- monitor and clocks -------------------------------------------------------------------------
 
 
@@ -359,30 +299,3 @@ def test_a_monitor_wakes_on_changes_and_shows_arrivals_and_losses_of_robots(
         assert monitor.wait(PATIENCE_S)
         assert monitor.robot("toy", "hw").presence is Presence.ABSENT
         assert monitor.present() == []
-
-
-def test_a_monitor_reads_earlier_events(stage: Stage) -> None:
-    events = [Event(seq=seq, t_mono_ns=seq, t_wall_ns=0, kind=EventKind.STOP) for seq in range(3)]
-    with zbus.connect(stage.endpoint) as bus:
-
-        def answer(incoming: Incoming) -> None:
-            incoming.reply(keys.events("toy", "sim"), codec.encode(Events(events=events)), codec.MSGPACK)
-            incoming.finish()
-
-        bus.serve(keys.events("toy", "sim"), answer)
-        with Monitor(stage.client(), events=2) as monitor:
-            until(lambda: bool(monitor.robot("toy", "sim").events), "events from before")
-            assert [event.seq for event in monitor.robot("toy", "sim").events] == [1, 2]
-
-
-def test_clock_offsets_on_the_same_computer_are_zero(stage: Stage, robot: Robot) -> None:
-    wall, mono = clock_offsets(robot.client, "bea", "hw")
-    for offset in (wall, mono, clock_offsets(robot.client, "bea", "hw", tries=3).wall):
-        assert abs(offset.offset) <= offset.bound + 1e-4
-        assert offset.bound_ns == pytest.approx(offset.bound * 1e9, abs=1)
-
-
-def test_the_error_names_a_missing_router() -> None:
-    endpoint = free_endpoint()
-    with pytest.raises(NoAnswer, match="No router at"):
-        Robot("bea", "hw", connect=endpoint)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import threading
 from dataclasses import dataclass, field
-from itertools import pairwise
 from pathlib import Path
 
 import msgpack
@@ -18,8 +17,6 @@ import zenoh
 from robots import Stage, ready, until
 
 from beatrix_zenoh.cli import app
-from beatrix_zenoh.recording.difference import GAP_NS
-from beatrix_zenoh.recording.rrd.read import read
 
 SIDES = ("sim", "hw")
 ROTATE_MIN = 0.1
@@ -149,16 +146,3 @@ def test_pandas_reads_the_same_angles_from_the_recording(lesson: Lesson) -> None
     assert len(messages) > 600
     angles = np.radians(np.array(loaded["/bea/sim/arms:Scalars:scalars"].tolist())).astype(np.float32)
     np.testing.assert_array_equal(angles, of_messages(messages, "position"))
-
-
-@pytest.mark.parametrize("side", SIDES)
-def test_the_grid_covers_the_seams(lesson: Lesson, tmp_path: Path, side: str) -> None:
-    path = tmp_path / "day.parquet"
-    assert app.run(["export", *map(str, lesson.files), str(path)]) == 0
-    table = pd.read_parquet(path)
-    np.testing.assert_allclose(np.diff(table.time_s), 0.02, atol=1e-9)
-    parts = [read(file).robots["bea", side].time_ns for file in lesson.files]
-    for before, after in pairwise(parts):
-        between = table[table.unix_time_s.between(before[-1] / 1e9, after[0] / 1e9)]
-        whole = after[0] - before[-1] <= GAP_NS  # a busy computer may have published nothing for longer
-        assert between[f"bea_{side}_yaw_deg"].notna().all() == whole

@@ -13,16 +13,13 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import simplejpeg
-from robots import Process, Stage, ask_raw, until
+from robots import Process, Stage, until
 from simulated_pictures import FIRST_S, fresh
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.contract import codec
-from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Reason, TargetReply
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.node import Node
 from sim_node import eyes, gl
 from sim_node import renderer as drawing
@@ -126,19 +123,6 @@ def test_the_picture_follows_the_person(robot: Robot) -> None:
     assert column < before[0] - 80
     assert row < before[1] - 20
     assert robot.target() == reply
-
-
-def test_a_position_outside_the_room_is_refused(robot: Robot) -> None:
-    with pytest.raises(Refused, match=r"x = 5\.00 m; the room allows -1\.9 to 2\.3 m") as caught:
-        robot.move_target(5, 0, 0)
-    assert caught.value.reason is Reason.BAD_VALUE
-    assert robot.target().x == pytest.approx(HOME[0])
-
-
-def test_a_foreign_client_moves_the_person_with_a_line_of_text(robot: Robot) -> None:
-    (answer,) = ask_raw(robot.client, f"{keys.target('bea')}?x=1.0;y=-0.25;z=0.125")
-    assert codec.decode_json(answer.payload, TargetReply).y == -0.25
-    assert robot.target().y == -0.25
 
 
 def test_stop_ends_a_motion_while_the_eyes_draw(stage: Stage) -> None:
@@ -255,19 +239,6 @@ def test_a_renderer_that_hangs_is_reported_and_restarted(
         assert renderer not in renderers(os.getpid())
 
 
-def test_ray_casting_replaces_opengl_after_repeated_failures(
-    inside: Robot, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    monkeypatch.setattr(gl, "backend", lambda: "nonsense")
-    with inside.camera("left") as images:
-        assert images.next(FIRST_S).source == "rays"
-        assert eyes.UNSTEADY in inside.status().warnings
-        assert eyes.COARSE not in inside.status().warnings
-    messages = [line for line in caplog.messages if line.startswith("Drawing with OpenGL has failed")]
-    assert ["restarted" in line for line in messages] == [True, True, False]
-    assert "by ray casting from now on" in messages[-1]
-
-
 def test_a_renderer_that_always_fails_is_reported_and_tried_again(
     inside: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -281,20 +252,6 @@ def test_a_renderer_that_always_fails_is_reported_and_tried_again(
         monkeypatch.setattr(eyes, "Renderer", Renderer)
         images.next(FIRST_S)
     assert inside.status().cameras[0].trouble == ""
-
-
-def test_a_simulation_can_run_without_eyes(stage: Stage) -> None:
-    sim = stage.simulation("blind", "--eyes-hz", "0")
-    robot = stage.robot("blind", "sim")
-    assert robot.status().cameras == []
-    robot.client.close()
-    assert sim.end() == 0
-
-
-def test_a_rate_out_of_range_is_wrong_usage(stage: Stage) -> None:
-    process = stage.process("sim_node", "--eyes-hz", "60")
-    assert process.wait() == 2
-    assert any("30" in line for line in process.lines)
 
 
 def test_without_a_display_the_viewer_prints_one_sentence_and_returns_1(stage: Stage) -> None:
@@ -350,12 +307,3 @@ def test_closing_the_window_does_not_disturb_the_robot(counted: Stage) -> None:
     assert robot.positions().head.yaw == pytest.approx(10, abs=0.5)
     robot.client.close()
     assert sim.end() == 0
-
-
-@pytest.mark.usefixtures("display")
-def test_the_window_ends_with_its_robot(counted: Stage) -> None:
-    sim = counted.simulation("gone", "--view")
-    (window,) = children(sim.pid)
-    sim.send(signal.SIGKILL)
-    sim.wait()
-    until(lambda: not Path(f"/proc/{window}").exists(), "the window has gone", 10.0)

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from late_tests import within
 from pty_board import PtyBoard
-from robots import Stage, free_endpoint, ready, until, wait_status
+from robots import Stage, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
@@ -87,21 +87,6 @@ def test_two_robots_do_not_affect_each_other(stage: Stage) -> None:
     assert one.positions().commanded.short == pytest.approx(20, abs=0.1)
     assert (one.status().holder, two.status().holder) == ("ana", "ben")
     assert two.positions().commanded.short < 5
-
-
-def test_a_missing_robot_is_reported_with_the_robots_online(stage: Stage) -> None:
-    stage.node("bea1")
-    with pytest.raises(NoAnswer, match=r"Online: bea1 \(hw\)") as silence:
-        stage.robot("bea7", "hw").status()
-    assert silence.value.reason is Reason.NO_SUCH_ROBOT
-
-
-def test_a_missing_router_is_reported_at_once() -> None:
-    began_s = time.monotonic()
-    with pytest.raises(NoAnswer, match="beatrix router") as silence:
-        Robot("bea", connect=free_endpoint())
-    assert silence.value.reason is Reason.NO_ROUTER
-    assert time.monotonic() - began_s < 2
 
 
 def test_a_killed_node_is_lost_at_once_and_may_return(stage: Stage) -> None:
@@ -296,13 +281,6 @@ def test_a_silent_board_is_lost_and_found_again(stage: Stage, tmp_path: Path) ->
         board.deaf = False
         wait_status(robot, lambda status: status.board.connected, "board connected again")
         assert robot.status().calibrated, "the board was never reset"
-
-
-def test_a_node_without_a_board_reports_it(stage: Stage, tmp_path: Path) -> None:
-    node = stage.hardware("bea", str(tmp_path / "tty"))
-    assert any("plug the board in" in line for line in node.lines)
-    status = stage.robot("bea", "hw").status()
-    assert (status.fault, "plug the board in" in status.warnings[0]) == (Fault.BOARD_LOST, True)
 
 
 def test_a_board_of_another_contract_is_not_moved_but_accepts_stop(

@@ -238,12 +238,6 @@ def test_a_seat_that_does_not_hold_the_simulation_can_neither_begin_nor_end_foll
     assert refused.value.reason is Reason.NOT_HOLDER
 
 
-@pytest.mark.parametrize(("payload", "words"), [(b"off", "does not follow"), (b"on", "follows the hardware")])
-def test_raw_zenoh_words_switch_it(both: Both, payload: bytes, words: str) -> None:
-    reply = ask_raw(both.stage.client(), keys.follow("bea", "ana"), payload)[0]
-    assert words.encode() in reply.payload
-
-
 def test_the_verb_switches_it_and_the_list_shows_it(both: Both) -> None:
     shell = Shell(both.stage.endpoint)
     until(lambda: "follows hw" in shell.good("ls"), "the list knows both robots")

@@ -165,19 +165,6 @@ def test_while_two_programs_publish_it_holds_its_place() -> None:
             fake.close()
 
 
-def test_hardware_with_another_robot_file_is_reported(tmp_path: Path) -> None:
-    path = tmp_path / "robot.toml"
-    path.write_text("[limits]\nspeed_default = 20.0\n", encoding="utf-8")
-    with Stage() as stage:
-        stage.simulation("dot", "--follow", "--eyes-hz", "0", "--robot-file", str(path))
-        stage.hardware("dot")
-        wait_status(
-            stage.robot("dot", "sim"),
-            lambda status: "different robot files" in " ".join(status.warnings),
-            "the warning",
-        )
-
-
 def test_freeze_ends_following_and_a_program_of_2023_at_the_simulation_is_refused(tmp_path: Path) -> None:
     terminal = tmp_path / "COM5"
     with Stage() as stage:

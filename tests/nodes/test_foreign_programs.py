@@ -14,7 +14,7 @@ import msgspec
 import pytest
 import zenoh
 from robots import Stage, ready, until
-from shell import Shell, is_free
+from shell import Shell
 from statuses import READY
 from zenoh.handlers import Callback
 
@@ -87,19 +87,6 @@ def test_a_foreign_queryable_on_all_keys_blocks_no_query_to_the_robot(
         warnings = [record for record in caplog.records if "ignored: " in record.getMessage()]
         assert [record.name for record in warnings] == ["beatrix_zenoh.client"]
         assert str(session.zid()) in warnings[0].getMessage()
-        queryable.undeclare()
-
-
-def test_a_foreign_queryable_does_not_disturb_the_command_line(stage: Stage, robot: Robot) -> None:
-    shell = Shell(stage.endpoint)
-    with foreign(stage) as session:
-        queryable = answer_all(session, "beatrix/**", "", b"hello")
-        motion = robot.look(yaw=90, speed=20, wait=False)
-        rows = shell.json("stop")["robots"]
-        assert [(row["robot"], row["result"]) for row in rows] == [("bea", True)]
-        assert isinstance(motion.exception(5.0), Interrupted)
-        until(lambda: is_free(robot), "free", 10.0)
-        assert "yaw 5.0" in shell.good("look", "--yaw", "5", "--name", "bea")
         queryable.undeclare()
 
 
@@ -257,36 +244,4 @@ def test_a_query_for_a_mistyped_key_gets_an_error_that_names_similar_keys(
             assert f"no key 'beatrix/bea/hw/{typed}'" in told["message"]
             assert f"Similar: beatrix/bea/hw/{similar}" in told["message"] or not similar
             assert "beatrix/bea/hw/cmd/<who>/motion" in told["detail"]["known"]
-    assert robot.status().calibrated
-
-
-def test_known_keys_and_wildcards_get_no_error_reply(stage: Stage, robot: Robot) -> None:
-    with foreign(stage) as session:
-        for target in (zenoh.QueryTarget.BEST_MATCHING, zenoh.QueryTarget.ALL):
-            for name, replies in (
-                ("info", 1),
-                ("clock", 1),
-                ("state/status", 1),
-                ("cmd/me/command", 1),
-                ("state/camera/left", 0),
-                ("arm/short/target", 0),
-                ("ino$*", 0),
-                ("sta$*/status", 1),
-            ):
-                good, errors = get_all(session, f"beatrix/bea/hw/{name}", target)
-                assert (len(good), errors) == (replies, []), name
-            assert get_all(session, "beatrix/*/*/inof", target) == ([], [])
-            assert get_all(session, "beatrix/**/nonsense", target) == ([], [])
-            assert get_all(session, "beatrix/bea/sim/inof", target) == ([], []), "there is no simulation"
-    assert robot.status().calibrated
-
-
-def test_a_foreign_complete_queryable_still_gets_the_queries_for_its_own_keys(
-    stage: Stage, robot: Robot
-) -> None:
-    with foreign(stage) as session, foreign(stage) as asking:
-        queryable = answer_all(session, "beatrix/bea/hw/notes/**", "", b"a note")
-        key, best = "beatrix/bea/hw/notes/monday", zenoh.QueryTarget.BEST_MATCHING
-        until(lambda: get_all(asking, key, best) == (["a note"], []), "it answers")
-        queryable.undeclare()
     assert robot.status().calibrated

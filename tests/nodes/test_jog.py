@@ -100,23 +100,6 @@ def test_three_jogs_find_wrong_plugs(stage: Stage, answers: str, advice: list[st
     assert robot.positions().commanded == pytest.approx((0, 0, 0), abs=BACK_AT)
 
 
-def test_the_robot_is_at_home_for_the_question_about_the_azimuth(stage: Stage) -> None:
-    stage.node("bea")
-    robot = ready(stage.robot("bea", "hw"))
-    robot.look(yaw=10, speed=60)
-    assert jog(stage, RIGHT + AZIMUTH).returncode == 0
-    assert robot.positions().commanded == pytest.approx((0, 0, 0), abs=BACK_AT)
-
-
-def test_the_question_is_repeated_after_an_invalid_azimuth(stage: Stage) -> None:
-    stage.node("bea")
-    ready(stage.robot("bea", "hw"))
-    done = jog(stage, RIGHT + "1000\nnan\nleft\n" + AZIMUTH)
-    assert done.returncode == 0
-    assert done.stderr.count("(the robot reports 90;") == 4
-    assert done.stderr.count("Type a number from -360 to 360.") == 3
-
-
 def test_arms_are_correct_if_the_robot_file_has_their_azimuth(stage: Stage, tmp_path: Path) -> None:
     (tmp_path / "lab.toml").write_text("[geometry]\narm0_azimuth = 30.0\n")
     where = ("--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
@@ -137,38 +120,12 @@ def test_the_refusal_with_motors_off_names_enable_for_the_hardware(stage: Stage)
     assert (done.returncode, "`beatrix enable --on hw`" in done.stderr) == (1, True)
 
 
-def test_the_result_is_one_json_document(stage: Stage) -> None:
-    stage.node("bea")
-    ready(stage.robot("bea", "hw"))
-    done = jog(stage, "none\n" + RIGHT.removeprefix(SHORT_RIGHT), "--json")
-    found = json.loads(done.stdout)
-    assert (done.returncode, found["result"], len(found["todo"])) == (1, False, 3)
-
-
 def test_a_robot_that_cannot_move_is_refused_before_any_question(stage: Stage) -> None:
     stage.node("bea")
     done = jog(stage, RIGHT)
     assert done.returncode == 1
     assert "enable" in done.stderr
     assert "Watch the robot" not in done.stderr
-
-
-@pytest.mark.parametrize("answers", ["", "short\n", RIGHT], ids=["arm", "way", "azimuth"])
-def test_an_early_end_of_the_input_is_wrong_usage(stage: Stage, answers: str) -> None:
-    stage.node("bea")
-    ready(stage.robot("bea", "hw"))
-    done = jog(stage, answers)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "The input ended before all questions were answered" in done.stderr
-    assert "Traceback" not in done.stderr
-
-
-def test_with_json_an_early_end_of_the_input_prints_a_document(stage: Stage) -> None:
-    stage.node("bea")
-    ready(stage.robot("bea", "hw"))
-    done = jog(stage, "", "--json")
-    assert done.returncode == 2
-    assert json.loads(done.stdout)["message"].startswith("The input ended before")
 
 
 @pytest.mark.parametrize("more", [(), ("--json",)])

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from dialogues import DIALOGUES, expected_replies, read
 from old_programs import Place, Program
-from robots import Stage, until, wait_status
+from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh.contract._generated.messages import Command, EventKind, Phase, Reason
@@ -29,52 +29,6 @@ def test_the_recorded_dialogues_are_reproduced_exactly(place: Place, dialogue: P
             else:
                 due = [next(replies).text for _ in group]
                 assert program.read(len(due)) == due
-
-
-def test_opening_the_port_clears_the_zero_of_the_previous_program(place: Place) -> None:
-    with place.program() as program:
-        program.begin()
-        assert program.say("@MOVRX 20 200") == ["ACK\n", "ACK\n"]
-        assert program.x == 20
-    with place.program() as program:
-        assert program.say("@CALSTATUS") == ["ACK\n", "NACK\n"]
-        assert program.x == 0
-        assert program.say("@MOVRX 20 200") == ["ACK\n", "NACK\n"]
-        wait_status(
-            place.robot,
-            lambda status: "send @CALNOW first" in " ".join(status.warnings),
-            "the warning",
-        )
-
-
-@pytest.mark.bodies("hw")
-def test_a_relative_motion_after_an_old_program_counts_from_its_whole_steps(place: Place) -> None:
-    with place.program() as program:
-        program.begin()
-    until(lambda: place.robot.status().holder == "", "free", 5.0)
-    before = place.robot.look(yaw=0.04, relative=True).accepted.position
-    until(lambda: place.robot.status().holder == "", "free", 5.0)
-    with place.program() as program:
-        program.begin()
-        assert program.say("@MOVRX 20") == program.say("@MOVRX -20") == ["ACK\n", "ACK\n"]
-    until(lambda: place.robot.status().holder == "", "free", 5.0)
-    assert place.robot.look(yaw=0.04, relative=True).accepted.position == before
-    assert place.robot.look(yaw=0.04, relative=True).accepted.position != before
-
-
-@pytest.mark.bodies("hw")
-def test_all_line_ends_are_accepted_and_invalid_lines_refused(place: Place) -> None:
-    with place.program() as program:
-        program.port.write(b"@COMSTATUS\r\n\n\r@COMSTATUS\n  \r @COMSTATUS\r")
-        assert program.read(6) == ["ACK\n"] * 6, "leading blanks are ignored"
-        for unknown in (b"hello", b"@" + b"x" * 300, "@MOVRÄ 1 2".encode(), b"@MOV\x00RX 1 2"):
-            program.port.write(unknown + b"\r")
-            assert program.read(1) == ["NACK\n"], unknown
-        program.port.write(b"ACK\rNACK\r")  # as a terminal with echo sends it
-        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
-        program.port.write(b"@COM")
-        time.sleep(2.3)  # the node drops the unfinished line
-        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
 
 
 @pytest.mark.bodies("hw")
@@ -104,16 +58,6 @@ def test_an_old_program_cannot_switch_off_a_robot_that_another_seat_drives(place
         assert place.robot.status().calibrated
 
 
-def test_a_program_that_queries_continuously_delays_no_motion(place: Place) -> None:
-    """Lines of the program do not count as heartbeats: the node must continue to send heartbeats."""
-    with place.program() as program:
-        program.begin()
-        motion = place.robot.look(yaw=40, wait=False)
-        while motion.running():
-            assert program.say("@GETXPOS", 3)[::2] == ["ACK\n", "ACK\n"]
-        motion.wait()
-
-
 def test_a_robot_file_with_other_limits_is_refused_with_legacy(tmp_path: Path) -> None:
     (tmp_path / "lab.toml").write_text("[limits]\nyaw_max = 10.0\n", encoding="utf-8")
     with Stage() as stage:
@@ -122,28 +66,6 @@ def test_a_robot_file_with_other_limits_is_refused_with_legacy(tmp_path: Path) -
         assert process.wait() == 2
         assert any("cannot be used with a --robot-file" in line for line in process.lines)
     assert not (tmp_path / "COM4").is_symlink()
-
-
-@pytest.mark.bodies("hw")
-def test_the_next_program_gets_no_answers_of_the_previous_program(place: Place) -> None:
-    until(lambda: place.robot.status().holder == "", "free", 5.0)
-    with contextlib.closing(Program(place.path).port) as port:
-        port.write(b"@ENMOTORS ON\r@CALNOW\r@MOVRALL 100 100 100\r")
-        until(lambda: place.robot.status().moving, "moving")
-    with place.program() as program:
-        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
-        until(lambda: not place.robot.status().moving, "it rests")
-        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
-
-
-@pytest.mark.bodies("hw")
-def test_a_motion_with_motors_off_is_counted(place: Place) -> None:
-    with place.program() as program:
-        place.robot.disable()
-        assert program.say("@ENMOTORS OFF") == program.say("@CALNOW") == ["ACK\n", "ACK\n"]
-        program.port.write(b"@MOVRX 900 200\r")
-        assert program.read(2) == ["ACK\n", "ACK\n"]
-        assert program.x == 900, "the motion is only counted"
 
 
 @pytest.mark.bodies("hw")
@@ -230,26 +152,6 @@ def test_after_the_end_of_a_program_its_motion_is_finished_and_waiting_lines_are
 
 
 @pytest.mark.bodies("hw")
-def test_motions_that_exceed_the_queue_are_refused_in_order(place: Place) -> None:
-    """Firmware 1.0 lost control after thirty such motions at this rate."""
-    count = 50
-    with place.program() as program:
-        program.begin()
-        for number in range(count):
-            x = 40 if number % 2 else -40
-            program.port.write(f"@MOVAALL {x} 0 {-x} 220 220 220\r".encode())
-            time.sleep(0.15 if number < 15 else 0.0)
-        until(lambda: "too many lines are waiting" in " ".join(place.robot.status().warnings), "a warning")
-        replies = program.read(2 * count)
-        assert replies[0::2] == ["ACK\n"] * count
-        busy = replies[1::2].count("NACK\n")
-        assert replies[1::2].count("ACK\n") == count - busy
-        assert 0 < busy < count - 32
-        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
-        assert abs(program.x) == 40
-
-
-@pytest.mark.bodies("hw")
 def test_a_line_with_words_that_are_no_numbers_is_carried_out_with_a_warning(place: Place) -> None:
     with place.program() as program:
         program.begin()
@@ -265,15 +167,3 @@ def test_a_line_with_words_that_are_no_numbers_is_carried_out_with_a_warning(pla
     ]
     begun = [event.message for event in events if event.phase is Phase.ACCEPTED]
     assert begun[0] == "@MOVRX None: `None` is no number and counts as 0."
-
-
-def test_limits_shorten_a_motion_with_a_warning(place: Place) -> None:
-    with place.program() as program:
-        program.begin()
-        assert program.say("@MOVRALL 500 0 -500") == ["ACK\n", "ACK\n"]
-        assert 0 < program.x < 500
-        warnings = place.robot.status().warnings
-        assert "shortened" in warnings[-1]
-        assert sum("shortened" in warning for warning in warnings) == 1
-        tilt = place.robot.positions().head
-        assert abs(tilt.pitch) < 36

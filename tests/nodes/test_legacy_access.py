@@ -42,11 +42,6 @@ def outcome(place: Place, since: int, action: str, phase: Phase | None = None) -
     return found()[0]
 
 
-def wait_calibrations(place: Place, count: int) -> None:
-    """Wait until the status reports this number of calibrations."""
-    wait_status(place.robot, lambda status: status.calibrations == count, f"calibrations are {count}")
-
-
 # -- events: first in this file, because a node counts equal events of a flood instead of storing each
 
 
@@ -88,49 +83,7 @@ def test_a_teacher_who_takes_the_robot_stops_a_running_motion(place: Place) -> N
     until(lambda: place.robot.status().holder in ("", "ana"), "free", 5.0)
 
 
-def test_a_motion_that_is_stopped_or_not_accepted_is_in_the_event_log(place: Place) -> None:
-    with place.program() as program:
-        program.begin()
-        since = place.newest_event()
-        program.port.write(place.turn(600) + b"@MOVAX 5\r")
-        until(place.far, "moving")
-        place.robot.stop()
-        assert program.read(4) == ["ACK\n", "NACK\n"] * 2
-        assert outcome(place, since, "@MOVRALL", Phase.DONE).reason is Reason.STOPPED
-        refused = outcome(place, since, "@MOVAX")
-        assert (refused.phase, refused.reason) == (Phase.ACCEPTED, Reason.STOPPED)
-
-
 # -- the program closes its port ------------------------------------------------------------------
-
-
-def test_a_waiting_enmotors_off_is_carried_out_after_the_program_has_closed_its_port(place: Place) -> None:
-    until(lambda: place.robot.status().holder == "", "free", 5.0)
-    with motors_on_again(place):
-        with contextlib.closing(Program(place.path).port) as port:
-            port.write(b"@ENMOTORS ON\r@CALNOW\r@MOVRALL 100 100 100\r@MOVRALL 100 100 100\r@ENMOTORS OFF\r")
-            until(lambda: place.robot.status().moving, "moving")
-            at = place.robot.positions().commanded.short
-        wait_status(place.robot, lambda status: not status.enabled, "the motors are off")
-        moved = place.robot.positions().commanded.short - at
-        assert 0 < moved < 9.0, (
-            "100 steps are 8.6 degrees: the first motion was finished, the second never begun"
-        )
-
-
-def test_a_waiting_enmotors_off_is_carried_out_before_the_next_program_begins(place: Place) -> None:
-    until(lambda: place.robot.status().holder == "", "free", 5.0)
-    with motors_on_again(place):
-        since = place.newest_event()
-        with contextlib.closing(Program(place.path).port) as port:
-            port.write(b"@ENMOTORS ON\r@CALNOW\r" + place.turn(900) + b"@MOVRX 5\r@ENMOTORS OFF\r")
-            until(place.far, "moving")
-        outcome(place, since, "@MOVRX")  # dropped: the node has detected the end of the program
-        with contextlib.closing(Program(place.path).port) as port:
-            port.timeout = 5.0
-            port.write(b"@COMSTATUS\r")
-            assert [port.readline(), port.readline()] == [b"ACK\n", b"ACK\n"]
-            wait_status(place.robot, lambda status: not status.enabled, "the motors are off", 1.0)
 
 
 def test_a_stop_is_carried_out_after_the_program_has_closed_its_port(place: Place) -> None:
@@ -142,29 +95,7 @@ def test_a_stop_is_carried_out_after_the_program_has_closed_its_port(place: Plac
     wait_status(place.robot, lambda status: not status.moving, "stopped", 1.5)
 
 
-def test_a_waiting_motion_that_is_dropped_is_an_event(place: Place) -> None:
-    until(lambda: place.robot.status().holder == "", "free", 5.0)
-    since = place.newest_event()
-    with contextlib.closing(Program(place.path).port) as port:
-        port.write(b"@ENMOTORS ON\r@CALNOW\r@MOVRALL 60 60 60\r@MOVAX 5\r")
-        until(lambda: place.robot.status().moving, "moving")
-    assert outcome(place, since, "@MOVAX").reason is Reason.CLIENT_LOST
-    until(lambda: not place.robot.status().moving, "it rests")
-
-
 # -- @CALNOW ----------------------------------------------------------------------------------------
-
-
-def test_a_program_sets_its_own_zero_while_another_seat_drives(place: Place) -> None:
-    with place.program() as program:
-        program.begin()
-        calibrations = place.robot.status().calibrations
-        motion = place.robot.look(yaw=3, speed=2, wait=False)
-        assert program.say("@CALNOW") == ["ACK\n", "ACK\n"]
-        motion.wait()
-        assert place.robot.status().calibrations == calibrations, "the robot's home stays"
-        until(lambda: place.robot.status().holder == "", "free", 4.0)
-        assert program.say("@MOVRX 20 200") == ["ACK\n", "ACK\n"], "its later motions are accepted"
 
 
 def test_a_program_does_not_set_the_home_of_a_robot_that_another_seat_holds(place: Place) -> None:
@@ -177,16 +108,6 @@ def test_a_program_does_not_set_the_home_of_a_robot_that_another_seat_holds(plac
         assert program.say("@CALNOW") == ["ACK\n", "NACK\n"]
         assert outcome(place, since, "@CALNOW").reason is Reason.NOT_HOLDER
         assert not place.robot.status().calibrated
-
-
-def test_lines_sent_together_set_home_like_single_lines(place: Place) -> None:
-    """@CALNOW must not overtake the telemetry that shows the effect of @ENMOTORS."""
-    with place.program() as program:
-        for _ in range(5):
-            calibrations = place.robot.status().calibrations
-            program.port.write(b"@ENMOTORS OFF\r@ENMOTORS ON\r@CALNOW\r")
-            assert program.read(6) == ["ACK\n"] * 6
-            wait_calibrations(place, calibrations + 1)
 
 
 # -- the emergency latch ----------------------------------------------------------------------------
@@ -230,12 +151,3 @@ def test_a_refused_line_is_explained_by_its_reason(
         assert event.reason is reason
         assert word in event.message
         wait_status(place.robot, lambda status: word in " ".join(status.warnings), "the warning")
-
-
-def test_the_refusal_of_a_motion_before_calnow_names_calnow(place: Place) -> None:
-    with place.program() as program:
-        since = place.newest_event()
-        assert program.say("@MOVRX 5") == ["ACK\n", "NACK\n"]
-        event = outcome(place, since, "@MOVRX", Phase.DONE)
-        assert event.reason is Reason.NOT_CALIBRATED
-        assert "send @CALNOW first" in event.message

@@ -6,7 +6,6 @@ import contextlib
 import signal
 import threading
 import time
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -19,7 +18,7 @@ from robots import Stage, free_endpoint, ready, until, wait_status
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.contract._generated.messages import Command, Fault
+from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.node import Node
 from hw_node.body import Hardware
@@ -73,38 +72,6 @@ def test_stopall_is_carried_out_before_hundreds_of_waiting_lines(place: Place) -
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"], "every line was answered"
 
 
-def test_stop_does_not_change_the_number_of_answers(place: Place) -> None:
-    with place.program() as program:
-        program.begin()
-        program.port.write(place.turn(600) + b"@MOVRX \xe9\r@COMSTATUS\r")
-        until(place.far, "moving")
-        assert place.robot.stop().result
-        assert program.read(5) == ["ACK\n", "NACK\n", "NACK\n", "ACK\n", "ACK\n"]
-
-
-def test_the_emergency_latch_is_the_only_reason_in_the_warning(place: Place) -> None:
-    with place.program() as program:
-        program.begin()
-        place.robot.emergency_stop()
-        assert program.say("@CALNOW") == ["ACK\n", "ACK\n"]
-        assert program.say("@MOVRX 5") == ["ACK\n", "NACK\n"]
-        wait_status(
-            place.robot,
-            lambda status: "EMERGENCY_STOP is latched" in " ".join(status.warnings),
-            "the warning",
-        )
-        until_s = time.monotonic() + 1.0
-        while time.monotonic() < until_s:
-            assert "send @CALNOW first" not in " ".join(place.robot.status().warnings)
-        place.robot.command(Command.RESET)
-    with place.program() as program:  # a new program, because the first one stays stopped
-        assert program.say("@ENMOTORS ON", 2) == ["ACK\n", "ACK\n"]
-        assert program.say("@MOVRX 5") == ["ACK\n", "NACK\n"]
-        wait_status(
-            place.robot, lambda status: "send @CALNOW first" in " ".join(status.warnings), "the warning"
-        )
-
-
 def test_a_program_that_writes_motions_without_end_stays_stopped(place: Place) -> None:
     """Each motion restarts the pause of the seat, so this must be the last test on `place`."""
     with place.program() as program:
@@ -130,44 +97,6 @@ def test_a_program_that_writes_motions_without_end_stays_stopped(place: Place) -
             finally:
                 over.set()
                 writing.result(PATIENCE_S)
-
-
-@pytest.fixture(scope="module")
-def cut(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[PtyBoard, Path]]:
-    """A board whose replies can be lost, and the port of its node for old programs."""
-    folder = tmp_path_factory.mktemp("cut")
-    with Stage() as stage, PtyBoard(folder / "board") as board:
-        terminal = Terminal(folder / "COM4")
-        sessions = Sessions(lambda: zbus.connect(stage.endpoint))
-        node = Node(sessions, "bea", Hardware(str(board.path)), terminal=terminal).start()
-        try:
-            until(lambda: node.snapshot.status().board.connected, "found")
-            yield board, folder / "COM4"
-        finally:
-            node.close()
-
-
-@pytest.mark.parametrize(
-    ("line", "lost", "answer"),
-    [
-        ("@COMSTATUS", 1, ["ACK\n", "ACK\n"]),
-        ("@MOVRX 10 200", 1, ["ACK\n", "ACK\n"]),
-        ("@MOVRX 10 200", 2, ["ACK\n", "NACK\n"]),
-        ("@GETXPOS", 1, ["ACK\n", "NACK\n"]),
-        ("@GETXPOS", 2, ["ACK\n", "NACK\n"]),
-        ("@GETALLPOS", 3, ["ACK\n", "NACK\n"]),
-        ("@GETALLPOS", 4, ["ACK\n", "NACK\n"]),
-    ],
-)
-def test_an_answer_that_lost_lines_on_the_serial_link_has_its_full_length(
-    cut: tuple[PtyBoard, Path], line: str, lost: int, answer: list[str]
-) -> None:
-    board, path = cut
-    program = Program(path).begin()
-    board.lost_text = lost
-    assert program.say(line, len(answer)) == answer
-    assert program.say("@GETALLPOS", 4)[::3] == ["ACK\n", "ACK\n"], "the next answer is complete"
-    program.port.close()
 
 
 def test_lines_to_a_lost_board_are_answered_nack_and_its_return_clears_the_zero(tmp_path: Path) -> None:

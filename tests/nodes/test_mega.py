@@ -3,27 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 from robots import Process, Stage, ready, until, wait_status
 
-from beatrix_zenoh import Interrupted, Refused, Robot
-from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.client.request import ask
-from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, CommandReply, Reason
-from beatrix_zenoh.contract._generated.serial import FrameType, Move
+from beatrix_zenoh import Interrupted, Robot
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
-from hw_node.port import SerialPort
 
 BEHIND_MS = 5.0
 """Largest median delay (ms) behind real time on a busy machine; on an idle machine it is 0.1 ms."""
-
-PATIENCE_S = 2.0
-"""Time limit (s) of answers, long enough for a shared machine that pauses for a tenth of a second."""
 
 
 def test_a_node_on_the_real_firmware_enables_calibrates_moves_and_stops(tmp_path: Path) -> None:
@@ -120,16 +111,6 @@ def test_a_board_that_is_lost_during_a_motion_is_reported_and_found_again(
     ready(robot).look(yaw=2, speed=60)
 
 
-def test_a_board_that_was_just_reset_is_enabled_without_a_home(mega_robot: MegaRobot) -> None:
-    mega_robot.say("reset")
-    query, key = CommandQuery(command=Command.ENABLE, value=True), keys.command("bea", "hw", "ana")
-    reply = ask(mega_robot.robot.client, ("bea", "hw"), key, query, CommandReply, 3.0)
-    assert "home is known" not in reply.message
-    wait_status(
-        mega_robot.robot, lambda status: status.board.connected and not status.calibrated, "reset detected"
-    )
-
-
 def test_a_second_node_on_a_board_without_reset_moves_and_stops(tmp_path: Path) -> None:
     with Stage() as stage:
         stage.mega(tmp_path / "board")
@@ -178,37 +159,3 @@ def test_a_noisy_serial_link_delays_requests_and_causes_no_wrong_replies(mega_ro
     assert robot.status().board.rejected_frames > 0
     robot.look(yaw=0)
     assert robot.positions().commanded == (0, 0, 0)
-
-
-def test_simultaneous_callers_get_their_own_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("beatrix_zenoh.board.board.REPLY_S", PATIENCE_S)
-    with Stage() as stage:
-        stage.mega(tmp_path / "board")
-        board = Board(lambda: SerialPort(str(tmp_path / "board")), lambda _: None, lambda: None)
-        board.start()
-        try:
-            until(lambda: board.link.connected, "connected")
-
-            def refused(kind: FrameType, payload: bytes, reason: Reason) -> None:
-                for _ in range(100):
-                    with pytest.raises(Refused) as refusal:
-                        board.request(kind, payload)
-                    assert refusal.value.reason is reason
-
-            def granted(kind: FrameType) -> None:
-                for _ in range(100):
-                    board.request(kind)
-
-            move = Move(1, (100, 100, 100), (800, 800, 800)).pack()
-            with ThreadPoolExecutor() as callers:
-                asked = [
-                    callers.submit(refused, FrameType.MOVE, move, Reason.NOT_ENABLED),
-                    callers.submit(refused, FrameType.ENABLE, b"\x07", Reason.BAD_VALUE),
-                    callers.submit(granted, FrameType.STOP),
-                ]
-                for one in asked:
-                    one.result(timeout=30)
-            assert board.link.rejected == 0
-            assert board.link.retries == 0
-        finally:
-            board.close()

@@ -11,14 +11,6 @@ from robots import Process, Stage, until
 from simulated_pictures import FIRST_S, fresh
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.client import CameraImage
-from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.node import Node
-from beatrix_zenoh.recording.subscriptions import RobotSubscriptions
-from sim_node import gl
-from sim_node.body import Simulation
 from sim_node.renderer import HEIGHT
 
 
@@ -80,60 +72,3 @@ def test_a_subscription_to_the_eyes_draws_no_outside_view(robot: Robot) -> None:
         until(lambda: left.next(FIRST_S).seq >= seen + 5, "five pictures of the left eye", FIRST_S)
         with robot.camera("outside") as outside:
             assert outside.next(FIRST_S).seq < first.seq + 5, "no outside view was drawn meanwhile"
-
-
-def test_hardware_has_no_outside_view(stage: Stage) -> None:
-    robot = stage.robot("bea", "hw")
-    with pytest.raises(WrongUsage, match="Only simulations draw an outside view"):
-        robot.camera("outside")
-
-
-def test_a_recording_draws_no_outside_view(stage: Stage, robot: Robot) -> None:
-    client = stage.client("recorder")
-    with robot.camera("outside") as outside:
-        first = outside.next(FIRST_S)
-    subscriptions = RobotSubscriptions(client, ["bea"], cameras=True)
-    eyes: set[str] = set()
-
-    def both_arrived() -> bool:
-        eyes.update(eyes_of(subscriptions))
-        return len(eyes) == 2
-
-    until(both_arrived, "pictures of both eyes", FIRST_S)
-    with robot.camera("outside") as outside:
-        assert outside.next(FIRST_S).seq < first.seq + 5, "no outside view was drawn meanwhile"
-    assert eyes == {"left", "right"}
-    subscriptions.close()
-
-
-def eyes_of(subscriptions: RobotSubscriptions) -> set[str]:
-    """Return the eyes of the pictures that have arrived."""
-    return {
-        value.eye
-        for value in (arrival.value for arrival in subscriptions.take())
-        if isinstance(value, CameraImage)
-    }
-
-
-@pytest.fixture
-def slow(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
-    """A simulation with a higher picture rate than ray casting can draw."""
-    monkeypatch.setattr(gl, "backend", lambda: None)
-    node = Node(
-        Sessions(lambda: zbus.connect(stage.endpoint)), "slow", Simulation("slow", eyes_hz=30)
-    ).start()
-    robot = stage.robot("slow", "sim")
-    yield robot
-    robot.client.close()
-    node.close()
-
-
-def test_with_ray_casting_the_eyes_have_priority(slow: Robot) -> None:
-    with slow.camera("left") as left, slow.camera("outside") as outside:
-        assert outside.next(FIRST_S).source == "rays"
-        assert any("no OpenGL" in warning for warning in slow.status().warnings)
-        left.next(FIRST_S)
-        eye, view = left.next(FIRST_S).seq, outside.next(FIRST_S).seq
-        until(lambda: left.next(FIRST_S).seq >= eye + 12, "a dozen pictures of the eye", FIRST_S)
-        assert outside.latest is not None
-        assert outside.latest.seq - view <= 7, "one for three pictures of the eye, with a tolerance"

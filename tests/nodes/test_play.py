@@ -13,7 +13,7 @@ from robots import Stage, until
 from beatrix_zenoh import Interrupted, Robot, Twin
 from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose, play
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 
 
 @dataclass
@@ -42,20 +42,6 @@ def begun(twin: Twin, monkeypatch: pytest.MonkeyPatch) -> list[Begun]:
 POSES = Choreography(
     [("f", Pose(0.0, 4, 0, 0, 60)), ("f", Pose(0.8, 8, 0, 0, 60)), ("f", ArmPose(1.6, 10, 10, 10, 60))]
 )
-
-
-@pytest.mark.measures_time
-def test_by_the_clock_the_simulation_does_not_wait_for_slow_hardware(twin: Twin, begun: list[Begun]) -> None:
-    twin.hw.look(yaw=-100, speed=90)
-    begun.clear()
-    play(twin, POSES)
-    assert [one.side for one in begun] == ["sim", "hw", "sim", "sim", "hw", "hw"]
-    second = begun[2]
-    assert second.hardware_deg < 3
-    assert (
-        twin.sim.positions().commanded == twin.hw.positions().commanded == pytest.approx((10,) * 3, abs=0.1)
-    )
-    in_time(abs(second.at_s - begun[0].at_s - 0.8), 0.4, "the second pose apart from its time")
 
 
 def test_in_lockstep_both_robots_wait_for_the_slower_one(twin: Twin, begun: list[Begun]) -> None:
@@ -92,21 +78,6 @@ def test_stop_at_one_robot_ends_the_choreography_on_both_robots(
         with pytest.raises(Interrupted, match=message):
             played.result(5)
     assert len(begun) == 2
-    assert not twin.sim.status().moving
-
-
-@pytest.mark.parametrize("side", ["sim", "both"])
-def test_an_exception_of_check_ends_the_play_and_stops_the_robots(
-    twin: Twin, begun: list[Begun], side: str
-) -> None:
-    long = Choreography([("f", Pose(0.0, 90, 0, 0, 20)), ("f", Pose(0.0, 0, 0, 0, 20))])
-
-    def check() -> None:
-        if begun:
-            raise Interrupted(Reason.STOPPED, "Enough.")
-
-    with pytest.raises(Interrupted, match=r"(?s)Enough\..*bea \(sim\): .*the arms rest"):
-        play(twin if side == "both" else twin.sim, long, check=check)
     assert not twin.sim.status().moving
 
 

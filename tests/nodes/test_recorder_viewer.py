@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import pytest
-from robots import Stage, until
+from robots import until
 
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.figure import Figure
@@ -17,7 +16,7 @@ from beatrix_zenoh.recording.live_output import PERIOD_S, PROBE_S, LiveOutput, V
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import Frame, Numbers, Row, of_robot
 from beatrix_zenoh.recording.rrd.read import read
-from beatrix_zenoh.recording.viewer import HOST, Viewer, answers, free_port, tool
+from beatrix_zenoh.recording.viewer import HOST, Viewer, answers, free_port
 
 SIM = ("bea", "sim")
 ROBOTS = RobotSet({SIM: Figure()})
@@ -126,22 +125,6 @@ def test_a_suspended_viewer_needs_no_memory_of_the_recorder_and_gets_rows_again(
         assert feed.output.close()
 
 
-def test_a_viewer_that_responds_again_shows_robots_that_appeared_meanwhile(tmp_path: Path) -> None:
-    port, kept = free_port(), tmp_path / "kept.rrd"
-    feed = Feed(port)
-    with Viewer(port, "--save", str(kept)) as viewer:
-        viewer.wait_ready()
-        feed.until(ViewerState.CONNECTED)
-        os.kill(viewer.pid, signal.SIGSTOP)
-        feed.until(ViewerState.FROZEN)
-        feed.output.show(RobotSet({SIM: Figure(), ("bea", "hw"): Figure()}))
-        os.kill(viewer.pid, signal.SIGCONT)
-        feed.until(ViewerState.CONNECTED)
-        assert feed.output.close()
-        shown = "/bea/hw/"  # only static data have this path, because the hardware sends no rows
-        until(lambda: shown in tool("rrd", "print", str(kept)).stdout, "its static data are there", 10.0)
-
-
 def test_a_killed_viewer_is_found_again_when_it_is_restarted() -> None:
     port = free_port()
     with server(port) as viewer:
@@ -155,24 +138,6 @@ def test_a_killed_viewer_is_found_again_when_it_is_restarted() -> None:
     assert [sentence.split()[0] for sentence in feed.messages] == ["No", "The"]
 
 
-def test_close_does_not_wait_for_a_suspended_viewer(tmp_path: Path) -> None:
-    port = free_port()
-    with Stage() as stage, server(port) as viewer:
-        node = stage.hardware("bea")
-        path = tmp_path / "lesson.rrd"
-        words = ("record", str(path), "--connect", stage.endpoint, "--view", "--port", str(port))
-        process = stage.process("beatrix_zenoh.cli", *words)
-        process.expect(f"Using the viewer that is open on port {port}.")
-        process.expect("Recording bea (hw).")
-        os.kill(viewer.pid, signal.SIGSTOP)
-        process.send(signal.SIGTERM)
-        assert process.wait(20.0) == 0
-        assert "nothing dropped" in process.lines[-1]
-        assert len(read(path).robots["bea", "hw"].time_ns) > 0
-        os.kill(viewer.pid, signal.SIGCONT)
-        node.end()
-
-
 def test_the_viewer_is_not_reachable_from_other_computers() -> None:
     with server(port := free_port()):
         sockets = Path("/proc/net/tcp").read_text() + Path("/proc/net/tcp6").read_text()
@@ -181,15 +146,3 @@ def test_the_viewer_is_not_reachable_from_other_computers() -> None:
         assert {address.partition(":")[0] for address in local} == {"0100007F"}
         assert answers(port)
         assert HOST == "127.0.0.1"
-
-
-def test_the_error_of_a_killed_viewer_names_the_signal() -> None:
-    with server(free_port()) as viewer:
-        os.kill(viewer.pid, signal.SIGKILL)
-        until(lambda: viewer.code is not None, "it has ended")
-        assert viewer.ending() == "The Rerun viewer was ended by signal 9."
-
-
-def test_a_port_in_use_is_named() -> None:
-    with server(port := free_port()), pytest.raises(Refused, match=f"Port {port} of this computer is taken"):
-        Viewer(port)

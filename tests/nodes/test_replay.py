@@ -17,7 +17,7 @@ from beatrix_zenoh import Interrupted, Refused, Robot, Twin
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Positions, Source, Steps
+from beatrix_zenoh.contract._generated.messages import Positions, Steps
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.recording.compare import compare
@@ -151,16 +151,6 @@ def test_a_recorded_motion_file_is_replayed(stage: Stage, twin: Twin, tmp_path: 
     check_path(sim, played)
 
 
-def test_the_robot_first_moves_to_the_start_of_the_path(twin: Twin) -> None:
-    passed: list[float] = []
-    replay(twin.hw, following("t_s,yaw_deg,pitch_deg,roll_deg\n5,10,0,0\n5.5,12,0,0\n"), passed.append)
-    assert twin.hw.positions().commanded == pytest.approx((12,) * 3, abs=0.1)
-    assert passed == sorted(passed)
-    assert passed[-1] == 0.5
-    (*_, asked) = (event for event in twin.hw.past_events() if event.motion_query is not None)
-    assert asked.source is Source.REPLAY
-
-
 def test_a_refused_path_moves_no_robot(twin: Twin) -> None:
     before = steps(twin.sim), steps(twin.hw)
     with pytest.raises(Refused, match=r"nod\.csv, line 5 \(t = 2\.00 s\): The head would tilt 40"):
@@ -201,14 +191,3 @@ def test_stop_at_the_hardware_during_the_lead_leaves_it_unmoved(stage: Stage, tw
             played.result(7)
     assert steps(twin.hw) == before
     until(lambda: not twin.sim.status().moving, "the simulation rests, too")
-
-
-def test_another_seat_cannot_move_the_robot_during_a_replay(stage: Stage, twin: Twin) -> None:
-    other = stage.robot("bea", "hw", "ben")
-    with ThreadPoolExecutor(1) as pool:
-        played = pool.submit(replay, twin.hw, following(NOD))
-        until(lambda: other.status().moving, "it moves", 10.0)
-        with pytest.raises(Refused, match="ana"):
-            other.look(yaw=5)
-        played.result(20)
-    assert other.positions().commanded == pytest.approx((0,) * 3, abs=0.1)

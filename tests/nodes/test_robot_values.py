@@ -79,11 +79,3 @@ def test_up_passes_its_robot_file_to_both_nodes(lab: Path) -> None:
                 assert robot.info().limits.tilt_max == 20
     finally:
         process.end(signal.SIGINT)
-
-
-def test_up_with_an_invalid_robot_file_starts_no_process(tmp_path: Path) -> None:
-    path = tmp_path / "lab.toml"
-    path.write_text("[limits]\ntilt_max = 95.0\n")
-    done = beatrix("up", "--connect", free_endpoint(), "--robot-file", str(path))
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "tilt_max = 95.0: 5 to 44° is allowed" in done.stderr

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import bench_poses
 import pytest
 
 from beatrix_zenoh.board.link import encode
-from beatrix_zenoh.contract._generated.messages import PoseQuery
 from beatrix_zenoh.contract._generated.serial import FrameType, Move
 
 
@@ -18,12 +15,6 @@ def test_the_robot_rests_at_random_poses_that_it_was_sent() -> None:
     assert rest.arms_deg < 0.25
     assert rest.head_deg < 0.02
     assert rest.re_placed == 0
-
-
-def test_a_refused_pose_moves_nothing() -> None:
-    bench = bench_poses.Bench()
-    assert not bench.look(PoseQuery(pitch=math.radians(50)))
-    assert bench.firmware.pulses() == (0, 0, 0)
 
 
 def test_jumps_without_the_checks_of_the_node_never_leave_the_home_assembly() -> None:

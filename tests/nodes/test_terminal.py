@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import grp
 import os
-import pty
 import select
 import signal
-import stat
-import subprocess
 import termios
 import threading
 from collections.abc import Iterator
@@ -17,11 +13,9 @@ from pathlib import Path
 
 import pytest
 from robots import Stage, until
-from serial.tools import list_ports
 
-from beatrix_zenoh import Refused
 from beatrix_zenoh.legacy import Terminal
-from beatrix_zenoh.legacy.terminal import GROUP, GROUP_MODE, LINK_PREFIX, UNREAD_MAX
+from beatrix_zenoh.legacy.terminal import UNREAD_MAX
 from hw_node.app import main
 
 PATIENCE_S = 10.0
@@ -116,63 +110,6 @@ def test_answers_that_a_program_has_not_read_are_not_given_to_the_next(port: Por
         assert program.readline() == b"ACK\n"
 
 
-def test_answers_to_a_program_that_has_ended_are_not_given_to_the_next(port: Port) -> None:
-    with port.program():
-        pass
-    port.terminal.write(b"late\n")
-    port.listener.begins_answers = False
-    with port.program() as program:
-        port.terminal.write(b"too late\n")
-        port.terminal.begin_answers()
-        port.terminal.write(b"ACK\n")
-        assert program.readline() == b"ACK\n"
-
-
-def test_leading_blanks_of_a_line_are_skipped_as_in_the_firmware(port: Port) -> None:
-    with port.program() as program:
-        program.write(b" @COMSTATUS\r \t @GETXPOS\r  \r@MOVRX  7\r")
-        port.listener.expect("@COMSTATUS", "@GETXPOS", "@MOVRX  7")
-        program.write(b" " * 200)
-        program.write(b"@STOPALL\r")
-        port.listener.expect("@STOPALL")
-
-
-def test_half_a_line_is_not_joined_with_the_line_of_the_next_program(port: Port) -> None:
-    with port.program() as dead:
-        dead.write(b"@GETXPOS\r@MOVRX 100")
-        port.listener.expect("@GETXPOS")
-    with port.program() as program:
-        program.write(b"0\r")
-        port.listener.expect("0")
-
-
-def test_lines_left_by_a_program_are_handed_over_before_those_of_the_next(port: Port) -> None:
-    port.listener.free = threading.Semaphore(0)
-    lines = [f"@MOVRX {number}" for number in range(300)]
-    with contextlib.closing(Program(port.terminal.path)) as dead:
-        port.listener.expect("opened")
-        dead.write(b"".join(line.encode() + b"\r" for line in lines) + b"@MOV")
-    port.listener.free.release()
-    port.listener.expect(lines[0])
-    with contextlib.closing(Program(port.terminal.path)) as program:
-        program.write(b"RX 5\r")
-        port.listener.free.release(2000)
-        port.listener.expect(*lines[1:], "closed", "opened", "RX 5")
-    port.listener.expect("closed")
-
-
-def test_the_line_of_a_program_that_closes_at_once_is_received(port: Port) -> None:
-    port.terminal.path.write_bytes(b"@STOPALL\r")
-    port.listener.expect("opened", "@STOPALL", "closed")
-
-
-def test_terminal_settings_of_a_program_are_discarded_with_it(port: Port) -> None:
-    with port.program() as dead:
-        subprocess.run(["stty", "sane"], stdin=dead.at, check=True)
-    with port.program() as program:
-        assert not termios.tcgetattr(program.at)[LOCAL] & (termios.ECHO | termios.ICANON)
-
-
 def test_opening_switches_echo_off_and_changes_no_other_setting(tmp_path: Path) -> None:
     port = Port(tmp_path / "COM4")
     with contextlib.closing(port.terminal), contextlib.closing(Program(port.terminal.path)) as program:
@@ -187,31 +124,6 @@ def test_opening_switches_echo_off_and_changes_no_other_setting(tmp_path: Path) 
 
 
 # -- the link -------------------------------------------------------------------------------------
-
-
-@pytest.mark.skipif(not os.access("/dev", os.W_OK), reason="only an administrator may put a link into /dev")
-def test_a_link_in_dev_is_listed_as_a_serial_port() -> None:
-    path = Path("/dev/ttyACM97")
-    with Stage() as stage:
-        process = stage.simulation("bea", "--legacy", str(path))
-        assert str(path) in [port.device for port in list_ports.comports()]
-        process.end()
-        assert not path.is_symlink()
-
-
-@pytest.mark.parametrize("name", ["ttyACM0", "COM3"])
-def test_the_group_of_serial_ports_may_open_the_terminal(tmp_path: Path, name: str) -> None:
-    with contextlib.closing(Terminal(tmp_path / name)) as terminal:
-        found = terminal.path.stat()
-        try:
-            group = grp.getgrnam(GROUP).gr_gid
-        except KeyError:
-            pytest.skip("no such group on this computer")
-        if os.geteuid() and group not in os.getgroups():
-            assert not found.st_mode & 0o006, "other users may not open it"
-        else:
-            assert found.st_gid == group
-            assert stat.S_IMODE(found.st_mode) == GROUP_MODE
 
 
 def test_two_nodes_never_share_a_path(tmp_path: Path) -> None:
@@ -241,37 +153,6 @@ def test_a_leftover_link_is_replaced_and_any_other_file_is_refused(tmp_path: Pat
             assert process.wait() == 1
             assert any(why in line for line in process.lines)
     assert path.read_text() == "precious"
-
-
-def test_a_leftover_link_to_a_device_of_another_terminal_is_replaced(tmp_path: Path, port: Port) -> None:
-    path = tmp_path / "COM5"
-    path.symlink_to(LINK_PREFIX + str(port.terminal.path.resolve()))
-    terminal = Terminal(path)
-    assert path.resolve() != port.terminal.path.resolve()
-    terminal.close()
-    assert not path.is_symlink()
-    with port.program():
-        pass
-
-
-def test_a_foreign_link_is_left_alone(tmp_path: Path) -> None:
-    path = tmp_path / "board"
-    master, slave = pty.openpty()
-    try:
-        path.symlink_to(os.ttyname(slave))
-        with pytest.raises(Refused, match="already exists"):
-            Terminal(path)
-        assert path.readlink() == Path(os.ttyname(slave))
-    finally:
-        os.close(master)
-        os.close(slave)
-
-
-def test_the_link_of_a_running_node_is_left_alone(port: Port) -> None:
-    with pytest.raises(Refused, match="is used by another node"):
-        Terminal(port.terminal.path)
-    with port.program():
-        pass
 
 
 def test_a_node_removes_only_its_own_link(tmp_path: Path) -> None:

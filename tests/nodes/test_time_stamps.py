@@ -11,11 +11,8 @@ from robots import Stage, ready, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Positions
-from beatrix_zenoh.recording.compare import compare
-from beatrix_zenoh.recording.series import Recording, recording
 
 SPEED_DEG_S = 80.0
-LAG_S = 0.2
 GAP_S, ATTEMPTS = 0.1, 5
 """Shortest gap (s) between publications that spoils a recording, and number of recordings."""
 CLOCK_SD_S = 0.001
@@ -61,29 +58,3 @@ def test_time_stamps_follow_the_set_points_of_a_steady_turn(stage: Stage, side: 
     assert statistics.stdev(errors_s.tolist()) < CLOCK_SD_S, (
         "rounding to whole microsteps causes 0.3 ms of it"
     )
-
-
-def test_head_measured_matches_the_physics(stage: Stage) -> None:
-    simulated = recorded(ready(stage.robot("bea", "sim")))[-1]
-    robot = stage.robot("bea", "hw")
-    assert simulated.head_measured is not None
-    assert simulated.head_measured.yaw == pytest.approx(simulated.head.yaw, abs=0.005)
-    with robot.positions_stream() as stream:
-        assert stream.next(5.0).head_measured is None, "counted steps measure no head"
-
-
-def test_a_known_lag_is_found(stage: Stage) -> None:
-    first = recording(recorded(ready(stage.robot("bea", "sim")), 20, -20, 10, 0))
-    second = recording(recorded(ready(stage.robot("bea", "hw")), 20, -20, 10, 0))
-    # Align both at their first movement, because the robots moved one after the other.
-    first, second = from_first_movement(first), from_first_movement(second)
-    apart = compare(first, second).lag_s
-    late = Recording(second.t + LAG_S, second.angles)
-    assert compare(first, late).lag_s - apart == pytest.approx(LAG_S, abs=0.003)
-
-
-def from_first_movement(recorded_angles: Recording) -> Recording:
-    """Return the recording with time 0 at the moment at which the short arm has turned by a degree."""
-    short = recorded_angles.angles[:, 0]
-    begin = int(np.argmax(np.abs(short - short[0]) > 1.0))
-    return Recording(recorded_angles.t - recorded_angles.t[begin], recorded_angles.angles)

@@ -127,14 +127,6 @@ def test_an_impossible_plan_is_refused_before_a_robot_moves(twin: Twin) -> None:
     assert refusal.value.reason is Reason.ARM_GAP
 
 
-def test_a_motion_of_the_arms_can_be_previewed_too(twin: Twin) -> None:
-    plan = twin.preview_arms(10, 10, 10, speed=60)
-    assert plan.path.head[-1] == pytest.approx((10, 0, 0), abs=0.3)
-    plan.commit()
-    twin.home()
-    assert commanded(twin.sim) == commanded(twin.hw) == (0, 0, 0)
-
-
 def test_hardware_that_may_not_move_is_detected_before_the_simulation_moves(twin: Twin) -> None:
     plan = twin.preview(yaw=60)
     twin.hw.disable()
@@ -152,12 +144,6 @@ def test_hardware_that_may_not_move_is_detected_before_the_simulation_moves(twin
     assert unknown.value.reason is Reason.NOT_CALIBRATED
     assert "committed" not in repr(plan)
     assert (twin.sim.status().motion, commanded(twin.sim)) == (before, (0, 0, 0))
-
-
-def test_the_verdict_of_a_preview_mentions_hardware_that_may_not_move(twin: Twin) -> None:
-    assert "But" not in twin.preview(yaw=10).verdict
-    twin.hw.disable()
-    assert "But the hardware may not move now: The motors are off" in twin.preview(yaw=10).verdict
 
 
 def test_neither_robot_is_enabled_or_calibrated_while_another_seat_drives_one_of_them(
@@ -257,19 +243,3 @@ def test_a_refused_commit_does_not_stop_the_motion_of_another_seat(stage: Stage,
     motion.wait()
     assert not twin.sim.status().moving
     until(lambda: twin.hw.status().holder == "", "lease over", 4.0)
-
-
-def test_a_preview_with_motors_off_is_refused_like_the_motion(twin: Twin) -> None:
-    twin.sim.disable()
-    with pytest.raises(Refused, match="enable"):
-        twin.preview(yaw=5)
-
-
-def test_a_missing_simulation_is_named() -> None:
-    with Stage() as stage:
-        stage.node("lonely")
-        with (
-            Twin("lonely", connect=stage.endpoint) as twin,
-            pytest.raises(NoAnswer, match=r"lonely \(sim\) is not online"),
-        ):
-            twin.preview(yaw=5)

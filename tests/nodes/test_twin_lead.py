@@ -14,13 +14,13 @@ import pytest
 from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
-from beatrix_zenoh.client.degrees import Reading, pose_query
+from beatrix_zenoh.client.degrees import Reading
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Positions, Reason, Steps
-from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.contract.errors import NoAnswer
 
 
 def steps(robot: Robot) -> Steps:
@@ -218,15 +218,6 @@ def test_send_now_checks_the_robots_as_at_the_end_of_the_lead(twin: Twin) -> Non
     assert twin.hw.status().motion == number
 
 
-def test_send_now_returns_false_before_the_start_and_after_a_cancel(twin: Twin) -> None:
-    assert not TwinMotion(twin.sim, twin.hw, pose_query(1, 0, 0, relative=False, speed=None), 2.0).send_now()
-    before = steps(twin.hw)
-    motion = twin.preview(yaw=90, speed=30).commit(lead_s=30, wait=False)
-    motion.cancel()
-    assert not motion.send_now()
-    assert steps(twin.hw) == before
-
-
 def test_an_abort_while_commit_still_checks_the_robots_keeps_both_unmoved(
     twin: Twin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -250,15 +241,6 @@ def test_an_abort_while_commit_still_checks_the_robots_keeps_both_unmoved(
     assert (steps(twin.sim), steps(twin.hw)) == before
 
 
-def test_twins_that_share_a_session_leave_it_open(stage: Stage, twin: Twin) -> None:
-    client = stage.client("eve")
-    with Twin("bea", client=client) as first:
-        assert first.name == "bea"
-        assert first.client is client
-    with Twin("bea", client=client) as second:
-        assert second.positions().sim.commanded == twin.positions().sim.commanded
-
-
 def test_closing_the_twin_during_the_lead_leaves_the_hardware_unmoved(stage: Stage, twin: Twin) -> None:
     before = steps(twin.hw)
     until(lambda: not (twin.sim.status().holder or twin.hw.status().holder), "both are free")
@@ -269,14 +251,6 @@ def test_closing_the_twin_during_the_lead_leaves_the_hardware_unmoved(stage: Sta
     assert not motion.hardware_sent
     assert steps(twin.hw) == before
     until(lambda: not twin.sim.status().holder, "the simulation is free")
-
-
-def test_an_invalid_lead_is_wrong_usage(twin: Twin) -> None:
-    plan = twin.preview(yaw=3)
-    for lead_s in (-1, float("nan"), "2", True):
-        with pytest.raises(WrongUsage, match="lead_s"):
-            plan.commit(lead_s)  # type: ignore[arg-type]
-    plan.abort()
 
 
 # -- number of queries, and targets without a preview ---------------------------------------------
@@ -321,14 +295,6 @@ def test_targets_at_20_hz_are_sent_to_both_robots_and_the_last_is_reached(twin: 
         assert where.commanded == pytest.approx((25.9, 25.9, 25.9), abs=0.1)
     reasons = {end.reason for end in (motion.exception(5) for motion in motions[:-1]) if end is not None}  # type: ignore[attr-defined]
     assert reasons == {Reason.REPLACED}
-
-
-def test_move_turns_the_arms_of_both_robots(twin: Twin) -> None:
-    assert not twin.move(5, 5, 5, speed=60, wait=False).done()
-    twin.move(10, 5, 0, speed=(60, 30, 10))
-    assert (
-        twin.positions().sim.commanded == twin.positions().hw.commanded == pytest.approx((10, 5, 0), abs=0.1)
-    )
 
 
 def test_a_target_that_one_robot_refuses_stops_the_other(stage: Stage, twin: Twin) -> None:

@@ -16,7 +16,6 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh.client import Subscription
 from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Event, EventKind, Reason
-from hw_node.cameras import jpeg
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux has V4L2")
 
@@ -93,17 +92,6 @@ def test_pictures_are_published_unchanged_with_the_time_of_their_exposure(
     assert 0 < image.arrived_mono_ns - image.t_mono_ns < 2e9
 
 
-def test_missing_huffman_tables_are_added(left: FakeCamera, robot: Robot) -> None:
-    head = list(jpeg.segments(PICTURE))
-    kept = [PICTURE[one.begin : one.end] for one in head if one.marker != jpeg.DHT]
-    bare = b"".join([jpeg.SOI, *kept, PICTURE[head[-1].end :]])
-    assert len(bare) < len(PICTURE)
-    with robot.camera("left") as images:
-        image = streams(left, images, bare)
-    pixels, wanted = simplejpeg.decode_jpeg(image.jpeg), simplejpeg.decode_jpeg(PICTURE)
-    assert np.array_equal(pixels, wanted)
-
-
 def test_a_damaged_picture_is_not_published(left: FakeCamera, robot: Robot) -> None:
     with robot.camera("left") as images:
         before = streams(left, images)
@@ -136,13 +124,6 @@ def test_an_unplugged_camera_does_not_stop_the_robot_and_returns(left: FakeCamer
     assert (camera.connected, camera.trouble) == (True, "")
 
 
-def test_unplugging_an_idle_camera_is_reported(left: FakeCamera, robot: Robot) -> None:
-    left.unplug()
-    wait_status(robot, lambda status: not status.cameras[0].connected, "the missing idle camera is reported")
-    left.plug()
-    wait_status(robot, lambda status: status.cameras[0].connected, "the idle camera is back")
-
-
 def test_a_camera_in_use_by_another_program_is_tried_again(left: FakeCamera, robot: Robot) -> None:
     left.refuse(errno.EBUSY)
     with robot.camera("left") as images:
@@ -160,14 +141,6 @@ def test_without_usb_bandwidth_a_camera_streams_at_half_the_rate(left: FakeCamer
         event = next(event for event in events if event.kind is EventKind.LOG)
     left.refuse(0)
     assert "15 pictures a second" in event.message
-
-
-def test_two_cameras_stream_at_the_same_time(
-    cameras: dict[str, FakeCamera], left: FakeCamera, robot: Robot
-) -> None:
-    with robot.camera("left") as lefts, robot.camera("right") as rights:
-        assert streams(left, lefts).eye == "left"
-        assert streams(cameras["right"], rights).eye == "right"
 
 
 def camera_event(events: Subscription[Event]) -> Event:

@@ -118,25 +118,6 @@ def video(pictures: list[bytes], period_us: int = 20_000) -> bytes:
     return chunk(b"RIFF", b"AVI " + head + chunk(b"LIST", b"movi" + frames) + chunk(b"idx1", bytes(32)))
 
 
-def test_an_avi_video_is_shown_at_its_own_rate(tmp_path: Path) -> None:
-    pictures = [picture(level, width=16 + 16 * level) for level in (1, 2)]
-    path = tmp_path / "video.avi"
-    path.write_bytes(video(pictures))
-    files = Files(path)
-    assert shown(files, 3) == [*pictures, pictures[0]]
-    files.open()
-    assert files._timer._period_s == pytest.approx(0.02)
-    files.close()
-
-
-def test_missing_huffman_tables_are_added_to_the_pictures_of_a_video(tmp_path: Path) -> None:
-    path = tmp_path / "video.avi"
-    path.write_bytes(video([without_tables(picture(9))]))
-    assert np.array_equal(
-        simplejpeg.decode_jpeg(shown(Files(path), 1)[0]), simplejpeg.decode_jpeg(picture(9))
-    )
-
-
 @pytest.mark.parametrize(
     ("name", "content", "why"),
     [
@@ -157,22 +138,6 @@ def test_the_error_for_an_unusable_file_contains_the_cause(
         shown(files, 1)
     files.close()
     assert str(path) in refused.value.message
-
-
-def test_an_empty_folder_and_a_missing_path_are_errors(tmp_path: Path) -> None:
-    with pytest.raises(NoAnswer, match="it contains no JPEG picture"):
-        Files(tmp_path).open()
-    assert "does not exist" in Files(tmp_path / "none").trouble()
-
-
-def test_deleting_the_pictures_of_a_folder_in_use_is_an_error(tmp_path: Path) -> None:
-    path = tmp_path / "a.jpg"
-    path.write_bytes(picture(1))
-    files = Files(tmp_path)
-    files.open()
-    path.unlink()
-    with pytest.raises(NoAnswer, match=r"a\.jpg"):
-        files.next(1.0)
 
 
 # -- the values of --camera ------------------------------------------------------------------------
@@ -216,20 +181,3 @@ def test_usb_cameras_are_refused_without_their_libraries(monkeypatch: pytest.Mon
     monkeypatch.setattr(sys, "platform", "darwin")
     with pytest.raises(WrongUsage, match=r'opencv-python-headless: pip install "\.\[cameras\]"'):
         cameras.choices(["left=0"])
-
-
-@pytest.mark.parametrize(
-    ("words", "why"),
-    [
-        (["left=/dev/video0"], "is not a number, and USB cameras have numbers on this system"),
-        (["left=-1"], "is not a number"),
-        (["left=1", "right=01"], "the other eye has this camera already"),
-    ],
-)
-def test_on_windows_each_camera_needs_its_own_number(
-    words: list[str], why: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(importlib.util, "find_spec", lambda _: object())
-    monkeypatch.setattr(sys, "platform", "win32")
-    with pytest.raises(WrongUsage, match=why):
-        cameras.choices(words)

@@ -86,13 +86,6 @@ def test_a_file_that_is_no_choreography_is_refused(text: str, what: str) -> None
     assert what in refusal.value.message
 
 
-def test_at_speed_replaces_all_speeds_of_the_file() -> None:
-    assert {pose.speed for _, pose in shipped("hello").at_speed(30).steps} == {30}
-    for speed in (0, -1, math.nan):
-        with pytest.raises(WrongUsage, match="speed is"):
-            shipped("hello").at_speed(speed)
-
-
 def test_a_file_is_read_and_a_shipped_one_is_found_by_its_name(tmp_path: Path) -> None:
     path = tmp_path / "mine.csv"
     path.write_text(ROWS, encoding="utf-8")

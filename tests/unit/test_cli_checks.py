@@ -10,28 +10,6 @@ import pytest
 from beatrix_zenoh import Refused
 from beatrix_zenoh.cli import serving
 from beatrix_zenoh.doctor import checks
-from sim_node import gl
-
-
-def test_advice_for_a_missing_extra_contains_the_command_that_installs_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("importlib.metadata.requires", lambda _: ["numpy>=2", 'no-such>=1; extra == "plot"'])
-    found = {finding.what: finding for finding in checks.packages()}
-    assert found["core"].advice == ""
-    assert "no-such" in found["extra plot"].found
-    assert 'pip install ".[plot]"' in found["extra plot"].advice
-
-
-def test_a_library_for_another_system_is_not_reported_as_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    requirements = [
-        "no-such-on-linux>=1; (sys_platform == 'linux') and extra == 'cameras'",
-        "no-such-elsewhere>=1; (sys_platform != 'linux') and extra == 'cameras'",
-    ]
-    monkeypatch.setattr("importlib.metadata.requires", lambda _: requirements)
-    for platform, missed in (("linux", "without no-such-on-linux"), ("darwin", "without no-such-elsewhere")):
-        monkeypatch.setattr("sys.platform", platform)
-        assert {finding.what: finding for finding in checks.packages()}["extra cameras"].found == missed
 
 
 def test_sources_that_are_not_installed_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -49,17 +27,6 @@ def test_graphics_that_cannot_draw_are_reported(monkeypatch: pytest.MonkeyPatch)
         found = graphics()
     assert "ray casting" in found.found
     assert found.state == "advice"
-
-
-def test_the_check_of_graphics_draws_a_picture() -> None:
-    with checks.graphics_probe() as graphics:
-        assert ("OpenGL works" in graphics().found) is (gl.backend() is not None)
-
-
-def test_graphics_are_not_checked_without_a_simulation(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
-    with checks.graphics_probe() as graphics:
-        assert graphics().state == "ok"
 
 
 def test_a_port_without_permission_is_reported_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,18 +7,17 @@ import os
 import re
 import subprocess
 import sys
-from importlib import metadata
 from pathlib import Path
 
 import pytest
 import typer
 
-from beatrix_zenoh import BeatrixError, Interrupted, NoAnswer, Refused
+from beatrix_zenoh import Interrupted, NoAnswer, Refused
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.cli.verbs import VERBS
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.output import CODES, columns
+from beatrix_zenoh.output import CODES
 from beatrix_zenoh.shutdown import FAULT, process
 from beatrix_zenoh.terminal.options import Json
 from beatrix_zenoh.terminal.run import run_command
@@ -82,12 +81,6 @@ def test_a_failure_as_json_is_one_document_on_stdout(capsys: pytest.CaptureFixtu
     out, err = capsys.readouterr()
     assert json.loads(out) == {"result": False, "reason": "OUT_OF_REACH", "message": "Too far."}
     assert err == ""
-
-
-@pytest.mark.parametrize("error", [ZeroDivisionError(), FileNotFoundError(2, "No such file")])
-def test_an_unexpected_exception_propagates(error: Exception) -> None:
-    with pytest.raises(type(error)):
-        run_failing_verb(error)
 
 
 @pytest.mark.parametrize(
@@ -161,19 +154,6 @@ def test_every_verb_has_help_with_its_units(name: str, capsys: pytest.CaptureFix
         assert "egrees" in text
 
 
-def test_the_help_of_stop_states_that_it_stops_every_robot(capsys: pytest.CaptureFixture[str]) -> None:
-    app.run(["stop", "--help"])
-    text = " ".join(capsys.readouterr().out.split())
-    assert "beatrix.toml, every robot. --connect" in text
-    assert "sim or hw; default: both." in text
-    assert "only robot online" not in text
-
-
-def test_version_prints_the_installed_version(capsys: pytest.CaptureFixture[str]) -> None:
-    assert app.run(["--version"]) == 0
-    assert capsys.readouterr().out == f"beatrix {metadata.version('beatrix-zenoh')}\n"
-
-
 def test_help_lists_every_verb_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert app.run(["--help"]) == 0
     lines = capsys.readouterr().out.partition("Commands:")[2].strip().splitlines()
@@ -208,14 +188,6 @@ def test_a_closed_pipe_ends_the_verb_without_a_message(words: tuple[str, ...]) -
     assert (done.returncode, done.stderr) == (141, "")
 
 
-def test_a_table_aligns_numbers_to_the_right_and_words_to_the_left() -> None:
-    assert columns(("robot", "hz"), [("bea", "50.0"), ("b", "-")]) == "robot    hz\nbea    50.0\nb         -"
-
-
-def test_no_answer_is_a_beatrix_error() -> None:
-    assert issubclass(NoAnswer, BeatrixError)
-
-
 @pytest.mark.parametrize("value", ["nan", "inf"])
 @pytest.mark.parametrize(
     "words",
@@ -247,11 +219,6 @@ def test_a_number_that_is_not_finite_is_wrong_usage_and_leaves_no_file(
     assert app.run([*words, value]) == 2
     assert capsys.readouterr().err
     assert not list(tmp_path.iterdir())
-
-
-def test_a_rotation_period_that_is_too_short_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
-    assert app.run(["record", "mine.rrd", "--rotate", "0.01"]) == 2
-    assert "give 0.1 or more, or 0" in capsys.readouterr().err
 
 
 def test_an_unexpected_exception_ends_the_process_with_the_code_of_a_fault(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import signal
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +15,7 @@ from written_recordings import BEGAN_NS, write_lesson
 
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.recording import table_files
-from beatrix_zenoh.recording.export import Span, table
 from beatrix_zenoh.recording.rrd.read import read
-from beatrix_zenoh.recording.samples import Note
-from beatrix_zenoh.recording.table_files import write_table
 from beatrix_zenoh.shutdown import SIGNALS
 
 PLACES = ("ada", "sim"), ("ada", "hw"), ("bob", "sim")
@@ -68,20 +64,6 @@ def test_samples_are_exact(lesson: Path) -> None:
         assert rows.repeats.isna().all()
 
 
-def test_notes_of_any_text_are_read_back(lesson: Path) -> None:
-    texts = ['trial "3", second half', "Zeile 1\nZeile 2", "größer"]
-    found = replace(
-        read(lesson),
-        notes=tuple(Note(BEGAN_NS + k * 1_000_000_000, "ana", text) for k, text in enumerate(texts)),
-    )
-    for suffix, load in ((".csv", pd.read_csv), (".parquet", pd.read_parquet)):
-        path = lesson.with_suffix(suffix)
-        write_table(path, table([found], Span()).grid())
-        found_texts = load(path).note.dropna().to_dict()
-        assert found_texts == {0: texts[0], 50: "Zeile 1 Zeile 2", 100: texts[2]}
-    assert len(lesson.with_suffix(".csv").read_text(encoding="utf-8").splitlines()) == 301
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_leaves_no_incomplete_file(
     lesson: Path, number: signal.Signals, monkeypatch: pytest.MonkeyPatch
@@ -97,12 +79,6 @@ def test_a_signal_leaves_no_incomplete_file(
             signal.signal(each, lambda _signal, _frame: None)
         assert app.run(["export", str(lesson), str(lesson.with_suffix(".csv"))]) == 130
     assert [path.name for path in lesson.parent.iterdir()] == ["lesson.rrd"]
-
-
-def test_a_cell_is_never_minus_zero(tmp_path: Path) -> None:
-    path = tmp_path / "zero.csv"
-    write_table(path, [{"yaw_deg": np.array([-0.0, 0.0, -1.5, np.nan]), "time_ns": np.array([1, 2, 3, 4])}])
-    assert path.read_text() == "yaw_deg,time_ns\n0,1\n0,2\n-1.5,3\n,4\n"
 
 
 def test_the_pauses_between_files_are_named(

@@ -94,27 +94,6 @@ def test_a_slow_start_is_reported_and_awaited(
     assert "Still waiting for the router after 0 s; Ctrl-C ends all." in capfd.readouterr().err
 
 
-def test_the_folder_is_deleted_without_an_error(temporary_files: Path) -> None:
-    with Supervisor() as supervisor:
-        assert supervisor.folder.parent == temporary_files
-    assert not list(temporary_files.iterdir())
-
-
-@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError])
-def test_the_folder_is_deleted_after_an_error_that_no_child_caused(
-    temporary_files: Path, error: type[BaseException]
-) -> None:
-    with pytest.raises(error), Supervisor():
-        raise error
-    assert not list(temporary_files.iterdir())
-
-
-def test_the_folder_is_deleted_if_the_error_shows_all_output_of_a_failed_child(temporary_files: Path) -> None:
-    with pytest.raises(Refused, match="No such option: --nonsense"), Supervisor() as supervisor:
-        start_failing_child(supervisor)
-    assert not list(temporary_files.iterdir())
-
-
 def test_the_folder_is_kept_if_a_failed_child_wrote_more_than_the_error_shows(
     temporary_files: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -11,15 +11,11 @@ from rerun import SeriesLines
 from robots import ROOT
 
 from beatrix_zenoh import colours
-from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, Path
-from beatrix_zenoh.client.plan import path_figure
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rrd import scene
 from sim_node.model import build
 
 Colour = colours.Colour
-GROUNDS = ((255, 255, 255), (13, 16, 17), (28, 33, 36), (15, 19, 23))
-"""Paper, the viewer's plots and legends, and the dark theme of the window."""
 SOURCES = [
     path
     for folder in ("beatrix_zenoh", "sim_node", "gui", "tools")
@@ -39,22 +35,11 @@ def linear(colour: Colour) -> npt.NDArray[np.float64]:
     return np.where(part <= 0.04045, part / 12.92, ((part + 0.055) / 1.055) ** 2.4)
 
 
-def contrast(first: Colour, second: Colour) -> float:
-    """Return the contrast ratio of WCAG 2.1."""
-    low, high = sorted(float(linear(one) @ (0.2126, 0.7152, 0.0722)) + 0.05 for one in (first, second))
-    return high / low
-
-
 def lab(light: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Return CIE L*a*b* of linear light."""
     to_xyz = np.array(((0.4124, 0.3576, 0.1805), (0.2126, 0.7152, 0.0722), (0.0193, 0.1192, 0.9505)))
     x, y, z = np.cbrt(np.clip(to_xyz @ np.clip(light, 0, 1) / (0.9505, 1.0, 1.089), 0.0089, None))
     return np.array((116 * y - 16, 500 * (x - y), 200 * (y - z)))
-
-
-@pytest.mark.parametrize("name", colours.ALL)
-def test_a_colour_is_readable_on_every_ground(name: str) -> None:
-    assert min(contrast(colours.ALL[name], ground) for ground in GROUNDS) >= 3.0
 
 
 @pytest.mark.parametrize("eye", EYES)
@@ -64,11 +49,6 @@ def test_the_colours_of_a_plot_are_distinguishable_with_colour_blindness(
 ) -> None:
     seen = [lab(EYES[eye] @ linear(colour)) for colour in table.values()]
     assert min(np.linalg.norm(a - b) for a, b in itertools.combinations(seen, 2)) > 20
-
-
-def test_arms_and_head_axes_have_six_different_colours() -> None:
-    seen = [lab(linear(colour)) for colour in colours.ALL.values()]
-    assert min(np.linalg.norm(a - b) for a, b in itertools.combinations(seen, 2)) > 40
 
 
 def test_models_and_viewer_use_the_table() -> None:
@@ -85,14 +65,6 @@ def test_models_and_viewer_use_the_table() -> None:
             assert style.colors is not None
             packed = [number >> 8 for number in style.colors.pa_array.to_pylist()]
             assert packed == [int(colours.hexadecimal(shade(one))[1:], 16) for one in names.values()]
-
-
-def test_plots_use_the_table() -> None:
-    path = Path([0.0, 1.0], [ArmAngles(1, 2, 3)] * 2, [HeadAngles(4, 5, 6)] * 2)
-    lines = [line for panel in path_figure(path).axes for line in panel.lines]
-    assert {line.get_label(): line.get_color() for line in lines} == {
-        name: colours.hexadecimal(colour) for name, colour in colours.ALL.items()
-    }
 
 
 def test_no_other_module_contains_a_colour_of_the_table() -> None:

@@ -4,28 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beatrix_zenoh.contract._generated.messages import Head, Positions, Reason, Steps, Vector3
+from beatrix_zenoh.contract._generated.messages import Head, Positions, Steps, Vector3
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.lag import best_shift, lag
-from beatrix_zenoh.recording.requests import HOME, Request
 from beatrix_zenoh.recording.series import (
     AXES,
     Floats,
     Recording,
-    heads_apart,
     recording,
-    regularity,
-    resting,
     unbroken,
 )
 from beatrix_zenoh.recording.thresholds import Thresholds, why_no_lag
@@ -67,16 +61,6 @@ def test_a_known_lag_is_found_within_two_milliseconds(
     first = recorded(targets, 0.0, 0.0)
     second = recorded(targets, lag_s, phase_s, noise=0.02, seed=seed)
     assert lag(first, second) == pytest.approx(lag_s, abs=0.002)
-
-
-@pytest.mark.no_cover
-@FEW
-@given(TARGETS, LAGS)
-def test_exchanging_two_recordings_changes_the_sign_of_the_lag(
-    targets: list[tuple[float, float, float]], lag_s: float
-) -> None:
-    first, second = recorded(targets, 0.0, 0.0), recorded(targets, lag_s, 0.007)
-    assert lag(first, second) == pytest.approx(-lag(second, first), abs=0.002)
 
 
 @pytest.mark.no_cover
@@ -131,27 +115,6 @@ def test_each_motion_has_its_own_lag(lags_s: list[float]) -> None:
     assert found.axes[0].rms >= found.axes[0].rms_after - 1e-9
 
 
-def test_a_lag_of_seconds_is_found() -> None:
-    found = compare(shaken([0.0, -0.4, 0.3, 0.0, -0.2, 0.1]), shaken([2.5, 2.1, 2.8, 2.5, 2.3, 2.6]))
-    assert found.lag_s == pytest.approx(2.5, abs=0.005)
-
-
-@given(st.lists(st.tuples(*[st.floats(-80, 80)] * 3), min_size=2, max_size=2))
-def test_the_angle_between_heads_is_that_of_their_rotations(heads: list[tuple[float, float, float]]) -> None:
-    one, other = (np.array(rotation_of(*(math.radians(angle) for angle in head))) for head in heads)
-    trace = float(np.clip((np.trace(one @ other.T) - 1) / 2, -1, 1))
-    (found,) = heads_apart(np.array(heads[:1]), np.array(heads[1:]))
-    assert math.cos(math.radians(found)) == pytest.approx(trace, abs=1e-9)
-
-
-def test_gaps_and_lost_samples_are_counted() -> None:
-    kept = [k for k in range(100) if k not in (40, 41, 70)]
-    found = regularity(recording([message(k) for k in [*kept[:50], *kept[49:]]]))
-    assert (found.samples, found.lost, found.gaps) == (97, 3, 2)
-    assert found.period_ms == pytest.approx(20)
-    assert found.longest_ms == pytest.approx(60)
-
-
 def test_the_lag_is_that_of_the_set_points_if_they_were_recorded() -> None:
     first, second = shaken([0.0] * 3), shaken([0.05] * 3)
     soft = Recording(second.t, second.angles, commanded=shaken([0.03] * 3).angles[:, :3])
@@ -187,12 +150,6 @@ def test_the_compared_part_has_no_holes(seed: int) -> None:
 ALLOWED = Thresholds(lag_s=0.01, rms_deg=0.2, largest_deg=0.5, rest_deg=0.2, missed_steps=0)
 
 
-def test_values_within_their_thresholds_are_not_reported() -> None:
-    found = compare(shaken([0.0] * 3), shaken([0.005] * 3))
-    assert ALLOWED.exceeded(found, slipped=0) == []
-    assert Thresholds().exceeded(compare(shaken([0.0] * 3), shaken([0.2] * 3, offset=9.0)), slipped=9) == []
-
-
 def test_each_exceeded_threshold_is_reported() -> None:
     sentences = " ".join(
         ALLOWED.exceeded(compare(shaken([0.0] * 3), shaken([-0.2] * 3, offset=1.0)), slipped=-4)
@@ -224,16 +181,6 @@ def test_a_lag_at_the_border_of_the_search_is_unknown() -> None:
     assert best_shift(first, second, t, 0.0, 0.5).s == pytest.approx(0.4, abs=0.002)
 
 
-def test_an_empty_comparison_has_no_figures() -> None:
-    """Only the simulation is asked to move, so that there is nothing to compare after that."""
-    asked = Request(0.9, HOME, "ana", end=Reason.OK)
-    first = replace(shaken([0.0]), requests=(asked,))
-    still = Recording(first.t, np.zeros_like(first.angles), requests=())
-    found = compare(first, still)
-    assert [each.why for each in found.alone] == ["the hardware was not asked"]
-    assert found.axes[0].largest_after == pytest.approx(0.0, abs=0.3)
-
-
 def test_thresholds_that_cannot_be_checked_are_reported() -> None:
     still = Recording(np.arange(0.0, 5.0, 0.02), np.zeros((250, 6)))
     sentences = ALLOWED.exceeded(compare(still, still), slipped=None)
@@ -263,20 +210,6 @@ def test_recordings_that_hardly_overlap_are_refused() -> None:
     t = np.arange(0.0, 2.0, 0.02)
     with pytest.raises(ValueError, match="share"):
         compare(Recording(t, np.zeros((100, 6))), Recording(t + 1.5, np.zeros((100, 6))))
-
-
-def test_an_empty_recording_is_refused() -> None:
-    with pytest.raises(ValueError, match="fewer than two"):
-        compare(recording([]), recording([]))
-
-
-def test_a_robot_rests_at_times_that_are_not_close_to_a_motion() -> None:
-    t = np.arange(0.0, 4.0, 0.01)
-    moving = (t > 1) & (t < 3)
-    angles = np.repeat(np.clip(t - 1, 0, 2)[:, None] * 20, 6, axis=1)
-    rest = resting(angles)
-    assert not rest[moving].any()
-    assert rest[(t < 0.85) | (t > 3.15)].all()
 
 
 def message(k: int) -> Positions:

@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 
-from beatrix_zenoh.colours import ARMS
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording import drawing
@@ -66,15 +65,6 @@ def test_a_mark_behind_the_head_is_hidden() -> None:
         where(picture, MARK)
     turned = Drawing(figure, *SIZE).picture(arms(150, 0, 0), np.array((150.0, 0, 0)))
     where(turned, MARK)
-
-
-def test_the_robot_and_all_its_arms_are_inside_the_picture() -> None:
-    for yaw in range(-180, 181, 45):
-        picture = Drawing(Figure(), *SIZE).picture(arms(yaw, 0, 0), np.array((yaw, 0.0, 0.0)))
-        edges = (picture[0], picture[-1], picture[:, 0], picture[:, -1])
-        assert all((edge == drawing.BACKGROUND).all() for edge in edges)
-        for colour in ARMS.values():
-            where(picture, colour)
 
 
 def test_a_pose_is_drawn_again_only_if_it_changes() -> None:

@@ -49,7 +49,7 @@ ACCEPTED = Event(
     pose_query=LOOK,
     position=vector(20.0, 20.0, 19.98),
 )
-OTHER = {"source": None, "pose_query": None, "position": None}
+OTHER: dict[str, object] = {"source": None, "pose_query": None, "position": None}
 CASES: dict[str, dict[str, object]] = {
     "accepted": {},
     "refused": {"reason": Reason.ARM_GAP, "message": "Too close.", "motion": 0, "position": None},
@@ -68,7 +68,7 @@ CASES: dict[str, dict[str, object]] = {
         "message": "It is connected.",
     },
 }
-REQUESTS = {
+REQUESTS: dict[str, MotionQuery | PoseQuery] = {
     "look": PoseQuery(yaw=rad(-0.05)),
     "look relative": PoseQuery(absolute=False, pitch=rad(2.5), lead=0.0),
     "move": MotionQuery(position=vector(5, -5, 0), speed=vector(30, 30, 30)),

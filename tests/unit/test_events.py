@@ -10,7 +10,7 @@ from statuses import BOARD, READY
 
 from beatrix_zenoh.contract._generated.messages import EventKind, Fault, Phase
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.events import KEPT, RESTARTED, SHOWN_S, WINDOW_S, Diagnostics, NodeEvents
+from beatrix_zenoh.node.events import RESTARTED, SHOWN_S, Diagnostics, NodeEvents
 from beatrix_zenoh.node.state import StatusEvents
 
 ANA = Caller("ana", "s1")
@@ -47,40 +47,11 @@ def test_events_are_numbered_and_published_once(log: NodeEvents) -> None:
     assert log.take() == []
 
 
-def test_latest_returns_the_newest_events(log: NodeEvents, clock: Clock) -> None:
-    for number in range(KEPT + 50):
-        clock.now_s += WINDOW_S
-        add(log, str(number))
-    latest = log.latest().events
-    assert len(latest) == KEPT
-    assert (latest[0].message, latest[-1].message) == ("50", str(KEPT + 49))
-
-
-def test_every_event_of_a_long_flood_is_counted_once(log: NodeEvents, clock: Clock) -> None:
-    counted = 0
-    for _ in range(5000):
-        add(log, "x")
-        clock.now_s += 0.002
-        counted += sum(event.count for event in log.take())
-    clock.now_s += WINDOW_S
-    counted += sum(event.count for event in log.take())
-    assert counted == 5000
-
-
 def test_a_flood_of_one_seat_does_not_hide_events_of_another(log: NodeEvents) -> None:
     for _ in range(100):
         add(log, "flood")
     add(log, "alone", Caller("ben", "s2"))
     assert log.take()[-1].message == "alone"
-
-
-def test_windows_of_inactive_seats_are_deleted(log: NodeEvents, clock: Clock) -> None:
-    for number in range(100):
-        add(log, "x", Caller(f"seat{number}", ""))
-    for _ in range(3):
-        clock.now_s += WINDOW_S
-        log.take()
-    assert not log._windows
 
 
 def test_a_new_holder_and_a_lost_board_are_events(log: NodeEvents) -> None:

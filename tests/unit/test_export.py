@@ -124,14 +124,6 @@ def test_both_ends_of_a_span_are_included(one_ms: int, other_ms: int) -> None:
     assert every == pytest.approx(wanted, abs=1e-9)
 
 
-def test_spans_count_from_the_start_of_the_recording_for_every_robot() -> None:
-    late = {SIM: samples([0, 20_000_000]), HW: samples([1_000_000_000, 1_020_000_000])}
-    found = grid(table([recorded(late)], Span(1.0), ["bea"]))
-    assert found["time_s"].tolist() == [1.0, 1.02]
-    assert np.isnan(found["bea_sim_short_deg"]).all()
-    np.testing.assert_array_equal(found["bea_hw_short_deg"], 0.0)
-
-
 def test_the_files_of_a_rotated_recording_are_one_table() -> None:
     times = [k * STEP_NS for k in range(100)]
     arms = np.outer(np.arange(100.0), (1, 0, 0))
@@ -155,21 +147,6 @@ def test_recordings_of_the_same_time_are_refused() -> None:
     one = recorded({SIM: samples([0, 2_000_000_000])})
     with pytest.raises(Refused, match="not parts of one recording"):
         table([one, one], Span())
-
-
-def test_recordings_of_different_days_are_refused_even_of_different_robots() -> None:
-    day_ns = 86_400_000_000_000
-    parts = [recorded({SIM: samples([0])}), recorded({HW: samples([day_ns])})]
-    with pytest.raises(Refused, match=r"24\.0 h apart: they are not parts of one recording"):
-        table(parts, Span())
-
-
-def test_a_long_recording_of_one_robot_may_contain_a_short_one_of_another() -> None:
-    hour_ns = 3_600_000_000_000
-    both = {SIM: samples([0, 10 * hour_ns]), HW: samples([hour_ns])}
-    other = samples([10 * hour_ns])
-    parts = [recorded({place: found}) for place, found in both.items()] + [recorded({("cleo", "hw"): other})]
-    assert set(table(parts, Span()).robots) == {SIM, HW, ("cleo", "hw")}
 
 
 def test_notes_are_in_the_first_row_after_them() -> None:

@@ -12,7 +12,6 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-from av.video.reformatter import ColorRange, Colorspace
 from PIL import Image
 from written_recordings import BEGAN_NS, write_lesson
 
@@ -75,18 +74,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     write_lesson(tmp_path / "lesson.rrd", (SIM, HW), rows=101, more=eye(SIM, "left"))
     return tmp_path
-
-
-def test_the_pictures_of_an_eye_keep_their_times(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert app.run(["export", "lesson.rrd", "--video", "eye.mp4", "--eye", "left"]) == 0
-    assert capsys.readouterr().out == "eye.mp4: 5 frames, 1.5 s of the left eye of ada (sim).\n"
-    film = decoded(folder / "eye.mp4")
-    assert (film.codec, film.form) == ("h264", "yuv420p")
-    assert film.colours == (Colorspace.ITU601, ColorRange.MPEG)
-    assert film.times_s == pytest.approx([ms / 1000 for ms in TIMES_MS], abs=1 / 45_000)
-    for picture, colour in zip(film.pictures, COLOURS, strict=True):
-        assert picture.shape == (48, 64, 3)
-        assert np.abs(picture[24, 32].astype(int) - colour).max() < 12
 
 
 def test_both_robots_stand_beside_each_other(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

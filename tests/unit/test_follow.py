@@ -91,12 +91,6 @@ def test_a_path_that_begins_later_leads_through_the_same_points(
     assert found.where(found.duration_s) == whole.where(whole.duration_s)
 
 
-@pytest.mark.parametrize("given_s", [4.9, 8.0, 100.0, math.nan])
-def test_a_path_cannot_begin_outside_of_its_times(given_s: float) -> None:
-    with pytest.raises(WrongUsage, match=r"mine\.csv lasts from 5 to 8 s, so a replay cannot begin at"):
-        path("5,0,0,0\n6,10,0,0\n8,0,5,0\n").beginning(given_s)
-
-
 def test_a_path_that_is_too_long_is_refused_before_it_is_planned() -> None:
     hour = path("0,0,0,0\n3600,10,0,0\n")
     hour.check_length()
@@ -129,23 +123,6 @@ def test_an_invalid_path_is_refused(text: str, what: str) -> None:
     with pytest.raises(Refused) as refusal:
         path(text)
     assert what in refusal.value.message
-
-
-def test_a_choreography_is_refused_as_a_path() -> None:
-    text = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,1,2,3,60\n"
-    with pytest.raises(WrongUsage, match="play it with `beatrix play`"):
-        path_of(motion_file.parse(text, "mine.csv"), LIMITS)
-
-
-def test_a_replay_leaves_out_long_rests_of_the_recording() -> None:
-    t = np.arange(100.0, 140.0, 0.02)
-    arms = np.repeat(np.clip(10 * (t - 110), 0, 20)[:, None], 3, axis=1)
-    found = path_of_recording("it", Recording(t, np.hstack([arms + 1, arms]), commanded=arms))
-    assert found.duration_s == pytest.approx(3.0, abs=0.1)
-    assert found.arms[0] == pytest.approx([0] * 3)
-    assert found.arms[-1] == pytest.approx([20] * 3)
-    with pytest.raises(WrongUsage, match="the robot did not move"):
-        path_of_recording("it", Recording(t, np.zeros((len(t), 6))))
 
 
 # -- targets ------------------------------------------------------------------------------------
@@ -218,21 +195,6 @@ def test_a_path_written_by_hand_is_followed_or_refused_with_its_line(yaw: float,
         assert "Give the path more time, for example with --speed-factor" in found
     else:
         assert found.off_deg <= 3
-
-
-def test_a_path_is_accepted_at_the_speed_factor_of_its_refusal() -> None:
-    fast = path("0,0,0,0\n1,90,0,0\n2,0,0,0\n")
-    with pytest.raises(Refused, match=r"line 4 .*too fast") as refusal:
-        follow(fast.at_speed(2.0), ROBOT)
-    factor = float(refusal.value.message.rsplit(" ", 1)[1].rstrip("."))
-    assert follow(fast.at_speed(factor), ROBOT).off_deg <= 3
-
-
-def test_targets_are_repeated_during_a_long_rest() -> None:
-    following = follow(path("0,0,0,0\n1,10,0,0\n6,10,0,0\n7,0,0,0\n"), ROBOT)
-    times = [target.t for target in following.targets]
-    assert max(np.diff(times)) < 1.1
-    assert sum(2 < t < 5.5 for t in times) <= 4, "targets are not repeated more often than necessary"
 
 
 # -- sending ------------------------------------------------------------------------------------

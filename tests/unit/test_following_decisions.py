@@ -14,7 +14,6 @@ from beatrix_zenoh.node.planner import vector
 from sim_node.following.course import SetPoint
 from sim_node.following.follower import (
     CONTESTED,
-    FAR,
     NO_SET_POINTS,
     NO_STATUS,
     RETRY_S,
@@ -164,22 +163,6 @@ def test_a_refused_path_is_reported_and_planned_again_later(follower: Follower) 
     assert follower.state(again) is FollowState.APPROACHING
 
 
-def test_a_late_sample_counts_from_its_own_time(follower: Follower) -> None:
-    for at_s in (10.02, 10.04, 10.06):
-        follower.hear(sample(at_s, 0.0))
-    follower.hear(sample(10.08, 4.0, velocity=60.0, delay_s=0.05))
-    step = follower.step(10.13, SetPoint(REST, REST), LIMITS)
-    punctual = Follower(9.9)
-    punctual.hear_status(status())
-    punctual.hear(sample(10.0))
-    punctual.step(10.0, SetPoint(REST, REST), LIMITS)
-    punctual.hear(sample(10.08, 4.0, velocity=60.0))
-    other = punctual.step(10.08, SetPoint(REST, REST), LIMITS)
-    assert step is not None
-    assert other is not None
-    assert step.course.target[0] - other.course.target[0] == pytest.approx(math.radians(60 * 0.05), rel=0.01)
-
-
 # -- parting -------------------------------------------------------------------------------------
 
 
@@ -230,28 +213,3 @@ def test_a_parting_ends_when_the_places_agree_again() -> None:
     for tenth in range(8, 16):
         parting.compare(tenth / 10, places(10), places(10))
     assert not parting.text
-
-
-def test_the_state_says_that_the_robots_have_parted(follower: Follower) -> None:
-    for tenth in range(10):
-        now_s = 10.0 + tenth / 10
-        follower.hear(sample(now_s, 0.0, position=-5.0))
-        follower.step(now_s, SetPoint(REST, REST), LIMITS)
-        follower.compare(now_s, UPRIGHT)
-    assert follower.state(11.0) is FollowState.PARTED
-    assert "5.0° away" in follower.warnings(11.0)[0]
-    follower.hear(sample(11.02, math.degrees(FAR) + 1))
-    follower.step(11.02, SetPoint(REST, REST), LIMITS)
-    assert follower.state(11.02) is FollowState.APPROACHING, "a jump ends the comparison"
-
-
-def test_a_step_has_a_course_for_the_case_that_the_firmware_refuses_a_target_ahead(
-    follower: Follower,
-) -> None:
-    follower.hear(sample(10.02, 1.0, velocity=60.0))
-    step = follower.step(10.02, SetPoint(REST, REST), LIMITS)
-    assert step is not None
-    assert step.careful is not None
-    way = math.radians(60) ** 2 / (2 * LIMITS.acceleration)
-    assert step.careful.target[0] == pytest.approx(math.radians(1) + way, abs=1e-3)
-    assert step.course.target[0] > step.careful.target[0]

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from robots import free_endpoint, untraced
 
-from beatrix_zenoh import hiding
 from beatrix_zenoh.cli import app
-from beatrix_zenoh.doctor import checks
-from beatrix_zenoh.doctor import verbs as doctor
 
 PROGRAM = """
 from beatrix_zenoh import Robot
@@ -34,8 +29,6 @@ NEEDED = (
     "re",
     "typing",
 )
-HARMLESS = ("calendar", "test", "typer", "numpy", "signal")
-"""Modules that `Robot` does not need, that Python imports before it searches the folder, or that hide no package."""
 
 
 def python(folder: Path, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:
@@ -61,15 +54,6 @@ def test_the_error_of_a_program_names_the_file_that_hides_a_module(name: str, tm
     last = done.stderr.strip().splitlines()[-1]
     assert last.startswith(f"ImportError: {tmp_path / name}.py hides ")
     assert f" {name}, which BEATRIX needs: rename it" in last
-
-
-@pytest.mark.parametrize("name", HARMLESS)
-def test_a_file_that_hides_nothing_that_the_program_needs_is_accepted(name: str, tmp_path: Path) -> None:
-    (tmp_path / f"{name}.py").touch()
-    (tmp_path / "prog.py").write_text(f"import {name}\n{PROGRAM}", encoding="utf-8")
-    done = python(tmp_path, "prog.py")
-    assert "protocol/host:port" in done.stderr  # the error of Robot
-    assert "which BEATRIX needs" not in done.stderr
 
 
 @pytest.mark.parametrize("name", ["logging", "select", "zenoh", "msgspec", "typer", "random", "dataclasses"])
@@ -100,33 +84,6 @@ def test_doctor_lists_the_files_of_its_folder_that_hide_modules(tmp_path: Path) 
     assert "hidden modules" not in findings
 
 
-@pytest.mark.parametrize("name", ["zenoh", "msgspec", "logging"])
-def test_a_folder_that_hides_a_package_is_named(name: str, tmp_path: Path) -> None:
-    (tmp_path / name).mkdir()
-    (tmp_path / name / "__init__.py").touch()
-    (tmp_path / name / "my_lesson.py").touch()
-    (tmp_path / "prog.py").write_text(PROGRAM, encoding="utf-8")
-    last = python(tmp_path, "prog.py").stderr.strip().splitlines()[-1]
-    assert last.startswith(f"ImportError: {tmp_path / name} hides ")
-    assert last.endswith(f"rename it, for example to my_{name}.")
-
-
-def test_a_copy_of_beatrix_or_of_a_package_hides_nothing(tmp_path: Path) -> None:
-    for name in ("beatrix_zenoh", "gui", "zenoh"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "__init__.py").touch()
-    spec = importlib.util.find_spec("zenoh")
-    assert spec is not None
-    for copied in Path(spec.origin or "").parent.glob("*.py"):
-        (tmp_path / "zenoh" / copied.name).touch()
-    first, later = hiding.search_path()
-    assert hiding.hidden(["beatrix_zenoh", "gui", "zenoh"], [str(tmp_path), *first], later) == {}
-
-
-def test_nothing_is_hidden_in_a_normal_installation() -> None:
-    assert [finding.found for finding in checks.hidden_modules()] == ["none"]
-
-
 @pytest.mark.parametrize(
     ("error", "expected"),
     [
@@ -148,14 +105,3 @@ def test_a_missing_or_broken_dependency_is_reported_in_one_line(
     assert app.run(["doctor"]) == 1
     line = capsys.readouterr().err
     assert (expected in line, 'pip install ".[cli]"' in line, line.count("\n")) == (True, True, 1)
-
-
-def test_a_check_of_doctor_that_fails_becomes_a_finding() -> None:
-    def broken() -> Iterator[checks.CheckResult]:
-        yield checks.CheckResult("router", "answers")
-        raise AttributeError("module 'zenoh' has no attribute 'open'")
-
-    first, last = doctor.made("router and robots", broken())
-    assert first.found == "answers"
-    assert (last.what, last.state) == ("router and robots", "todo")
-    assert "AttributeError: module 'zenoh' has no attribute 'open'" in last.found

@@ -11,7 +11,7 @@ from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.contract._generated.messages import Detail, Phase, Reason
 from beatrix_zenoh.contract._generated.serial import FrameType, Telemetry, Text
 from beatrix_zenoh.legacy import Effect, LineCause
-from beatrix_zenoh.legacy.line import ACK, NACK, Answer, ProgramLine, effect_of, readable
+from beatrix_zenoh.legacy.line import ACK, NACK, Answer, ProgramLine, effect_of
 from beatrix_zenoh.legacy.link import TextLink
 from beatrix_zenoh.legacy.outcomes import explain, misread
 from beatrix_zenoh.legacy.port import CAPACITY, LAST, REFUSED_MAX, LineQueue
@@ -38,11 +38,6 @@ from beatrix_zenoh.legacy.port import CAPACITY, LAST, REFUSED_MAX, LineQueue
 )
 def test_a_line_has_one_effect(text: bytes, effect: Effect) -> None:
     assert effect_of(text) is effect
-
-
-@pytest.mark.parametrize("text", [b"hello", b"@" + b"x" * 127, b"@MOV\x00", "@é".encode()])
-def test_text_that_the_firmware_does_not_accept_is_not_readable(text: bytes) -> None:
-    assert not readable(text)
 
 
 @pytest.mark.parametrize(
@@ -188,26 +183,6 @@ def test_motors_off_is_queued_behind_any_number_of_lines_but_not_twice() -> None
     assert port.board.lines == [b"@MOVRX 5", b"@ENMOTORS OFF"]
     port.answer()
     assert port.node.outcomes[-1] == ("@ENMOTORS", Reason.OK)
-
-
-def test_waiting_motors_off_is_carried_out_when_the_next_program_opens_the_port() -> None:
-    port = Port()
-    for text in (b"@MOVRX 5", b"@ENMOTORS OFF"):
-        port.queue.take(text)
-    port.queue.program_closed()
-    port.queue.program_opened()
-    assert port.board.off == 1
-    assert port.node.outcomes == [("@ENMOTORS", Reason.OK), ("@MOVRX", Reason.CLIENT_LOST)]
-
-
-def test_only_motors_off_is_sent_after_the_program_has_closed_its_port() -> None:
-    port = Port()
-    for text in (b"@COMSTATUS", b"@ENMOTORS OFF", b"@ENMOTORS ON", b"@CALNOW", b"@GETXPOS"):
-        port.queue.take(text)
-    port.queue.program_closed()
-    port.answer()
-    port.answer()
-    assert port.board.lines == [b"@COMSTATUS", b"@ENMOTORS OFF"]
 
 
 def test_a_full_queue_refuses_lines_in_their_turn_and_ignores_those_beyond_its_bound() -> None:

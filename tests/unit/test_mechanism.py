@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from beatrix_zenoh import colours
-from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData
-from beatrix_zenoh.recording.figure import Figure, Form, Solid
-from beatrix_zenoh.recording.mechanism import AXIS_RADIUS, mechanism
+from beatrix_zenoh.recording.figure import Form, Solid
+from beatrix_zenoh.recording.mechanism import AXIS_RADIUS
 from sim_node.mechanism import MECHANISM, SKIN_OPACITY, add_mechanism, show_through
 from sim_node.model import build, build_spec
 from sim_node.scene import scene_spec
@@ -18,16 +17,6 @@ from sim_node.visuals import MATERIALS, VISUAL
 
 def axes(solids: tuple[Solid, ...]) -> list[Solid]:
     return [solid for solid in solids if solid.form is Form.CAPSULE and solid.size[0] == AXIS_RADIUS]
-
-
-@pytest.mark.parametrize(
-    "geometry", [ROBOT.geometry, GeometryData(hand=-1, rod_twist=80.0, mount_angle=100.0)]
-)
-def test_all_axes_of_elbows_and_mounts_begin_in_the_neck_centre(geometry: GeometryData) -> None:
-    moving = [body for body in mechanism(Figure(geometry)) if "arm_" in body.path]
-    found = [axis for body in moving for axis in axes(body.solids)]
-    assert len(found) == 6
-    assert all(axis.position == (0.0, 0.0, 0.0) for axis in found)
 
 
 def test_solids_are_where_the_figure_has_them_in_mujoco() -> None:

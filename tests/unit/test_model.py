@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 
 import mujoco
 import numpy as np
@@ -11,7 +10,7 @@ from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData, RobotDa
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import chains
-from sim_node.model import build, build_spec, rod_range
+from sim_node.model import build, rod_range
 from sim_node.visuals import COLLISION, VISUAL
 
 GEOMETRIES = [
@@ -55,29 +54,6 @@ def test_the_centre_of_mass_of_the_head_is_that_of_the_robot_data(model: mujoco.
     assert model.body("head").ipos == pytest.approx([0.0, 0.0, ROBOT.head.centre_height])
 
 
-def test_the_eyes_look_ahead_from_both_ends_of_the_baseline(model: mujoco.MjModel) -> None:
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    left, right = data.camera("eye_left"), data.camera("eye_right")
-    assert left.xpos - right.xpos == pytest.approx([0.0, ROBOT.head.eye_baseline, 0.0])
-    for eye in (left, right):
-        assert -eye.xmat.reshape(3, 3)[:, 2] == pytest.approx([1.0, 0.0, 0.0])
-        assert eye.xmat.reshape(3, 3)[:, 1] == pytest.approx([0.0, 0.0, 1.0])
-    assert model.camera("eye_left").fovy[0] == ROBOT.head.eye_fov
-
-
-def test_no_eye_sees_its_own_head(model: mujoco.MjModel) -> None:
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    group = np.array([0, 0, 1, 0, 0, 0], dtype=np.uint8)
-    hit = np.zeros(1, dtype=np.int32)
-    for name in ("eye_left", "eye_right"):
-        for y, z in itertools.product(np.linspace(-0.75, 0.75, 9), np.linspace(-0.57, 0.57, 9)):
-            ray = np.array([1.0, y, z]) / math.hypot(1.0, y, z)
-            mujoco.mj_ray(model, data, data.camera(name).xpos, ray, group, 1, -1, hit)
-            assert hit[0] == -1 or model.geom_bodyid[hit[0]] == 0
-
-
 @pytest.mark.parametrize("geometry", GEOMETRIES)
 def test_rod_angle_closes_the_loop_of_any_pose(geometry: GeometryData) -> None:
     model = build(RobotData(geometry=geometry))
@@ -97,10 +73,3 @@ def test_rod_angle_closes_the_loop_of_any_pose(geometry: GeometryData) -> None:
 def test_joint_stops_keep_the_rods_inside_the_home_assembly() -> None:
     for chain in chains(ROBOT.geometry):
         assert np.degrees(rod_range(chain)) == pytest.approx([-80.0, 80.0])
-
-
-def test_the_model_can_be_written_as_mjcf() -> None:
-    spec = build_spec()
-    spec.compile()
-    again = mujoco.MjModel.from_xml_string(spec.to_xml())
-    assert (again.nq, again.nu, again.neq) == (10, 3, 3)

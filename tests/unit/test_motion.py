@@ -183,15 +183,6 @@ def test_a_callback_runs_in_a_thread_of_its_own_or_after_the_end_in_the_calling_
     assert setting.called.get(timeout=0) == threading.current_thread().name
 
 
-def test_callbacks_run_when_a_motion_is_overdue(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("beatrix_zenoh.client.motion.MARGIN_S", 0.05)
-    setting = Setting(duration=0.0)
-    setting.motion.add_done_callback(setting.record)
-    setting.called.get(timeout=PATIENCE_S)
-    assert isinstance(setting.motion.exception(), NoAnswer)
-    setting.dispatcher.close()
-
-
 def test_a_callback_that_fails_is_logged_and_the_next_runs(
     setting: Setting, caplog: pytest.LogCaptureFixture
 ) -> None:

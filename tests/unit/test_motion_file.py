@@ -55,16 +55,6 @@ def times_or_refusal(content: str) -> tuple[list[float], str]:
         return [], refusal.message
 
 
-@given(st.binary(max_size=200))
-def test_a_file_of_random_bytes_is_refused_with_its_name(
-    tmp_path_factory: pytest.TempPathFactory, content: bytes
-) -> None:
-    path = tmp_path_factory.getbasetemp() / "any.csv"
-    path.write_bytes(content)
-    with pytest.raises(WrongUsage, match=r"any\.csv"):
-        read(path)
-
-
 @pytest.mark.parametrize(
     "text",
     [
@@ -88,11 +78,6 @@ def test_formats_of_spreadsheets_are_accepted(text: str, tmp_path: Path) -> None
         (0, HeadAngles(1, 2, 3)),
         (0.5, HeadAngles(1.5, -2, 3)),
     ]
-
-
-def test_points_have_their_line_numbers() -> None:
-    found = parse("# one\n\n" + HEADER + "0,1,2,3\n# five\n1,1,2,3\n", "mine.csv")
-    assert [point.line for point in found.points] == [4, 6]
 
 
 BOTH = ",".join(("t_s", *HEAD, *ARMS)) + "\n"

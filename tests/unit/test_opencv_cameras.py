@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 import simplejpeg
-from fake_opencv import PLUM, FakeOpenCv, plain
+from fake_opencv import PLUM, FakeOpenCv
 from robots import until
 
 from beatrix_zenoh import NoAnswer
@@ -66,12 +66,6 @@ def test_motion_jpeg_is_requested_with_the_backend_of_each_system(
     assert module.captures[0].asked == {3: 640, 4: 480, 5: 30, 6: 0x47504A4D}
 
 
-def test_the_camera_waits_for_a_slow_first_picture(camera: UsbCamera, module: FakeOpenCv) -> None:
-    module.failures = 3
-    camera.open()
-    assert picture(camera).width == 640
-
-
 def test_an_unplugged_camera_is_an_error_and_can_be_reopened(camera: UsbCamera, module: FakeOpenCv) -> None:
     camera.open()
     picture(camera)
@@ -83,19 +77,6 @@ def test_an_unplugged_camera_is_an_error_and_can_be_reopened(camera: UsbCamera, 
     camera.open()
     picture(camera)
     assert (len(module.opened), module.released) == (2, 1)
-
-
-@pytest.mark.parametrize(
-    ("platform", "what"), [("win32", "Windows does not allow"), ("darwin", "macOS does not allow")]
-)
-def test_the_error_for_an_unreadable_camera_lists_the_causes(
-    camera: UsbCamera, module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch, platform: str, what: str
-) -> None:
-    monkeypatch.setattr(sys, "platform", platform)
-    module.plugged = False
-    camera.open()
-    with pytest.raises(NoAnswer, match=f"not plugged in, another program uses it, or {what}"):
-        camera.next(1.0)
 
 
 def test_a_blocked_read_blocks_no_other_thread_and_the_camera_is_not_opened_twice(
@@ -125,20 +106,6 @@ def test_a_driver_that_blocks_on_opening_is_an_error(
     with pytest.raises(NoAnswer, match="Camera 1 blocks its driver"):
         camera.open()
     camera.close()
-
-
-def test_a_late_reader_gets_the_newest_pictures(camera: UsbCamera, module: FakeOpenCv) -> None:
-    module.endless = False
-    module.pictures.extend(plain(16 * n, 16) for n in range(1, 11))
-    module.goes_on.clear()
-    camera.open()
-    module.goes_on.set()
-    until(lambda: not module.pictures, "all pictures are read")
-    # The failure follows the last picture and occupies one of two places in the queue, so one picture is left.
-    until(lambda: module.released == 1, "the camera is released")
-    assert picture(camera).width == 160
-    with pytest.raises(NoAnswer):
-        camera.next(1.0)
 
 
 def test_a_closed_camera_is_released_and_delivers_no_pictures(camera: UsbCamera, module: FakeOpenCv) -> None:

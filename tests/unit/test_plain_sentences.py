@@ -32,9 +32,9 @@ def vector(*degrees: float) -> Vector3:
     return Vector3(*map(math.radians, degrees))
 
 
-NO_POSE = {"pose_query": None}
-COMMAND = NO_POSE | {"kind": EventKind.COMMAND, "action": "ENABLE", "phase": None}
-NO_SEAT = NO_POSE | {"seat": "", "phase": None}
+NO_POSE: dict[str, object] = {"pose_query": None}
+COMMAND: dict[str, object] = NO_POSE | {"kind": EventKind.COMMAND, "action": "ENABLE", "phase": None}
+NO_SEAT: dict[str, object] = NO_POSE | {"seat": "", "phase": None}
 CASES: dict[str, dict[str, object]] = {
     "look": {},
     "look ahead": {"pose_query": PoseQuery(), "duration": 0.66},

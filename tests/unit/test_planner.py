@@ -23,7 +23,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
+from beatrix_zenoh.contract._generated.serial import Move, Telemetry
 from beatrix_zenoh.motion.rotation import leaning
 from beatrix_zenoh.node.planner import Planner
 
@@ -212,19 +212,6 @@ def test_the_refusal_of_a_speed_names_the_teachers_limit_and_this_limit_is_accep
         planner.goal(PoseQuery(yaw=0.1, speed=math.radians(100)), at(0))
 
 
-def test_the_alternative_of_one_wrong_speed_keeps_the_other_two() -> None:
-    speed = Vector3(0.5, 3.0, 0.25)
-    refusal = refusal_of(MotionQuery(position=Vector3(0.1, 0.1, 0.1), speed=speed), at(0))
-    assert refusal is not None
-    detail = detail_of(refusal)
-    assert (detail.arms, detail.value) == (["middle"], 3.0)
-    assert detail.alternative is not None
-    other = detail.alternative.speed
-    assert other is not None
-    assert (other.x, other.z) == (0.5, 0.25)
-    assert math.degrees(other.y) == pytest.approx(90.0)
-
-
 @pytest.mark.parametrize("steps", [40_000, -40_000])
 def test_step_counts_beyond_the_range_of_a_move_are_refused_with_advice(steps: int) -> None:
     little = MotionQuery(absolute=False, position=Vector3(0.0, 0.0, 0.0))
@@ -247,12 +234,6 @@ def test_the_checked_path_has_the_rounded_speeds_of_the_frame() -> None:
     assert fastest == pytest.approx([7 * quarter, 5 * quarter, 3 * quarter])
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 4188])
-def test_speeds_that_a_frame_can_contain_are_not_rounded(count: int) -> None:
-    speed = struct.unpack("f", struct.pack("f", PLANNER.gear.quarters_to_speed((count,) * 3)[0]))[0]
-    assert PLANNER.gear.speed_to_quarters((speed,) * 3) == (count,) * 3
-
-
 def test_a_trajectory_begins_with_the_velocity_of_the_telemetry() -> None:
     moving = at(100)._replace(velocity=(209, 209, 209))
     (first, *_) = PLANNER.goal(PoseQuery(yaw=0.5), moving).trajectory.sections
@@ -260,30 +241,6 @@ def test_a_trajectory_begins_with_the_velocity_of_the_telemetry() -> None:
 
 
 # -- the frame of a goal --------------------------------------------------------------------------
-
-TENTH = Vector3(0.1, 0.1, 0.1)
-STEPS = PLANNER.gear.to_steps((0.1, 0.1, 0.1))
-DEFAULT = math.radians(ROBOT.limits.speed_default)
-
-
-@pytest.mark.parametrize(
-    ("query", "kind", "speeds"),
-    [
-        (MotionQuery(position=TENTH), Move, (DEFAULT,) * 3),
-        (MotionQuery(position=TENTH, speed=Vector3(0.2, 0.3, 0.4)), Move, (0.2, 0.3, 0.4)),
-        (PoseQuery(yaw=0.1), MoveStraight, (DEFAULT,) * 3),
-        (PoseQuery(yaw=0.1, speed=0.4), MoveStraight, (0.4, 0.4, 0.4)),
-    ],
-)
-def test_the_frame_of_a_goal_has_whole_steps_and_the_requested_or_default_speed(
-    query: MotionQuery | PoseQuery, kind: type[Move | MoveStraight], speeds: tuple[float, float, float]
-) -> None:
-    goal, quarters = PLANNER.goal(query, at(0)), PLANNER.gear.speed_to_quarters(speeds)
-    assert goal.frame(9) == (
-        Move(9, STEPS, quarters) if kind is Move else MoveStraight(9, STEPS, quarters[0])
-    )
-    assert goal.target == PLANNER.gear.to_rad(goal.steps)
-    assert goal.duration == goal.trajectory.duration > 0
 
 
 def test_the_slowest_speed_is_a_quarter_of_a_microstep_per_second() -> None:

@@ -142,12 +142,6 @@ def push(plant: Plant, torque: float) -> None:
     hold_set_points(plant, HOME, 0.5)
 
 
-def test_a_push_below_the_motors_torque_loses_no_steps(plant: Plant) -> None:
-    push(plant, 1.5)
-    assert plant.slipped() == (0, 0, 0)
-    assert math.degrees(abs(plant.head()[0])) < 0.1
-
-
 def test_a_push_above_the_motors_torque_loses_multiples_of_four_full_steps(plant: Plant) -> None:
     push(plant, 3.5)
     lost = plant.slipped()
@@ -165,11 +159,6 @@ def test_without_motors_a_tilted_head_sinks_and_the_loop_stays_closed(plant: Pla
     assert plant.tilt() > tilt + math.radians(10)
     assert not plant.home_assembly_left()
     assert plant.slipped() == (0, 0, 0)
-
-
-def test_friction_holds_an_upright_head_without_motors(plant: Plant) -> None:
-    hold_set_points(plant, HOME, 2.0, drivers_on=False)
-    assert plant.tilt() < math.radians(0.1)
 
 
 def test_motors_that_are_switched_on_lock_at_the_present_arm_angles(plant: Plant) -> None:
@@ -208,14 +197,6 @@ def test_another_assembly_is_detected_and_reassembled_at_the_set_points(plant: P
     assert plant.arms() == pytest.approx(TILTED, abs=math.radians(0.1))
     assert plant.closure_error() < 1e-9
     assert angle_between(NECK.rotation(plant.arms()), plant.rotation()) < 1e-6
-
-
-def test_the_plant_is_reassembled_upright_if_the_set_points_are_impossible(plant: Plant) -> None:
-    plant.data.joint("arm_short").qpos = 2.0
-    plant.step((GEAR.to_steps((2.0, 0.0, 0.0))), drivers_on=True)
-    plant.reassemble()
-    assert plant.arms() == HOME
-    assert not plant.home_assembly_left()
 
 
 def test_nan_is_detected_and_no_file_is_written(

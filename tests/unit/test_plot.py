@@ -8,9 +8,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
-from beatrix_zenoh.client.degrees import Path as HeadPath
-from beatrix_zenoh.client.plan import path_figure
 from beatrix_zenoh.colours import ALL, STYLES, hexadecimal, pale
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.plot import twin_figure
@@ -44,12 +41,3 @@ def test_two_recordings_are_drawn(tmp_path: Path) -> None:
     figure.savefig(tmp_path / "twin.png", dpi=50)
     with Image.open(tmp_path / "twin.png") as picture:
         assert np.asarray(picture.convert("L")).std() > 10
-
-
-def test_a_previewed_path_shows_arms_and_head() -> None:
-    path = HeadPath(
-        [0.0, 0.1], [ArmAngles(0, 0, 0), ArmAngles(1, 2, 3)], [HeadAngles(0, 0, 0), HeadAngles(2, 0, 1)]
-    )
-    arms, head = path_figure(path).axes
-    assert [line.get_label() for line in arms.get_lines()] == ["short", "middle", "long"]
-    assert [np.asarray(line.get_ydata())[-1] for line in head.get_lines()] == [2, 0, 1]

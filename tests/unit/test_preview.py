@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import pytest
@@ -15,7 +14,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from sim_node.plant import Plant
-from sim_node.preview import SAMPLES_MAX, Preview, simulate_motion
+from sim_node.preview import Preview, simulate_motion
 
 GEAR = Gear()
 NECK = Neck()
@@ -60,13 +59,6 @@ def test_largest_tilt_and_smallest_gap_are_those_of_the_whole_motion() -> None:
     assert seen.tilt_max >= max(tilts) - 1e-9
     assert seen.tilt_max == pytest.approx(0.35, abs=math.radians(0.5))
     assert seen.gap_min == pytest.approx(min(NECK.gaps(NODDED)), abs=math.radians(1.0))
-
-
-def test_a_long_motion_has_a_limited_number_of_samples() -> None:
-    seen = preview(move_to((1.0, 1.0, 1.0), speed=4.0))
-    assert seen.duration_s > 14
-    assert SAMPLES_MAX / 2 < len(seen.t) <= SAMPLES_MAX + 1
-    assert len({round(b - a, 9) for a, b in itertools.pairwise(seen.t[:-1])}) == 1
 
 
 def test_a_preview_does_not_change_the_originals() -> None:

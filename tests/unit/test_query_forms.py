@@ -97,33 +97,6 @@ def test_all_forms_of_a_motion_give_the_same_message(x: float, y: float, z: floa
     assert all(query_forms.read(raw, MotionQuery) == query for raw in raws)
 
 
-@given(st.recursive(st.none() | st.booleans() | st.floats() | st.text(), st.lists, max_leaves=5))
-def test_a_msgpack_value_that_is_not_a_map_is_refused(value: object) -> None:
-    with pytest.raises(Refused):
-        query_forms.read(RawQuery(msgpack.packb(value), codec.MSGPACK, ""), MotionQuery)
-
-
-@pytest.mark.parametrize(
-    ("parameters", "kind"),
-    [("x=1;y=2;z=3", MotionQuery), ("yaw=1", PoseQuery), ("pitch=0.1;speed=1", PoseQuery)],
-)
-def test_the_fields_of_a_preview_show_whether_it_is_a_motion_or_a_pose(
-    parameters: str, kind: type[MotionQuery | PoseQuery]
-) -> None:
-    assert isinstance(query_forms.read_motion_or_pose(RawQuery(b"", "", parameters)), kind)
-
-
-def test_plain_words_are_ambiguous_for_a_preview() -> None:
-    with pytest.raises(Refused, match="Plain words do not show"):
-        query_forms.read_motion_or_pose(RawQuery(b"1 2 3", "", ""))
-
-
-def test_a_field_with_parts_is_refused_as_a_parameter() -> None:
-    refusal = refusal_of(RawQuery(b"", "", "position=1;x=0.1;y=0;z=0"), MotionQuery)
-    assert refusal.detail == Detail(field="position", known=["x", "y", "z"])
-    assert query_forms.usage(MotionQuery) in refusal.message
-
-
 @pytest.mark.parametrize(
     ("raw", "speed", "absolute"),
     [
@@ -142,37 +115,6 @@ def test_speeds_are_read_from_words_and_parameters(
     query = query_forms.read(raw, MotionQuery)
     wanted = None if speed is None else Vector3(*speed)
     assert query == MotionQuery(absolute=absolute, position=Vector3(1, 2, 3), speed=wanted)
-
-
-@pytest.mark.parametrize("payload", [b"1 2", b"1 2 3 4 5", b"1 2 3 4 5 6 7", b"relative"])
-def test_a_wrong_number_of_words_is_refused(payload: bytes) -> None:
-    refusal = refusal_of(RawQuery(payload, "", ""), MotionQuery)
-    assert "words" in refusal.message
-    assert query_forms.usage(MotionQuery) in refusal.message
-
-
-def test_a_pose_takes_one_speed_only() -> None:
-    assert query_forms.read(RawQuery(b"1 2 3 .5", "", ""), PoseQuery).speed == 0.5
-    assert "words" in refusal_of(RawQuery(b"1 2 3 .5 .5 .5", "", ""), PoseQuery).message
-    assert field_of(refusal_of(RawQuery(b"", "", "yaw=1;speed_x=1"), PoseQuery)) == "speed_x"
-
-
-@pytest.mark.parametrize(
-    ("text", "number"),
-    [(".5", 0.5), ("-.5", -0.5), ("+0.5", 0.5), ("+.5", 0.5), ("5.", 5.0), ("-5.e-1", -0.5), ("1E1", 10.0)],
-)
-def test_numbers_are_read_in_the_forms_that_people_write(text: str, number: float) -> None:
-    words = query_forms.read(RawQuery(f"{text} {text} {text}".encode(), "", ""), MotionQuery)
-    assert words.position == Vector3(number, number, number)
-    code = text.replace("+", "%2B")
-    assert query_forms.read(RawQuery(b"", "", f"yaw={code};speed={text}"), PoseQuery).yaw == number
-    assert query_forms.read(RawQuery(b"", "", f"yaw={text};speed={text}"), PoseQuery).speed == number
-
-
-@given(FLOATS)
-def test_every_format_of_a_number_is_decoded(number: float) -> None:
-    for text in (repr(number), f"{number:+.30e}", f"{number:f}"):
-        assert query_forms.read(RawQuery(b"", "", f"yaw={text}"), PoseQuery).yaw == float(text)
 
 
 @pytest.mark.parametrize(
@@ -230,28 +172,6 @@ def test_an_unknown_command_is_refused_with_the_list_of_commands(payload: bytes)
     assert (refusal.reason, field_of(refusal)) == (Reason.UNKNOWN_COMMAND, "enabel")
     assert refusal.detail is not None
     assert refusal.detail.known[0] == "1 ENABLE"
-
-
-def test_parameters_of_zenoh_are_allowed_together_with_a_payload() -> None:
-    assert query_forms.read(RawQuery(b"1 2 3", "", "_time=[now(-1s)..]"), MotionQuery).absolute
-
-
-@pytest.mark.parametrize(
-    "raw", [RawQuery(b"disable on", "", ""), RawQuery(b"", "", "command=disable;value=true")]
-)
-def test_disable_takes_no_value(raw: RawQuery) -> None:
-    with pytest.raises(Refused, match="disable takes no value"):
-        query_forms.read(raw, CommandQuery)
-
-
-def test_percent_codes_in_parameters_are_decoded() -> None:
-    assert query_forms.read(RawQuery(b"", "", "command=enable;value=%6Fn"), CommandQuery).value
-
-
-def test_a_reply_has_the_form_of_the_query() -> None:
-    reply = Vector3(0.5, 0.0, 0.0)
-    assert RawQuery(b"", codec.MSGPACK, "").answer(reply) == (codec.encode(reply), codec.MSGPACK)
-    assert RawQuery(b"", "", "").answer(reply) == (b'{"x":0.5,"y":0.0,"z":0.0}', codec.JSON)
 
 
 def test_unknown_fields_of_a_reply_are_ignored() -> None:

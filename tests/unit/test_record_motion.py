@@ -44,11 +44,6 @@ def test_omitted_points_lie_between_kept_points(turns: list[tuple[float, int, in
     assert between == pytest.approx([point[1][0] for point in points], abs=most)
 
 
-def test_the_first_and_the_last_point_of_a_rest_are_kept() -> None:
-    kept = thinned(published([(10.0, 10, 100), (-10.0, 10, 0)]), 0.04)
-    assert [t for t, _ in kept if 0.2 <= t <= 2.2] == pytest.approx([0.2, 2.2])
-
-
 @pytest.mark.no_cover
 @given(TURNS, st.integers(0, 2000), st.integers(0, 2000))
 def test_rests_at_start_and_end_are_shortened(
@@ -68,14 +63,3 @@ def test_rests_at_start_and_end_are_shortened(
     still = [t for t, place in kept if abs(place[0] - kept[-1][1][0]) <= 0.01]
     assert kept[-1][0] <= whole[-1][0] - begin_s + 1e-9
     assert still[-1] - still[max(0, len(still) - 2)] <= 0.5 + 1e-9
-
-
-def test_without_a_motion_two_points_of_the_rest_are_kept() -> None:
-    thinning = Thinning(0.04, 0.5)
-    assert [kept for point in published([(0.0, 900, 0)]) for kept in thinning.add(point)] == []
-    assert [t for t, _ in thinning.last()] == pytest.approx([0.0, 0.5])
-
-
-def test_a_motion_has_about_the_requested_number_of_points() -> None:
-    kept = thinned(published([(20.0, 500, 0)]), 0.1)
-    assert len(kept) == pytest.approx(101, abs=2)

@@ -27,16 +27,6 @@ def test_angles_are_interpolated_to_the_grid() -> None:
     assert found.angles == pytest.approx((11.0 - 1.0,))
 
 
-def test_gaps_are_not_interpolated() -> None:
-    both = [(side, ms, 0.0) for ms in (0, 20, 40, 200, 220) for side in ("sim", "hw")]
-    assert [apart.time_ns // MS for apart in fed(both)] == [0, 20, 40, 200, 220]
-
-
-def test_differences_are_within_half_a_turn() -> None:
-    ((_, (apart,)),) = fed([("sim", 0, 179.0), ("hw", 0, -179.0)])
-    assert apart == pytest.approx(2.0)
-
-
 def test_the_number_of_waiting_samples_is_bounded() -> None:
     difference = Difference()
     for index in range(10 * WAITING):

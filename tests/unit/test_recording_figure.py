@@ -7,19 +7,16 @@ import math
 import mujoco
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from beatrix_zenoh.colours import ARMS
 from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Vector, rotation_of
-from beatrix_zenoh.recording.figure import Figure, Quaternion, quaternion
+from beatrix_zenoh.recording.figure import Figure, Quaternion
 from beatrix_zenoh.recording.samples import Floats
 from sim_node.model import build
 
 LEFT_HANDED = GeometryData(hand=-1, rod_twist=80.0, mount_angle=100.0)
-ANGLE = st.floats(-math.pi, math.pi)
 
 
 def turned(turn: Quaternion, vector: Vector) -> Floats:
@@ -56,12 +53,3 @@ def test_bodies_turn_as_in_the_model() -> None:
     mujoco.mj_forward(model, data)
     for name in ARMS:  # the loops are closed, so the model agrees with the figure
         np.testing.assert_allclose(data.site(f"rod_{name}").xpos, data.site(f"mount_{name}").xpos, atol=1e-6)
-
-
-@given(yaw=ANGLE, pitch=st.floats(-1.5, 1.5), roll=ANGLE)
-def test_quaternions_turn_as_their_matrices(yaw: float, pitch: float, roll: float) -> None:
-    rotation = rotation_of(yaw, pitch, roll)
-    turn = quaternion(rotation)
-    assert math.hypot(*turn) == pytest.approx(1.0)
-    for column, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
-        np.testing.assert_allclose(turned(turn, axis), [row[column] for row in rotation], atol=1e-9)

@@ -92,11 +92,6 @@ def test_an_existing_file_is_not_overwritten(tmp_path: Path, messages: list[str]
     assert (tmp_path / "day-002.rrd").read_bytes() == b"yesterday"
 
 
-def test_a_folder_that_is_missing_is_refused(tmp_path: Path, messages: list[str]) -> None:
-    with pytest.raises(Refused, match="cannot be written: No such file or directory"):
-        FileOutput(tmp_path / "none" / "lesson.rrd", messages.append)
-
-
 def test_a_full_disk_ends_the_recording_with_a_complete_file(
     tmp_path: Path, messages: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

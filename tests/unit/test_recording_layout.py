@@ -122,32 +122,6 @@ def test_side_by_side_draws_each_robot_in_a_view_of_its_own_and_its_eyes_beside_
     assert sim.settings["EyeControls3D"] == hw.settings["EyeControls3D"], "both are seen from the same point"
 
 
-@pytest.mark.parametrize(("tab", "number", "places"), [("Overlay", 0, [SIM, HW]), ("Side by side", 2, [SIM])])
-def test_the_mechanism_is_in_each_3d_view_but_hidden_at_first(
-    sides: Path, tab: str, number: int, places: list[Place]
-) -> None:
-    view = tabs_of(sides)[tab].views[number]
-    for name, side in places:
-        root = f"/{name}/{side}/mechanism"
-        drawn = {entity.removeprefix(root + "/").partition("/")[0] for entity in view.draws if root in entity}
-        assert drawn == {body.path.rpartition("/")[2] for body in Figure().bodies}
-    assert view.hidden == {f"/{name}/{side}/mechanism" for name, side in places}
-
-
-def test_plots_draw_arms_and_head_of_both_robots_over_20_s_and_their_difference(sides: Path) -> None:
-    tab = tabs_of(sides)["Plots"]
-    assert shape(tab) == ("horizontal", [("horizontal", [
-        ("vertical", ["arms (°): hardware wide, simulation thin and pale", "head (°): hardware wide, simulation thin and pale"]),
-        ("vertical", ["arms: hardware − simulation (°)", "head: hardware − simulation (°)"]),
-    ])])  # fmt: skip
-    assert [set(view.draws) for view in tab.views] == [
-        {"/bea/sim/arms", "/bea/hw/arms"}, {"/bea/sim/head", "/bea/hw/head"}, {"/bea/difference/arms"}, {"/bea/difference/head"}
-    ]  # fmt: skip
-    for view in tab.views:
-        (span,) = view.settings["TimeAxis"]["TimeAxis:view_range"]
-        assert (view.kind, span) == ("TimeSeries", {"start": -20_000_000_000, "end": 500_000_000})
-
-
 def test_each_of_several_robots_has_its_own_views(tmp_path: Path) -> None:
     places = [(name, side) for name in ("bea1", "bea2") for side in ("sim", "hw")]
     tabs = tabs_of(recorded(tmp_path, *places))

@@ -16,7 +16,6 @@ from beatrix_zenoh.recording.losses import (
     Losses,
     Stream,
     findings,
-    pictures_of,
     total,
 )
 from beatrix_zenoh.recording.rows import Line, Numbers, Row
@@ -86,35 +85,6 @@ def test_only_gaps_are_losses(seqs: tuple[int, ...], lost: int) -> None:
     assert lost_in_file(*seqs) == lost
 
 
-def test_a_restart_of_a_node_begins_all_its_numbers_again() -> None:
-    """After the restart this recorder hears event 9 first: those before it were published before it was subscribed."""
-    losses, events = Losses(), (BEA, EVENTS)
-    losses.received(ARMS, 100)
-    losses.received(events, 5)
-    losses.received(ARMS, 1)
-    losses.received(events, 9)
-    losses.received(events, 11)
-    assert [one.lost for one in losses.counts({}).values()] == [1, 0]
-
-
-def test_streams_and_robots_are_counted_apart() -> None:
-    losses = Losses()
-    for stream, seqs in (
-        (ARMS, (1, 2, 5)),
-        ((("bea", "sim"), POSITIONS), (1, 2, 3)),
-        ((BEA, EVENTS), (1, 3)),
-        ((BEA, pictures_of("left")), (1, 3)),
-    ):
-        for seq in seqs:
-            losses.received(stream, seq)
-    assert list(findings(losses.counts({ARMS: 1})).values()) == [
-        "bea (hw): 1 of 3 events were lost on the network.",
-        "bea (hw): 1 of 3 pictures of the left eye were lost on the network or left out by a router that limits pictures.",
-        "bea (hw): 1 of 5 positions were lost on the network.",
-        "bea (hw): 1 of 5 positions were dropped here: this computer was too slow.",
-    ]
-
-
 def test_two_programs_under_one_name_are_named_once_and_no_loss_is_counted() -> None:
     losses, said = Losses(), list[str]()
     report = LossReport(said.append)
@@ -134,8 +104,3 @@ def test_two_programs_under_one_name_are_named_once_and_no_loss_is_counted() -> 
     assert missing(counts) == "losses unknown, because two programs publish the positions of bea (hw)"
     assert outcome(total(counts))["lost"] is None
     assert {one.lost for one in counts.values()} == {0}
-
-
-def test_a_repeated_sample_is_no_loss_for_a_reader_of_the_file() -> None:
-    assert lost_in_file(1, 4, 5, repeats=(0, 2, 0)) == 0
-    assert lost_in_file(1, 5, 6, repeats=(0, 2, 0)) == 1

@@ -96,23 +96,6 @@ def test_samples_of_both_robots_are_read(tmp_path: Path) -> None:
         assert samples.head_measured is None
 
 
-def test_late_rows_are_sorted(tmp_path: Path) -> None:
-    path = tmp_path / "lesson.rrd"
-    written(path, RobotSet({SIM: Figure()}), [sample(SIM, 5), sample(SIM, 2)])
-    assert read(path).robots[SIM].arms[:, 0].tolist() == [2.0, 5.0]
-
-
-def test_a_measured_head_is_nan_before_its_first_sample(tmp_path: Path) -> None:
-    path = tmp_path / "lesson.rrd"
-    measured = Numbers(
-        of_robot(SIM, "head_measured"), BEGAN_NS + STEP_NS, BEGAN_NS + STEP_NS - 7, (1.0, 2.0, 3.0)
-    )
-    written(path, RobotSet({SIM: Figure()}), [sample(SIM, 0), [*sample(SIM, 1), measured]])
-    found = read(path).robots[SIM].head_measured
-    assert found is not None
-    np.testing.assert_array_equal(found, [(np.nan,) * 3, (1.0, 2.0, 3.0)])
-
-
 def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
     """A later description replaces an earlier one, as robots and seats come."""
     path = tmp_path / "lesson.rrd"
@@ -151,14 +134,6 @@ def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
     other = msgspec.structs.replace(info, fingerprint="fedc")
     (warning,) = last.with_robot(HW, other).with_robot(("ada", "hw"), other).warnings()
     assert warning.startswith("Simulation and hardware of bea were started with different robot files")
-
-
-def test_a_file_of_an_earlier_version_describes_nothing(tmp_path: Path) -> None:
-    path = tmp_path / "lesson.rrd"
-    written(path, RobotSet({SIM: Figure()}), [sample(SIM, 0)])
-    recorded = read(path)
-    assert (recorded.about, recorded.notes, recorded.clocks) == (None, (), {SIM: ()})
-    assert read_about(path) is None
 
 
 def test_events_are_read_with_what_was_requested(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.robot_rows import RobotRows, State, state_of
-from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Orientation
+from beatrix_zenoh.recording.rows import Bar, Line, Numbers
 
 NOW_NS = 1_763_000_000_123_456_789
 
@@ -69,13 +69,6 @@ def test_rows_of_arms_and_head_are_in_degrees(rows_of_robot: RobotRows) -> None:
     assert {(row.time_ns, row.robot_ns) for row in rows.values()} == {(NOW_NS, NOW_NS - 5)}
 
 
-def test_the_head_is_drawn_where_it_was_measured(rows_of_robot: RobotRows) -> None:
-    rows = list(rows_of_robot.positions(positions(0.0, Head(0.4, 0.0, 0.0)), NOW_NS))
-    (head,) = (row for row in rows if isinstance(row, Orientation) and row.path.endswith("/head"))
-    assert 2 * math.atan2(head.quaternion[2], head.quaternion[3]) == pytest.approx(0.4)
-    assert any(isinstance(row, Numbers) and row.path == "bea/hw/head_measured" for row in rows)
-
-
 @pytest.mark.parametrize(
     ("fields", "state"),
     [
@@ -115,32 +108,6 @@ def states(rows_of_robot: RobotRows, *happenings: Status | Event | Positions | N
 def test_an_unchanged_state_is_written_once(rows_of_robot: RobotRows) -> None:
     moving = msgspec.structs.replace(READY, moving=True)
     assert states(rows_of_robot, READY, READY, moving, moving, READY) == ["ready", "moving", "ready"]
-
-
-def test_a_stop_lasts_until_the_next_motion(rows_of_robot: RobotRows) -> None:
-    stop, moving = event(EventKind.STOP, action="STOP"), msgspec.structs.replace(READY, moving=True)
-    assert states(rows_of_robot, READY, moving, stop, READY, READY, moving, READY) == [
-        "ready",
-        "moving",
-        "stopped",
-        "moving",
-        "ready",
-    ]
-
-
-def test_a_stop_that_is_reported_late_is_the_last_state(rows_of_robot: RobotRows) -> None:
-    stop = event(EventKind.STOP, action="STOP")
-    (ready,) = (row for row in rows_of_robot.status(READY, NOW_NS) if isinstance(row, Bar))
-    (stopped,) = (row for row in rows_of_robot.event(stop, NOW_NS - 5_000_000) if isinstance(row, Bar))
-    assert stopped.state is State.STOPPED
-    assert stopped.time_ns > ready.time_ns
-
-
-def test_an_emergency_stop_has_its_own_state(rows_of_robot: RobotRows) -> None:
-    latched = msgspec.structs.replace(READY, enabled=False, calibrated=False, fault=Fault.EMERGENCY)
-    stop = event(EventKind.STOP, action="EMERGENCY_STOP")
-    off = msgspec.structs.replace(latched, fault=Fault.NONE)
-    assert states(rows_of_robot, READY, stop, latched, off) == ["ready", "emergency stop", "disabled"]
 
 
 def test_a_robot_without_positions_is_lost_until_they_return(rows_of_robot: RobotRows) -> None:

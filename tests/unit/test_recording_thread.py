@@ -34,7 +34,6 @@ from beatrix_zenoh.recording.robot_queries import RobotAnswer, RobotQueries
 from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Row
 from beatrix_zenoh.recording.samples import Note
 from beatrix_zenoh.recording.subscriptions import RobotSubscriptions, Value
-from beatrix_zenoh.recording.timed_arrivals import WAITING
 
 BEA = ("bea", "hw")
 ZERO = Vector3(0.0, 0.0, 0.0)
@@ -181,26 +180,6 @@ def test_publications_are_kept_until_the_clock_offset_is_known(rig: Rig) -> None
     assert [list(shown.robots) for shown in rig.output.robot_sets] == [[BEA]]
 
 
-def test_without_an_answer_the_clock_offset_is_estimated_from_arrivals(rig: Rig) -> None:
-    rig.subscriptions.publish(positions())
-    until(lambda: bool(rig.queries.requests), "a request")
-    rig.answer(None)
-    until(lambda: len(rig.arms()) == 1, "the publication is written")
-    assert abs(rig.arms()[0].time_ns - time.time_ns()) < 5_000_000_000
-
-
-def test_the_clock_offset_is_requested_again_after_a_restart_of_the_computer(rig: Rig) -> None:
-    rig.subscriptions.publish(positions())
-    until(lambda: bool(rig.queries.requests), "a request")
-    rig.answer(AHEAD_NS)
-    until(lambda: len(rig.arms()) == 1, "the publication is written")
-    rig.subscriptions.publish(positions(ahead_ns=-1_000_000_000_000))  # the computer was restarted
-    until(lambda: len(rig.queries.requests) == 2, "a second request")
-    rig.answer(-1_000_000_000_000)
-    until(lambda: len(rig.arms()) == 2, "the publication is written")
-    assert 0 <= rig.arms()[1].time_ns - rig.arms()[0].time_ns < 5_000_000_000
-
-
 def test_dropped_publications_are_reported_and_recorded(rig: Rig) -> None:
     rig.subscriptions.dropped = {(BEA, POSITIONS): 12}
     until(lambda: bool(rig.messages), "the message")
@@ -213,14 +192,6 @@ def test_dropped_publications_are_reported_and_recorded(rig: Rig) -> None:
     assert isinstance(count, Numbers)
     assert isinstance(lost, Numbers)
     assert (count.values, lost.values) == ((12.0,), (0.0,))
-
-
-def test_publications_without_a_known_clock_offset_are_bounded(rig: Rig) -> None:
-    for _ in range(WAITING + 20):
-        rig.subscriptions.publish(positions())
-    until(lambda: total(rig.thread.counts).dropped == 20, "the oldest are counted")
-    rig.answer(AHEAD_NS)
-    until(lambda: len(rig.arms()) == WAITING, "the newest are written")
 
 
 @pytest.mark.parametrize(("mono_ns", "wall_ns"), [(-(2**63), 7), (2**63 - 1, 7), (None, -(2**63))])
@@ -257,20 +228,6 @@ def test_late_samples_are_written_with_their_true_times(rig: Rig) -> None:
     assert total(rig.thread.counts).unwritten == 0
     until(lambda: bool(rig.messages), "the message")
     assert "2 of 3 positions arrived more than 2 s late" in rig.messages[0]
-
-
-def test_positions_of_a_lost_board_are_counted_and_not_written_in_the_past(rig: Rig) -> None:
-    """The node repeats the last positions; those of an hour ago would stretch the time line."""
-    rig.answer(AHEAD_NS)
-    old = msgspec.structs.replace(positions(AHEAD_NS - 3_600_000_000_000), repeated=True)
-    for _ in range(3):
-        rig.subscriptions.publish(msgspec.structs.replace(old, seq=next(numbers)))
-    rig.subscriptions.publish(positions())
-    until(lambda: len(rig.arms()) == 1, "the new sample is written")
-    assert rig.rows_of("repeats") == [(3.0,)]
-    (one,) = rig.thread.counts.values()
-    assert (one.received, one.repeated, one.impossible, one.late) == (4, 3, 0, 0)
-    assert rig.queries.requests == [], "the clock is not measured again"
 
 
 def test_a_note_becomes_a_line_and_a_mark(rig: Rig) -> None:

@@ -122,11 +122,6 @@ def test_a_relative_motion_of_less_than_half_a_microstep_says_that_the_arms_do_n
     assert (again.turns, again.remark) == (True, "")
 
 
-@pytest.mark.parametrize("query", [turn(0.0), arms(0, 0, 0), PoseQuery(yaw=single(0.04)), turn(0.05)])
-def test_other_motions_get_no_remark(query: Query) -> None:
-    assert PLANNER.goal(query, at(REST)).remark == ""
-
-
 def test_the_limits_are_checked_on_the_exact_sum() -> None:
     robot = Robot()
     robot.carry_out(PoseQuery(pitch=single(34.9)))

@@ -47,11 +47,6 @@ def test_the_shipped_robot_may_be_written_into_a_file(tmp_path: Path) -> None:
     assert robot_file.load(write(tmp_path, text)) == ROBOT
 
 
-def test_the_bounds_of_each_range_are_allowed(tmp_path: Path) -> None:
-    text = "[limits]\ntilt_max = 44\ngap_min = 90\nyaw_max = 5\nspeed_max = 1\nspeed_default = 1\n"
-    assert robot_file.load(write(tmp_path, text)).limits.tilt_max == 44
-
-
 @pytest.mark.parametrize(
     ("text", "why"),
     [
@@ -104,21 +99,6 @@ def test_a_node_does_not_start_with_an_invalid_robot_file(
 ) -> None:
     assert main(["--robot-file", str(write(tmp_path, "[limits]\ntilt_max = 95\n"))]) == USAGE
     assert "lab.toml: [limits] tilt_max = 95.0: 5 to 44°" in capsys.readouterr().err
-
-
-def test_a_missing_file_is_reported(tmp_path: Path) -> None:
-    with pytest.raises(WrongUsage, match="cannot be read"):
-        robot_file.load(tmp_path / "none.toml")
-
-
-def test_an_endless_robot_file_is_refused() -> None:
-    with pytest.raises(WrongUsage, match="not a regular file"):
-        robot_file.load(Path("/dev/zero"))
-
-
-def test_a_robot_file_that_is_too_long_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(WrongUsage, match="is longer than"):
-        robot_file.load(write(tmp_path, "#" * (robot_file.LONGEST_FILE + 1)))
 
 
 def near(shipped: float) -> st.SearchStrategy[float]:

@@ -203,7 +203,10 @@ def test_sentences_are_those_of_the_golden_file(language: str) -> None:
         reason, limit, case = key_of(refusal)
         name = " ".join(filter(None, (reason.name, limit.name if limit else "", case)))
         count[name] += 1
-        same(f"{language}.{name} {count[name]}", sentences.render(refusal.reason, refusal.detail, LANGUAGES[language]))
+        same(
+            f"{language}.{name} {count[name]}",
+            sentences.render(refusal.reason, refusal.detail, LANGUAGES[language]),
+        )
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator
 
 import pytest
@@ -44,25 +43,11 @@ def test_a_signal_requests_a_shutdown(signals_as_before: None, number: signal.Si
     assert shutdown.requested(0)
 
 
-def test_sighup_stays_ignored_after_nohup(signals_as_before: None) -> None:
-    signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    shutdown = Shutdown()
-    shutdown.handle_signals()
-    signal.raise_signal(signal.SIGHUP)
-    assert not shutdown.requested(0)
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_while_python_exits_does_not_change_the_exit_code(number: signal.Signals) -> None:
     code = "import atexit, signal; from beatrix_zenoh.shutdown import process\n"
     code += f"atexit.register(signal.raise_signal, {number:d}); process(lambda: 7)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 7
-
-
-def test_another_thread_requests_a_shutdown() -> None:
-    shutdown = Shutdown()
-    threading.Timer(0.01, shutdown.request).start()
-    shutdown.wait()
 
 
 @pytest.mark.timeout(30)  # if a request took a lock, this would block within milliseconds

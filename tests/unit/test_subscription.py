@@ -88,16 +88,6 @@ def test_values_come_in_order_with_robot_and_time(client: FakeClient) -> None:
     assert subscription.take(0.01) == []
 
 
-def test_nothing_is_decoded_before_it_is_read(client: FakeClient) -> None:
-    subscription = subscribed(client)
-    for name in "abc":
-        client.bus.publish(status(name))
-    assert client.reads == 0
-    assert (subscription.latest, subscription.latest) == ("c", "c")
-    assert client.reads == 1
-    assert subscription.take() == ["a", "b", "c"]
-
-
 def test_the_oldest_publications_are_dropped_and_counted(client: FakeClient) -> None:
     subscription = subscribed(client, length=2)
     for name in "abcde":
@@ -159,13 +149,6 @@ def test_a_channel_decodes_the_newest_message_once_and_returns_its_age(client: F
     assert client.reads == 1
     channel.put(b"garbage")
     assert channel.read(channel._times[-1]) == (None, 0.0)
-
-
-def test_the_rate_is_that_of_the_last_second(client: FakeClient) -> None:
-    channel = Channel(cast("Client", client), KEY, Status)
-    channel._times.extend(10.0 + 0.02 * number for number in range(50))
-    assert channel.rate(10.98) == pytest.approx(50.0)
-    assert channel.rate(20.0) == 0.0
 
 
 def event(seq: int, t_mono_ns: int = 0) -> Event:

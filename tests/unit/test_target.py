@@ -19,13 +19,6 @@ def test_every_path_begins_at_home_and_stays_within_the_bounds(path: TargetPath)
     assert (len(set(places)) == 1) == (path is TargetPath.STILL)
 
 
-def test_setting_the_place_ends_the_path() -> None:
-    target = Target(TargetPath.SWAY, start_s=0.0)
-    assert target.place(3.0) != target.place(4.0)
-    target.move((1.0, 0.5, 0.2))
-    assert target.place(5.0) == target.place(9.0) == (1.0, 0.5, 0.2)
-
-
 @pytest.mark.parametrize(("place", "field"), [((2.4, 0, 0), "x"), ((1, -2.1, 0), "y"), ((1, 0, 1.2), "z")])
 def test_a_place_outside_the_room_is_refused_with_the_bounds(
     place: tuple[float, float, float], field: str
@@ -39,18 +32,8 @@ def test_a_place_outside_the_room_is_refused_with_the_bounds(
     assert target.place(1.0) == HOME
 
 
-def test_a_place_inside_the_robot_is_refused() -> None:
-    with pytest.raises(Refused, match=r"at least 0\.35 m is allowed"):
-        check((0.2, 0.2, 0.1))
-
-
 def answer_to(target: Target, payload: bytes = b"", encoding: str = "", parameters: str = "") -> TargetReply:
     return reply(target, RawQuery(payload, encoding, parameters), now_s=0.0)
-
-
-def test_an_empty_query_returns_the_place() -> None:
-    answer = answer_to(Target(TargetPath.STILL, 0.0))
-    assert (answer.result, answer.x, answer.y, answer.z) == (True, *HOME)
 
 
 @pytest.mark.parametrize(

@@ -9,13 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from beatrix_zenoh import account, files, settings
+from beatrix_zenoh import account, settings
 from beatrix_zenoh.classroom import class_file, router_file
 from beatrix_zenoh.client import choreography, motion_file
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion import robot_file
 from gui.console.state import saved
-from hw_node import hexfile
 
 
 def settings_in(path: Path) -> settings.Settings:
@@ -97,17 +96,3 @@ def test_the_refusal_of_another_encoding_names_it_and_the_cure(
     assert named in refused.value.message
     assert "save it again as " in refused.value.message
     assert refused.value.message.endswith("with the encoding UTF-8.")
-
-
-def test_an_image_of_the_firmware_is_read_with_byte_order_mark(tmp_path: Path) -> None:
-    path = tmp_path / "mine.hex"
-    path.write_bytes(codecs.BOM_UTF8 + b":0100000001FE\r\n:00000001FF\r\n")
-    assert hexfile.read(path) == b"\x01"
-
-
-@pytest.mark.parametrize("text", ["[geometry", "a = " + "[" * 50_000, "a = " + "9" * 5000, "teacher"])
-def test_the_refusal_of_invalid_toml_names_the_file(text: str, tmp_path: Path) -> None:
-    path = tmp_path / "mine.toml"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(WrongUsage, match=r"mine\.toml cannot be read as TOML: "):
-        files.toml(path, 1 << 20)

@@ -102,9 +102,3 @@ def test_speeds_stay_below_the_requested_or_present_speed(
     for _, _, rate in samples(trajectory, 30):
         for i in range(3):
             assert abs(rate[i]) <= max(tops[i], abs(velocity[i])) + 1e-9
-
-
-def test_a_trajectory_rests_before_and_after() -> None:
-    trajectory = plan(REST, REST, (1.0, 0.5, 0.0), (1.0, 1.0, 1.0), ACCELERATION, straight=True)
-    assert trajectory.at(-1.0) == (REST, REST)
-    assert trajectory.at(1e9) == ((1.0, 0.5, 0.0), REST)

@@ -97,26 +97,6 @@ def test_a_restored_board_continues_like_the_original() -> None:
     assert preview.transmit() == robot.transmit()
 
 
-def test_calibration_does_not_reset_pulses() -> None:
-    firmware = Firmware()
-    make_move(firmware, (30, -20, 10))
-    firmware.tick(450)
-    firmware.receive(encode(FrameType.CALIBRATE, 4, b""))
-    assert firmware.steps() == (0, 0, 0)
-    make_move(firmware, (1, 1, 1))
-    firmware.tick(300)
-    assert firmware.pulses() == (31, -19, 11)
-
-
-def test_set_points_have_fractions_of_a_step() -> None:
-    firmware = Firmware()
-    make_move(firmware, (100, -100, 0))
-    firmware.tick(5)
-    x, y, z = firmware.set_points()
-    assert 0 < x < 1
-    assert (y, z) == (-x, 0)
-
-
 def test_the_ticker_follows_real_time(board: VirtualBoard) -> None:
     begin = time.monotonic()
     ticker = RealTimeTicker(board)
@@ -140,13 +120,6 @@ def test_the_ticker_catches_up_after_a_delay(board: VirtualBoard) -> None:
         seen += telemetry(board.read(1))
     ticker.close()
     assert [t.tick for t in seen] == list(range(10, seen[-1].tick + 1, 10))
-
-
-def test_board_time_stops_when_the_ticker_is_closed(board: VirtualBoard) -> None:
-    ticker = RealTimeTicker(board)
-    ticker.close()
-    board.read(0)
-    assert board.read(0.03) == b""
 
 
 def test_a_missing_wasmtime_is_an_error_with_the_command_to_install_it(

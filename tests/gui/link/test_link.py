@@ -91,17 +91,6 @@ def test_stop_is_sent_at_once_while_the_window_is_busy(
         assert linked.end_of(row, "hw").accepted
 
 
-def test_a_request_to_no_robot_is_refused(linked: Linked) -> None:
-    linked.do(Send(1, look(5), ()))
-    assert "Neither" in linked.end_of(1).message
-
-
-def test_round_trips_are_measured(linked: Linked) -> None:
-    world = linked.until(lambda world: None not in world.latency_s.values(), "both have answered", 5.0)
-    assert set(world.latency_s) == {"sim", "hw"}
-    assert all(0 < (latency or 0) < 0.5 for latency in world.latency_s.values())
-
-
 # -- the session ----------------------------------------------------------------------------------
 
 

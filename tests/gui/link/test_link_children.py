@@ -9,19 +9,17 @@ from pathlib import Path
 
 import pytest
 from gui_links import Linked, look
-from robots import Stage, free_endpoint, until
+from robots import Stage, free_endpoint
 
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.processes import Child
 from beatrix_zenoh.recording.verbs.files import read_recording
-from gui.console.link.recordings import folder
 from gui.console.state.actions import (
     BeginRecording,
     EndRecording,
     RunSimulation,
     Send,
     ViewRecording,
-    WriteFile,
 )
 from gui.console.state.world import LinkPhase, RecordingProgress
 
@@ -57,23 +55,6 @@ def test_the_error_of_a_viewer_without_its_file_names_the_cause(linked: Linked, 
     assert "there is no such file" in world.child_trouble
 
 
-def test_a_file_is_written_or_the_failure_is_reported(linked: Linked, tmp_path: Path) -> None:
-    linked.do(WriteFile(1, tmp_path / "a.csv", "t_s,°\n"))
-    assert linked.end_of(1).accepted
-    assert (tmp_path / "a.csv").read_text(encoding="utf-8") == "t_s,°\n"
-    linked.do(WriteFile(2, tmp_path / "none" / "a.csv", ""))
-    end = linked.end_of(2)
-    assert (end.accepted, "cannot be written" in end.message) == (False, True)
-
-
-def test_the_world_has_limits_clock_and_session(linked: Linked) -> None:
-    world = linked.until(lambda world: world.limits is not None, "it has answered")
-    assert world.limits is not None
-    assert world.limits.tilt_max == pytest.approx(0.61, abs=0.01)
-    assert len(world.session) > 8
-    assert world.wall_s > 1.7e9
-
-
 # -- a simulation of the window -------------------------------------------------------------------
 
 
@@ -97,26 +78,12 @@ def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None
         linked.online("sim")
 
 
-def test_the_window_may_end_while_a_simulation_starts() -> None:
-    with Linked(free_endpoint()) as linked:
-        linked.do(RunSimulation())
-        children = linked.link._children
-        until(lambda: children._serving is not None and bool(children._serving.children), "the router starts")
-
-
 def test_a_simulation_for_a_router_on_another_computer_is_refused() -> None:
     with Linked("tcp/203.0.113.1:7447") as linked:
         linked.do(RunSimulation())
         world = linked.until(lambda world: not world.starting, "it is refused", READY_S)
         assert "another computer" in world.child_trouble
         assert not world.own_simulation
-
-
-def test_a_simulation_whose_name_is_in_use_is_reported(linked: Linked) -> None:
-    linked.do(RunSimulation())
-    world = linked.until(lambda world: not world.starting, "it has ended", READY_S)
-    assert "The simulation has ended" in world.child_trouble
-    assert not world.own_simulation
 
 
 # -- recordings -----------------------------------------------------------------------------------
@@ -187,11 +154,3 @@ def test_a_suspended_recorder_does_not_delay_the_end_of_the_window(linked: Linke
     os.kill(child._process.pid, signal.SIGSTOP)
     linked.close()
     assert child.code == -signal.SIGKILL
-
-
-def test_in_a_read_only_folder_recordings_go_to_documents(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setattr(os, "access", lambda *_: False)
-    monkeypatch.setattr(Path, "home", lambda: tmp_path)
-    assert folder() == tmp_path / "Documents" / "recordings"

@@ -8,7 +8,7 @@ from robots import Stage, until
 
 from beatrix_zenoh.client.degrees import pose_query
 from beatrix_zenoh.contract._generated.messages import Reason, Steps
-from gui.console.state.actions import AbortPlan, Select, Send, SendPlanNow, SendStop
+from gui.console.state.actions import AbortPlan, Select, Send, SendStop
 from gui.console.state.world import PlanPhase, World
 
 BOTH = ("sim", "hw")
@@ -73,13 +73,6 @@ def test_abort_leaves_the_hardware_unmoved_and_stops_the_simulation(linked: Link
     world = linked.until(lambda world: not world.sim.status.moving and world.plan is None, "it rests")  # type: ignore[union-attr]
     assert short(world, "sim") < 50
     assert steps(linked) == before
-
-
-def test_send_now_ends_the_lead(linked: Linked) -> None:
-    leading(linked, 1, 20.0, 30.0)
-    linked.do(SendPlanNow())
-    assert linked.end_of(1).accepted
-    linked.until(lambda world: short(world, "hw") == pytest.approx(20, abs=0.1), "there")
 
 
 def test_stop_within_the_lead_leaves_the_hardware_unmoved(linked: Linked) -> None:

@@ -48,15 +48,6 @@ def test_a_motion_replaces_a_choreography(linked: Linked) -> None:
     assert short(linked.world, "sim") == pytest.approx(0, abs=0.1)
 
 
-def test_a_file_that_is_too_large_is_refused(linked: Linked, tmp_path: Path) -> None:
-    large = tmp_path / "large.csv"
-    large.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n" + "0,0,0,0\n" * 100_000, encoding="utf-8")
-    linked.do(Play(1, ("sim",), large))
-    end = linked.end_of(1, timeout_s=2.0, side="sim")
-    assert end.reason is Reason.BAD_VALUE
-    assert "0.8 MB" in end.message
-
-
 def test_a_file_is_played_or_refused_with_the_line_of_the_error(linked: Linked, tmp_path: Path) -> None:
     path, wrong = tmp_path / "nod.csv", tmp_path / "wrong.csv"
     path.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n0.5,6,0,0\n1,6,0,0\n", encoding="utf-8")
