@@ -18,10 +18,9 @@ from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.degrees import HeadAngles, checked_wait, motion_query, pose_query
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.motion_file import FORM, SPEED, MotionFile, Place
-from beatrix_zenoh.client.plan import Plan
+from beatrix_zenoh.client.plan import Plan, RobotPair
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopEvents
-from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import ended, runs, stopped
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source
 from beatrix_zenoh.contract.errors import WrongUsage, naming
@@ -155,7 +154,7 @@ Progress = Callable[[str, Step], None]
 
 
 def play(
-    robots: Twin | Robot,
+    robots: RobotPair | Robot,
     choreography: Choreography,
     progress: Progress = lambda _title, _pose: None,
     *,
@@ -163,7 +162,7 @@ def play(
     lockstep: bool = False,
     check: Callable[[], None] = lambda: None,
 ) -> None:
-    """Play a choreography on one robot, or on both with a preview of each pose.
+    """Play a choreography on one robot, or on both robots of a `Twin` with a preview of each pose.
 
     By the clock, each robot begins a pose at its time, but not before it has reached its previous pose; the robots do
     not wait for each other. The hardware begins each pose `lead_s` (s) after the simulation. In lockstep a pose begins
@@ -191,7 +190,7 @@ def play(
 
 
 def _play_lockstep(
-    twin: Twin, choreography: Choreography, progress: Progress, check: Callable[[], None]
+    twin: RobotPair, choreography: Choreography, progress: Progress, check: Callable[[], None]
 ) -> None:
     begin_s = time.monotonic()
     for title, pose in choreography.steps:
@@ -294,7 +293,7 @@ def _play_alone(
 
 
 def _play_timed(
-    twin: Twin,
+    twin: RobotPair,
     choreography: Choreography,
     progress: Progress,
     check: Callable[[], None],

@@ -33,8 +33,8 @@ Start = tuple[PlanPosition, PlanPosition | None]
 """Positions of simulation and hardware at the preview; None: no hardware was online."""
 
 
-class Robots(Protocol):
-    """The twin that carries a plan out."""
+class RobotPair(Protocol):
+    """What a plan and a choreography need of a `Twin`."""
 
     sim: Robot
     hw: Robot
@@ -47,13 +47,16 @@ class Robots(Protocol):
     def start(self, motion: TwinMotion, *, wait: bool) -> None:
         """Begin a motion of both robots."""
 
+    def preview_query(self, query: MotionQuery | PoseQuery) -> Plan:
+        """Preview a motion (rad, rad/s)."""
+
 
 class Plan(ProcessBound):
     """A previewed motion, to be committed or aborted."""
 
     def __init__(
         self,
-        twin: Robots,
+        twin: RobotPair,
         query: MotionQuery | PoseQuery,
         preview: PreviewReply,
         start: Start,

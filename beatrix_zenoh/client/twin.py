@@ -200,13 +200,13 @@ class Twin(ProcessBound, Suggesting):
         """Start a motion of both robots, which replaces a running one; raises the errors of `TwinMotion.start`."""
         with self._starting:
             before, self._motion = self._motion, motion
-        held = before is not None and before.hold()
+        if before is None or not before.hold():
+            motion.start(wait=wait)
+            return
         try:
-            motion.start(wait=wait, begun=lambda: replace(before) if held else None)
+            motion.start(wait=wait, begun=lambda: before.end(Interrupted(Reason.REPLACED, REPLACED)))
         except BaseException:
-            if held and before is not None:
-                # The simulation has refused the new motion, so the old one must not reach the hardware alone.
-                before.cancel()
+            before.cancel()  # the simulation has refused the new motion: the old one must not reach the hardware alone
             raise
 
     # -- state -----------------------------------------------------------------------------------
@@ -265,12 +265,6 @@ def alike(twin: Twin) -> bool:
     with contextlib.suppress(NoAnswer):
         return not unlike(twin.state.info(twin.sim), twin.state.info(twin.hw))
     return True
-
-
-def replace(before: TwinMotion | None) -> None:
-    """End a motion in its lead because a newer one has begun."""
-    if before is not None:
-        before.end(Interrupted(Reason.REPLACED, REPLACED))
 
 
 def check_reachable(robots: Iterable[Robot], seat: str) -> None:
