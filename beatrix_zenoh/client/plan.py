@@ -110,7 +110,9 @@ class Plan(ProcessBound):
         except BeatrixError:
             self._motion = None
             raise
-        motion.prepare(*now, self._check_both, self._twin.state.check_present, measured=self._during is None)
+        motion.run.prepare(
+            *now, self._check_both, self._twin.state.check_present, measured=self._during is None
+        )
         self._twin.start(motion, wait=waits)
         return motion
 

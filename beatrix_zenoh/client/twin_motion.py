@@ -108,7 +108,8 @@ class TwinMotion(ProcessBound, Suggesting):
         self._sim, self._hw = sim, hw
         self._future: Future[TwinReplies] = Future()
         self._lead = Lead(lead_s)
-        self._run = TwinRun(sim, hw, replace(query, lead=lead_s), self._lead, self._future)
+        self.run = TwinRun(sim, hw, replace(query, lead=lead_s), self._lead, self._future)
+        """What carries the motion out, for `Twin` and `Plan`."""
 
     def __repr__(self) -> str:
         if self.done():
@@ -137,7 +138,7 @@ class TwinMotion(ProcessBound, Suggesting):
 
         None until both have ended, for a motion without a preview, and if one of them moved less than 0.5 deg.
         """
-        return self._run.lag_s
+        return self.run.lag_s
 
     @value_method
     def done(self) -> bool:
@@ -195,9 +196,9 @@ class TwinMotion(ProcessBound, Suggesting):
         """
         if self.done():
             return False
-        self.hold()
-        self.end(Interrupted(Reason.STOPPED, "Cancelled by this program."))
-        if self._run.thread not in (0, threading.get_ident()):
+        self.run.hold()
+        self.run.end(Interrupted(Reason.STOPPED, "Cancelled by this program."))
+        if self.run.thread not in (0, threading.get_ident()):
             try:
                 self._wait(CANCEL_S)
             except TimeoutError:
@@ -222,7 +223,23 @@ class TwinMotion(ProcessBound, Suggesting):
         """
         return not self.done() and self._lead.send_now()
 
-    # -- used by Twin, Plan and window -----------------------------------------------------------
+
+class TwinRun:
+    """Carries out a motion of both robots, and stops both if one fails."""
+
+    def __init__(
+        self, sim: Robot, hw: Robot, query: MotionQuery | PoseQuery, lead: Lead, future: Future[TwinReplies]
+    ) -> None:
+        self._sim, self._hw, self._query, self._lead, self._future = sim, hw, query, lead, future
+        self._begun: dict[Robot, Motion] = {}
+        self._sending: Robot | None = None
+        self._end: BeatrixError | None = None
+        """The error with which the motion is to end."""
+        self.thread = 0
+        """Identity of the thread that carries the motion out; 0: not started."""
+        self.begins: tuple[MotionBegin, MotionBegin] | None = None
+        """Begin of both motions; None: not measured."""
+        self.lag_s: float | None = None
 
     def prepare(
         self,
@@ -243,8 +260,8 @@ class TwinMotion(ProcessBound, Suggesting):
             measured: whether both robots are at rest there, so that the lag is measured.
         """
         if measured:
-            self._run.begins = MotionBegin(self._sim, sim.arms), MotionBegin(self._hw, hw.arms)
-        if self.lead_s:
+            self.begins = MotionBegin(self._sim, sim.arms), MotionBegin(self._hw, hw.arms)
+        if self._lead.lead_s:
             stops = StopEvents(self._sim, sim.t), StopEvents(self._hw, hw.t)
             self._lead.watch(check_both, check_present, stops)
 
@@ -254,7 +271,8 @@ class TwinMotion(ProcessBound, Suggesting):
 
     def end(self, why: BeatrixError) -> None:
         """Request that the motion ends with this error; only the first call has an effect."""
-        self._run.end(why)
+        self._end = self._end or why
+        self._lead.wake()
 
     def start(self, *, wait: bool, begun: Callable[[], None] = lambda: None) -> None:
         """Send the motion to the simulation, call `begun`, and without a lead send it to the hardware, too.
@@ -262,35 +280,8 @@ class TwinMotion(ProcessBound, Suggesting):
         Then wait until both have arrived, or continue in a thread.
 
         Raises:
-            BeatrixError: as `result`; without `wait` only the errors before it returns.
+            BeatrixError: as `TwinMotion.result`; without `wait` only the errors before it returns.
         """
-        self._run.start(wait=wait, begun=begun)
-
-
-class TwinRun:
-    """Carries out a motion of both robots, and stops both if one fails."""
-
-    def __init__(
-        self, sim: Robot, hw: Robot, query: MotionQuery | PoseQuery, lead: Lead, future: Future[TwinReplies]
-    ) -> None:
-        self._sim, self._hw, self._query, self._lead, self._future = sim, hw, query, lead, future
-        self._begun: dict[Robot, Motion] = {}
-        self._sending: Robot | None = None
-        self._end: BeatrixError | None = None
-        """The error with which the motion is to end."""
-        self.thread = 0
-        """Identity of the thread that carries the motion out; 0: not started."""
-        self.begins: tuple[MotionBegin, MotionBegin] | None = None
-        """Begin of both motions; None: not measured."""
-        self.lag_s: float | None = None
-
-    def end(self, why: BeatrixError) -> None:
-        """Request that the motion ends with this error; only the first call has an effect."""
-        self._end = self._end or why
-        self._lead.wake()
-
-    def start(self, *, wait: bool, begun: Callable[[], None]) -> None:
-        """Start the motion; see `TwinMotion.start`."""
         self.thread = threading.get_ident()
         try:
             self._raise_end()

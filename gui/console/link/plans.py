@@ -45,8 +45,8 @@ class Job:
         self.dropped = self.dropped or why
         motion = self.motion or (None if self.plan is None else self.plan.motion)
         if motion is not None:
-            motion.hold()
-            motion.end(why)
+            motion.run.hold()
+            motion.run.end(why)
 
 
 class Plans(Worker):
