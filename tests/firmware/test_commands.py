@@ -162,16 +162,6 @@ def test_enable_rejects_other_values_than_0_and_1(rig: Rig) -> None:
     assert rig.enable(2) == Error.BAD_VALUE
 
 
-def test_calibration_makes_the_present_position_home(ready: Rig) -> None:
-    ready.move((30, -40, 50))
-    ready.run()
-    ready.ask(FrameType.CALIBRATE)
-    assert ready.last.position == ready.steps == (0, 0, 0)
-    ready.move((0, 0, 1))
-    ready.run()
-    assert ready.steps == (0, 0, 1)
-
-
 @pytest.mark.parametrize("name", [b"a", b"bea-1", b"0-9-z", b"x" * 32])
 def test_a_valid_name_is_stored(rig: Rig, name: bytes) -> None:
     assert rig.ask(FrameType.SET_NAME, SetName(name).pack()) == Error.OK

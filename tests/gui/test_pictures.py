@@ -81,21 +81,6 @@ def test_a_camera_streams_only_while_its_pictures_are_wanted(
     assert images_taken.count(*LEFT) == last, "unsubscribed pictures are not delivered"
 
 
-def test_each_picture_is_of_a_camera_that_is_wanted(pictures: Pictures, images_taken: ImageLog) -> None:
-    wanted = {("sim", "outside"), ("sim", "left"), LEFT, RIGHT}
-    pictures.watch(frozenset(wanted))
-    until(lambda: images_taken.seen.keys() == wanted, "all four come", FIRST_S)
-    for side, eye in wanted:
-        image = images_taken.seen[side, eye][0]
-        assert image.jpeg[:2] == b"\xff\xd8"
-        assert (image.width, image.height) == (640, 480)
-    pictures.watch(frozenset({RIGHT}))
-    counts = {place: images_taken.count(*place) for place in wanted}
-    until(lambda: images_taken.count(*RIGHT) > counts[RIGHT] + 5, "the wanted pictures continue")
-    assert all(images_taken.count(*place) == counts[place] for place in wanted - {RIGHT})
-    assert threading.current_thread().name not in images_taken.threads
-
-
 def test_pictures_return_with_a_restarted_robot(stage: Stage, client: Client, images_taken: ImageLog) -> None:
     pictures = Pictures(client, "mortal", images_taken.add)
     pictures.watch(frozenset({LEFT}))

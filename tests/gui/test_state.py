@@ -77,16 +77,6 @@ def test_plus_and_minus_turn_by_or_to_the_increment(
     assert send.sides == ("sim",)
 
 
-def test_a_tooltip_shows_the_effect_before_it_is_sent() -> None:
-    now = world(robot("sim", arms=(12, 0, 0)))
-    rows = state_after().view(now).arms.rows
-    assert rows[0].plus.tooltip == "Short arm: 12.0° → 17.0°"
-    assert rows[3].plus.tooltip == "All arms: by +5.0° from the present position"
-    rows = state_after(intents.SetRelative(False), intents.SetIncrement(8.0)).view(now).arms.rows
-    assert rows[0].minus.tooltip == "Short arm: 12.0° → -8.0°"
-    assert rows[3].minus.tooltip == "All arms: to -8.0°"
-
-
 # -- destinations ------------------------------------------------------------------------------------
 
 
@@ -99,12 +89,6 @@ def test_with_both_boxes_checked_one_motion_is_sent_with_the_lead() -> None:
     state.handle(NOT_SIM, world())
     send = sent(state.handle(intents.SendHead(), world()))
     assert (send.sides, send.lead_s) == (("hw",), 0.0)
-
-
-def test_home_is_a_motion_that_the_hardware_makes_with_the_lead() -> None:
-    send = sent(state_after(BOTH).handle(RunCommand(Command.HOME), world()))
-    assert arms_of(send) == (0, 0, 0)
-    assert send.lead_s == 2.0
 
 
 def test_commands_go_to_the_checked_robots_or_to_the_one_that_is_named() -> None:
@@ -161,11 +145,6 @@ def test_an_absolute_jog_needs_the_angles_of_the_other_arms() -> None:
     assert refusal is not None
     assert "no positions arrive" in refusal.text
     assert arms_of(sent(state.handle(Jog("all", 1), now))) == (5, 5, 5)
-
-
-def test_limits_are_checked_by_the_robot_not_by_the_window() -> None:
-    off = world(robot("sim", known=status("sim", enabled=False)))
-    assert sent(state_after(intents.AimHead(0, 80, 0)).handle(intents.SendHead(), off)).sides == ("sim",)
 
 
 # -- stop --------------------------------------------------------------------------------------------

@@ -100,16 +100,6 @@ def test_a_pupil_is_shown_by_name_and_muted_by_seat() -> None:
     assert [view.text for view in muted.seats] == ["ana", "ben", "Cléo Brun (cleo) (muted)", "dora"]
 
 
-def test_a_pupil_who_drives_or_pressed_stop_is_shown_by_name() -> None:
-    first, *others = TEACHER.robots
-    robots = (replace(first, stops=(("cleo", 2),)), *others)
-    view = page(
-        opened(), replace(TEACHER, robots=robots, pupils={seat: f"Lu ({seat})" for seat in ("ana", "cleo")})
-    )
-    assert view.summary.endswith("STOP pressed: Lu (cleo) 2 (bea1 sim 2).")
-    assert view.rows[0].cells[3] == "Lu (ana) (taken)"
-
-
 def test_the_summary_counts_the_stops_of_each_seat() -> None:
     first, second, *others = TEACHER.robots
     robots = (replace(first, stops=(("cem", 30), ("", 1))), replace(second, stops=(("cem", 2),)), *others)

@@ -17,7 +17,7 @@ from beatrix_zenoh.cli.verbs import application
 from beatrix_zenoh.client import Plan, Robot, Twin
 from beatrix_zenoh.client.choreography import Choreography, choreography
 from beatrix_zenoh.client.motion_file import parse
-from beatrix_zenoh.contract._generated.messages import Command, Detail, Event, EventKind, Phase, Reason
+from beatrix_zenoh.contract._generated.messages import Command, Event, EventKind, Phase, Reason
 from beatrix_zenoh.contract.refusals import not_enabled
 from gui.console.state import intents
 from gui.console.state.actions import Outcome, Play, Send, SendCommand, WriteFile
@@ -169,34 +169,17 @@ def test_the_command_line_of_an_emergency_stop() -> None:
 # -- other seats -------------------------------------------------------------------------------------
 
 
-def event(
-    at_s: float,
-    action: str = "pose",
-    *,
-    kind: EventKind = EventKind.MOTION,
-    seat: str = "ana",
-    phase: Phase | None = Phase.ACCEPTED,
-    reason: Reason = Reason.OK,
-    motion: int = 1,
-    detail: Detail | None = None,
-    session: str = "",
-    times: int = 1,
-) -> Event:
-    return Event(
-        seq=next(SEQ),
-        t_mono_ns=int(at_s * 1e9),
-        t_wall_ns=int(at_s * 1e9),
-        kind=kind,
-        action=action,
-        seat=seat,
-        session=session,
-        phase=phase,
-        reason=reason,
-        motion=motion,
-        duration=1.2,
-        detail=detail,
-        count=times,
-    )
+def event(at_s: float, action: str = "pose", **fields: Any) -> Event:
+    """Return an event; by default that a motion of ana was accepted."""
+    at_ns = int(at_s * 1e9)
+    given: dict[str, Any] = {
+        "kind": EventKind.MOTION,
+        "seat": "ana",
+        "phase": Phase.ACCEPTED,
+        "motion": 1,
+        "duration": 1.2,
+    }
+    return Event(seq=next(SEQ), t_mono_ns=at_ns, t_wall_ns=at_ns, action=action, **given | fields)
 
 
 def rows(*sim: Event, hw: tuple[Event, ...] = ()) -> list[tuple[str, str, str, bool | None]]:

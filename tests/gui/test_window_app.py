@@ -11,8 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from gui.window.app import main
-
 PROGRAM = "import sys; from gui.window.app import main; sys.exit(main(sys.argv[1:]))"
 NOWHERE = "tcp/127.0.0.1:1"
 START_S, END_S = 30.0, 3.0
@@ -52,8 +50,3 @@ def test_without_a_display_the_window_is_refused(tmp_path: Path) -> None:
     assert (process.returncode, output) == (1, "")
     assert errors.startswith("No window can be opened because there is no display.")
     assert errors.count("\n") == 1
-
-
-def test_an_unknown_language_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--language", "xx"]) == 2
-    assert "Choose one of en, de" in capsys.readouterr().err

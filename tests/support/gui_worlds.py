@@ -3,28 +3,27 @@
 from __future__ import annotations
 
 import math
+from typing import Any
+
+from msgspec.structs import replace
+from statuses import AT_HOME, BOARD, READY
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.contract._generated.messages import (
-    BoardStatus,
-    CameraStatus,
     Detail,
     Event,
-    Fault,
-    FollowState,
     Head,
     MotionQuery,
     Positions,
     Reason,
     Status,
-    Steps,
     Vector3,
 )
 from gui.console.state.actions import Action, Outcome, Send
 from gui.console.state.intents import Intent, SetDestination
 from gui.console.state.state import State
-from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, World
+from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, World
 
 ENDPOINT = "tcp/127.0.0.1:7447"
 
@@ -34,69 +33,18 @@ def vector(short: float, middle: float, long: float) -> Vector3:
     return Vector3(*map(math.radians, (short, middle, long)))
 
 
-def status(
-    side: str,
-    *,
-    enabled: bool = True,
-    calibrated: bool = True,
-    moving: bool = False,
-    fault: Fault = Fault.NONE,
-    holder: str = "",
-    connected: bool = True,
-    cameras: tuple[CameraStatus, ...] = (),
-    lease: int = 0,
-    waiting: tuple[str, ...] = (),
-    frozen: bool = False,
-    following: FollowState = FollowState.OFF,
-    limit_deg: float = 0.0,
-    muted: tuple[str, ...] = (),
-) -> Status:
+def status(side: str, *, connected: bool = True, limit_deg: float = 0.0, **fields: Any) -> Status:
     """Return a status; by default of a ready robot."""
-    return Status(
-        t_mono_ns=0,
-        t_wall_ns=0,
-        robot="bea1",
-        side=side,
-        enabled=enabled,
-        calibrated=calibrated,
-        moving=moving,
-        motion=0,
-        fault=fault,
-        warnings=[],
-        calibrations=1,
-        holder=holder,
-        board=BoardStatus(
-            connected=connected,
-            port="virtual:",
-            name="bea1",
-            firmware="1.2",
-            contract="",
-            boot=1,
-            rejected_frames=0,
-            retries=0,
-        ),
-        cameras=list(cameras),
-        lease=lease,
-        waiting=list(waiting),
-        muted=list(muted),
-        frozen=frozen,
-        following=following,
-        speed_limit=math.radians(limit_deg),
-    )
+    board = replace(BOARD, connected=connected, port="virtual:", name="bea1", firmware="1.2")
+    lists = {name: [*value] for name, value in fields.items() if isinstance(value, tuple)}
+    limit = math.radians(limit_deg)
+    return replace(READY, robot="bea1", side=side, board=board, speed_limit=limit, **fields | lists)
 
 
 def positions(arms: tuple[float, float, float] = (0.0, 0.0, 0.0), yaw: float = 0.0) -> Positions:
     """Return the positions of a robot at rest; `arms` and `yaw` in deg."""
-    return Positions(
-        seq=1,
-        t_mono_ns=0,
-        t_wall_ns=0,
-        position=vector(*arms),
-        velocity=vector(0, 0, 0),
-        commanded=vector(*arms),
-        steps=Steps(0, 0, 0),
-        head=Head(math.radians(yaw), 0.0, 0.0),
-    )
+    place = vector(*arms)
+    return replace(AT_HOME, position=place, commanded=place, head=Head(math.radians(yaw), 0.0, 0.0))
 
 
 def robot(
@@ -129,37 +77,20 @@ def absent(side: str) -> RobotState:
 
 
 def world(
-    sim: RobotState | None = None,
-    hw: RobotState | None = None,
-    *,
-    phase: LinkPhase = LinkPhase.ON_LINE,
-    names: tuple[str, ...] = ("bea1",),
-    plan: PlanProgress | None = None,
-    recording: RecordingProgress | None = None,
-    starting: bool = False,
-    wall_s: float = 1_000_000.0,
-    playing: str = "",
-    seat: str = "ben",
-    robots: tuple[RobotState, ...] = (),
+    sim: RobotState | None = None, hw: RobotState | None = None, *, seat: str = "ben", **fields: Any
 ) -> World:
     """Return a world; by default both robots are ready, and the seat is `ben`."""
+    given: dict[str, Any] = {"phase": LinkPhase.ON_LINE, "names": ("bea1",), "wall_s": 1_000_000.0} | fields
     return World(
         now_s=100.0,
-        phase=phase,
         endpoint=ENDPOINT,
         seat=seat,
         robot="bea1",
         sim=sim or robot("sim"),
         hw=hw or robot("hw"),
-        names=names,
         latency_s={"sim": 0.002, "hw": None},
-        plan=plan,
-        recording=recording,
-        starting=starting,
-        playing=playing,
-        wall_s=wall_s,
         seats=("ana", "ben", "teacher"),
-        robots=robots,
+        **given,
     )
 
 

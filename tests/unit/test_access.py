@@ -153,12 +153,6 @@ def test_the_end_of_a_token_of_another_seat_ends_no_session(access: Access) -> N
     assert refusal(access, ANA, 0) is Reason.OK
 
 
-def test_a_caller_without_a_session_is_never_a_lost_client(access: Access) -> None:
-    begin_motion(access, NO_SESSION, 0)
-    assert not access.session_changed(NO_SESSION, 0, alive=False)
-    assert refusal(access, NO_SESSION, 1) is Reason.OK
-
-
 def test_only_the_newest_ended_sessions_are_remembered(access: Access) -> None:
     for number in range(ENDED_SESSIONS + 1):
         access.session_changed(Caller("x", f"s{number}"), 0, alive=False)

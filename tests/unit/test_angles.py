@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from beatrix_zenoh import BeatrixError, Robot
-from beatrix_zenoh.client.degrees import Speed, motion_query, pose_query, to_rad
+from beatrix_zenoh.client.degrees import Speed, motion_query, to_rad
 from beatrix_zenoh.contract.errors import WrongUsage
 
 
@@ -32,11 +32,6 @@ def test_finite_numbers_are_accepted(angle: float) -> None:
 def test_invalid_values_are_refused_with_the_name_of_the_angle(angle: float, message: str) -> None:
     with pytest.raises(BeatrixError, match=message):
         to_rad("yaw", angle)
-
-
-def test_the_error_for_a_wrong_speed_contains_the_unit() -> None:
-    with pytest.raises(BeatrixError, match=r"speed is 'fast': give a number of degrees/s\."):
-        pose_query(0, 0, 0, relative=False, speed="fast")  # type: ignore[arg-type]
 
 
 def test_each_arm_may_have_its_own_speed() -> None:

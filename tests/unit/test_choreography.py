@@ -10,7 +10,7 @@ from typing import cast
 
 import pytest
 
-from beatrix_zenoh import Interrupted, Refused, Robot, Twin
+from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose, choreography, load, play, shipped
 from beatrix_zenoh.client.motion import Motion
@@ -100,48 +100,7 @@ def test_a_file_is_read_and_a_shipped_one_is_found_by_its_name(tmp_path: Path) -
         load(Path(os.devnull))
 
 
-class Recorder:
-    """Stand-in for a Twin that records its calls; `commit` raises Refused if it is call number `fail_at`."""
-
-    def __init__(self, fail_at: int | None = None) -> None:
-        self.events: list[tuple[str, float]] = []
-        self._fail_at = fail_at
-        self.client = self.bus = self
-        self.closed = False
-
-    def preview_query(self, query: PoseQuery) -> Recorder:
-        self.events.append(("preview", round(math.degrees(query.yaw))))
-        return self
-
-    def commit(self) -> None:
-        self.events.append(("commit", 0))
-        if self._fail_at == len(self.events):
-            raise Refused(Reason.YAW_LIMIT, "too far")
-
-
 TWO_POSES = Choreography([("f", Pose(0.0, 1.0, 0, 0, 60.0)), ("f", Pose(0.02, 2.0, 0, 0, 60.0))])
-
-
-def test_in_lockstep_every_pose_is_previewed_before_it_is_committed() -> None:
-    stage = Recorder()
-    begun: list[str] = []
-    play(cast("Twin", stage), TWO_POSES, lambda title, pose: begun.append(f"{title}: {pose}"), lockstep=True)
-    assert stage.events == [("preview", 1), ("commit", 0), ("preview", 2), ("commit", 0)]
-    assert begun == ["f: yaw +1°, pitch +0°, roll +0°", "f: yaw +2°, pitch +0°, roll +0°"]
-
-
-def test_a_failed_motion_ends_the_choreography() -> None:
-    stage = Recorder(fail_at=2)
-    with pytest.raises(Refused):
-        play(cast("Twin", stage), TWO_POSES, lockstep=True)
-    assert len(stage.events) == 2
-
-
-def test_a_lead_and_lockstep_exclude_each_other() -> None:
-    stage = Recorder()
-    with pytest.raises(WrongUsage, match="leave lead_s out"):
-        play(cast("Twin", stage), TWO_POSES, lead_s=1.0, lockstep=True)
-    assert stage.events == []
 
 
 class EndedMotion:

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec import structs
+from statuses import AT_HOME
 
-from beatrix_zenoh.contract._generated.messages import Head, Positions, Steps, Vector3
+from beatrix_zenoh.contract._generated.messages import Head, Positions, Vector3
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.compare import compare
@@ -216,16 +218,7 @@ def message(k: int) -> Positions:
     """Return the k-th message of a robot at rest."""
     arms = Vector3(*(math.radians(angle) for angle in (1, 2, 3)))
     head = Head(*(math.radians(angle) for angle in (4, 5, 6)))
-    return Positions(
-        seq=k,
-        t_mono_ns=k * 20_000_000,
-        t_wall_ns=0,
-        position=arms,
-        velocity=arms,
-        commanded=arms,
-        steps=Steps(0, 0, 0),
-        head=head,
-    )
+    return structs.replace(AT_HOME, seq=k, t_mono_ns=k * 20_000_000, position=arms, commanded=arms, head=head)
 
 
 def test_recording_turns_messages_into_degrees_in_the_order_of_the_axes() -> None:

@@ -6,9 +6,9 @@ import math
 
 import pytest
 from msgspec.structs import replace
-from statuses import BOARD, READY
+from statuses import AT_HOME, BOARD, READY
 
-from beatrix_zenoh.contract._generated.messages import FollowState, Head, Positions, Status, Steps
+from beatrix_zenoh.contract._generated.messages import FollowState, Head, Status
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import vector
 from sim_node.following.course import SetPoint
@@ -41,14 +41,12 @@ def sample(
     """Return positions (deg, deg/s) of the hardware that are true at `at_s`; its clock is 1000 s ahead."""
     arms = deg(*place) if len(place) == 3 else deg(*(place or (0.0,)) * 3)
     there = arms if position is None else deg(position, position, position)
-    message = Positions(
-        seq=1,
+    message = replace(
+        AT_HOME,
         t_mono_ns=round((at_s + 1000) * 1e9),
-        t_wall_ns=0,
         position=vector(there),
         velocity=vector(deg(velocity, velocity, velocity)),
         commanded=vector(arms),
-        steps=Steps(0, 0, 0),
         head=Head(sum(there) / 3, 0.0, 0.0),
     )
     return Sample.of(message, at_s + delay_s)

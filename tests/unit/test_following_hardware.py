@@ -10,20 +10,15 @@ import msgpack
 import msgspec
 import pytest
 from msgspec.structs import replace
-from statuses import READY
+from statuses import AT_HOME, READY
 
 from beatrix_zenoh.bus import Received, Sessions
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Head, Positions, Status, Steps, Vector3
+from beatrix_zenoh.contract._generated.messages import Status
 from sim_node.following.follower import Sample
 from sim_node.following.hardware import HardwareMessages
 
-ZERO = Vector3(0.0, 0.0, 0.0)
-HOME = Positions(
-    seq=1, t_mono_ns=1, t_wall_ns=1, position=ZERO, velocity=ZERO, commanded=ZERO, steps=Steps(0, 0, 0),
-    head=Head(0.0, 0.0, 0.0),
-)  # fmt: skip
 POSITIONS, STATUS = keys.positions("bea", "hw"), keys.status("bea", "hw")
 
 
@@ -49,14 +44,14 @@ class Foreign:
 @pytest.mark.parametrize("field", ["position", "velocity", "commanded"])
 def test_positions_that_are_no_numbers_are_not_followed(field: str, value: object) -> None:
     foreign = Foreign()
-    message = msgspec.to_builtins(HOME)
+    message = msgspec.to_builtins(AT_HOME)
     message[field]["y"] = value
     foreign.publish(POSITIONS, msgpack.packb(message))
     message["t_mono_ns"] = value
     foreign.publish(POSITIONS, msgpack.packb(message))
     foreign.publish(POSITIONS, b"\xc1")
     assert foreign.samples == []
-    foreign.publish(POSITIONS, codec.encode(HOME))
+    foreign.publish(POSITIONS, codec.encode(AT_HOME))
     assert [sample.commanded.place for sample in foreign.samples] == [(0.0, 0.0, 0.0)]
 
 
@@ -71,6 +66,6 @@ def test_a_foreign_status_that_cannot_be_read_changes_nothing() -> None:
 def test_each_sample_says_whether_two_programs_publish() -> None:
     foreign = Foreign()
     for seq in (1, 2, 3, 500, 4, 501, 5, 502, 6, 503):
-        foreign.publish(POSITIONS, codec.encode(replace(HOME, seq=seq)))
+        foreign.publish(POSITIONS, codec.encode(replace(AT_HOME, seq=seq)))
     assert not any(sample.contested for sample in foreign.samples[:4])
     assert foreign.samples[-1].contested

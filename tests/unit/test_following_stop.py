@@ -11,14 +11,14 @@ from typing import Any, cast
 import pytest
 from access_callers import ANA
 from msgspec.structs import replace
-from statuses import READY
+from statuses import AT_HOME, READY
 
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.state import NO_TELEMETRY, BoardLink, TelemetrySample
 from beatrix_zenoh.bus import Received, Sessions
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import FollowState, Head, Positions, Steps
+from beatrix_zenoh.contract._generated.messages import FollowState, Head, Positions
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Move, MoveStraight
 from beatrix_zenoh.node import StatusFields
@@ -155,10 +155,15 @@ def positions(angle_deg: float, seq: int, velocity_deg_s: float = 0.0) -> Positi
     arms = vector((math.radians(angle_deg),) * 3)
     velocity = vector((math.radians(velocity_deg_s),) * 3)
     now_ns = time.monotonic_ns()
-    return Positions(
-        seq=seq, t_mono_ns=now_ns, t_wall_ns=now_ns, position=arms, velocity=velocity, commanded=arms,
-        steps=Steps(0, 0, 0), head=Head(arms.x, 0.0, 0.0),
-    )  # fmt: skip
+    return replace(
+        AT_HOME,
+        seq=seq,
+        t_mono_ns=now_ns,
+        position=arms,
+        velocity=velocity,
+        commanded=arms,
+        head=Head(arms.x, 0.0, 0.0),
+    )
 
 
 @pytest.fixture

@@ -50,10 +50,6 @@ def test_hidden_geoms_have_the_mass_of_the_robot(model: mujoco.MjModel) -> None:
     assert not mujoco.MjvOption().geomgroup[COLLISION]
 
 
-def test_the_centre_of_mass_of_the_head_is_that_of_the_robot_data(model: mujoco.MjModel) -> None:
-    assert model.body("head").ipos == pytest.approx([0.0, 0.0, ROBOT.head.centre_height])
-
-
 @pytest.mark.parametrize("geometry", GEOMETRIES)
 def test_rod_angle_closes_the_loop_of_any_pose(geometry: GeometryData) -> None:
     model = build(RobotData(geometry=geometry))

@@ -108,16 +108,6 @@ def test_a_driver_that_blocks_on_opening_is_an_error(
     camera.close()
 
 
-def test_a_closed_camera_is_released_and_delivers_no_pictures(camera: UsbCamera, module: FakeOpenCv) -> None:
-    assert camera.next(0.0) is None
-    camera.open()
-    picture(camera)
-    camera.close()
-    camera.close()
-    assert module.released == 1
-    assert camera.next(0.0) is None
-
-
 def test_opencv_cameras_are_selected_by_number(module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "cv2", module)
     monkeypatch.setattr("importlib.util.find_spec", lambda _: object())

@@ -2,19 +2,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import mujoco
 import numpy as np
 import pytest
 
 from beatrix_zenoh.motion.gear import Arms
 from sim_node import gl
-from sim_node.gl import GlPainter
-from sim_node.model import build_spec
 from sim_node.painter import Image
 from sim_node.picture import picture
-from sim_node.plant import Plant
-from sim_node.rays import RayPainter
-from sim_node.visuals import VISUAL
 
 HOME: Arms = (0.0, 0.0, 0.0)
 WIDTH, HEIGHT = 160, 120
@@ -54,40 +48,3 @@ def test_opengl_draws_the_robot() -> None:
     if gl.backend() is None:
         pytest.skip("no OpenGL on this machine")
     assert shows_the_robot(picture(HOME, WIDTH, HEIGHT))
-
-
-def test_both_painters_draw_similar_pictures() -> None:
-    name = gl.backend()
-    if name is None:
-        pytest.skip("no OpenGL on this machine")
-    posture = Plant().posture()
-    painter = GlPainter(build_spec(), WIDTH, HEIGHT, name=name, shadows=False, samples=0)
-    painter.pose(posture)
-    drawn = painter.paint("observer").astype(int)
-    painter.close()
-    rays = RayPainter(build_spec(), WIDTH, HEIGHT)
-    rays.pose(posture)
-    cast = rays.paint("observer").astype(int)
-    assert np.median(np.abs(drawn - cast)) < 30
-
-
-@pytest.mark.parametrize("camera", ["observer", "eye_left", "eye_right"])
-def test_rays_cast_together_hit_the_same_as_single_rays(camera: str) -> None:
-    """MuJoCo culls more geoms if rays are cast together, but must not cull those that a ray hits."""
-    painter = RayPainter(build_spec(), 48, 36)
-    plant = Plant()
-    painter.pose(plant.posture())
-    painter.paint(camera)
-    mujoco.mj_kinematics(plant.model, plant.data)
-    mujoco.mj_camlight(plant.model, plant.data)
-    eye = plant.data.camera(camera).xpos.copy()
-    rays = painter._rays(camera)
-    together = painter._cast(eye, rays)[0]
-    group = np.zeros(mujoco.mjNGROUP, dtype=np.uint8)
-    group[VISUAL] = 1
-    hit_geom = np.zeros(1, dtype=np.int32)
-    alone = []
-    for ray in rays:
-        mujoco.mj_ray(plant.model, plant.data, eye, ray, group, 1, -1, hit_geom)
-        alone.append(int(hit_geom[0]))
-    assert together.tolist() == alone

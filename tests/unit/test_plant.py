@@ -161,18 +161,6 @@ def test_without_motors_a_tilted_head_sinks_and_the_loop_stays_closed(plant: Pla
     assert plant.slipped() == (0, 0, 0)
 
 
-def test_motors_that_are_switched_on_lock_at_the_present_arm_angles(plant: Plant) -> None:
-    go(plant, HOME, TILTED)
-    hold_set_points(plant, TILTED, 1.0, drivers_on=False)
-    sagged = plant.arms()
-    hold_set_points(plant, TILTED, 0.5)
-    assert plant.slipped() == (0, 0, 0)
-    half_cycle = math.radians(2 * 1.8 * 26 / 68)
-    assert all(abs(a - s) <= half_cycle + 1e-3 for a, s in zip(plant.arms(), sagged, strict=True))
-    off = [abs(a - s) for a, s in zip(plant.arms(), plant.set_points(), strict=True)]
-    assert math.degrees(max(off)) < 0.25
-
-
 def test_straighten_sets_the_head_home_and_resets_slip(plant: Plant) -> None:
     push(plant, 3.5)
     plant.straighten()

@@ -53,14 +53,6 @@ def preview(move: Move | MoveStraight) -> Preview:
     return simulate_motion(*ready(), move)
 
 
-def test_largest_tilt_and_smallest_gap_are_those_of_the_whole_motion() -> None:
-    seen = preview(move_to(NODDED))
-    tilts = [math.acos(math.cos(pitch) * math.cos(roll)) for _, pitch, roll in seen.head]
-    assert seen.tilt_max >= max(tilts) - 1e-9
-    assert seen.tilt_max == pytest.approx(0.35, abs=math.radians(0.5))
-    assert seen.gap_min == pytest.approx(min(NECK.gaps(NODDED)), abs=math.radians(1.0))
-
-
 def test_a_preview_does_not_change_the_originals() -> None:
     plant, firmware = ready()
     posture, set_points, memory = plant.posture().tolist(), plant.set_points(), firmware.snapshot()

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import ast
 import importlib.util
-import io
 import re
 import subprocess
 import sys
-import tokenize
 import tomllib
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import house
 import pytest
 
 pytestmark = pytest.mark.no_cover  # it executes no code that coverage measures
@@ -37,15 +36,6 @@ SLEEPERS = {
 BUILT = {"_generated", "build", "dist", "demo-out"}
 """Folders with generated files only."""
 
-NOT_CODE = {
-    tokenize.COMMENT,
-    tokenize.NL,
-    tokenize.NEWLINE,
-    tokenize.INDENT,
-    tokenize.DEDENT,
-    tokenize.ENCODING,
-    tokenize.ENDMARKER,
-}
 CPP_COMMENT_OR_STRING = re.compile(r'//[^\n]*|/\*.*?\*/|("(?:\\.|[^"\\])*")', re.DOTALL)
 
 
@@ -61,27 +51,6 @@ def sources(folders: str, *suffixes: str) -> list[Path]:
         and path not in generated
         and not BUILT.intersection(path.relative_to(ROOT).parts)
     )
-
-
-def docstring_lines(tree: ast.AST) -> set[int]:
-    """Return the numbers of the lines of all docstrings of modules, classes, functions and attributes."""
-    return {
-        line
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Expr)
-        and isinstance(node.value, ast.Constant)
-        and isinstance(node.value.value, str)
-        for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)
-    }
-
-
-def python_code_lines(text: str) -> int:
-    """Return the number of lines of code in a Python file."""
-    lines: set[int] = set()
-    for token in tokenize.generate_tokens(io.StringIO(text).readline):
-        if token.type not in NOT_CODE:
-            lines.update(range(token.start[0], token.end[0] + 1))
-    return len(lines - docstring_lines(ast.parse(text)))
 
 
 def cpp_code_lines(text: str) -> int:
@@ -112,27 +81,15 @@ def sleeps(path: Path) -> bool:
     )
 
 
-@pytest.mark.parametrize(
-    ("text", "lines"),
-    [
-        ('"""Doc."""\n\n# why\nx = 1  # here\n', 1),
-        ('def f():\n    """Doc\n    goes on."""\n    return """a\n    b"""\n', 3),
-        ('x = 1\n"""Unit."""\n', 1),
-    ],
-)
-def test_code_is_counted_without_comments_and_docstrings(text: str, lines: int) -> None:
-    assert python_code_lines(text) == lines
-
-
 def test_cpp_code_is_counted_without_comments() -> None:
     assert cpp_code_lines('// a\nint x; /* b\nc */\nauto s = "// not a comment";\n\n') == 2
 
 
 def test_python_files_stay_small() -> None:
-    texts = {path: path.read_text(encoding="utf-8") for path in sources("*", ".py")}
-    assert texts
-    long = {path: text for path, text in texts.items() if text.count("\n") > FILE_MAX}
-    counted = {path: python_code_lines(text) for path, text in long.items()}
+    files = sources("*", ".py")
+    assert files
+    long = [path for path in files if path.read_text(encoding="utf-8").count("\n") > FILE_MAX]
+    counted = {path: house.code_lines(path) for path in long}
     assert [f"{path.relative_to(ROOT)}: {n}" for path, n in counted.items() if n > FILE_MAX] == []
 
 

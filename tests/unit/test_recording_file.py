@@ -8,12 +8,11 @@ import pytest
 
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording import file_output
-from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.file_output import PERIOD_S, FileOutput
+from beatrix_zenoh.recording.file_output import FileOutput
 from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import Numbers, Row, of_robot
-from beatrix_zenoh.recording.rrd.read import read, read_about
+from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.viewer import verify
 
 SIM = ("bea", "sim")
@@ -34,22 +33,6 @@ def messages() -> list[str]:
     return []
 
 
-def test_rows_are_written_twice_a_second_and_at_the_end(tmp_path: Path, messages: list[str]) -> None:
-    output = FileOutput(tmp_path / "lesson.rrd", messages.append)
-    output.show(RobotSet({SIM: Figure()}))
-    output.update(1e6)
-    before = output.bytes
-    output.write(sample(0))
-    assert not output.update(1e6 + PERIOD_S / 2)
-    assert output.bytes == before
-    assert not output.update(1e6 + PERIOD_S)
-    assert output.bytes > before
-    output.write(sample(1))
-    assert output.close()
-    assert len(read(tmp_path / "lesson.rrd").robots[SIM].time_ns) == 2
-    assert messages == []
-
-
 def test_each_file_of_a_rotated_recording_shows_the_robots(tmp_path: Path, messages: list[str]) -> None:
     output = FileOutput(tmp_path / "day.rrd", messages.append, rotate_s=60.0)
     output.show(RobotSet({SIM: Figure()}))
@@ -62,23 +45,6 @@ def test_each_file_of_a_rotated_recording_shows_the_robots(tmp_path: Path, messa
     assert [path.name for path in output.files] == ["day-001.rrd", "day-002.rrd", "day-003.rrd"]
     assert all(verify(path) == "" for path in output.files)
     assert len(read(output.files[1]).robots[SIM].time_ns) == 3
-
-
-def test_each_file_of_a_rotated_recording_describes_itself(tmp_path: Path, messages: list[str]) -> None:
-    output, about = (
-        FileOutput(tmp_path / "day.rrd", messages.append, rotate_s=1.0),
-        About(7, title="Lesson 2"),
-    )
-    output.describe(about)
-    output.update(1e6)
-    output.describe(about.with_seat("ana"))
-    output.update(1e6 + 2)
-    assert output.close()
-    assert [read_about(path) for path in output.files] == [
-        about,
-        about.with_seat("ana"),
-        about.with_seat("ana"),
-    ]
 
 
 def test_an_existing_file_is_not_overwritten(tmp_path: Path, messages: list[str]) -> None:

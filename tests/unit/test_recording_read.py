@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import msgspec
@@ -14,15 +11,9 @@ import rerun as rr
 
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.contract._generated.messages import (
-    Event,
-    EventKind,
     Info,
     LimitInfo,
-    MotionQuery,
-    Phase,
-    Vector3,
 )
-from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.figure import Figure
@@ -40,7 +31,7 @@ from beatrix_zenoh.recording.rows import (
 )
 from beatrix_zenoh.recording.rrd.read import read, read_about
 from beatrix_zenoh.recording.rrd.stream import Stream
-from beatrix_zenoh.recording.samples import ClockOffset, TimedEvent
+from beatrix_zenoh.recording.samples import ClockOffset
 from beatrix_zenoh.recording.viewer import verify
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
@@ -136,20 +127,6 @@ def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
     assert warning.startswith("Simulation and hardware of bea were started with different robot files")
 
 
-def test_events_are_read_with_what_was_requested(tmp_path: Path) -> None:
-    path = tmp_path / "lesson.rrd"
-    asked = Event(
-        seq=1, t_mono_ns=2, t_wall_ns=3, kind=EventKind.MOTION, action="motion", phase=Phase.ACCEPTED, motion=7,
-        motion_query=MotionQuery(position=Vector3(x=0.25, y=0.5, z=1.0), lead=1.5),
-    )  # fmt: skip
-    lines = [
-        Line(of_robot(SIM, "events"), BEGAN_NS, BEGAN_NS, "ana moves", "INFO", encode_json(asked).decode()),
-        Line(of_robot(SIM, "events"), BEGAN_NS + 1, BEGAN_NS, "a line of an earlier version", "INFO"),
-    ]
-    written(path, RobotSet({SIM: Figure()}), [[*sample(SIM, 0), *lines]])
-    assert read(path).events[SIM] == (TimedEvent(BEGAN_NS, asked),)
-
-
 def test_events_states_and_differences_are_read(tmp_path: Path) -> None:
     path = tmp_path / "lesson.rrd"
     other = [
@@ -193,23 +170,3 @@ def test_an_empty_recording_cannot_be_repaired(tmp_path: Path, capsys: pytest.Ca
     assert app.run(["record", "--repair", str(path)]) == 1
     assert "cannot be repaired: it contains no positions" in capsys.readouterr().err
     assert path.read_bytes() == b""
-
-
-def test_a_file_without_its_end_is_read_as_far_as_it_was_written(tmp_path: Path) -> None:
-    path = tmp_path / "killed.rrd"
-    program = (
-        "import os, sys; from pathlib import Path; from test_recording_read import *\n"
-        "stream = Stream('one', 'killed'); stream.to_file(Path(sys.argv[1])); stream.show(RobotSet({SIM: Figure()}))\n"
-        "[stream.send(sample(SIM, index)) for index in range(10)]\n"
-        "assert stream.flush(5.0); os._exit(9)\n"
-    )
-    folder = str(Path(__file__).parent)
-    done = subprocess.run(
-        [sys.executable, "-c", program, str(path)],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([folder, *sys.path])},
-        timeout=30,
-        check=False,
-    )
-    assert done.returncode == 9
-    assert verify(path) != ""
-    assert len(read(path).robots[SIM].time_ns) == 10

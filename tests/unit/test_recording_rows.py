@@ -6,7 +6,7 @@ import math
 
 import msgspec
 import pytest
-from statuses import BOARD, READY
+from statuses import AT_HOME, BOARD, READY
 
 from beatrix_zenoh.contract._generated.messages import (
     Event,
@@ -18,7 +18,6 @@ from beatrix_zenoh.contract._generated.messages import (
     Positions,
     Reason,
     Status,
-    Steps,
     Vector3,
 )
 from beatrix_zenoh.motion.kinematics import Neck
@@ -32,14 +31,12 @@ NOW_NS = 1_763_000_000_123_456_789
 def positions(yaw: float = 0.0, measured: Head | None = None) -> Positions:
     """Return positions of a robot whose head is turned by `yaw` (rad)."""
     vector = Vector3(*Neck().inverse(yaw, 0.0, 0.0))
-    return Positions(
-        seq=0,
-        t_mono_ns=0,
+    return msgspec.structs.replace(
+        AT_HOME,
         t_wall_ns=NOW_NS - 5,
         position=vector,
         velocity=vector,
         commanded=Vector3(0.1, 0.2, 0.3),
-        steps=Steps(0, 0, 0),
         head=Head(yaw, 0.0, 0.0),
         head_measured=measured,
     )
@@ -115,63 +112,21 @@ def test_a_robot_without_positions_is_lost_until_they_return(rows_of_robot: Robo
 
 
 @pytest.mark.parametrize(
-    ("happened", "text", "level"),
+    ("kind", "fields", "text", "level"),
     [
-        (
-            event(
-                EventKind.MOTION, action="pose", seat="ana", phase=Phase.ACCEPTED, message="Accepted: 1.2 s."
-            ),
-            "ana: pose (0.0 s)",
-            "INFO",
-        ),
-        (
-            event(
-                EventKind.MOTION,
-                action="pose",
-                seat="ana",
-                phase=Phase.ACCEPTED,
-                reason=Reason.ARM_GAP,
-                message="Too close.",
-            ),
-            "ana: pose refused: Too close.",
-            "WARN",
-        ),
-        (
-            event(
-                EventKind.MOTION, action="motion", phase=Phase.DONE, reason=Reason.STOPPED, message="Stopped."
-            ),
-            "unknown seat: Stopped.",
-            "INFO",
-        ),
-        (
-            event(EventKind.STOP, action="STOP", seat="ben", message="At rest."),
-            "ben: STOP: At rest.",
-            "ERROR",
-        ),
-        (
-            event(
-                EventKind.COMMAND,
-                action="ENABLE",
-                seat="ana",
-                reason=Reason.EMERGENCY,
-                count=3,
-                message="Latched.",
-            ),
-            "ana: enable refused: Latched. (3 times)",
-            "WARN",
-        ),
-        (
-            event(EventKind.BOARD, reason=Reason.BOARD_LOST, message="Gone."),
-            "Gone.",
-            "WARN",
-        ),
-        (event(EventKind.LOG, action="ERROR", message="Oh."), "Oh.", "ERROR"),
+        (EventKind.MOTION, {"phase": Phase.ACCEPTED, "message": "Accepted: 1.2 s."}, "ana: pose (0.0 s)", "INFO"),
+        (EventKind.MOTION, {"phase": Phase.ACCEPTED, "reason": Reason.ARM_GAP, "message": "Too close."}, "ana: pose refused: Too close.", "WARN"),
+        (EventKind.MOTION, {"phase": Phase.DONE, "reason": Reason.STOPPED, "seat": "", "message": "Stopped."}, "unknown seat: Stopped.", "INFO"),
+        (EventKind.STOP, {"action": "STOP", "message": "At rest."}, "ana: STOP: At rest.", "ERROR"),
+        (EventKind.COMMAND, {"action": "ENABLE", "reason": Reason.EMERGENCY, "count": 3, "message": "No."}, "ana: enable refused: No. (3 times)", "WARN"),
+        (EventKind.BOARD, {"reason": Reason.BOARD_LOST, "message": "Gone."}, "Gone.", "WARN"),
+        (EventKind.LOG, {"action": "ERROR", "message": "Oh."}, "Oh.", "ERROR"),
     ],
-)
+)  # fmt: skip
 def test_each_event_is_converted_to_one_line(
-    rows_of_robot: RobotRows, happened: Event, text: str, level: str
+    rows_of_robot: RobotRows, kind: EventKind, fields: dict[str, object], text: str, level: str
 ) -> None:
+    happened = event(kind, **{"action": "pose", "seat": "ana"} | fields)
     line = next(row for row in rows_of_robot.event(happened, NOW_NS) if isinstance(row, Line))
-    assert line.path == "bea/hw/events"
-    assert line.text == f"02:13:20.123  bea hw:  {text}"
+    assert (line.path, line.text) == ("bea/hw/events", f"02:13:20.123  bea hw:  {text}")
     assert line.level == level

@@ -11,17 +11,14 @@ from typing import cast
 import msgspec
 import pytest
 from robots import until
-from statuses import READY
+from statuses import AT_HOME, READY
 
 from beatrix_zenoh.client.clocks import Offset
 from beatrix_zenoh.client.subscription import Arrival
 from beatrix_zenoh.contract._generated.messages import (
     Event,
-    Head,
     Positions,
     Status,
-    Steps,
-    Vector3,
 )
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.codec import decode_json
@@ -36,7 +33,6 @@ from beatrix_zenoh.recording.samples import Note
 from beatrix_zenoh.recording.subscriptions import RobotSubscriptions, Value
 
 BEA = ("bea", "hw")
-ZERO = Vector3(0.0, 0.0, 0.0)
 AHEAD_NS = 3_600_000_000_000
 """Time by which the robot's clock is ahead of the recorder's."""
 
@@ -155,15 +151,8 @@ numbers = itertools.count()
 
 def positions(ahead_ns: int = AHEAD_NS) -> Positions:
     """Return positions of this moment, with the time stamp of a clock that is ahead by `ahead_ns`."""
-    return Positions(
-        seq=next(numbers),
-        t_mono_ns=time.monotonic_ns() + ahead_ns,
-        t_wall_ns=7,
-        position=ZERO,
-        velocity=ZERO,
-        commanded=ZERO,
-        steps=Steps(0, 0, 0),
-        head=Head(0.0, 0.0, 0.0),
+    return msgspec.structs.replace(
+        AT_HOME, seq=next(numbers), t_mono_ns=time.monotonic_ns() + ahead_ns, t_wall_ns=7
     )
 
 

@@ -30,14 +30,6 @@ def drain(queue: ControllerQueue) -> None:
         run()
 
 
-def test_entries_run_in_order() -> None:
-    log, queue = Log(), ControllerQueue()
-    for name in "abc":
-        queue.post(*log.task(name))
-    drain(queue)
-    assert log.ran == ["a", "b", "c"]
-
-
 def test_a_newer_motion_of_a_seat_replaces_the_older_and_runs_last() -> None:
     log, queue = Log(), ControllerQueue()
     queue.post_latest("ana", *log.task("old"))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import threading
 from collections.abc import Callable
 from typing import TypeVar, cast
@@ -128,13 +127,6 @@ def test_close_ends_an_iteration_in_another_thread(client: FakeClient) -> None:
         subscription.next()
     subscription._inbox.receive(Received(KEY, status("late"), "", None))
     assert subscription.take() == []
-
-
-def test_closing_the_client_closes_its_subscriptions(client: FakeClient) -> None:
-    subscription = subscribed(client, timeout_s=None)
-    (close,) = client.closing
-    close()
-    assert list(itertools.islice(subscription, 1)) == []
 
 
 def test_a_channel_decodes_the_newest_message_once_and_returns_its_age(client: FakeClient) -> None:

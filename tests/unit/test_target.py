@@ -3,8 +3,7 @@ from __future__ import annotations
 import pytest
 
 from beatrix_zenoh.bus.query_forms import RawQuery
-from beatrix_zenoh.contract import codec
-from beatrix_zenoh.contract._generated.messages import Reason, TargetQuery, TargetReply
+from beatrix_zenoh.contract._generated.messages import Reason, TargetReply
 from beatrix_zenoh.contract.errors import Refused
 from sim_node.target import BOUNDS, HOME, PERIOD_S, Target, TargetPath, check, on_path, reply
 
@@ -34,20 +33,6 @@ def test_a_place_outside_the_room_is_refused_with_the_bounds(
 
 def answer_to(target: Target, payload: bytes = b"", encoding: str = "", parameters: str = "") -> TargetReply:
     return reply(target, RawQuery(payload, encoding, parameters), now_s=0.0)
-
-
-@pytest.mark.parametrize(
-    "raw",
-    [
-        {"payload": b"1 0.5 0.25"},
-        {"payload": b'{"x": 1, "y": 0.5, "z": 0.25}'},
-        {"payload": codec.encode(TargetQuery(x=1.0, y=0.5, z=0.25)), "encoding": codec.MSGPACK},
-        {"parameters": "x=1;y=.5;z=0.25"},
-    ],
-)
-def test_every_form_of_a_query_sets_the_place(raw: dict[str, str]) -> None:
-    answer = answer_to(Target(TargetPath.SWAY, 0.0), **raw)  # type: ignore[arg-type]
-    assert (answer.result, answer.x, answer.y, answer.z) == (True, 1.0, 0.5, 0.25)
 
 
 @pytest.mark.parametrize("wrong", [b"1 2", b"1 2 3 4", b"there", b"1 nan 0", b'{"x": 1}', b"9 0 0"])

@@ -7,7 +7,7 @@ from typing import cast
 
 import msgspec
 import pytest
-from statuses import READY
+from statuses import AT_HOME, READY
 
 from beatrix_zenoh import Monitor, NoAnswer, Refused, Robot
 from beatrix_zenoh.client.degrees import ArmAngles
@@ -16,26 +16,16 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Arrival
 from beatrix_zenoh.client.twin_motion import MotionBegin, lag_s
 from beatrix_zenoh.client.twin_state import TwinState
-from beatrix_zenoh.contract._generated.messages import Head, Positions, Reason, Status, Steps, Vector3
+from beatrix_zenoh.contract._generated.messages import Positions, Reason, Status, Vector3
 from beatrix_zenoh.settings import Settings
 
 OFF = msgspec.structs.replace(READY, enabled=False)
-ZERO = Vector3(0.0, 0.0, 0.0)
 
 
 def positions(t_mono_ns: int = 0, short: float = 0.0) -> Positions:
     """Return positions with the short arm at `short` (rad) and the other arms at 0."""
     arms = Vector3(short, 0.0, 0.0)
-    return Positions(
-        seq=0,
-        t_mono_ns=t_mono_ns,
-        t_wall_ns=0,
-        position=arms,
-        velocity=ZERO,
-        commanded=arms,
-        steps=Steps(0, 0, 0),
-        head=Head(0.0, 0.0, 0.0),
-    )
+    return msgspec.structs.replace(AT_HOME, t_mono_ns=t_mono_ns, position=arms, commanded=arms)
 
 
 class Published:

@@ -56,16 +56,6 @@ def test_read_returns_after_its_timeout(board: VirtualBoard) -> None:
     assert 0.04 < time.monotonic() - begin < 5
 
 
-def test_a_waiting_reader_wakes_when_bytes_arrive(board: VirtualBoard) -> None:
-    board.read(0)
-    got: list[bytes] = []
-    reader = threading.Thread(target=lambda: got.append(board.read(30)))
-    reader.start()
-    board.advance(10)
-    reader.join(30)
-    assert [t.tick for t in telemetry(got[0])] == [10]
-
-
 def test_close_wakes_a_reader_and_rejects_writes(board: VirtualBoard) -> None:
     board.read(0)
     got: list[bytes] = []
