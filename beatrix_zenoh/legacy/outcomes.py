@@ -116,7 +116,7 @@ class Outcomes:
         if cause is not None:
             self._explained(line, cause)
         elif line.effect is not Effect.NONE:
-            self.settle()
+            self.report_unexplained()
             self._unexplained, self._refused_s = line, time.monotonic()
             self._presumed = REFUSED_BY_BOARD
             if line.effect is Effect.MOVE:
@@ -137,7 +137,7 @@ class Outcomes:
         """Return whether the board has not explained a refusal within EXPLAINED_S; any thread may call it."""
         return self._unexplained is not None and time.monotonic() - self._refused_s > EXPLAINED_S
 
-    def settle(self) -> None:
+    def report_unexplained(self) -> None:
         """Report the refusal that the board has not explained."""
         line, self._unexplained = self._unexplained, None
         if line is not None:

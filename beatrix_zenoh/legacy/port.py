@@ -222,7 +222,7 @@ class LineQueue:
     def observe(self) -> None:
         """Refuse the lines that the board will never answer; report the refusals that it has not explained."""
         if self._outcomes.overdue():
-            self._outcomes.settle()
+            self._outcomes.report_unexplained()
         sent = [line for line in self._lines if line.sent]
         if not self._link.gave_up(sent):
             return

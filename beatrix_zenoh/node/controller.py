@@ -189,7 +189,7 @@ class MotionController:
         except BeatrixError as error:
             self.diagnostics.warn(error.message, error.reason)
 
-    def settle_stop(self, *, acknowledged: bool = True) -> None:
+    def stop_sent(self, *, acknowledged: bool = True) -> None:
         """End what STOP has not ended yet: later motions of other queues, and a motion that has overtaken STOP.
 
         `acknowledged`: False if the board has refused or not answered STOP.

@@ -112,7 +112,7 @@ class TextDriving:
 
     def stop_sent(self) -> None:
         """Carry out step 3 of STOP (see `stop`) after @STOPALL was sent to the firmware."""
-        self._controller.settle_stop()
+        self._controller.stop_sent()
 
     def warn(self, text: str) -> None:
         """Show a sentence in the status for some seconds."""

@@ -3,7 +3,7 @@
 1. Zenoh's thread, or that of the puts (`press`): `Access` lets no motion begin from now on; the stop thread wakes.
 2. The stop thread: send the board one request for all waiting presses, EMERGENCY_STOP before STOP. A STOP that follows
    another one, without a motion in between, needs no request of its own.
-3. The controller's thread, before all waiting requests (`settle`): stop a motion that has overtaken STOP.
+3. The controller's thread, before all waiting requests (`stop_sent`): stop a motion that has overtaken STOP.
 4. The controller's thread, when the board reports that the arms rest (`Rest`): reply.
 
 Two more files belong to the way of a STOP: `access` refuses motions, and `controller` ends those that run.
@@ -183,13 +183,13 @@ class StopHandler(Component):
             refusal = closing if error is None else not_stopped(error)
             end_all(handles, command_refusal(refusal, self._controller.arms()))
 
-        self._requests.queue.post_urgent(lambda: self.settle(command, handles, error), decline)
+        self._requests.queue.post_urgent(lambda: self.stop_sent(command, handles, error), decline)
 
-    # -- 3. settled, on the controller's thread -----------------------------------------------------
+    # -- 3. ended, on the controller's thread -----------------------------------------------------
 
-    def settle(self, command: Command, handles: list[RequestHandle], error: BeatrixError | None) -> None:
+    def stop_sent(self, command: Command, handles: list[RequestHandle], error: BeatrixError | None) -> None:
         """Carry out step 3 after the board has acknowledged STOP, or has refused or not answered it (`error`)."""
-        self._controller.settle_stop(acknowledged=error is None)
+        self._controller.stop_sent(acknowledged=error is None)
         if error is None and command is Command.EMERGENCY_STOP:
             error = self._check_latch()
         if error is None:

@@ -217,7 +217,7 @@ def test_a_motion_that_begins_just_after_stop_is_stopped_too(stage: Stage) -> No
     robot = ready(stage.robot("bea", "hw"))
     motion = robot.look(yaw=40, wait=False)
     until(lambda: robot.positions().commanded.short > 1, "moving")
-    node.controller.settle_stop()  # as if STOP had reached the board before the motion
+    node.controller.stop_sent()  # as if STOP had reached the board before the motion
     with pytest.raises(Interrupted) as ended:
         motion.wait()
     assert ended.value.reason is Reason.STOPPED

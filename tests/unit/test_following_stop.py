@@ -141,9 +141,9 @@ class Following:
         self.access.stop_pressed(ANA, time.monotonic())
         self.board.request(FrameType.STOP)
 
-    def settle_stop(self) -> None:
+    def stop_sent(self) -> None:
         """Do what the handler of STOP then does on the controller's thread."""
-        self.controller.settle_stop()
+        self.controller.stop_sent()
 
     def status(self) -> StatusFields:
         fields = StatusFields()
@@ -211,11 +211,11 @@ def test_a_stop_at_any_point_of_a_step_ends_with_a_stop(*, settled_first: bool) 
             break
         points = point
         if settled_first:
-            following.settle_stop()
+            following.stop_sent()
         following.place(80.0)
         following.place(60.0)
         if not settled_first:
-            following.settle_stop()
+            following.stop_sent()
         assert following.board.frames[-1] == STOP, f"STOP at point {point}: {following.board.frames}"
         assert following.status().values["following"] is FollowState.OFF
     assert points > 5
