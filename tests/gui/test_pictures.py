@@ -10,7 +10,7 @@ from robots import Process, Stage, until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import CameraImage, Client
-from gui.console.link.pictures import Pictures
+from gui.console.link.pictures import RobotPictures
 
 FIRST_S = 20.0
 """Longest wait (s) for the first picture, which starts rendering."""
@@ -61,14 +61,14 @@ def images_taken() -> ImageLog:
 
 
 @pytest.fixture
-def pictures(client: Client, images_taken: ImageLog) -> Iterator[Pictures]:
-    made = Pictures(client, "bea", images_taken.add)
+def pictures(client: Client, images_taken: ImageLog) -> Iterator[RobotPictures]:
+    made = RobotPictures(client, "bea", images_taken.add)
     yield made
     made.close()
 
 
 def test_a_camera_streams_only_while_its_pictures_are_wanted(
-    pictures: Pictures, images_taken: ImageLog, hw: Robot
+    pictures: RobotPictures, images_taken: ImageLog, hw: Robot
 ) -> None:
     pictures.watch(frozenset({LEFT}))
     until(lambda: images_taken.count(*LEFT) > 3, "pictures come", FIRST_S)
@@ -82,7 +82,7 @@ def test_a_camera_streams_only_while_its_pictures_are_wanted(
 
 
 def test_pictures_return_with_a_restarted_robot(stage: Stage, client: Client, images_taken: ImageLog) -> None:
-    pictures = Pictures(client, "mortal", images_taken.add)
+    pictures = RobotPictures(client, "mortal", images_taken.add)
     pictures.watch(frozenset({LEFT}))
 
     def born() -> Process:
@@ -102,7 +102,7 @@ def test_a_session_for_pictures_that_cannot_be_opened_is_tried_again(
     """The window's own session is open; the session for pictures cannot be opened at first."""
     endpoint = client.settings.connect
     client.settings = type(client.settings)("bea", "tcp/127.0.0.1:1", "window")
-    pictures = Pictures(client, "bea", images_taken.add)
+    pictures = RobotPictures(client, "bea", images_taken.add)
     monkeypatch.setattr("gui.console.link.pictures.RETRY_S", 0.1)
     pictures.watch(frozenset({LEFT}))
     client.settings = type(client.settings)("bea", endpoint, "window")

@@ -14,16 +14,14 @@ from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.settings import Settings
-from gui.console.link.cameras import Cameras
-from gui.console.link.children import Children
+from gui.console.link.children import Children, Recordings
 from gui.console.link.connection import Connection
 from gui.console.link.governing import ClassStates, Governing
 from gui.console.link.outcomes import deselected, done, failed, replaced, stopped
-from gui.console.link.pictures import OnImage
+from gui.console.link.pictures import Cameras, OnImage
 from gui.console.link.plans import Plans
 from gui.console.link.playing import Playing
 from gui.console.link.probe import Probe
-from gui.console.link.recordings import Recordings
 from gui.console.link.request_queue import RequestQueue
 from gui.console.link.stopping import send_stop
 from gui.console.link.worker import Part, Worker

@@ -1,4 +1,4 @@
-"""Subscriptions to exactly the visible pictures, because cameras are on only while a client subscribes."""
+"""Subscriptions to exactly the visible pictures of the selected robot: cameras are on only while a client subscribes."""
 
 from __future__ import annotations
 
@@ -12,16 +12,18 @@ from beatrix_zenoh.client import CameraImage, Client
 from beatrix_zenoh.client.subscription import Subscription, images
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
+from gui.console.link.connection import Session
+from gui.console.link.worker import Worker
 
 OnImage = Callable[[str, CameraImage], None]
 """Twin and picture."""
 RETRY_S: Final = 1.0
 """Time between attempts to open the session for pictures while no router answers."""
 CLOSE_S: Final = 1.0
-"""Longest time that `Pictures.close` takes."""
+"""Longest time that `RobotPictures.close` takes."""
 
 
-class Pictures:
+class RobotPictures:
     """Camera pictures of the robots of one name; only one thread may call the methods."""
 
     def __init__(self, client: Client, robot: str, on_image: OnImage) -> None:
@@ -33,7 +35,7 @@ class Pictures:
             on_image: called on threads of this object, for each picture; must return at once.
         """
         self._client, self._robot, self._on_image = client, robot, on_image
-        self._streams: dict[tuple[str, str], Stream] = {}
+        self._streams: dict[tuple[str, str], CameraStream] = {}
 
     def watch(self, wanted: frozenset[tuple[str, str]]) -> None:
         """Subscribe to exactly these cameras, pairs of side and eye; does not wait for router or robot.
@@ -44,7 +46,7 @@ class Pictures:
         for place in self._streams.keys() - wanted:
             self._streams.pop(place).end()
         for side, eye in wanted - self._streams.keys():
-            self._streams[side, eye] = Stream(self._client, (self._robot, side, eye), self._on_image)
+            self._streams[side, eye] = CameraStream(self._client, (self._robot, side, eye), self._on_image)
 
     def close(self) -> None:
         """End all subscriptions within 1 s; no picture is delivered after the return."""
@@ -55,7 +57,7 @@ class Pictures:
             stream.join(deadline_s - time.monotonic())
 
 
-class Stream:
+class CameraStream:
     """Pictures of one camera, read by a thread of its own."""
 
     def __init__(self, client: Client, camera: tuple[str, str, str], on_image: OnImage) -> None:
@@ -107,3 +109,44 @@ class Stream:
     def join(self, timeout_s: float) -> None:
         """Wait for the end of the thread, at most `timeout_s` (s)."""
         self._thread.join(max(0.0, timeout_s))
+
+
+class Cameras(Worker):
+    """Subscribes to wanted pictures when there is a session, and again when another robot is selected."""
+
+    def __init__(self, on_image: OnImage) -> None:
+        """Start the thread without subscriptions; `on_image` receives side and picture on threads of this object."""
+        super().__init__("window-cameras")
+        self._on_image = on_image
+        self._wanted: frozenset[tuple[str, str]] = frozenset()
+        self._pictures: RobotPictures | None = None
+
+    def watch(self, wanted: frozenset[tuple[str, str]]) -> None:
+        """Subscribe to exactly these cameras, pairs of side and eye; returns at once."""
+
+        def apply() -> None:
+            self._wanted = wanted
+            if self._pictures is not None:
+                self._pictures.watch(wanted)
+
+        self.put(apply)
+
+    def follow(self, session: Session) -> None:
+        """Subscribe to the pictures of this session's robots from now on; returns at once."""
+
+        def apply() -> None:
+            self._end()
+            self._pictures = RobotPictures(session.client, session.twin.name, self._on_image)
+            self._pictures.watch(self._wanted)
+
+        self.put(apply)
+
+    def _end(self) -> None:
+        if self._pictures is not None:
+            self._pictures.close()
+            self._pictures = None
+
+    def close(self) -> None:
+        """End the subscriptions and the thread; returns at once."""
+        self.put(self._end)
+        super().close()

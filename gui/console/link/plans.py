@@ -23,7 +23,7 @@ ABORTED = "Aborted in this window."
 
 
 @dataclass(eq=False)
-class Job:
+class PlanJob:
     """One motion of both robots, from the request to its end."""
 
     row: int
@@ -56,16 +56,16 @@ class Plans(Worker):
         super().__init__("window-plans")
         self._report = report
         self._lock = threading.Lock()
-        self._trying: Job | None = None
+        self._trying: PlanJob | None = None
         """the newest job, until it is committed"""
-        self._moving: Job | None = None
+        self._moving: PlanJob | None = None
         """the job that was committed last, until its end"""
 
     def send(
         self, row: int, twin: Twin, query: MotionQuery | PoseQuery, lead_s: float, clear: Callable[[], None]
     ) -> None:
         """Preview a motion and commit it; it replaces a motion that is being previewed or waits for its lead."""
-        job = Job(row, twin, query, lead_s, clear)
+        job = PlanJob(row, twin, query, lead_s, clear)
         self.drop_trying(replaced())
         with self._lock:
             self._trying = job
@@ -115,7 +115,7 @@ class Plans(Worker):
         if moving is not None and moving.motion is not None and not moving.motion.hardware_sent:
             moving.cancel(why)
 
-    def _finish(self, job: Job, outcome: Outcome) -> None:
+    def _finish(self, job: PlanJob, outcome: Outcome) -> None:
         with self._lock:
             first, job.reported = not job.reported, True
             if self._trying is job:
@@ -127,7 +127,7 @@ class Plans(Worker):
 
     # -- the worker's thread ------------------------------------------------------------------------
 
-    def _run(self, job: Job) -> None:
+    def _run(self, job: PlanJob) -> None:
         if job.dropped is not None:
             return
         began_s = time.monotonic()
@@ -151,7 +151,7 @@ class Plans(Worker):
             self._report(accepted(job.row, BOTH, job.plan.verdict, job.plan.duration + job.lead_s))
         motion.add_done_callback(lambda motion: self._ended(job, motion, time.monotonic() - began_s))
 
-    def _ended(self, job: Job, motion: TwinMotion, took_s: float) -> None:
+    def _ended(self, job: PlanJob, motion: TwinMotion, took_s: float) -> None:
         error = motion.exception(0.0)
         if error is None:
             self._finish(job, done(job.row, BOTH, motion.result(0.0).hw.message, took_s))

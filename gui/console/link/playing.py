@@ -19,7 +19,7 @@ END_S = 1.0
 
 
 @dataclass(eq=False)
-class Job:
+class PlayJob:
     """One play, from the request to its end."""
 
     action: Play
@@ -46,7 +46,7 @@ class Playing(Worker):
         super().__init__("window-play")
         self._report = report
         self._lock = threading.Lock()
-        self._job: Job | None = None
+        self._job: PlayJob | None = None
         self._idle = threading.Event()
         self._idle.set()
 
@@ -58,7 +58,7 @@ class Playing(Worker):
 
     def begin(self, action: Play, robots: Twin | Robot, clear: Callable[[], None]) -> None:
         """Start a play, which replaces the current one; `clear` ends other motions, on the play's thread."""
-        job = Job(action, robots, POSES if action.file is None else action.file.stem)
+        job = PlayJob(action, robots, POSES if action.file is None else action.file.stem)
         with self._lock:
             if self._job is not None:
                 self._job.ending = replaced()
@@ -78,7 +78,7 @@ class Playing(Worker):
 
     # -- the play's thread --------------------------------------------------------------------------
 
-    def _run(self, job: Job, clear: Callable[[], None]) -> None:
+    def _run(self, job: PlayJob, clear: Callable[[], None]) -> None:
         began_s = time.monotonic()
         try:
             job.check()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from gui.console.state import (
     arms,
-    banner,
     choices,
     class_page,
     commands,
@@ -60,7 +59,7 @@ class State:
         memory, texts = self._memory, self._memory.choices.texts
         return View(
             title=texts("title", robot=world.robot),
-            banner=banner.view(memory, world),
+            banner=pills.banner(memory, world),
             robots=tuple(sorted({*world.names, world.robot})),
             robot=world.robot,
             pills=pills.pills(world, texts),
