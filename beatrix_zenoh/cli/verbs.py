@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Sequence
+from importlib import metadata
 from typing import Annotated
 
 import typer
@@ -70,9 +71,10 @@ HELP = """Control BEATRIX, the humanoid head: the simulation, the robot, or both
 def print_version(given: bool) -> None:
     """Print the installed version and exit if the option is given."""
     if given:
-        from beatrix_zenoh.doctor.checks import DISTRIBUTION, version
-
-        say(f"beatrix {version(DISTRIBUTION) or 'from its sources, not installed'}")
+        try:
+            say(f"beatrix {metadata.version('beatrix-zenoh')}")
+        except metadata.PackageNotFoundError:
+            say("beatrix from its sources, not installed")
         raise typer.Exit
 
 

@@ -20,7 +20,7 @@ from beatrix_zenoh.client.choreography import Choreography, Step, play, shipped
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.files import replace_when_complete
+from beatrix_zenoh.files import new_file
 from beatrix_zenoh.output import FAILED, note, print_json, say
 from beatrix_zenoh.processes import JOIN, Role, Supervisor, advice, end_on_interrupt, watch
 from beatrix_zenoh.settings import Settings
@@ -68,7 +68,9 @@ def demo(
             if as_json:
                 print_json({"result": True, "message": "Both made the movement. It was not recorded."})
         else:
-            good = compared(copied(recording, out), out, as_json=as_json)
+            with new_file(out / RECORDING) as unfinished:
+                shutil.copyfile(recording, unfinished)
+            good = compared(out, as_json=as_json)
             if not gui:
                 show_recording(out / RECORDING)
         if keep or window is not None:
@@ -148,21 +150,10 @@ def progress(choreography: Choreography) -> Iterator[Callable[[str, Step], None]
         yield show_step
 
 
-def copied(recording: Path, out: Path) -> Path:
-    """Copy the recording into the folder, completely or not at all; raises Refused (BAD_VALUE) if that fails."""
-    path = out / RECORDING
-    try:
-        with replace_when_complete(path) as unfinished:
-            shutil.copyfile(recording, unfinished)
-    except OSError as error:
-        raise Refused(Reason.BAD_VALUE, f"{path} could not be written: {error.strerror}.") from error
-    return path
-
-
-def compared(recording: Path, out: Path, *, as_json: bool) -> bool:
-    """Run `beatrix compare` on the recording, and return whether both robots made the same movement."""
+def compared(out: Path, *, as_json: bool) -> bool:
+    """Run `beatrix compare` on the recording in a folder, and return whether both robots made the same movement."""
     plot = ("--png", str(out / PLOT)) if util.find_spec("matplotlib") is not None else ()
-    words = ("compare", str(recording), "--max-rest", REST_DEG, *plot)
+    words = ("compare", str(out / RECORDING), "--max-rest", REST_DEG, *plot)
     note(f"\nbeatrix {JOIN(words)}")
     done = subprocess.run(
         [*CLI, *words, *(["--json"] if as_json else [])], stdin=subprocess.DEVNULL, check=False

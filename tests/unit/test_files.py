@@ -1,4 +1,4 @@
-"""Files that are replaced completely or not at all, and the copy of the demo's recording on a full disk."""
+"""Files that are written completely or not at all, also on a full disk."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.demo.verbs import RECORDING, copied
-from beatrix_zenoh.files import replace_when_complete
+from beatrix_zenoh.files import new_file
 
 SMALL = 2048
 """Largest file on the full disk, bytes."""
@@ -32,18 +31,16 @@ def full_disk() -> Iterator[None]:
 
 
 def test_on_a_full_disk_an_existing_file_remains_and_no_incomplete_one_is_left(tmp_path: Path) -> None:
-    new, out = tmp_path / "new.rrd", tmp_path / "out"
-    new.write_bytes(bytes(2 * SMALL))
-    out.mkdir()
-    (out / RECORDING).write_text("old")
-    with full_disk(), pytest.raises(Refused, match="could not be written"):
-        copied(new, out)
-    assert {path.name: path.read_text() for path in out.iterdir()} == {RECORDING: "old"}
+    path = tmp_path / "demo.rrd"
+    path.write_text("old")
+    with full_disk(), pytest.raises(Refused, match="cannot be written"), new_file(path) as unfinished:
+        unfinished.write_bytes(bytes(2 * SMALL))
+    assert {found.name: found.read_text() for found in tmp_path.iterdir()} == {"demo.rrd": "old"}
 
 
 def test_an_existing_file_is_replaced_by_a_complete_one(tmp_path: Path) -> None:
-    path = tmp_path / "demo.csv"
+    path = tmp_path / "demo.rrd"
     path.write_text("old")
-    with replace_when_complete(path) as unfinished:
+    with new_file(path) as unfinished:
         unfinished.write_text("new")
-    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"demo.csv": "new"}
+    assert {found.name: found.read_text() for found in tmp_path.iterdir()} == {"demo.rrd": "new"}

@@ -10,7 +10,7 @@ import typer
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDES
-from beatrix_zenoh.files import replace_when_complete
+from beatrix_zenoh.files import new_file
 from beatrix_zenoh.output import FAILED, note, print_json, say
 from beatrix_zenoh.recording.verbs.files import read_recording
 from beatrix_zenoh.shutdown import signals_interrupt
@@ -175,9 +175,6 @@ def draw(path: Path, found: Comparison, title: str) -> None:
         ) from error
     if path.suffix.lower() != ".png":
         raise Refused(Reason.BAD_VALUE, f"--png {path}: the name must end in .png.")
-    try:
-        with signals_interrupt(), replace_when_complete(path) as unfinished:
-            twin_figure(found, title).savefig(unfinished, dpi=150)
-    except OSError as error:
-        raise Refused(Reason.BAD_VALUE, f"--png {path}: {error.strerror}. Name another file.") from error
+    with signals_interrupt(), new_file(path) as unfinished:
+        twin_figure(found, title).savefig(unfinished, dpi=150)
     note(f"The plot is in {path}.")

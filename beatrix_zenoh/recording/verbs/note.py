@@ -5,6 +5,7 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from typing import Annotated, Final
 
+import msgspec
 import typer
 
 from beatrix_zenoh.client.session import Client
@@ -37,24 +38,12 @@ def note(
         replies = send_note(client, " ".join(text))
     good = all(reply.result for reply in replies)
     if as_json:
-        print_json({"result": good, "recordings": [as_row(reply) for reply in replies]})
+        print_json({"result": good, "recordings": msgspec.to_builtins(replies)})
     else:
         for reply in replies:
             say(line(reply))
     if not good:
         raise typer.Exit(exit_code(next(reply.reason for reply in replies if not reply.result)))
-
-
-def as_row(reply: NoteReply) -> dict[str, object]:
-    """Return the outcome for one recording, for JSON output."""
-    return {
-        "result": reply.result,
-        "reason": reply.reason,
-        "message": reply.message,
-        "file": reply.file,
-        "title": reply.title,
-        "t_wall_ns": reply.t_wall_ns,
-    }
 
 
 def line(reply: NoteReply) -> str:
