@@ -26,6 +26,8 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, R
 from beatrix_zenoh.contract.errors import WrongUsage, naming
 
 SHIPPED = resources.files("beatrix_zenoh") / "choreographies"
+POLL_S = 0.01
+"""Period (s) in which playing by the clock looks at both robots."""
 
 
 class Pose(msgspec.Struct, frozen=True):
@@ -148,7 +150,6 @@ def checked_speed(speed: float) -> float:
     return speed
 
 
-POLL_S = 0.01
 Progress = Callable[[str, Step], None]
 """Called with the name of the gesture and the pose that begins."""
 

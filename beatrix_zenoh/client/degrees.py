@@ -1,4 +1,7 @@
-"""Degrees of the SDK and radians of the messages: positions that are read, and arguments that are checked and sent."""
+"""Degrees of the SDK and radians of the messages: positions that are read, and arguments.
+
+Invalid arguments are rejected before sending.
+"""
 
 from __future__ import annotations
 
@@ -23,6 +26,12 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+
+DAY_S = 86400.0
+SLOWEST, FASTEST = 0.01, 100.0
+"""Range of speed factors."""
+Speed = float | Sequence[float]
+"""Top speed in deg/s: one number for all arms, or three: short, middle, long."""
 
 
 class ArmAngles(NamedTuple):
@@ -183,13 +192,6 @@ def reading(positions: Positions) -> Reading:
         commanded=arm_angles(positions.commanded),
         head=head_angles(positions.head),
     )
-
-
-DAY_S = 86400.0
-SLOWEST, FASTEST = 0.01, 100.0
-"""Range of speed factors."""
-Speed = float | Sequence[float]
-"""Top speed in deg/s: one number for all arms, or three: short, middle, long."""
 
 
 def pose_query(yaw: float, pitch: float, roll: float, *, relative: bool, speed: float | None) -> PoseQuery:

@@ -28,6 +28,12 @@ RATE_S = 1.0
 """Time window (s) in which a rate is measured."""
 STOP_SEATS = 64
 """Largest number of seats whose STOPs are counted for each robot."""
+SESSIONS = 1000
+"""Largest number of sessions that are recorded; further ones, for example of a faulty program, are ignored."""
+ASK_S = 1.0
+"""Time limit (s) of the queries for the state that was published before the monitor began."""
+ROBOTS = 1000
+"""Largest number of robots; further names, for example of a faulty program, are ignored."""
 
 M = TypeVar("M", bound=msgspec.Struct)
 
@@ -187,15 +193,6 @@ class RobotRecord:
         if age_s is None:
             return Presence.SILENT
         return Presence.LOST if age_s > LOST_S else Presence.ON_LINE
-
-
-SESSIONS = 1000
-"""Largest number of sessions that are recorded; further ones, for example of a faulty program, are ignored."""
-
-ASK_S = 1.0
-"""Time limit (s) of the queries for the state that was published before the monitor began."""
-ROBOTS = 1000
-"""Largest number of robots; further names, for example of a faulty program, are ignored."""
 
 
 class Monitor(ProcessBound):

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH_IN = 10.0
-"""Width of figures."""
-
+"""Width of figures (inches)."""
 SAME_DEG = 0.1
 """Largest distance of two positions that count as equal; a microstep is 0.086 deg."""
 THERE_DEG = 0.2

@@ -1,4 +1,11 @@
-"""Queries to robots, and the cause of a missing answer."""
+"""Queries to robots, and the cause of a missing answer.
+
+A query reaches every matching queryable, also those of foreign programs, so only replies on the robot's own key count.
+
+Zenoh 1.10 does not report why an answer is missing: a query ends without a reply if the robot is absent or has crashed,
+and also if the access rules of the router refuse it. `Unanswered` finds the cause from the connection, the liveliness
+tokens and the robot's publications. That takes up to 3 s, so it runs only after a query has failed.
+"""
 
 from __future__ import annotations
 
@@ -25,12 +32,20 @@ NOTICE_S = 0.2
 BACK_S = 0.6
 """Zenoh restores a lost connection within this time (s) if the router answers."""
 POLL_S = 0.02
+"""Period (s) in which a restored connection is looked for."""
 ABSENT_S = 1.5
 """A query that reaches no node ends within this time (s). If one ends later without a reply, its node has ended."""
 POSITIONS_S = 1.0
 """A node that publishes no positions for this long (s) counts as NODE_HANGS; it publishes them every 20 ms."""
 CLOCK_S = 1.0
 """Time limit (s) of the query for the clock, which every account may send."""
+STALE_S = 0.02
+"""Time (s) after the restart of a node in which queries of an open session may reach no queryable (zenoh#2767)."""
+LATE_S = 2.0
+"""Extra lifetime (s) of a query after its caller's time limit: a motion that is accepted late must be stopped."""
+LOSS_CHECK_S = 0.5
+"""Period (s) of the check for a lost router: Zenoh does not end a query sent just before it notices the loss."""
+M = TypeVar("M", bound=msgspec.Struct)
 
 
 @dataclass(frozen=True)
@@ -187,15 +202,6 @@ def absence(client: Client, place: Place, present: Collection[Place]) -> NoAnswe
     return NoAnswer(
         reason, f"{sentences.render(reason, detail)} The router is {client.bus.endpoint}.", detail
     )
-
-
-STALE_S = 0.02
-"""Time (s) after the restart of a node in which queries of an open session may reach no queryable (zenoh#2767)."""
-LATE_S = 2.0
-"""Extra lifetime (s) of a query after its caller's time limit: a motion that is accepted late must be stopped."""
-LOSS_CHECK_S = 0.5
-"""Period (s) of the check for a lost router: Zenoh does not end a query sent just before it notices the loss."""
-M = TypeVar("M", bound=msgspec.Struct)
 
 
 def matching_robot(asked: str, answered: str) -> Place | None:

@@ -23,9 +23,14 @@ from beatrix_zenoh.contract.names import view_title
 
 SILENCE_S = 3.0
 """A robot without publications for this long (s) hangs or is lost, because it publishes its status once a second."""
-
 LENGTH = 3000
 """Length of the queue: one minute of positions."""
+FIRST_PICTURE_S = 10.0
+"""Time limit (s) for the first picture; some cameras take two seconds, a simulation on a busy computer longer."""
+PICTURES = 4
+"""Queue length for pictures: short, because a slow reader does not need old ones."""
+JPEG_BEGIN = b"\xff\xd8"
+"""First bytes of every JPEG file."""
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
@@ -319,14 +324,6 @@ def events(
 ) -> Subscription[Event]:
     """Subscribe to events; see `positions` for arguments and errors."""
     return Subscription(client, keys.events(robot, side), message(Event, same), timeout_s=timeout_s)
-
-
-FIRST_PICTURE_S = 10.0
-"""Time limit (s) for the first picture; some cameras take two seconds, a simulation on a busy computer longer."""
-PICTURES = 4
-"""Queue length for pictures: short, because a slow reader does not need old ones."""
-JPEG_BEGIN = b"\xff\xd8"
-"""First bytes of every JPEG file."""
 
 
 @dataclass(frozen=True)

@@ -25,10 +25,14 @@ from beatrix_zenoh.client.twin_state import PlanPosition
 from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply, PoseQuery, Positions, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, naming
 
+LOG = logging.getLogger("beatrix_zenoh.client")
 MOVED_DEG = 0.5
 """Distance of an arm from its start at which a motion counts as begun; until then both robots accelerate alike."""
 SAME_CLOCK_NS = 50_000_000
 """Delays that differ by more than this (ns) come from two clocks; each counts from the boot of its computer."""
+CANCEL_S = 10.0
+"""Longest wait (s) for robots that do not answer STOP."""
+REPLACED = "A newer motion of this program replaced this one before it was sent to the hardware."
 
 
 class MotionBegin:
@@ -82,12 +86,6 @@ def lag_s(sim: MotionBegin, hw: MotionBegin) -> float | None:
 def furthest(one: ArmAngles, other: ArmAngles) -> float:
     """Return the largest difference (deg) between two angles of the same arm."""
     return max(abs(a - b) for a, b in zip(one, other, strict=True))
-
-
-LOG = logging.getLogger("beatrix_zenoh.client")
-CANCEL_S = 10.0
-"""Longest wait (s) for robots that do not answer STOP."""
-REPLACED = "A newer motion of this program replaced this one before it was sent to the hardware."
 
 
 class TwinReplies(NamedTuple):
