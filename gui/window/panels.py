@@ -202,10 +202,10 @@ class Panels(QWidget):
             self.refusal.show_question(self._question, self.commands)
         else:
             shown = None if self.body.isHidden() else self._refusal
-            place = None if shown is None else self._place(shown.place)
-            self.refusal.show_view(shown, place)
+            beside = None if shown is None else self._control(shown.control)
+            self.refusal.show_view(shown, beside)
 
-    def _place(self, name: str) -> QWidget:
+    def _control(self, name: str) -> QWidget:
         """Return the widget beside which a refusal is shown."""
         if name in {*ARMS, ALL_ARMS}:
             return self.arms.rows[name].hw

@@ -14,6 +14,18 @@ BASE_PX = 13
 """Type size at scale 1."""
 STOP_PX = 72
 """Height of the STOP bar in every theme."""
+CONDITION_ROLES = {
+    Condition.ABSENT: "dim",
+    Condition.SILENT: "bad",
+    Condition.DISABLED: "warn",
+    Condition.NOT_CALIBRATED: "warn",
+    Condition.READY: "good",
+    Condition.MOVING: "good",
+    Condition.DRIVEN: "warn",
+    Condition.FROZEN: "warn",
+    Condition.FAULT: "bad",
+}
+"""Role in the style sheet, and colour of a `Style`, of each state."""
 
 
 @dataclass(frozen=True)
@@ -58,17 +70,8 @@ class Style:
 
     def condition(self, condition: Condition) -> str:
         """Return the colour of the symbol and the word of a state."""
-        return {
-            Condition.ABSENT: self.dim,
-            Condition.SILENT: self.bad,
-            Condition.DISABLED: self.warn,
-            Condition.NOT_CALIBRATED: self.warn,
-            Condition.READY: self.good,
-            Condition.MOVING: self.good,
-            Condition.DRIVEN: self.warn,
-            Condition.FROZEN: self.warn,
-            Condition.FAULT: self.bad,
-        }[condition]
+        colour: str = getattr(self, CONDITION_ROLES[condition])
+        return colour
 
 
 DARK = Style(

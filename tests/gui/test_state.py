@@ -110,7 +110,7 @@ def test_without_a_checked_box_motion_buttons_are_disabled_with_a_reason() -> No
     assert state.handle(Jog("short", 1), world()) == []
     refusal = state.view(world()).arms.refusal
     assert refusal is not None
-    assert (refusal.place, refusal.text.split(":")[0]) == (
+    assert (refusal.control, refusal.text.split(":")[0]) == (
         "short",
         "Check Simulation, Hardware or both first",
     )

@@ -258,7 +258,7 @@ class AnyOrder(RuleBasedStateMachine):
         assert view.emergency.question
         assert all(pill.text and pill.symbol for pill in view.pills)
         places = [
-            found.place for found in (view.head.refusal, view.arms.refusal, view.commands.refusal) if found
+            found.control for found in (view.head.refusal, view.arms.refusal, view.commands.refusal) if found
         ]
         assert len(places) <= 1, "one refusal at a time, where the request was made"
         if not (view.sending.sim or view.sending.hw):

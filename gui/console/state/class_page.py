@@ -25,7 +25,7 @@ from gui.console.state.views import ButtonView, ClassRowView, ClassView, Conditi
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 
-PLACE: Final = "class"
+CONTROL: Final = "class"
 STOPS_SHOWN: Final = 8
 """Largest number of seats whose STOPs are shown."""
 
@@ -125,8 +125,10 @@ def _limit_now(limits: set[int], texts: Texts) -> str:
 
 def _result(memory: Memory, texts: Texts) -> tuple[str, bool | None]:
     """Return the outcome of this page's last request, or why it was not sent, and whether it succeeded (None: open)."""
-    refused = refusals.at(memory, (PLACE,))
-    sent = [row for row in memory.rows if isinstance(row.request, Govern | SendStop) and row.place == PLACE]
+    refused = refusals.at(memory, (CONTROL,))
+    sent = [
+        row for row in memory.rows if isinstance(row.request, Govern | SendStop) and row.control == CONTROL
+    ]
     if refused is not None and memory.refusal is not None and memory.refusal.key:
         return refused.text, False
     if not sent:
@@ -170,7 +172,9 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
     )
 
 
-def _remarks(status: Status | None, found: pills.Finding, texts: Texts, *, limit_shown: bool) -> list[str]:
+def _remarks(
+    status: Status | None, found: pills.RobotCondition, texts: Texts, *, limit_shown: bool
+) -> list[str]:
     """Return facts that the other cells of a row do not show.
 
     The speed limit is one of them, unless the page shows it for all robots.
@@ -185,10 +189,10 @@ def _remarks(status: Status | None, found: pills.Finding, texts: Texts, *, limit
     return [*remarks, *status.warnings]
 
 
-def _working(status: Status, texts: Texts) -> pills.Finding:
+def _working(status: Status, texts: Texts) -> pills.RobotCondition:
     """Return the condition of a robot without a fault, independent of the seat that drives it."""
     if status.frozen:
-        return pills.Finding(Condition.FROZEN, texts("condition.frozen_short"))
+        return pills.RobotCondition(Condition.FROZEN, texts("condition.frozen_short"))
     return pills.working(status, texts)
 
 
@@ -250,7 +254,7 @@ def _limit(memory: Memory, world: World, typed: str) -> list[Action]:
     try:
         speed = limit_of(float(text)) if text else 0.0
     except (ValueError, WrongUsage):
-        return memory.refuse(PLACE, "cannot.limit", text=typed)
+        return memory.refuse(CONTROL, "cannot.limit", text=typed)
     return _send(memory, world, LeaseAction.LIMIT, (), speed)
 
 
@@ -262,6 +266,6 @@ def _send(
     speed: float = 0.0,
     seat: str = "",
 ) -> list[Action]:
-    if offline(memory, world, PLACE):
+    if offline(memory, world, CONTROL):
         return []
-    return begin(memory, world, Govern(memory.next_row(), action, places, speed, seat), PLACE)
+    return begin(memory, world, Govern(memory.next_row(), action, places, speed, seat), CONTROL)

@@ -22,7 +22,7 @@ from gui.console.state.presence import unreachable
 from gui.console.state.views import ButtonView, CommandsView
 from gui.console.state.world import World
 
-PLACE, CLASS = "commands", "class"
+CONTROL, CLASS = "commands", "class"
 
 
 def view(memory: Memory) -> CommandsView:
@@ -35,7 +35,7 @@ def view(memory: Memory) -> CommandsView:
         disable=_button(memory, "disable", RunCommand(Command.ENABLE, value=False), question),
         reset=_button(memory, "reset", RunCommand(Command.RESET)),
         undo=_undo(memory),
-        refusal=refusals.at(memory, (PLACE,)),
+        refusal=refusals.at(memory, (CONTROL,)),
     )
 
 
@@ -92,36 +92,36 @@ def stop(memory: Memory, world: World, *, emergency: bool) -> list[Action]:
     memory.mark_dropped()
     everywhere = memory.choices.page is Page.CLASS
     request = SendStop(memory.next_row(), everywhere, emergency)
-    return begin(memory, world, request, CLASS if everywhere else PLACE)
+    return begin(memory, world, request, CLASS if everywhere else CONTROL)
 
 
 def run(memory: Memory, world: World, intent: RunCommand) -> list[Action]:
     """Return the action for a command to one robot or to the checked ones; HOME becomes a motion, with the lead."""
     if intent.command is Command.HOME:
-        return send_arms(memory, world, (0.0, 0.0, 0.0), PLACE)
+        return send_arms(memory, world, (0.0, 0.0, 0.0), CONTROL)
     sides = (intent.side,) if intent.side else memory.choices.sides
-    if unreachable(memory, world, sides, PLACE):
+    if unreachable(memory, world, sides, CONTROL):
         return []
     request = SendCommand(memory.next_row(), intent.command, intent.value, sides)
-    return begin(memory, world, request, PLACE)
+    return begin(memory, world, request, CONTROL)
 
 
 def make_ready(memory: Memory, world: World, side: str) -> list[Action]:
     """Return the action that enables and calibrates a robot."""
-    if unreachable(memory, world, (side,), PLACE):
+    if unreachable(memory, world, (side,), CONTROL):
         return []
-    return begin(memory, world, Ready(memory.next_row(), side), PLACE)
+    return begin(memory, world, Ready(memory.next_row(), side), CONTROL)
 
 
 def repeat(memory: Memory, world: World, number: int) -> list[Action]:
     """Return the request of a row as a new action: a motion for the checked robots, a command for the same robots."""
     row = memory.row(number)
     if row is None:
-        return memory.refuse(PLACE, "cannot.row")
+        return memory.refuse(CONTROL, "cannot.row")
     if isinstance(row.request, SendStop):
         memory.mark_dropped()
-        return begin(memory, world, again(memory, row.request), row.place)
+        return begin(memory, world, again(memory, row.request), row.control)
     sides = memory.choices.sides if isinstance(row.request, Send | Play) else row.sides
-    if not isinstance(row.request, WriteFile | Govern) and unreachable(memory, world, sides, row.place):
+    if not isinstance(row.request, WriteFile | Govern) and unreachable(memory, world, sides, row.control):
         return []
-    return begin(memory, world, again(memory, row.request), row.place)
+    return begin(memory, world, again(memory, row.request), row.control)

@@ -12,7 +12,7 @@ from gui.console.state.presence import orientation, reading
 from gui.console.state.views import ButtonView, HeadView, Orientation
 from gui.console.state.world import World
 
-PLACE = "head"
+CONTROL = "head"
 UPRIGHT = Orientation(0.0, 0.0, 0.0)
 
 
@@ -30,7 +30,7 @@ def view(memory: Memory, world: World) -> HeadView:
         yaw_max=yaw_max,
         path=() if path is None else tuple(orientation(head) for head in path.head),
         send=_send(memory, world),
-        refusal=refusals.at(memory, (PLACE,)),
+        refusal=refusals.at(memory, (CONTROL,)),
     )
 
 

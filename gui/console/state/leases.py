@@ -17,7 +17,7 @@ from gui.console.state.views import BannerView, ButtonView
 from gui.console.state.world import World
 from gui.console.texts import Texts
 
-PLACE: Final = "commands"
+CONTROL: Final = "commands"
 NOTHING: Final = Standing()
 
 
@@ -133,12 +133,12 @@ def _is_frozen(world: World, side: str) -> bool:
 
 def handle(memory: Memory, world: World, intent: AskLease | DismissNotice) -> list[Action]:
     """Hide the notice and, for a lease query, return its action; none if the robot is unreachable."""
-    if isinstance(intent, AskLease) and unreachable(memory, world, (intent.side,), PLACE):
+    if isinstance(intent, AskLease) and unreachable(memory, world, (intent.side,), CONTROL):
         return []
     memory.lease_notice = None
     if isinstance(intent, DismissNotice):
         return []
-    return begin(memory, world, SendLease(memory.next_row(), intent.action, intent.side), PLACE)
+    return begin(memory, world, SendLease(memory.next_row(), intent.action, intent.side), CONTROL)
 
 
 def give_back_all(memory: Memory, world: World) -> list[Action]:
@@ -152,4 +152,4 @@ def give_back_all(memory: Memory, world: World) -> list[Action]:
     if not places:
         return []
     request = Govern(memory.next_row(), LeaseAction.GIVE_BACK, places)
-    return memory.add_row(Row(request, PLACE, world.wall_s, before=None))
+    return memory.add_row(Row(request, CONTROL, world.wall_s, before=None))

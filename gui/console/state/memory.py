@@ -35,7 +35,7 @@ class Row:
     """A request of this window, and its outcomes."""
 
     request: Request
-    place: str
+    control: str
     """the control of the request, as in `RefusalView`"""
     began_s: float
     """wall clock, since 1970; 0: unknown"""
@@ -85,7 +85,7 @@ class Row:
 class Refusal:
     """The shown refusal as data, so that its sentence can be made in the chosen language."""
 
-    place: str
+    control: str
     key: str = ""
     """text key of a refusal of the window itself; empty: a robot has refused"""
     slots: Mapping[str, str] = field(default_factory=dict)
@@ -178,7 +178,7 @@ class Memory:
         """Replace the row of the same number."""
         self.rows = tuple(changed if row.number == changed.number else row for row in self.rows)
 
-    def refuse(self, place: str, key: str, **slots: str) -> list[Action]:
+    def refuse(self, control: str, key: str, **slots: str) -> list[Action]:
         """Show why nothing was sent; return an empty list of actions."""
-        self.refusal = Refusal(place, key, slots)
+        self.refusal = Refusal(control, key, slots)
         return []

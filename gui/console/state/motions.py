@@ -21,7 +21,7 @@ def send_arms(
     memory: Memory,
     world: World,
     arms: tuple[float, float, float],
-    place: str,
+    control: str,
     *,
     relative: bool = False,
     undoes: int | None = None,
@@ -32,31 +32,31 @@ def send_arms(
     def query() -> Query:
         return motion_query(*arms, relative=relative, speed=speed)
 
-    return _send(memory, world, query, place, undoes)
+    return _send(memory, world, query, control, undoes)
 
 
-def send_head(memory: Memory, world: World, target: Orientation, place: str) -> list[Action]:
+def send_head(memory: Memory, world: World, target: Orientation, control: str) -> list[Action]:
     """Return the action that turns the head to an orientation (deg) at the chosen speed; none if it is refused."""
     speed = memory.choices.speed
 
     def query() -> Query:
         return pose_query(target.yaw, target.pitch, target.roll, relative=False, speed=speed)
 
-    return _send(memory, world, query, place, None)
+    return _send(memory, world, query, control, None)
 
 
 def _send(
-    memory: Memory, world: World, query: Callable[[], Query], place: str, undoes: int | None
+    memory: Memory, world: World, query: Callable[[], Query], control: str, undoes: int | None
 ) -> list[Action]:
     sides = memory.choices.sides
-    if unreachable(memory, world, sides, place):
+    if unreachable(memory, world, sides, control):
         return []
     try:
         request = Send(memory.next_row(), query(), sides, lead_of(memory, sides))
     except WrongUsage as error:  # a number outside the range of the message
-        memory.refusal = Refusal(place, reason=error.reason, message=error.message, detail=error.detail)
+        memory.refusal = Refusal(control, reason=error.reason, message=error.message, detail=error.detail)
         return []
-    return begin(memory, world, request, place, undoes)
+    return begin(memory, world, request, control, undoes)
 
 
 def lead_of(memory: Memory, sides: tuple[str, ...]) -> float:
@@ -73,7 +73,7 @@ def again(memory: Memory, request: Request) -> Request:
 
 
 def begin(
-    memory: Memory, world: World, request: Request, place: str, undoes: int | None = None
+    memory: Memory, world: World, request: Request, control: str, undoes: int | None = None
 ) -> list[Action]:
     """Add a request to the history and return its action."""
     memory.troubles = troubles(world)
@@ -81,7 +81,7 @@ def begin(
     if not looks and not isinstance(request, SendLease | Govern):
         # The target of the pad is out of date after another request, so it follows the head again.
         memory.choices = replace(memory.choices, target=None)
-    return memory.add_row(Row(request, place, world.wall_s, _before(world, request), undoes))
+    return memory.add_row(Row(request, control, world.wall_s, _before(world, request), undoes))
 
 
 def _before(world: World, request: Request) -> ArmAngles | None:

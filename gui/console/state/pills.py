@@ -64,7 +64,7 @@ CHOICES = 3
 
 
 @dataclass(frozen=True)
-class Finding:
+class RobotCondition:
     """The condition of a robot, the reason for it, and the next step."""
 
     condition: Condition
@@ -102,13 +102,13 @@ def pill(world: World, side: str, texts: Texts) -> PillView:
     )
 
 
-def notes(found: Finding, status: Status, world: World, texts: Texts) -> tuple[str, ...]:
+def notes(found: RobotCondition, status: Status, world: World, texts: Texts) -> tuple[str, ...]:
     """Return the notes about the lease of a robot, which are shown beside its condition."""
     driven = found.condition is Condition.DRIVEN
     return leases.notes(status, world, texts, holder_shown=driven)
 
 
-def finding(world: World, side: str, texts: Texts) -> Finding:
+def finding(world: World, side: str, texts: Texts) -> RobotCondition:
     """Return the first problem of a robot, in the order in which problems must be solved, or else MOVING or READY."""
     robot = world.side(side)
     if not online(world, side):
@@ -120,54 +120,56 @@ def finding(world: World, side: str, texts: Texts) -> Finding:
     return found
 
 
-def problem(robot: RobotState, texts: Texts) -> Finding | None:
+def problem(robot: RobotState, texts: Texts) -> RobotCondition | None:
     """Return the first problem of a robot that is online, regardless of its holder; None if the robot can move."""
     if robot.status is None or silent(robot):
         age_s = robot.positions_age_s
         reason = texts("reason.silent") if age_s is None else texts("reason.stale", seconds=float(age_s))
-        return Finding(Condition.SILENT, texts("condition.silent"), reason)
+        return RobotCondition(Condition.SILENT, texts("condition.silent"), reason)
     if (fault := fault_of(robot.status)) is not Fault.NONE:
         return _faulty(fault, robot.status, texts)
     return _unready(robot.status, robot.side, texts)
 
 
-def _unready(status: Status, side: str, texts: Texts) -> Finding | None:
+def _unready(status: Status, side: str, texts: Texts) -> RobotCondition | None:
     if not status.enabled:
         # Between enabling and calibrating the hardware, the user sets its head upright, so these are two steps.
         next_step = MAKE_READY if side == "sim" else Command.ENABLE.name
-        return Finding(
+        return RobotCondition(
             Condition.DISABLED, texts("condition.disabled"), texts(f"reason.disabled_{side}"), next_step
         )
     if not status.calibrated:
         text, reason = texts("condition.not_calibrated"), texts("reason.not_calibrated")
-        return Finding(Condition.NOT_CALIBRATED, text, reason, Command.CALIBRATE.name)
+        return RobotCondition(Condition.NOT_CALIBRATED, text, reason, Command.CALIBRATE.name)
     return None
 
 
-def _shared(status: Status, world: World, texts: Texts) -> Finding | None:
+def _shared(status: Status, world: World, texts: Texts) -> RobotCondition | None:
     """Return why this seat cannot move a robot that is ready; None if it can."""
     if status.frozen and not world.is_teacher:
-        return Finding(Condition.FROZEN, texts("condition.frozen"), texts("reason.frozen"))
+        return RobotCondition(Condition.FROZEN, texts("condition.frozen"), texts("reason.frozen"))
     if status.following is not FollowState.OFF:
         text = texts(f"condition.{FOLLOWING[status.following]}")
-        return Finding(Condition.DRIVEN, text, texts("reason.follow"))
+        return RobotCondition(Condition.DRIVEN, text, texts("reason.follow"))
     if status.holder in ("", world.seat):
         return None
     slots = {"holder": status.holder}
     if status.lease:
-        return Finding(Condition.DRIVEN, texts("condition.taken", **slots), texts("reason.taken", **slots))
+        return RobotCondition(
+            Condition.DRIVEN, texts("condition.taken", **slots), texts("reason.taken", **slots)
+        )
     key = "reason.driven_moving" if status.moving else "reason.driven"
-    return Finding(Condition.DRIVEN, texts("condition.driven", **slots), texts(key, **slots))
+    return RobotCondition(Condition.DRIVEN, texts("condition.driven", **slots), texts(key, **slots))
 
 
-def working(status: Status, texts: Texts) -> Finding:
+def working(status: Status, texts: Texts) -> RobotCondition:
     """Return MOVING or READY for a robot without a problem."""
     if status.moving:
-        return Finding(Condition.MOVING, texts("condition.moving"))
-    return Finding(Condition.READY, texts("condition.ready"))
+        return RobotCondition(Condition.MOVING, texts("condition.moving"))
+    return RobotCondition(Condition.READY, texts("condition.ready"))
 
 
-def _absent(world: World, side: str, texts: Texts) -> Finding:
+def _absent(world: World, side: str, texts: Texts) -> RobotCondition:
     found = _why_absent(world, side, texts)
     if side == "sim" and world.starting:
         found = replace(found, reason=texts("reason.starting"))
@@ -177,17 +179,19 @@ def _absent(world: World, side: str, texts: Texts) -> Finding:
     return replace(found, next_step="RETRY" if offline else "")
 
 
-def _why_absent(world: World, side: str, texts: Texts) -> Finding:
+def _why_absent(world: World, side: str, texts: Texts) -> RobotCondition:
     if world.phase is LinkPhase.CONNECTING:
         text, reason = texts("condition.connecting"), texts("reason.connecting", endpoint=world.endpoint)
-        return Finding(Condition.ABSENT, text, reason)
+        return RobotCondition(Condition.ABSENT, text, reason)
     if world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED):
         key = "reason.no_router" if world.phase is LinkPhase.NO_ROUTER else "reason.refused"
-        return Finding(Condition.ABSENT, texts("condition.absent"), texts(key, endpoint=world.endpoint))
+        return RobotCondition(
+            Condition.ABSENT, texts("condition.absent"), texts(key, endpoint=world.endpoint)
+        )
     if world.side(side).status is not None:
         reason = texts("reason.lost", robot=world.robot)
-        return Finding(Condition.ABSENT, texts("condition.lost"), reason)
-    return Finding(
+        return RobotCondition(Condition.ABSENT, texts("condition.lost"), reason)
+    return RobotCondition(
         Condition.ABSENT, texts("condition.absent"), texts(f"reason.absent_{side}", robot=world.robot)
     )
 
@@ -199,9 +203,11 @@ def fault_of(status: Status) -> Fault:
     return status.fault
 
 
-def _faulty(fault: Fault, status: Status, texts: Texts) -> Finding:
+def _faulty(fault: Fault, status: Status, texts: Texts) -> RobotCondition:
     if fault not in FAULT_CONDITIONS:  # unknown here, because the robot runs another version
-        return Finding(Condition.FAULT, texts("condition.fault", name=str(fault)), texts("reason.fault"), "")
+        return RobotCondition(
+            Condition.FAULT, texts("condition.fault", name=str(fault)), texts("reason.fault"), ""
+        )
     text, next_step = texts(f"condition.{FAULT_CONDITIONS[fault]}"), ""
     if fault is Fault.ASSEMBLY_LEFT:
         reason = texts("reason.assembly_left")
@@ -209,7 +215,7 @@ def _faulty(fault: Fault, status: Status, texts: Texts) -> Finding:
     else:
         reason = texts.refusal(Reason(fault.value), None)
         next_step = Command.RESET.name if fault is Fault.EMERGENCY else ""
-    return Finding(Condition.FAULT, text, reason, next_step)
+    return RobotCondition(Condition.FAULT, text, reason, next_step)
 
 
 def next_step_button(next_step: str, side: str, texts: Texts, *, starting: bool = False) -> ButtonView:

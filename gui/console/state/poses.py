@@ -18,7 +18,7 @@ from gui.console.state.saved import SavedPose
 from gui.console.state.views import ButtonView, PosesView
 from gui.console.state.world import World
 
-PLACE = "commands"
+CONTROL = "commands"
 PAUSE_S: Final = 0.5
 """Pause (s) after each pose of a saved choreography."""
 UNDO_KEPT: Final = 50
@@ -77,11 +77,11 @@ def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
         case intents.GoToPose(name=name):
             found = next((pose for pose in memory.poses if pose.name == name), None)
             if found is None:
-                return memory.refuse(PLACE, "cannot.pose", name=name)
-            actions = send_arms(memory, world, found.arms, PLACE)
+                return memory.refuse(CONTROL, "cannot.pose", name=name)
+            actions = send_arms(memory, world, found.arms, CONTROL)
         case intents.PlayPoses():
             if not memory.poses:
-                return memory.refuse(PLACE, "cannot.poses")
+                return memory.refuse(CONTROL, "cannot.poses")
             actions = _play(memory, world, None, tuple(pose.arms for pose in memory.poses))
         case intents.PlayFile(file=file):
             actions = _play(memory, world, file, ())
@@ -93,7 +93,7 @@ def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
 def _save(memory: Memory, world: World, name: str) -> None:
     arms = commanded(world, _where(memory))
     if not name or arms is None:
-        memory.refuse(PLACE, "off.no_position" if name else "cannot.name")
+        memory.refuse(CONTROL, "off.no_position" if name else "cannot.name")
         return
     kept = tuple(pose for pose in memory.poses if pose.name != name)
     memory.poses = (*kept, SavedPose(name, *(round(angle, 3) + 0.0 for angle in arms)))
@@ -103,20 +103,20 @@ def _play(
     memory: Memory, world: World, file: Path | None, poses: tuple[tuple[float, float, float], ...]
 ) -> list[Action]:
     sides = memory.choices.sides
-    if unreachable(memory, world, sides, PLACE):
+    if unreachable(memory, world, sides, CONTROL):
         return []
     lead_s = lead_of(memory, sides)
     request = Play(memory.next_row(), sides, file, poses, memory.choices.speed, lead_s)
-    return begin(memory, world, request, PLACE)
+    return begin(memory, world, request, CONTROL)
 
 
 def _write(memory: Memory, world: World, file: Path) -> list[Action]:
     if not memory.poses:
-        return memory.refuse(PLACE, "cannot.poses")
+        return memory.refuse(CONTROL, "cannot.poses")
     if not file.name:
-        return memory.refuse(PLACE, "cannot.file")
+        return memory.refuse(CONTROL, "cannot.file")
     text = choreography_of(memory.poses, memory.choices.speed)
-    return begin(memory, world, WriteFile(memory.next_row(), file, text), PLACE)
+    return begin(memory, world, WriteFile(memory.next_row(), file, text), CONTROL)
 
 
 def choreography_of(poses: tuple[SavedPose, ...], speed: float) -> str:
@@ -142,8 +142,8 @@ def undo(memory: Memory, world: World) -> list[Action]:
     """Return the action that turns the arms back to their angles before the last accepted motion."""
     found = last_undo(memory)
     if found is None:
-        return memory.refuse(PLACE, "off.no_undo")
-    return send_arms(memory, world, found[1], PLACE, undoes=found[0])
+        return memory.refuse(CONTROL, "off.no_undo")
+    return send_arms(memory, world, found[1], CONTROL, undoes=found[0])
 
 
 def note_accepted(memory: Memory, row: Row, outcome: Outcome) -> None:

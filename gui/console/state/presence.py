@@ -52,24 +52,24 @@ def troubles(world: World) -> dict[str, str]:
     return {"record.trouble": recording, "child.trouble": world.child_trouble}
 
 
-def offline(memory: Memory, world: World, place: str) -> bool:
+def offline(memory: Memory, world: World, control: str) -> bool:
     """Return whether there is no router; if so, show why the request cannot be sent."""
     if world.phase is LinkPhase.ON_LINE:
         return False
     key = "cannot.refused" if world.phase is LinkPhase.REFUSED else "cannot.router"
-    memory.refuse(place, key, endpoint=world.endpoint)
+    memory.refuse(control, key, endpoint=world.endpoint)
     return True
 
 
-def unreachable(memory: Memory, world: World, sides: tuple[str, ...], place: str) -> bool:
+def unreachable(memory: Memory, world: World, sides: tuple[str, ...], control: str) -> bool:
     """Return whether a request to these robots cannot be sent; if so, show why."""
     if not sides:
-        memory.refuse(place, "off.unchecked")
-    elif offline(memory, world, place):
+        memory.refuse(control, "off.unchecked")
+    elif offline(memory, world, control):
         pass
     elif absent := [side for side in sides if not online(world, side)]:
         key = "cannot.sim" if absent[0] == "sim" else "cannot.hw"
-        memory.refuse(place, key, robot=world.robot)
+        memory.refuse(control, key, robot=world.robot)
     else:
         return False
     return True

@@ -35,10 +35,10 @@ NAMED: Final = re.compile(r"[a-z0-9-]+ \((sim|hw)\): ")
 """beginning of an SDK message that names its robot"""
 
 
-def at(memory: Memory, places: tuple[str, ...]) -> RefusalView | None:
-    """Return the refusal to show at one of these places; None if there is none."""
+def at(memory: Memory, controls: tuple[str, ...]) -> RefusalView | None:
+    """Return the refusal to show at one of these controls; None if there is none."""
     refusal = memory.refusal
-    if refusal is None or refusal.place not in places:
+    if refusal is None or refusal.control not in controls:
         return None
     texts = memory.choices.texts
     text = sentence(refusal.reason, refusal.detail, refusal.message, texts)
@@ -48,7 +48,7 @@ def at(memory: Memory, places: tuple[str, ...]) -> RefusalView | None:
         text = texts("of.robots", robots=", ".join(refusal.robots), text=text)
     elif refusal.side and isinstance(refusal.request, Send | SendCommand) and len(refusal.request.sides) > 1:
         text = texts("of.side", side=texts(f"side.{refusal.side}"), text=text)
-    return RefusalView(refusal.place, text, _button(refusal, texts))
+    return RefusalView(refusal.control, text, _button(refusal, texts))
 
 
 def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) -> str:
@@ -75,7 +75,7 @@ def record(memory: Memory, row: Row, outcome: Outcome) -> None:
     if outcome.accepted or ended_elsewhere or wanted or outcome.reason in (Reason.OK, Reason.REPLACED):
         return
     memory.refusal = Refusal(
-        row.place,
+        row.control,
         reason=outcome.reason,
         message=outcome.message,
         detail=outcome.detail,
@@ -100,7 +100,7 @@ def hide_answered(memory: Memory, intent: Intent) -> None:
     refusal = memory.refusal
     if refusal is None:
         return
-    aimed = isinstance(intent, AimHead) and refusal.place == "head"
+    aimed = isinstance(intent, AimHead) and refusal.control == "head"
     if aimed or (isinstance(intent, SetDestination | SetRelative) and refusal.key):
         memory.refusal = None
 
@@ -112,15 +112,17 @@ def take_alternative(memory: Memory, world: World) -> list[Action]:
         return []
     request = _alternative_request(refusal)
     if isinstance(request, Send):
-        if unreachable(memory, world, memory.choices.sides, refusal.place):
+        if unreachable(memory, world, memory.choices.sides, refusal.control):
             return []
-        return begin(memory, world, again(memory, request), refusal.place)
+        return begin(memory, world, again(memory, request), refusal.control)
     actions: list[Action] = []
     next_step = next_step_of(refusal)
     for side in _sides(refusal) if next_step else ():
-        if unreachable(memory, world, (side,), refusal.place):
+        if unreachable(memory, world, (side,), refusal.control):
             return actions
-        actions += begin(memory, world, _next_step_action(next_step, side, memory.next_row()), refusal.place)
+        actions += begin(
+            memory, world, _next_step_action(next_step, side, memory.next_row()), refusal.control
+        )
     return actions
 
 

@@ -113,7 +113,7 @@ class State:
             case intents.Jog():
                 actions = arms.jog(memory, world, intent)
             case intents.SendHead():
-                actions = motions.send_head(memory, world, head.target(memory, world), head.PLACE)
+                actions = motions.send_head(memory, world, head.target(memory, world), head.CONTROL)
             case intents.SendNow() | intents.Change() | intents.Abort():
                 actions = sending.handle(memory, world, intent)
             case intents.TakeAlternative():

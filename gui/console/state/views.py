@@ -76,7 +76,7 @@ class BannerView:
 class RefusalView:
     """A refusal, shown beside the control of the request."""
 
-    place: str
+    control: str
     """`head`, `short`, `middle`, `long`, `all` or `commands`"""
     text: str
     alternative: ButtonView | None = None

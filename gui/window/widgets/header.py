@@ -17,8 +17,9 @@ from PyQt5.QtWidgets import (
 )
 
 from gui.console.state.intents import ChooseRobot, SetLanguage, SetTheme, Theme
-from gui.console.state.views import Condition, PillView, RecordView, View
+from gui.console.state.views import PillView, RecordView, View
 from gui.console.texts import LANGUAGES, Texts
+from gui.window.theme import CONDITION_ROLES
 from gui.window.widgets.controls import (
     SEPARATOR,
     ElidedLabel,
@@ -29,18 +30,6 @@ from gui.window.widgets.controls import (
     set_role,
     set_text,
 )
-
-ROLES = {
-    Condition.ABSENT: "dim",
-    Condition.SILENT: "bad",
-    Condition.DISABLED: "warn",
-    Condition.NOT_CALIBRATED: "warn",
-    Condition.READY: "good",
-    Condition.MOVING: "good",
-    Condition.DRIVEN: "warn",
-    Condition.FROZEN: "warn",
-    Condition.FAULT: "bad",
-}
 
 
 class RecordButtons(QWidget):
@@ -116,7 +105,7 @@ class Pill(QFrame):
             return
         self._view = view
         set_text(self.title, view.title)
-        set_role(self.state, "role", ROLES[view.condition])
+        set_role(self.state, "role", CONDITION_ROLES[view.condition])
         set_text(self.state, f"{view.symbol} {view.text}")
         self.notes.show_parts(tuple(part for part in (*view.notes, view.latency) if part))
         set_text(self.reason, " ".join(line for line in (view.reason, *view.warnings) if line))
