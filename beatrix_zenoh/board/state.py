@@ -88,7 +88,7 @@ class BoardLink:
         return self.hello is not None and same_contract(self.hello)
 
     @property
-    def foreign(self) -> bool:
+    def contract_differs(self) -> bool:
         """Whether the firmware has another contract."""
         return self.hello is not None and not self.understood
 
@@ -100,7 +100,7 @@ def same_contract(hello: HelloReply) -> bool:
 
 def not_connected(link: BoardLink) -> NoAnswer:
     """Return the error for a request while the board is not connected."""
-    if link.foreign:
+    if link.contract_differs:
         return NoAnswer(Reason.CONTRACT_MISMATCH, link.trouble)
     return NoAnswer(Reason.BOARD_LOST, f"The board does not answer its node: {link.trouble}")
 

@@ -208,7 +208,7 @@ def row_of(robot: RobotState) -> TableRow:
     """Return the row of one robot."""
     status, reading, silent = robot.status, robot.reading, robot.positions_age_s
     gone = status is not None and not status.board.connected  # then the angles are out of date
-    lost = robot.presence is not Presence.ON_LINE
+    lost = robot.presence is not Presence.ONLINE
     return TableRow(
         place=(robot.robot, robot.side),
         state="lost" if lost or status is None else state(status),

@@ -11,7 +11,7 @@ import typer
 
 from beatrix_zenoh.client.request import absent_reason
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.client.stopping import OFF_LINE, Answer, SentGroupStop, matches, sentence, silences
+from beatrix_zenoh.client.stopping import IF_IT_MOVES, Answer, SentGroupStop, matches, sentence, silences
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, WrongUsage
@@ -127,7 +127,7 @@ def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place
     reasons = [absent_reason(robot, present) for robot in asked]
     return NoAnswer(
         Reason.NO_ANSWER if Reason.NO_ANSWER in reasons else Reason.NO_SUCH_ROBOT,
-        f"Nothing to stop: no such robot at {endpoint}. Online: {found or 'no robot'}.{hint} " + OFF_LINE,
+        f"Nothing to stop: no such robot at {endpoint}. Online: {found or 'no robot'}.{hint} " + IF_IT_MOVES,
     )
 
 

@@ -41,7 +41,7 @@ M = TypeVar("M", bound=msgspec.Struct)
 class Presence(StrEnum):
     """Presence of a robot."""
 
-    ON_LINE = "online"
+    ONLINE = "online"
     """The robot has a liveliness token, and positions arrive."""
     LOST = "lost"
     """The robot has a token, but no positions have arrived for 0.5 s: the node or its connection does not respond."""
@@ -192,7 +192,7 @@ class RobotRecord:
             return Presence.ABSENT
         if age_s is None:
             return Presence.SILENT
-        return Presence.LOST if age_s > LOST_S else Presence.ON_LINE
+        return Presence.LOST if age_s > LOST_S else Presence.ONLINE
 
 
 class Monitor(ProcessBound):

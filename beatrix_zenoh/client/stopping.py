@@ -43,7 +43,7 @@ PLACES_MAX: Final = 16
 """Largest number of places whose answers a `StopSender` awaits at the same time; STOP is sent to further ones, too."""
 REPORTS_MAX: Final = 256
 """Largest number of stops that one answer is reported for; STOP is sent for further ones, too."""
-OFF_LINE: Final = (
+IF_IT_MOVES: Final = (
     "A robot whose node hangs or has crashed is not online: if it moves, switch its motor power off."
 )
 """Advice if no robot was expected to answer."""

@@ -78,7 +78,7 @@ class BoardWatch(Component):
 
     def _fault(self, telemetry: Telemetry) -> Fault:
         link = self.board.link
-        if link.foreign:
+        if link.contract_differs:
             return Fault.CONTRACT_MISMATCH
         if not link.connected:
             return Fault.BOARD_LOST

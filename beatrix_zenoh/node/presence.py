@@ -76,7 +76,10 @@ class ClientWatch(Component):
             self._controller.client_lost()
 
     def _renewed(self, traffic: str) -> None:
-        """Queue a stop, on the watchdog's thread: replies and disconnect notices of the old session may be lost."""
+        """Stop the running motion, because the client of the old session may be gone without notice.
+
+        Called on the watchdog's thread.
+        """
 
         def end() -> None:
             text = f"The router had forgotten the {traffic} session; the node has connected again."

@@ -91,7 +91,7 @@ def serve(
 def _announce(node: Node, legacy: Path | None) -> None:
     """Print that the node serves, with or without a board, and the path for programs of 2023."""
     link = node.board.link
-    without = "" if link.connected else " (unusable firmware)" if link.foreign else " (no board yet)"
+    without = "" if link.connected else " (unusable firmware)" if link.contract_differs else " (no board yet)"
     print(f"ready {node.alive_key}{without}", flush=True)
     if legacy is not None:
         print(f"Old programs open {legacy.absolute()}.", file=sys.stderr, flush=True)

@@ -16,7 +16,7 @@ import msgspec
 from beatrix_zenoh import threads
 from beatrix_zenoh.client import Client, Monitor, Presence
 from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.client.stopping import GROUP_S, OFF_LINE, Answers, StopSender, sentence
+from beatrix_zenoh.client.stopping import GROUP_S, IF_IT_MOVES, Answers, StopSender, sentence
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.settings import Settings
@@ -41,7 +41,7 @@ NAME_IN_USE: Final = (
 )
 SEAT_IN_USE: Final = "All pages of this server use the seat {seat} of its account, and one of them drives {robot}. Wait until it is given back."
 NOT_DRIVING: Final = "You only watch this robot: press Drive first."
-NOT_STOPPED: Final = f"STOP was sent, but no robot {{robot}} answered. {OFF_LINE}"
+NOT_STOPPED: Final = f"STOP was sent, but no robot {{robot}} answered. {IF_IT_MOVES}"
 NO_ROBOT: Final = "There is no robot {name} at the router. Choose one from the list."
 
 

@@ -85,18 +85,18 @@ def test_the_window_returns_when_the_router_restarts_with_another_card(tmp_path:
     with ClassRouter(tmp_path) as router:
         account = router.account("ana")
         with Linked(account.connect, who="ana", account=account) as linked:
-            linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "connected")
+            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "connected")
             session = linked.link._connection.session
             assert session is not None
             router.replace("ben")
             until(lambda: session.client.losses > 0, "the router restarts")
             router.process.expect("ready")
-            linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "connected again")
+            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "connected again")
             assert session.client.bus.refusal(session.client.token) is None
-            assert linked.world.phase is LinkPhase.ON_LINE, "the account was checked"
+            assert linked.world.phase is LinkPhase.ONLINE, "the account was checked"
             linked.link._connection._refused = True
             linked.do(Connect())
-            linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "Retry asks again")
+            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "Retry asks again")
             router.replace("ana")
             router.process.expect("ready")  # else its output says why it has not restarted
             refused = linked.until(lambda world: world.phase is LinkPhase.REFUSED, "this card is refused")

@@ -220,7 +220,7 @@ class AnyOrder(RuleBasedStateMachine):
         if isinstance(action, MOVES):
             assert action.sides == asked
             assert asked, "nothing may move while no box is checked"
-            assert self.world.phase is LinkPhase.ON_LINE
+            assert self.world.phase is LinkPhase.ONLINE
             assert all(self.world.side(side).presence is not Presence.ABSENT for side in action.sides)
             assert action.lead_s >= 0
 

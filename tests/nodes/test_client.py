@@ -272,7 +272,7 @@ def test_a_monitor_shows_every_robot(stage: Stage, robot: Robot) -> None:
         state = monitor.robot("bea", "hw")
         reading = state.reading
         assert reading is not None
-        assert state.presence is Presence.ON_LINE
+        assert state.presence is Presence.ONLINE
         assert reading.head.yaw == pytest.approx(8, abs=0.3)
         assert monitor.robot("none", "sim").presence is Presence.ABSENT
         assert [(one.robot, one.side) for one in monitor.robots()] == [("bea", "hw")]

@@ -81,7 +81,7 @@ class Linked:
         """Wait until the robots of these sides publish; return the world."""
         return self.until(
             lambda world: (
-                all(world.side(side).presence is Presence.ON_LINE for side in sides)
+                all(world.side(side).presence is Presence.ONLINE for side in sides)
                 and all(world.side(side).status is not None for side in sides)
             ),
             f"{sides} online",

@@ -50,7 +50,7 @@ def positions(arms: tuple[float, float, float] = (0.0, 0.0, 0.0), yaw: float = 0
 def robot(
     side: str,
     *,
-    presence: Presence = Presence.ON_LINE,
+    presence: Presence = Presence.ONLINE,
     arms: tuple[float, float, float] | None = (0.0, 0.0, 0.0),
     age_s: float = 0.02,
     known: Status | None = None,
@@ -80,7 +80,7 @@ def world(
     sim: RobotState | None = None, hw: RobotState | None = None, *, seat: str = "ben", **fields: Any
 ) -> World:
     """Return a world; by default both robots are ready, and the seat is `ben`."""
-    given: dict[str, Any] = {"phase": LinkPhase.ON_LINE, "names": ("bea1",), "wall_s": 1_000_000.0} | fields
+    given: dict[str, Any] = {"phase": LinkPhase.ONLINE, "names": ("bea1",), "wall_s": 1_000_000.0} | fields
     return World(
         now_s=100.0,
         endpoint=ENDPOINT,

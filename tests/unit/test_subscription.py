@@ -166,7 +166,7 @@ def test_the_presence_of_a_robot_follows_its_token_and_positions(
     record.alive = True
     assert record.state().presence is Presence.SILENT
     record.positions.put(b"")
-    assert record.state().presence is Presence.ON_LINE
+    assert record.state().presence is Presence.ONLINE
     monkeypatch.setattr("beatrix_zenoh.client.monitor.LOST_S", -1.0)
     state = record.state()
     assert (state.presence, state.reading, state.events) == (Presence.LOST, None, ())

@@ -34,7 +34,7 @@ class Published:
     def __init__(self, published: Status | None, queried: Status, age_s: float | None = 0.0) -> None:
         self.settings = Settings("bea", "tcp/127.0.0.1:1", "ana")
         self.replied_s: dict[tuple[str, str], float] = {}
-        self.presence, self.age_s = Presence.ON_LINE, age_s
+        self.presence, self.age_s = Presence.ONLINE, age_s
         self.place, self.side = ("bea", "sim"), "sim"
         self.queries = 0
         self._published, self._queried = published, queried
@@ -75,11 +75,11 @@ def test_a_new_published_state_needs_no_query() -> None:
 @pytest.mark.parametrize(
     ("status", "age_s", "presence"),
     [
-        (READY, 0.2, Presence.ON_LINE),
+        (READY, 0.2, Presence.ONLINE),
         (READY, None, Presence.SILENT),
         (READY, 0.0, Presence.LOST),
         (READY, 0.0, Presence.ABSENT),
-        (None, 0.0, Presence.ON_LINE),
+        (None, 0.0, Presence.ONLINE),
     ],
 )
 def test_an_old_or_missing_state_is_queried(

@@ -162,7 +162,7 @@ class PathChecker:
             clearance = self.clearance(arms)
         except BeatrixError:
             return TILT
-        index = floors.visit(clearance)
+        index = floors.first_used_up(clearance)
         return clearance if index is None else index
 
     def _step(
@@ -192,10 +192,11 @@ class _Floors:
         self._ends = ends
         self.values = [min(end, value) for end, value in zip(ends, start.values, strict=True)]
 
-    def visit(self, clearance: Clearance) -> int | None:
+    def first_used_up(self, clearance: Clearance) -> int | None:
         """Return the index of a margin that is used up here, or None.
 
-        After a start outside the limits this method raises the floors, so that the motion cannot go back outside.
+        A motion may start outside the limits, where STOP or a push has left the arms, to lead back inside. Each margin
+        that it gains becomes its floor, so that it cannot go back outside.
         """
         for index, value in enumerate(clearance.values):
             floor = self.values[index]

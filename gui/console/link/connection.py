@@ -76,7 +76,7 @@ class Connection:
             return LinkPhase.REFUSED
         if self.session is None:
             return LinkPhase.NO_ROUTER if self._trouble else LinkPhase.CONNECTING
-        return LinkPhase.ON_LINE if self._router_present else LinkPhase.NO_ROUTER
+        return LinkPhase.ONLINE if self._router_present else LinkPhase.NO_ROUTER
 
     @property
     def trouble(self) -> str:

@@ -104,7 +104,7 @@ def _seats(world: World, texts: Texts) -> tuple[SeatView, ...]:
 
 
 def _empty(world: World, texts: Texts) -> str:
-    if world.phase is not LinkPhase.ON_LINE:
+    if world.phase is not LinkPhase.ONLINE:
         return texts("reason.no_router", endpoint=world.endpoint)
     return texts("banner.no_robot")
 

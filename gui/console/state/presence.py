@@ -16,7 +16,7 @@ STALE_S = 0.4
 
 def online(world: World, side: str) -> bool:
     """Return whether a request can reach a robot: there is a router, and the robot's token."""
-    return world.phase is LinkPhase.ON_LINE and world.side(side).presence is not Presence.ABSENT
+    return world.phase is LinkPhase.ONLINE and world.side(side).presence is not Presence.ABSENT
 
 
 def silent(robot: RobotState) -> bool:
@@ -54,7 +54,7 @@ def troubles(world: World) -> dict[str, str]:
 
 def offline(memory: Memory, world: World, control: str) -> bool:
     """Return whether there is no router; if so, show why the request cannot be sent."""
-    if world.phase is LinkPhase.ON_LINE:
+    if world.phase is LinkPhase.ONLINE:
         return False
     key = "cannot.refused" if world.phase is LinkPhase.REFUSED else "cannot.router"
     memory.refuse(control, key, endpoint=world.endpoint)

@@ -25,7 +25,7 @@ def view(memory: Memory, world: World) -> RecordView:
     if recording is not None:
         tooltip = texts("record.open_tip", file=str(recording.file))
         shown = ButtonView(texts("record.open"), tooltip, OpenRecording())
-    possible = world.phase is LinkPhase.ON_LINE
+    possible = world.phase is LinkPhase.ONLINE
     tooltip = texts("record.begin_tip") if possible else texts("off.no_router")
     toggle = ButtonView(texts("record.begin"), tooltip, ToggleRecording(), enabled=possible)
     return RecordView(toggle, running=False, text="", open=shown)

@@ -21,7 +21,7 @@ class LinkPhase(StrEnum):
     """no router answers; the link tries again by itself"""
     REFUSED = "refused"
     """the router does not accept the account of the window; the link tries again by itself"""
-    ON_LINE = "online"
+    ONLINE = "online"
 
 
 class PlanPhase(StrEnum):

@@ -113,7 +113,7 @@ def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_los
         linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
         router = start_router(endpoint)
         linked.do(Connect())
-        linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "there is a router", 0.9)
+        linked.until(lambda world: world.phase is LinkPhase.ONLINE, "there is a router", 0.9)
         with Stage() as other:
             node = other.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
             node.expect("ready")
@@ -125,7 +125,7 @@ def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_los
             assert linked.end_of(1, "hw").reason is Reason.NO_ROUTER
             router = start_router(endpoint)
             try:
-                linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "it is back")
+                linked.until(lambda world: world.phase is LinkPhase.ONLINE, "it is back")
                 linked.online("hw")
                 until(lambda: retried(linked), "the seat is connected again")
             finally:
@@ -161,7 +161,7 @@ def test_a_suspended_router_counts_as_lost_and_delays_no_request(stage: Stage) -
     router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
     router.expect("ready")
     with Linked(endpoint) as linked:
-        linked.until(lambda world: world.phase is LinkPhase.ON_LINE, "there is a router")
+        linked.until(lambda world: world.phase is LinkPhase.ONLINE, "there is a router")
         router.send(signal.SIGSTOP)
         linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "the router is lost", 4.0)
         linked.do(SendStop(1))
