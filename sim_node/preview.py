@@ -19,7 +19,7 @@ from beatrix_zenoh.bus import Incoming, Sessions, query_forms
 from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Head, PreviewReply, Reason
+from beatrix_zenoh.contract._generated.messages import Detail, Head, Limit, PreviewReply, Reason
 from beatrix_zenoh.contract._generated.serial import (
     ERROR_REASON,
     ERROR_TEXT,
@@ -236,7 +236,10 @@ class PreviewHandler(Component):
             raise Refused(Reason.FOLLOWING)
         goal = controller.planner.goal(query, controller.board.ready_telemetry(), controller.last_goal)
         if goal.duration > PREVIEW_MAX_S:
-            raise refusals.motion_too_long(goal.duration, PREVIEW_MAX_S)
+            raise Refused(
+                Reason.TIMED_OUT,
+                detail=Detail(limit=Limit.DURATION, value=goal.duration, high=PREVIEW_MAX_S, unit="s"),
+            )
         return self._carry_out(goal.frame(0))
 
     def close(self) -> None:

@@ -40,11 +40,6 @@ def taken_by(holder: str) -> Refused:
     return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease"))
 
 
-def lease_ended(number: int, holder: str) -> Refused:
-    """Return a NOT_HOLDER refusal: the lease of a request has ended; `holder` is the present holder (empty: none)."""
-    return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease", value=float(number)))
-
-
 def muted(seat: str, *, stop: bool = False) -> Refused:
     """Return a MUTED refusal: the teacher has muted the seat; `stop`: of a STOP while no motion of the seat runs."""
     return Refused(Reason.MUTED, detail=Detail(holder=seat, field="stop" if stop else ""))
@@ -69,28 +64,11 @@ def queue_full(limit: int) -> Refused:
     return Refused(Reason.BUSY, detail=Detail(limit=Limit.QUEUE, high=float(limit)))
 
 
-def unknown_command(number: int) -> Refused:
-    """Return an UNKNOWN_COMMAND refusal: no command has this number."""
-    return Refused(Reason.UNKNOWN_COMMAND, detail=Detail(value=float(number), known=COMMANDS))
-
-
 def home_known(arms: Iterable[float], limit: float) -> Refused:
     """Return a HOME_KNOWN refusal: home is known, and an arm (rad from home) is more than `limit` (rad) away."""
     name, angle = _furthest(arms)
     detail = Detail(limit=Limit.HOME, value=abs(angle), high=limit, unit="rad", arms=[name])
     return Refused(Reason.HOME_KNOWN, detail=detail)
-
-
-def motion_too_long(duration_s: float, high_s: float) -> Refused:
-    """Return a TIMED_OUT refusal: a motion takes `duration_s` (s), but a preview may take at most `high_s` (s)."""
-    return Refused(
-        Reason.TIMED_OUT, detail=Detail(limit=Limit.DURATION, value=duration_s, high=high_s, unit="s")
-    )
-
-
-def wildcard_key(key: str, own: str) -> Refused:
-    """Return a BAD_VALUE refusal: a key matches several robots or requests; `own` is the key to use instead."""
-    return Refused(Reason.BAD_VALUE, detail=Detail(field=key, known=[own]))
 
 
 def bad_field(field: str, what: str = "", known: Sequence[str] = ()) -> Refused:

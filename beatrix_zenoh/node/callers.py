@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from beatrix_zenoh.contract import refusals
+from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import OLD_PROGRAMS, TEACHER
 from beatrix_zenoh.contract.refusals import LINGER_S
@@ -130,7 +131,7 @@ class RobotLease:
         """
         holder = self.holder(now_s)
         if number and (number != self._number or not self._taker.seat):
-            raise refusals.lease_ended(number, holder)
+            raise Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease", value=float(number)))
         if holder not in ("", caller.seat) and caller.seat != TEACHER:
             if self._taker.seat:
                 raise refusals.taken_by(holder)

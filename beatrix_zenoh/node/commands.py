@@ -18,6 +18,7 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import (
     Command,
     CommandQuery,
+    Detail,
     EventKind,
     MotionQuery,
     Reason,
@@ -227,7 +228,9 @@ def command_of(number: int) -> Command:
     try:
         return Command(number)
     except ValueError:
-        raise refusals.unknown_command(number) from None
+        raise Refused(
+            Reason.UNKNOWN_COMMAND, detail=Detail(value=float(number), known=refusals.COMMANDS)
+        ) from None
 
 
 def name_of(command: Command, query: CommandQuery) -> str:

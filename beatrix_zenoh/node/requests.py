@@ -178,7 +178,7 @@ def check_own_key(key: str, served: str) -> None:
     """Raise Refused (BAD_VALUE) unless `key` is the served key with a concrete seat."""
     own = own_key(served, seat_of(key, served) or "me")
     if key != own:
-        raise refusals.wildcard_key(key, own)
+        raise Refused(Reason.BAD_VALUE, detail=Detail(field=key, known=[own]))
 
 
 Reply = MotionReply | CommandReply | LeaseReply

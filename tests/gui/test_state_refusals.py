@@ -33,7 +33,6 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.refusals import (
     driven_by,
     emergency_latched,
-    lease_ended,
     not_calibrated,
     not_enabled,
     stopped_pause,
@@ -107,7 +106,7 @@ def test_an_alternative_speed_keeps_the_motion() -> None:
         (emergency_latched(), "Reset", SendCommand(2, Command.RESET, value=True, sides=("sim",))),
         (driven_by("ana", 1.2), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
         (taken_by("ana"), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
-        (lease_ended(3, "ana"), None, None),
+        (Refused(Reason.NOT_HOLDER, detail=Detail(holder="ana", field="lease", value=float(3))), None, None),
         (Refused(Reason.FROZEN), None, None),
     ],
 )
