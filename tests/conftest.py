@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 from late_tests import Excuses
+from quick_waits import check_quick_waits
 from stall_monitor import Witness
 from xdist.remote import Producer  # type: ignore[import-untyped]
 from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped]
@@ -113,6 +114,13 @@ def own_user_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 user_folder_of_run = pytest.fixture(scope="session", autouse=True)(own_user_folder)
 user_folder_of_file = pytest.fixture(scope="module", autouse=True)(own_user_folder)
 """A robot that the tests of one file leave frozen is not frozen in another file."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick_waits_of_file() -> Iterator[None]:
+    """Fail the last test of a file if the waits that are normally quick were slow."""
+    yield
+    check_quick_waits()
 
 
 @pytest.fixture(autouse=True)

@@ -115,30 +115,36 @@ threading.Event().wait()
 
 
 @contextlib.contextmanager
-def crashed(lesson: Lesson) -> Iterator[Case]:
-    """A node that is killed after it has received the request and before it replies."""
+def node_of_its_own(lesson: Lesson) -> Iterator[Process]:
+    """A node of bea2 in a process of its own, which replies to no query."""
     script = lesson.folder / "node.py"
     script.write_text(NODE)
     node = Process(str(script), str(lesson.router.path("bea2")), traced=False)
-
-    def kill(incoming: Incoming) -> None:
-        os.kill(node.pid, signal.SIGKILL)
-        incoming.finish()
-
-    with connected(lesson, "bea2") as spy:
-        try:
-            node.expect("ready")
-            spy.serve(keys.command("bea2", HW, "*"), kill)
-            settled(spy)
-            yield Case(lesson.router.account("ana"), "bea2")
-        finally:
-            node.end(signal.SIGKILL)
+    try:
+        node.expect("ready")
+        yield node
+    finally:
+        node.end(signal.SIGKILL)
 
 
 @contextlib.contextmanager
-def frozen(lesson: Lesson) -> Iterator[Case]:
-    """A node whose Python hangs, while Zenoh's threads keep its token."""
-    with hanging(lesson):
+def crashed(lesson: Lesson) -> Iterator[Case]:
+    """A node that is killed after it has received the request and before it replies."""
+    with connected(lesson, "bea2") as spy, node_of_its_own(lesson) as node:
+
+        def kill(incoming: Incoming) -> None:
+            os.kill(node.pid, signal.SIGKILL)
+            incoming.finish()
+
+        spy.serve(keys.command("bea2", HW, "*"), kill)
+        settled(spy)
+        yield Case(lesson.router.account("ana"), "bea2")
+
+
+@contextlib.contextmanager
+def hangs(lesson: Lesson) -> Iterator[Case]:
+    """A node whose Python hangs, while Zenoh's threads keep its token; its process does not wait for this one."""
+    with node_of_its_own(lesson):
         yield Case(lesson.router.account("ana"), "bea2")
 
 
@@ -200,7 +206,7 @@ TABLE = [
         "bea7 (hw) is not online, and no robot has this name. Online: bea1 (hw)",
     ),
     (crashed, Reason.NODE_LOST, "bea2 (hw) is no longer online: its node has crashed"),
-    (frozen, Reason.NODE_HANGS, "bea2 (hw) is online but did not answer within"),
+    (hangs, Reason.NODE_HANGS, "bea2 (hw) is online but did not answer within"),
     (busy, Reason.TIMED_OUT, "bea2 (hw) did not answer within"),
 ]
 Provoke = Callable[[Lesson], "contextlib.AbstractContextManager[Case]"]
@@ -286,7 +292,7 @@ def test_doctor_ends_at_a_refused_account(lesson: Lesson, monkeypatch: pytest.Mo
 
 
 def test_doctor_names_the_robot_that_does_not_answer(lesson: Lesson, monkeypatch: pytest.MonkeyPatch) -> None:
-    with frozen(lesson) as case:
+    with hangs(lesson) as case:
         found = doctor(lesson, case, monkeypatch)
     assert found["account"][0]["found"].startswith("ana of class 8b, accepted, valid until")
     assert [row["state"] for row in found["bea2 (hw)"]] == ["todo"]

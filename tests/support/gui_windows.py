@@ -10,6 +10,7 @@ from PyQt5.QtCore import QEvent, QPoint, QPointF, Qt
 from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QWidget
+from quick_waits import quick
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.degrees import ArmAngles
@@ -81,7 +82,8 @@ class Windowed:
 
     def until_shown(self) -> None:
         """Wait until the window shows the newest request, so that tests do not read older results."""
-        self.until(lambda: not self.window.refresh_pending, "the request is shown")
+        with quick("the window shows a request"):
+            self.until(lambda: not self.window.refresh_pending, "the request is shown")
 
     def type_number(self, box: QAbstractSpinBox, number: float) -> None:
         """Type a number into a box, and press Enter."""

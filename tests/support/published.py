@@ -9,6 +9,7 @@ from typing import Generic, TypeVar
 
 import msgspec
 from late_tests import in_time
+from quick_waits import quick
 from robots import EVENT_S
 
 from beatrix_zenoh import Robot
@@ -56,7 +57,8 @@ class Published(Generic[M]):
 def published_positions(robot: Robot) -> Published[Positions]:
     """Subscribe to the positions of a robot; return when the first has arrived."""
     positions = Published(robot, keys.positions(robot.name, robot.side), Positions)
-    positions.next()
+    with quick("the first positions"):
+        positions.next()
     return positions
 
 

@@ -14,6 +14,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Self
 
+from quick_waits import quick
+
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Reply, Sessions
@@ -267,9 +269,10 @@ class Stage:
 
 def ready(robot: Robot) -> Robot:
     """Clear the emergency latch, enable and calibrate the robot; return it."""
-    robot.reset()
-    robot.enable()
-    robot.calibrate()
+    with quick("replies to RESET, ENABLE and CALIBRATE"):
+        robot.reset()
+        robot.enable()
+        robot.calibrate()
     return robot
 
 

@@ -95,8 +95,8 @@ def test_short_accepted_paths_keep_the_limits_and_refused_paths_do_not(
 @pytest.mark.parametrize("arm", [0, 1, 2])
 @pytest.mark.parametrize("limits", [LIMITS, CLOSE_ARMS])
 def test_short_paths_of_one_arm_near_a_limit_are_checked_correctly(arm: int, limits: MotionLimits) -> None:
-    for index in range(24):
-        start = tilted(limits, math.tau * index / 24)
+    for index in range(8):
+        start = tilted(limits, math.tau * (index + arm / 3) / 8)  # the arms are alike: 24 directions of one
         for way in (-0.1, -0.04, -0.015, 0.015, 0.04, 0.1):
             x, y, z = (way if i == arm else 0.0 for i in range(3))
             target = (start[0] + x, start[1] + y, start[2] + z)
