@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh.client.clocks import Offset as Offset
-from beatrix_zenoh.client.clocks import Offsets as Offsets
-from beatrix_zenoh.client.clocks import clock_offsets as clock_offsets
 from beatrix_zenoh.client.degrees import suggestion as suggestion
 from beatrix_zenoh.client.monitor import Monitor as Monitor
 from beatrix_zenoh.client.monitor import Presence as Presence
@@ -14,7 +11,6 @@ from beatrix_zenoh.client.plan import Plan as Plan
 from beatrix_zenoh.client.robot import Robot as Robot
 from beatrix_zenoh.client.session import Client as Client
 from beatrix_zenoh.client.session import Place as Place
-from beatrix_zenoh.client.subscription import Arrival as Arrival
 from beatrix_zenoh.client.subscription import CameraImage as CameraImage
 from beatrix_zenoh.client.subscription import Subscription as Subscription
 from beatrix_zenoh.client.twin import Twin as Twin

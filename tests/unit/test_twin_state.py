@@ -1,4 +1,4 @@
-"""State of a Twin, from publications or, if these are old, from queries; and the lag."""
+"""State of a Twin, from publications or, if these are old, from queries; may a seat move it; and the lag."""
 
 from __future__ import annotations
 
@@ -15,11 +15,13 @@ from beatrix_zenoh.client.monitor import Presence, RobotState
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Arrival
 from beatrix_zenoh.client.twin_motion import MotionBegin, lag_s
-from beatrix_zenoh.client.twin_state import TwinState
-from beatrix_zenoh.contract._generated.messages import Positions, Reason, Status, Vector3
+from beatrix_zenoh.client.twin_state import TwinState, may_move
+from beatrix_zenoh.contract._generated.messages import Fault, Positions, Reason, Status, Vector3
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.settings import Settings
 
 OFF = msgspec.structs.replace(READY, enabled=False)
+LOST = msgspec.structs.replace(READY.board, connected=False)
 
 
 def positions(t_mono_ns: int = 0, short: float = 0.0) -> Positions:
@@ -119,10 +121,41 @@ def test_the_motors_may_not_be_switched_if_another_seat_drives_or_the_board_is_l
     published = Published(held, held)
     with pytest.raises(Refused, match=r"ben drives this robot and its motion is running"):
         state_of(published).check_may_switch(cast("Robot", published))
-    lost = msgspec.structs.replace(READY, board=msgspec.structs.replace(READY.board, connected=False))
+    lost = msgspec.structs.replace(READY, board=LOST)
     published = Published(lost, lost)
     with pytest.raises(NoAnswer):
         state_of(published).check_may_switch(cast("Robot", published))
+
+
+@pytest.mark.parametrize(("holder", "who"), [("", "ana"), ("ana", "ana"), ("ben", "teacher")])
+def test_the_holder_or_the_teacher_may_move_a_ready_robot(holder: str, who: str) -> None:
+    may_move(msgspec.structs.replace(READY, holder=holder), who)
+
+
+@pytest.mark.parametrize(
+    ("change", "reason", "text"),
+    [
+        ({"holder": "ben"}, Reason.NOT_HOLDER, "ben drives this robot"),
+        ({"enabled": False}, Reason.NOT_ENABLED, "The motors are off"),
+        ({"calibrated": False}, Reason.NOT_CALIBRATED, "Home is not known"),
+        ({"enabled": False, "fault": Fault.EMERGENCY}, Reason.EMERGENCY, "EMERGENCY_STOP is latched"),
+        ({"board": LOST, "fault": Fault.BOARD_LOST}, Reason.BOARD_LOST, "does not answer"),
+        (
+            {"board": LOST, "fault": Fault.CONTRACT_MISMATCH},
+            Reason.CONTRACT_MISMATCH,
+            "of another version",
+        ),
+        (
+            {"board": LOST, "fault": Fault.BOARD_LOST, "warnings": ["The board is gone: plug it in."]},
+            Reason.BOARD_LOST,
+            "plug it in",
+        ),
+    ],
+)
+def test_the_first_missing_condition_is_raised(change: dict[str, object], reason: Reason, text: str) -> None:
+    with pytest.raises(BeatrixError, match=text) as refusal:
+        may_move(msgspec.structs.replace(READY, **change), "ana")
+    assert refusal.value.reason is reason
 
 
 class FakeRobot(MotionBegin):
