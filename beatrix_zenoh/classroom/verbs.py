@@ -13,7 +13,6 @@ import typer
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.classroom import class_file, provision, router_file
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.files import write_private
@@ -44,6 +43,8 @@ def classroom(
     All files are for the teacher only, who gives each seat and robot its own file. A repeated run keeps existing
     accounts and adds those of new seats and robots.
     """
+    from beatrix_zenoh.classroom import class_file, provision, router_file
+
     described = class_file.read(file)
     folder = out or router_file.folder(file, described)
     made = provision.init(described, folder)
