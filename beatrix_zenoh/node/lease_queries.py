@@ -73,7 +73,7 @@ def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False) ->
 
 
 def give_back(access: Access, caller: Caller) -> bool:
-    """Return the result of `Lease.give_back` for the caller's seat, called with the lock held."""
+    """Return the result of `RobotLease.give_back` for the caller's seat, called with the lock held."""
     with access.lock:
         return access.lease.give_back(caller.seat)
 
