@@ -11,14 +11,14 @@ from beatrix_zenoh.bus.endpoint import probe as probe
 from beatrix_zenoh.bus.forks import ProcessBound as ProcessBound
 from beatrix_zenoh.bus.incoming import Incoming as Incoming
 from beatrix_zenoh.bus.incoming import Received as Received
+from beatrix_zenoh.bus.messages import PUBLISHER as PUBLISHER
+from beatrix_zenoh.bus.messages import QUERYABLE as QUERYABLE
+from beatrix_zenoh.bus.messages import SUBSCRIBER as SUBSCRIBER
 from beatrix_zenoh.bus.publication import Publication as Publication
 from beatrix_zenoh.bus.query import Query as Query
 from beatrix_zenoh.bus.query import Reply as Reply
 from beatrix_zenoh.bus.query import intersects as intersects
 from beatrix_zenoh.bus.router import open_router as open_router
-from beatrix_zenoh.bus.session import PUBLISHER as PUBLISHER
-from beatrix_zenoh.bus.session import QUERYABLE as QUERYABLE
-from beatrix_zenoh.bus.session import SUBSCRIBER as SUBSCRIBER
 from beatrix_zenoh.bus.session import Bus as Bus
 from beatrix_zenoh.bus.session import connect as connect
 from beatrix_zenoh.bus.session import hanging_router as hanging_router

@@ -6,7 +6,7 @@ import contextlib
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import Protocol, Self, TypeVar
 
 import zenoh
 
@@ -34,7 +34,7 @@ class Declaration:
     make: Callable[[zenoh.Session], Declared]
 
 
-class Declarations(ProcessBound):
+class RenewableSession(ProcessBound):
     """A session and its declarations; several threads may declare, end declarations, renew and close at once.
 
     The lock protects the session and the dictionary of declarations. No call of Zenoh, and no deletion of an object of
@@ -95,8 +95,8 @@ class Declarations(ProcessBound):
     def renew(self) -> None:
         """Open a new session in place of this one and repeat all declarations.
 
-        Queries of the old session that are not answered yet get no reply. Raises the errors of `open_session`, and then
-        the old session remains; and those of `use`.
+        Queries of the old session that are not answered yet get no reply. Raises the errors of `open_session`, for
+        example NoAnswer, and then the old session remains; and those of `use`.
         """
         with self._renewal, OPEN.call():
             new = self._open_session()
@@ -127,8 +127,8 @@ class Declarations(ProcessBound):
         if former is None:  # it has ended meanwhile
             _undeclare(made)
 
-    def keys(self, kind: str) -> list[str]:
-        """Return the keys of all declarations of one kind, sorted, each once."""
+    def declared(self, kind: str) -> list[str]:
+        """Return the keys of all declarations of one kind (such as QUERYABLE), sorted, each once."""
         with self._lock:
             return sorted({declaration.key for declaration in self._made if declaration.kind == kind})
 
@@ -148,6 +148,12 @@ class Declarations(ProcessBound):
             session.close()
         made.clear()
         OPEN.discard(self)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
 
 
 def _undeclare(made: Declared) -> None:

@@ -1,8 +1,4 @@
-"""A session: queries, queryables, publications, subscriptions, liveliness tokens.
-
-Callbacks run on Zenoh's thread and must return at once; a slow callback would delay the whole session.
-Publications have congestion control DROP, so that a subscriber that does not read does not delay the others.
-"""
+"""A session of a client of a router: liveliness tokens, the state of the router and of the account, robots online."""
 
 from __future__ import annotations
 
@@ -10,27 +6,19 @@ import contextlib
 import datetime as dt
 import time
 from collections.abc import Callable
-from typing import Self
 
 import zenoh
 from zenoh.handlers import Callback
 
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import credentials, forks
-from beatrix_zenoh.bus.declarations import Declarations, Declared
 from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe
-from beatrix_zenoh.bus.forks import ProcessBound
-from beatrix_zenoh.bus.incoming import Incoming, Received, subscribe_newest
-from beatrix_zenoh.bus.publication import Publication
-from beatrix_zenoh.bus.query import QUERY_S, Query, intersects, priority_of
+from beatrix_zenoh.bus.messages import TOKEN, WATCH, MessageSession
+from beatrix_zenoh.bus.query import intersects
 from beatrix_zenoh.bus.transport import OPEN_MS, opened
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
-
-HEALTH = "_health"
-"""Selector parameter of the session watchdog's queries; no request has a parameter that begins with _."""
-HEALTHY = b"served"
 
 OTHER_CAUSES = (
     " Or other programs keep it busy with connections that it refuses; the teacher ends that by a restart of the router. "
@@ -40,185 +28,30 @@ OTHER_CAUSES = (
 PASSES_S = 0.5
 """Time (s) for the router to report the tokens of a new session."""
 POLL_S = 0.02
-QUERYABLE, PUBLISHER, SUBSCRIBER, TOKEN, WATCH = "queryable", "publisher", "subscriber", "token", "watch"
-"""Kinds of declarations."""
-REST = "rest"
-"""Kind of the declaration of `Bus.serve_rest`, which is no part of the description of a program."""
-LATELY_S = 60.0
-"""How long (s) a session remembers the key of a query or put."""
-MOST_KEYS = 256
-"""Largest number of keys of queries and puts that a session remembers."""
 
 
-class Bus(ProcessBound):
+class Bus(MessageSession):
     """One Zenoh session: a client of an explicit router, without discovery and shared memory."""
 
     def __init__(
         self, open_session: Callable[[], zenoh.Session], endpoint: str, account: Account | None = None
     ) -> None:
+        super().__init__(open_session)
         self._account = account
-        self._open_session = open_session
-        self._declarations = Declarations(open_session)
-        self._asked: dict[str, float] = {}
         self._watched: list[str] = []
-        self.served = ""
-        """A key that this session serves and its own account may query; empty: none."""
         self.endpoint = endpoint
-        self.session_id = self._declarations.use(lambda session: str(session.zid()))
-
-    def renew(self) -> None:
-        """Open a new session in place of this one and repeat all declarations.
-
-        Queries of the old session that are not answered yet get no reply. If this raises NoAnswer, as `connect` does,
-        the old session remains; WrongUsage (SHUTDOWN) if this program has closed the session.
-        """
-        self._declarations.renew()
-
-    def declared(self, kind: str) -> list[str]:
-        """Return the keys of all declarations of one kind (QUERYABLE, PUBLISHER or SUBSCRIBER), sorted."""
-        return self._declarations.keys(kind)
-
-    def asked(self) -> list[str]:
-        """Return the keys of the queries and puts of the last LATELY_S seconds, sorted."""
-        since_s = time.monotonic() - LATELY_S
-        return sorted(key for key, asked_s in self._asked.copy().items() if asked_s > since_s)
-
-    def _ask(self, key: str) -> None:
-        """Remember the key of a query or put; the oldest of MOST_KEYS is forgotten."""
-        self._asked.pop(key, None)
-        if len(self._asked) >= MOST_KEYS:
-            self._asked.pop(next(iter(self._asked.copy())), None)
-        self._asked[key] = time.monotonic()
-
-    # -- queries --------------------------------------------------------------------------------
-
-    @property
-    def closed(self) -> bool:
-        """Whether this program has closed the session."""
-        return self._declarations.closed
-
-    def query(
-        self,
-        key: str,
-        payload: bytes | None = None,
-        encoding: str | None = None,
-        priority: str | None = None,
-        timeout_s: float = QUERY_S,
-    ) -> Query:
-        """Send a query and return it; the caller reads its replies one by one and closes it.
-
-        `priority` defaults to that of the key. No reply arrives after `timeout_s`.
-
-        Raises:
-            WrongUsage: SHUTDOWN, this session is closed.
-        """
-        plain, _, parameters = key.partition("?")
-        if parameters != HEALTH:
-            self._ask(plain)
-        return self._declarations.use(
-            lambda session: Query(session, key, payload, encoding, priority, timeout_s)
-        )
-
-    # -- serving --------------------------------------------------------------------------------
-
-    def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
-        """Pass queries on `key` to `handle`, which runs on Zenoh's thread and must return at once."""
-
-        def receive(query: zenoh.Query) -> None:
-            if str(query.parameters) == HEALTH:
-                with contextlib.suppress(zenoh.ZError):
-                    query.reply_err(HEALTHY)
-                query.drop()
-            else:
-                handle(Incoming(query))
-
-        def declare(session: zenoh.Session) -> Declared:
-            return session.declare_queryable(key, Callback(receive, indirect=False), complete=True)
-
-        self.served = self.served or _own_seat(key)
-        self._declarations.add(QUERYABLE, key, declare)
-
-    def serve_rest(self, key: str, handle: Callable[[Incoming], None]) -> None:
-        """Pass queries on `key`, a key with wildcards, to `handle` as `serve` does, except those of the watchdog.
-
-        The queryable is not complete, so that a foreign complete one on these keys keeps receiving all its queries.
-        """
-
-        def receive(query: zenoh.Query) -> None:
-            if str(query.parameters) == HEALTH:
-                query.drop()
-            else:
-                handle(Incoming(query))
-
-        self._declarations.add(
-            REST, key, lambda session: session.declare_queryable(key, Callback(receive, indirect=False))
-        )
-
-    def publication(
-        self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None
-    ) -> Publication:
-        """Declare a publication.
-
-        `on_subscribed` is called when `Publication.subscribed` may have changed. It may run on Zenoh's thread and must
-        return at once.
-        """
-        publication = Publication(key, encoding, on_subscribed)
-        self._declarations.add(PUBLISHER, key, publication.declare)
-        return publication
-
-    def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
-        """Pass publications on `key` to `handle`, and return a function that ends the subscription.
-
-        `handle` runs on Zenoh's thread and must return at once. Raises the errors of `query`.
-        """
-
-        def receive(sample: zenoh.Sample) -> None:
-            handle(Received.of(sample))
-
-        callback: Callback[zenoh.Sample] = Callback(receive, indirect=False)
-        return self._declarations.add(
-            SUBSCRIBER, key, lambda session: session.declare_subscriber(key, callback)
-        )
-
-    def subscribe_newest(
-        self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool]
-    ) -> Callable[[], None]:
-        """As `subscribe`, but on a thread of its own, and in a flood only for the newest publications.
-
-        A publication is dropped before it is read if `skips` returns True for its key: that costs little.
-        """
-        return self._declarations.add(
-            SUBSCRIBER, key, lambda session: subscribe_newest(session, key, handle, skips)
-        )
-
-    def put(self, key: str, payload: bytes, encoding: str, priority: str | None = None) -> None:
-        """Publish once, with a `priority` as in `query`; raises the errors of `query`."""
-        self._ask(key)
-        self._declarations.use(
-            lambda session: session.put(
-                key,
-                payload,
-                encoding=encoding,
-                priority=priority_of(key, priority),
-                congestion_control=zenoh.CongestionControl.DROP,
-                source_info=zenoh.SourceInfo(session.id, 0),
-            )
-        )
-
-    # -- liveliness tokens ----------------------------------------------------------------------
+        self.session_id = self.use(lambda session: str(session.zid()))
 
     def declare_token(self, key: str) -> Callable[[], None]:
         """Declare a liveliness token, which disappears when this session ends for any reason.
 
         Returns a function that ends the token; raises the errors of `query`.
         """
-        return self._declarations.add(TOKEN, key, lambda session: session.liveliness().declare_token(key))
+        return self.add(TOKEN, key, lambda session: session.liveliness().declare_token(key))
 
     def tokens(self, key: str, timeout_s: float = 1.0) -> list[str]:
         """Return the keys of the live tokens that match; raises the errors of `query`."""
-        replies = self._declarations.use(
-            lambda session: list(session.liveliness().get(key, timeout=timeout_s))
-        )
+        replies = self.use(lambda session: list(session.liveliness().get(key, timeout=timeout_s)))
         return sorted(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
 
     def router_answers(self, timeout_s: float) -> bool:
@@ -276,7 +109,7 @@ class Bus(ProcessBound):
             handle(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
 
         self._watched.append(key)
-        return self._declarations.add(
+        return self.add(
             WATCH,
             key,
             lambda session: session.liveliness().declare_subscriber(
@@ -290,7 +123,7 @@ class Bus(ProcessBound):
         def receive(event: zenoh.TransportEvent) -> None:
             handle(event.kind == zenoh.SampleKind.PUT)
 
-        self._declarations.add(
+        self.add(
             WATCH,
             "",
             lambda session: session.info.declare_transport_events_listener(
@@ -302,7 +135,7 @@ class Bus(ProcessBound):
     def connected(self) -> bool:
         """Whether a router is connected; false after `close`."""
         with contextlib.suppress(WrongUsage):
-            return self._declarations.use(lambda session: bool(session.info.routers_zid()))
+            return self.use(lambda session: bool(session.info.routers_zid()))
         return False
 
     def connection_error(self) -> NoAnswer | None:
@@ -321,16 +154,6 @@ class Bus(ProcessBound):
         """Return name and side of every node that serves or starts; in joined networks one robot may occur twice."""
         return _places(self.tokens(keys.claim(robot="*", side="*", session="*")))
 
-    def close(self) -> None:
-        """Close the session and all its declarations; may be called twice."""
-        self._declarations.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self.close()
-
 
 def hanging_router(endpoint: str) -> str:
     """Return the message about a router that accepts connections and does not answer."""
@@ -344,12 +167,6 @@ def _places(tokens: list[str]) -> list[tuple[str, str]]:
     """Return name and side from the key of each token."""
     found = [keys.parse(token) for token in tokens]
     return [(parts.robot, parts.side) for parts in found if parts is not None]
-
-
-def _own_seat(key: str) -> str:
-    """Return a key with the robot's name as the seat: the one seat under which a robot's account may query itself."""
-    parts = keys.parse(key)
-    return key if parts is None else key.replace("*", parts.robot)
 
 
 def connect(endpoint: str, *, label: str = "", account: Account | None = None) -> Bus:

@@ -12,8 +12,9 @@ from pathlib import Path
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus.incoming import Incoming, Received
+from beatrix_zenoh.bus.messages import HEALTH, HEALTHY, PUBLISHER, QUERYABLE, SUBSCRIBER
 from beatrix_zenoh.bus.publication import Publication
-from beatrix_zenoh.bus.session import HEALTH, HEALTHY, PUBLISHER, QUERYABLE, SUBSCRIBER, Bus
+from beatrix_zenoh.bus.session import Bus
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import ProgramInfo, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage

@@ -114,10 +114,10 @@ def test_a_stop_with_the_session_of_another_seat_is_not_recorded_under_that_seat
 ) -> None:
     """The source info of a message can be forged; the seat in its key is checked by the router of a class."""
     ben, cem = body.robot("ben"), body.robot("cem")
-    gid = ben.client.bus._declarations.use(lambda session: session.id)
+    gid = ben.client.bus.use(lambda session: session.id)
     with robot.events(timeout_s=20.0) as events:
         forged = f"beatrix/{robot.name}/{robot.side}/{key}"
-        cem.client.bus._declarations.use(
+        cem.client.bus.use(
             lambda session: session.get(forged, lambda _: None, source_info=zenoh.SourceInfo(gid, 1))
         )
         event = next(event for event in events if event.kind is EventKind.STOP)

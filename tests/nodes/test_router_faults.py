@@ -214,8 +214,8 @@ def test_a_session_whose_declarations_the_router_has_lost_is_replaced(stage: Sta
     robot.look(yaw=2)
     motion = robot.look(yaw=170, speed=10, wait=False)
     bus = node.sessions.opened()[traffic]
-    forgotten = bus._declarations._session
-    for declared in bus._declarations._made.values():
+    forgotten = bus._session
+    for declared in bus._made.values():
         if not isinstance(declared, zenoh.Publisher):
             declared.undeclare()  # as after a reconnection that lost them
     until(
