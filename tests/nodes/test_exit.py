@@ -18,7 +18,7 @@ FROZEN_S = 30.0
 BEGIN = """
 import sys, time
 from beatrix_zenoh import Robot, bus as zbus, threads
-from beatrix_zenoh.bus import Sessions, watchdog
+from beatrix_zenoh.bus import Sessions, sessions
 from beatrix_zenoh.node import Node
 from hw_node.body import VirtualHardware
 endpoint = sys.argv[1]
@@ -30,7 +30,7 @@ raise RuntimeError("a mistake of the user")
 """
 PROGRAMS = {
     "a node whose watchdog never rests": """
-watchdog.PERIOD_S = 0.0001
+sessions.PERIOD_S = 0.0001
 node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea2", VirtualHardware("bea2")).start()
 """,
     "a stream and a camera": """
