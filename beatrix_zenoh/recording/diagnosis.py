@@ -10,16 +10,19 @@ import numpy as np
 
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.circumstances import (
+from beatrix_zenoh.recording.compare import Comparison
+from beatrix_zenoh.recording.finding import (
+    Cause,
+    Finding,
     clocks,
+    count,
     following,
+    listed,
     lost_samples,
     new_homes,
     not_asked,
     stopped,
 )
-from beatrix_zenoh.recording.compare import Comparison
-from beatrix_zenoh.recording.finding import Cause, Finding, count, listed
 from beatrix_zenoh.recording.series import Flags, Floats, runs
 
 FULL_STEP_DEG: Final = 360 / ROBOT.drive.full_steps * ROBOT.drive.gear_pinion / ROBOT.drive.gear_ring

@@ -6,12 +6,16 @@ Tables are made in blocks of rows, so that a long recording of a class needs lit
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -285,3 +289,42 @@ def at(samples_ns: Nanoseconds, values: Floats, times_ns: Nanoseconds, *, circle
     exact = inside & (past_ns == 0)
     result: npt.NDArray[np.float64] = np.where(exact, values[before], np.where(known, found, np.nan))
     return np.round(result, DECIMALS)
+
+
+PARQUET: Final = ".parquet"
+
+
+def write_table(path: Path, blocks: Iterable[Block]) -> int:
+    """Write a table in the format of the path's ending, and return the number of rows; raises OSError.
+
+    CSV is UTF-8 with commas, decimal points and one line of names. A missing value is an empty field, and null in Parquet.
+    """
+    rows, writer = 0, None
+    with path.open("wb") as file:
+        for block in blocks:
+            batch = record_batch(block)
+            if writer is None and path.suffix.lower() == PARQUET:
+                writer = pyarrow.parquet.ParquetWriter(file, batch.schema)
+            elif writer is None:
+                file.write((",".join(batch.schema.names) + "\n").encode())  # pyarrow would quote the names
+                quotes = "needed" if "note" in block else "none"  # pyarrow needs quotes for every text
+                options = pyarrow.csv.WriteOptions(include_header=False, quoting_style=quotes)
+                writer = pyarrow.csv.CSVWriter(file, batch.schema, write_options=options)
+            writer.write_batch(batch)
+            rows += batch.num_rows
+        if writer is not None:
+            writer.close()
+    return rows
+
+
+def record_batch(block: Block) -> pa.RecordBatch:
+    """Return a block as columns of Arrow, with null for NaN and for unknown whole numbers."""
+    columns = {}
+    for name, values in block.items():
+        if isinstance(values, list):
+            columns[name] = pa.array(values, pa.string())
+        else:
+            missing = values < 0 if name in ("seq", "repeats") else np.isnan(values)
+            # Adding 0 turns -0.0, which would be "-0" in a cell, into 0.
+            columns[name] = pa.array(values + values.dtype.type(0), mask=missing)
+    return pa.RecordBatch.from_pydict(columns)

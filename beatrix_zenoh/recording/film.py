@@ -4,16 +4,23 @@ from __future__ import annotations
 
 import bisect
 import io
-from collections.abc import Iterator, Sequence
+import itertools
+from collections.abc import Iterable, Iterator, Sequence
+from fractions import Fraction
+from pathlib import Path
 from typing import Final, NamedTuple
 
+import av
 import numpy as np
+from av.video.reformatter import ColorRange, Colorspace
+from av.video.stream import VideoStream
 from PIL import Image, ImageDraw, ImageFont
 
 from beatrix_zenoh.contract.names import ARMS, EYES, SIDE_TITLES, SIDES
 from beatrix_zenoh.recording.drawing import BACKGROUND, Array, Drawing, Pixels
 from beatrix_zenoh.recording.export import Block, Table
 from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.samples import EyePicture, EyePictures
 from beatrix_zenoh.recording.series import HEAD
 
 STEPS: Final = 2
@@ -28,25 +35,14 @@ EMPTY: Final = (70, 76, 84)
 PALE: Final = (200, 205, 210)
 
 
-class Picture(NamedTuple):
-    """A picture of an eye, and its time (ns since 1970) by the clock of the recording computer."""
-
-    time_ns: int
-    jpeg: bytes
-
-
-EyePictures = dict[tuple[str, str, str], list[Picture]]
-"""Pictures in the order of time, by robot, side and eye."""
-
-
-class Frame(NamedTuple):
+class FilmFrame(NamedTuple):
     """A picture of a film, and its time (ns since 1970)."""
 
     time_ns: int
     pixels: Pixels
 
 
-def eye_frames(pictures: Sequence[Picture]) -> Iterator[Frame]:
+def eye_frames(pictures: Sequence[EyePicture]) -> Iterator[FilmFrame]:
     """Yield the pictures of an eye in the size of the first one; leaves out damaged pictures and repeated times."""
     size: tuple[int, int] | None = None
     last_ns = -1
@@ -56,10 +52,10 @@ def eye_frames(pictures: Sequence[Picture]) -> Iterator[Frame]:
             continue
         last_ns = picture.time_ns
         size = size or (image.width // 2 * 2, image.height // 2 * 2)  # H.264 halves the resolution of colours
-        yield Frame(picture.time_ns, np.asarray(image if image.size == size else image.resize(size)))
+        yield FilmFrame(picture.time_ns, np.asarray(image if image.size == size else image.resize(size)))
 
 
-def side_by_side(table: Table, name: str, eyes: EyePictures) -> Iterator[Frame]:
+def side_by_side(table: Table, name: str, eyes: EyePictures) -> Iterator[FilmFrame]:
     """Yield the drawings of simulation and hardware of a robot, with the pictures of their eyes below, if there are any.
 
     The robots have the geometry of the project. A robot without samples at a time is not drawn.
@@ -81,7 +77,7 @@ def side_by_side(table: Table, name: str, eyes: EyePictures) -> Iterator[Frame]:
                 picture = no_picture(eye) if tile is None else tile.at(time_ns, eye)
                 canvas.paste(picture, (left + index * EYE[0], PANEL[1]))
         write(canvas, (canvas.width - 16, 12), f"{time_s:.2f} s", anchor="ra")
-        yield Frame(time_ns, np.asarray(canvas))
+        yield FilmFrame(time_ns, np.asarray(canvas))
 
 
 def frame_rows(table: Table) -> Iterator[tuple[int, float, Block, int]]:
@@ -116,7 +112,7 @@ def value(block: Block, row: int, column: str) -> float:
 class EyeTile:
     """The pictures of one eye, of which the newest is shown."""
 
-    def __init__(self, pictures: Sequence[Picture]) -> None:
+    def __init__(self, pictures: Sequence[EyePicture]) -> None:
         self._pictures = pictures
         self._times = [picture.time_ns for picture in pictures]
         self._index = -1
@@ -161,3 +157,46 @@ def write(
     """Write text into a picture; the anchor is Pillow's."""
     font = ImageFont.load_default(size=20)
     ImageDraw.Draw(image).text(at, text, fill=colour, font=font, anchor=anchor)
+
+
+TICKS: Final = 90_000
+"""Ticks of a film's time in a second, the usual number for H.264."""
+RATE: Final = 25
+"""Frames a second that the file announces; the time of each frame is its own."""
+OPTIONS: Final = {"crf": "20", "preset": "veryfast"}
+"""Quality and speed of libx264: a film of two robots is not distinguishable from its frames."""
+
+
+def write_video(path: Path, frames: Iterable[FilmFrame]) -> int:
+    """Write a film with the times of its frames, and return their number; without frames there is no file.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    waiting = iter(frames)
+    first = next(waiting, None)
+    if first is None:
+        return 0
+    count = 0
+    with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as container:
+        stream = new_stream(container, first)
+        for count, frame in enumerate(itertools.chain([first], waiting), start=1):  # noqa: B007
+            picture = av.VideoFrame.from_ndarray(frame.pixels, format="rgb24")
+            picture.time_base = Fraction(1, TICKS)
+            picture.pts = round((frame.time_ns - first.time_ns) * TICKS / 1e9)
+            container.mux(stream.encode(picture))
+        container.mux(stream.encode(None))
+    return count
+
+
+def new_stream(container: av.container.OutputContainer, frame: FilmFrame) -> VideoStream:
+    """Add the stream of pictures to a file, in the size of the first frame."""
+    stream = container.add_stream("libx264", rate=RATE, options=OPTIONS)
+    stream.height, stream.width = frame.pixels.shape[:2]
+    stream.pix_fmt = "yuv420p"  # browsers show no other one
+    # Players guess the colours of a large picture otherwise, and wrong ones.
+    stream.codec_context.colorspace = Colorspace.ITU601
+    stream.codec_context.color_range = ColorRange.MPEG
+    stream.codec_context.time_base = Fraction(1, TICKS)
+    stream.time_base = Fraction(1, TICKS)
+    return stream

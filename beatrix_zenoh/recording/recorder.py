@@ -2,18 +2,194 @@
 
 from __future__ import annotations
 
+import threading
 import time
-from collections.abc import Callable, Sequence
-from typing import Self
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from typing import Final, Self
 
+from beatrix_zenoh import threads
+from beatrix_zenoh.client.monitor import LOST_S
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.recording.about import about
-from beatrix_zenoh.recording.losses import Count, Stream
-from beatrix_zenoh.recording.notes import NoteInbox
-from beatrix_zenoh.recording.output import Output, Say
-from beatrix_zenoh.recording.recording_thread import RecordingThread
-from beatrix_zenoh.recording.robot_queries import RobotQueries
-from beatrix_zenoh.recording.subscriptions import RobotSubscriptions
+from beatrix_zenoh.client.subscription import CameraImage
+from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
+from beatrix_zenoh.recording.about import About, about
+from beatrix_zenoh.recording.difference import Difference
+from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.recording.losses import POSITIONS, Count, Losses, LossReport, Stream
+from beatrix_zenoh.recording.notes import NoteInbox, rows_of
+from beatrix_zenoh.recording.output import Output, RobotSet, Say
+from beatrix_zenoh.recording.robot_rows import RobotRows
+from beatrix_zenoh.recording.rows import Frame, Numbers, Row, of_difference, of_robot
+from beatrix_zenoh.recording.samples import Note
+from beatrix_zenoh.recording.sources import RobotAnswer, RobotQueries, RobotSubscriptions
+from beatrix_zenoh.recording.timebase import Timebase, Timed, TimedArrivals
+
+PERIOD_S: Final = 0.05
+END_S: Final = 15.0
+"""The longest time that `close` waits for a disk or a viewer."""
+
+
+class RecordingThread:
+    """Converts new publications to rows 20 times a second, and passes the rows to the outputs."""
+
+    def __init__(
+        self,
+        subscriptions: RobotSubscriptions,
+        queries: RobotQueries,
+        outputs: Sequence[Output],
+        say: Say,
+        cameras_hz: float,
+        about: About,
+        notes: NoteInbox | None = None,
+    ) -> None:
+        self._subscriptions, self._queries, self._outputs, self._say = subscriptions, queries, outputs, say
+        self._picture_period_ns = round(1e9 / cameras_hz) if cameras_hz else 0
+        self._timebase = Timebase(time.monotonic_ns(), time.time_ns())
+        self._losses = Losses()
+        self._arrivals = TimedArrivals(self._timebase, queries, self._losses)
+        self._report = LossReport(say)
+        self._rows: dict[Place, RobotRows] = {}
+        self._about, self._notes = about, notes
+        for output in outputs:
+            output.describe(about)
+        self._differences: defaultdict[str, Difference] = defaultdict(Difference)
+        self._last: dict[Place, tuple[int, int]] = {}
+        """Newest positions of each robot (ns): arrival by our monotonic clock, and time by our wall clock."""
+        self._picture_due_ns: dict[str, int] = {}
+        self._with_pictures: frozenset[Place] = frozenset()
+        self.samples = 0
+        """Number of positions that were converted."""
+        self.failure: Exception | None = None
+        """The exception that has ended the thread, if any."""
+        self._ending = threading.Event()
+        self._thread = threads.start(self._run, "recorder")
+
+    @property
+    def counts(self) -> dict[Stream, Count]:
+        """Publications of each stream: received, lost, dropped, late."""
+        return self._losses.counts(self._subscriptions.dropped)
+
+    @property
+    def robots(self) -> list[Place]:
+        """Robots in the recording so far."""
+        return sorted(self._rows)
+
+    def close(self) -> bool:
+        """Write the publications that have arrived, and close all outputs; return False if an output does not close."""
+        self._ending.set()
+        self._thread.join(END_S)
+        if self._thread.is_alive():
+            return False
+        closed = [output.close() for output in self._outputs]
+        return all(closed)
+
+    def _run(self) -> None:
+        try:
+            while not self._ending.wait(PERIOD_S):
+                self._step()
+            self._step(last=True)
+        except Exception as error:  # noqa: BLE001 # the main thread reports it and ends
+            self.failure = error
+
+    def _step(self, *, last: bool = False) -> None:
+        rows: list[Row] = []
+        for answer in self._queries.answers():
+            rows += self._answered(answer)
+        for arrival in self._subscriptions.take():
+            for timed in self._arrivals.arrived(arrival):
+                rows += self._convert(timed)
+        rows += self._noted()
+        rows += self._lost_robots()
+        now_s = time.monotonic()
+        rows += self._report.rows(self.counts, self._timebase.own_ns(time.monotonic_ns()), now_s, last=last)
+        for output in self._outputs:
+            output.write(rows)
+        restarted = [output.update(now_s) for output in self._outputs]
+        if any(restarted):
+            again = [row for rows_of_robot in self._rows.values() for row in rows_of_robot.begin_again()]
+            for output in self._outputs:
+                output.write(again)
+
+    def _answered(self, answer: RobotAnswer) -> Iterator[Row]:
+        """Use the answer of a robot; yield the rows of the publications that were kept until then."""
+        waiting = list(self._arrivals.answered(answer))
+        if answer.place not in self._rows:
+            self._rows[answer.place] = RobotRows(answer.place, Figure(answer.geometry))
+            self._show_robots()
+        if answer.info is not None:
+            self._describe(self._about.with_robot(answer.place, answer.info))
+        if answer.offset is not None:
+            now_ns = self._timebase.own_ns(time.monotonic_ns())
+            yield from self._rows[answer.place].clock(now_ns, *answer.offset)
+        for timed in waiting:
+            yield from self._convert(timed)
+
+    def _noted(self) -> Iterator[Row]:
+        """Yield the rows of new notes."""
+        for seat, text, mono_ns in self._notes.take() if self._notes is not None else ():
+            self._describe(self._about.with_seat(seat))
+            yield from rows_of(Note(self._timebase.own_ns(mono_ns), seat, text))
+
+    def _describe(self, about: About) -> None:
+        """Let the outputs say what is new about the recording."""
+        if about != self._about:
+            self._about = about
+            for output in self._outputs:
+                output.describe(about)
+
+    def _show_robots(self) -> None:
+        robots = RobotSet({place: rows.figure for place, rows in self._rows.items()}, self._with_pictures)
+        for output in self._outputs:
+            output.show(robots)
+
+    def _convert(self, timed: Timed) -> Iterator[Row]:
+        arrival, time_ns, stale = timed
+        place, value = (arrival.robot, arrival.side), arrival.value
+        rows = self._rows[place]
+        match value:
+            case Positions():
+                self._last[place] = arrival.t_mono_ns, time_ns
+                yield from rows.back(time_ns, value.t_wall_ns)
+                if rows.repeats(value, stale=stale):
+                    self._losses.repeated((place, POSITIONS))
+                    return
+                self.samples += 1
+                yield from rows.positions(value, time_ns)
+                yield from self._difference(place, rows, time_ns, value.t_wall_ns)
+            case Status():
+                yield from rows.status(value, time_ns)
+            case Event():
+                self._describe(self._about.with_seat(value.seat))
+                yield from rows.event(value, time_ns)
+            case CameraImage():
+                yield from self._picture(place, value, time_ns)
+
+    def _difference(self, place: Place, rows: RobotRows, time_ns: int, robot_ns: int) -> Iterator[Row]:
+        for difference in self._differences[place[0]].add(place[1], time_ns, rows.angles):
+            for what, angles in (("arms", difference.angles[:3]), ("head", difference.angles[3:])):
+                yield Numbers(of_difference(place[0], what), difference.time_ns, robot_ns, angles)
+
+    def _picture(self, place: Place, image: CameraImage, time_ns: int) -> Iterator[Row]:
+        """Yield the row of a picture if one is due."""
+        path = of_robot(place, "camera", image.eye)
+        due_ns = self._picture_due_ns.get(path, time_ns)
+        # Accept a slightly early picture: otherwise a camera of 15 Hz would give 3.75 Hz instead of 5 Hz.
+        if time_ns < due_ns - self._picture_period_ns // 8:
+            return
+        self._picture_due_ns[path] = max(due_ns, time_ns - self._picture_period_ns) + self._picture_period_ns
+        if place not in self._with_pictures:
+            self._with_pictures |= {place}
+            self._show_robots()
+        yield Frame(path, time_ns, image.t_wall_ns, image.jpeg)
+
+    def _lost_robots(self) -> Iterator[Row]:
+        """Yield the state LOST of each robot that no longer publishes positions."""
+        now_ns = time.monotonic_ns()
+        for place, (arrived_ns, time_ns) in self._last.items():
+            if now_ns - arrived_ns > LOST_S * 1e9:
+                yield from self._rows[place].lost(time_ns)
+
 
 CAMERAS_HZ = 5.0
 

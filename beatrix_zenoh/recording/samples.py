@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -125,3 +126,14 @@ class Recorded:
     notes: tuple[Note, ...] = ()
     about: About | None = None
     """title, versions, robots and seats; None: a file of an earlier version"""
+
+
+class EyePicture(NamedTuple):
+    """A picture of an eye, and its time (ns since 1970) by the clock of the recording computer."""
+
+    time_ns: int
+    jpeg: bytes
+
+
+EyePictures = dict[tuple[str, str, str], list[EyePicture]]
+"""Pictures in the order of time, by robot, side and eye."""

@@ -14,7 +14,7 @@ from shell import settings_of_this_process
 from written_recordings import BEGAN_NS, write_lesson
 
 from beatrix_zenoh.cli import app
-from beatrix_zenoh.recording import table_files
+from beatrix_zenoh.recording import export
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.shutdown import SIGNALS
 
@@ -73,7 +73,7 @@ def test_a_signal_leaves_no_incomplete_file(
         signal.raise_signal(number)
         return 1
 
-    monkeypatch.setattr(table_files, "write_table", interrupted)
+    monkeypatch.setattr(export, "write_table", interrupted)
     with settings_of_this_process():
         for each in SIGNALS:
             signal.signal(each, lambda _signal, _frame: None)

@@ -151,7 +151,7 @@ def test_the_robot_of_a_film_is_chosen(tmp_path: Path, capsys: pytest.CaptureFix
 def test_the_sentence_for_a_missing_library_contains_the_command(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setitem(sys.modules, "beatrix_zenoh.recording.video", None)
+    monkeypatch.setitem(sys.modules, "beatrix_zenoh.recording.film", None)
     assert app.run(["export", "lesson.rrd", "--video", "new.mp4"]) == 1
     assert 'pip install ".[video]"' in capsys.readouterr().err
     assert not (folder / "new.mp4").exists()

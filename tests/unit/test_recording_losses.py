@@ -8,12 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.contract.publishers import NUMBERS
-from beatrix_zenoh.recording.loss_report import REPORT_S, LossReport
 from beatrix_zenoh.recording.losses import (
     EVENTS,
     POSITIONS,
+    REPORT_S,
     Count,
     Losses,
+    LossReport,
     Stream,
     findings,
     total,

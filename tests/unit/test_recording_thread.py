@@ -26,11 +26,10 @@ from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.losses import POSITIONS, Stream, total
 from beatrix_zenoh.recording.notes import Arrived, NoteInbox
 from beatrix_zenoh.recording.output import RobotSet
-from beatrix_zenoh.recording.recording_thread import RecordingThread
-from beatrix_zenoh.recording.robot_queries import RobotAnswer, RobotQueries
+from beatrix_zenoh.recording.recorder import RecordingThread
 from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Row
 from beatrix_zenoh.recording.samples import Note
-from beatrix_zenoh.recording.subscriptions import RobotSubscriptions, Value
+from beatrix_zenoh.recording.sources import RobotAnswer, RobotQueries, RobotSubscriptions, Value
 
 BEA = ("bea", "hw")
 AHEAD_NS = 3_600_000_000_000

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import warnings
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,10 +19,13 @@ from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Event, Reason
 from beatrix_zenoh.contract.codec import decode_json
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.names import EYES
 from beatrix_zenoh.recording.about import About
-from beatrix_zenoh.recording.rows import NOTES
+from beatrix_zenoh.recording.rows import NOTES, of_robot
 from beatrix_zenoh.recording.samples import (
     ClockOffset,
+    EyePicture,
+    EyePictures,
     Floats,
     Nanoseconds,
     Note,
@@ -246,3 +250,36 @@ def _parts(entity: str) -> tuple[str, str, str]:
     name, _, rest = entity.strip("/").partition("/")
     side, _, what = rest.partition("/")
     return name, side, what
+
+
+BLOB = "EncodedImage:blob"
+
+
+def read_eyes(paths: Sequence[Path], places: Sequence[Place], first_ns: int, last_ns: int) -> EyePictures:
+    """Return the pictures of all eyes of these robots between two times, in the order of time.
+
+    The files must be readable, which `read` checks.
+    """
+    entities = {"/" + of_robot(place, "camera", eye): (*place, eye) for place in places for eye in EYES}
+    found: EyePictures = {}
+    for path in paths:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RerunWarning)  # a killed recorder leaves a file without its end
+            chunks = RrdReader(path).stream().filter(content=list(entities))
+        for chunk in chunks:
+            if chunk.is_static or TIME not in chunk.timeline_names:
+                continue
+            batch = chunk.to_record_batch()
+            if BLOB not in batch.schema.names:
+                continue
+            times = batch.column(TIME).cast("int64").to_pylist()
+            blobs = batch.column(BLOB).flatten()
+            ends, flat = blobs.offsets.to_pylist(), blobs.values.to_numpy()
+            found.setdefault(entities[chunk.entity_path], []).extend(
+                EyePicture(time_ns, flat[begin:end].tobytes())
+                for time_ns, (begin, end) in zip(times, itertools.pairwise(ends), strict=True)
+                if first_ns <= time_ns <= last_ns
+            )
+    for pictures in found.values():
+        pictures.sort(key=lambda picture: picture.time_ns)
+    return {key: pictures for key, pictures in found.items() if pictures}

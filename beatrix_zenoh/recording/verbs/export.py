@@ -21,7 +21,8 @@ from beatrix_zenoh.terminal.progress import progress_bar
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.export import Table
-    from beatrix_zenoh.recording.film import EyePictures, Frame
+    from beatrix_zenoh.recording.film import FilmFrame
+    from beatrix_zenoh.recording.samples import EyePictures
 
 FILM = ".mp4"
 OF_ONE_EYE = "with what the eyes saw (--eye left or --eye right: a film of one eye alone)"
@@ -161,7 +162,7 @@ def written(path: Path, found: Table, *, samples: bool) -> int:
     Raises:
         Refused: BAD_VALUE, the part contains no samples, or the file cannot be written.
     """
-    from beatrix_zenoh.recording.table_files import write_table
+    from beatrix_zenoh.recording.export import write_table
 
     with new_file(path) as unfinished:
         rows = write_table(unfinished, found.samples() if samples else found.grid())
@@ -203,7 +204,7 @@ def check_video(path: Path | None, eye: EyeName | None, on: Which | None) -> Non
             "--on both: a film shows an eye of one robot. Give sim or hw; without --eye both robots are beside each other."
         )
     try:
-        import beatrix_zenoh.recording.video  # noqa: F401
+        import beatrix_zenoh.recording.film  # noqa: F401
     except ModuleNotFoundError as error:
         raise Refused(
             Reason.BAD_VALUE,
@@ -219,9 +220,8 @@ def written_film(
     Raises:
         Refused: BAD_VALUE, the choice is not unique, there are no pictures, or the file cannot be written.
     """
-    from beatrix_zenoh.recording.film import side_by_side
-    from beatrix_zenoh.recording.rrd.eyes import read_eyes
-    from beatrix_zenoh.recording.video import write_video
+    from beatrix_zenoh.recording.film import side_by_side, write_video
+    from beatrix_zenoh.recording.rrd.read import read_eyes
 
     name = only_name(table)
     eyes = read_eyes(recordings, list(table.robots), table.first_ns, table.last_ns)
@@ -250,7 +250,7 @@ def only_name(table: Table) -> str:
     return names[0]
 
 
-def of_eye(eyes: EyePictures, name: str, eye: EyeName, on: Which | None) -> tuple[str, Iterator[Frame]]:
+def of_eye(eyes: EyePictures, name: str, eye: EyeName, on: Which | None) -> tuple[str, Iterator[FilmFrame]]:
     """Return a description and the frames of an eye; raises Refused unless exactly one robot has pictures of it."""
     from beatrix_zenoh.recording.film import eye_frames
 
@@ -269,7 +269,7 @@ def of_eye(eyes: EyePictures, name: str, eye: EyeName, on: Which | None) -> tupl
     return f"the {eye} eye of {name} ({sides[0]})", eye_frames(eyes[name, sides[0], eye])
 
 
-def watched(frames: Iterable[Frame], times: list[int], table: Table) -> Iterator[Frame]:
+def watched(frames: Iterable[FilmFrame], times: list[int], table: Table) -> Iterator[FilmFrame]:
     """Yield frames, add their times to a list, and show the progress."""
     lasts_s = (table.last_ns - table.first_ns) / 1e9
     with progress_bar("Writing the film", lasts_s) as bar:

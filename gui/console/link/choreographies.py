@@ -11,9 +11,8 @@ from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits
-from beatrix_zenoh.recording.choreography_check import check_choreography
 from beatrix_zenoh.recording.follow import follow, robots_of
-from beatrix_zenoh.recording.path import path_of
+from beatrix_zenoh.recording.path import check_choreography, path_of
 from beatrix_zenoh.recording.replay import replay
 from gui.console.state.actions import POSES, Play
 
