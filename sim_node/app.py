@@ -12,7 +12,7 @@ from beatrix_zenoh.settings import resolve
 from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, RobotFile, finite
 from beatrix_zenoh.terminal.run import run_command
 from sim_node.body import EYES_HZ, EYES_HZ_MAX, Simulation
-from sim_node.mechanism import KEYS
+from sim_node.picture import KEYS
 from sim_node.target import TargetPath
 from sim_node.viewer import Viewer
 

@@ -21,7 +21,7 @@ from beatrix_zenoh.client import Client, subscription
 from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract.names import EYES
 from beatrix_zenoh.settings import Settings
-from hw_node.cameras.pattern import number_and_time
+from hw_node.cameras.stand_ins import number_and_time
 
 NAME = "bench-media"
 LASTS_S = 10.0

@@ -23,9 +23,8 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.motion.trajectory import Trajectory, plan
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.robot_rows import RobotRows
-from beatrix_zenoh.recording.rows import Row
+from beatrix_zenoh.recording.rows import RobotSet, Row
 from beatrix_zenoh.recording.rrd.stream import Stream
 from beatrix_zenoh.recording.series import Floats, Recording, recording
 from beatrix_zenoh.recording.verbs.compare import recorded

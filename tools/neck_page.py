@@ -19,8 +19,8 @@ from beatrix_zenoh.client.plan import path_figure
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.trajectory import plan
-from sim_node.mechanism import write_mechanism
 from sim_node.model import build
+from sim_node.picture import write_mechanism
 
 DOCS: Final = Path(__file__).resolve().parent.parent / "docs"
 PAGE: Final = DOCS / "explanation/neck.md"

@@ -13,8 +13,7 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.contract.publishers import NUMBERS, Publishers, goes_back
-from beatrix_zenoh.recording.output import Say
-from beatrix_zenoh.recording.rows import RECORDER, Line, Numbers, Row
+from beatrix_zenoh.recording.rows import RECORDER, Line, Numbers, Row, Say
 
 POSITIONS: Final = "positions"
 EVENTS: Final = "events"

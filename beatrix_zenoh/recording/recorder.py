@@ -18,9 +18,8 @@ from beatrix_zenoh.recording.difference import Difference
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.losses import POSITIONS, Count, Losses, LossReport, Stream
 from beatrix_zenoh.recording.notes import NoteInbox, rows_of
-from beatrix_zenoh.recording.output import Output, RobotSet, Say
 from beatrix_zenoh.recording.robot_rows import RobotRows
-from beatrix_zenoh.recording.rows import Frame, Numbers, Row, of_difference, of_robot
+from beatrix_zenoh.recording.rows import Frame, Numbers, Output, RobotSet, Row, Say, of_difference, of_robot
 from beatrix_zenoh.recording.samples import Note
 from beatrix_zenoh.recording.sources import RobotAnswer, RobotQueries, RobotSubscriptions
 from beatrix_zenoh.recording.timebase import Timebase, Timed, TimedArrivals

@@ -1,11 +1,14 @@
-"""The rows of a recording and the names of its entities, independent of Rerun."""
+"""The rows of a recording, the names of its entities, and the outputs that get the rows; independent of Rerun."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.recording.figure import Quaternion
+from beatrix_zenoh.recording.about import About
+from beatrix_zenoh.recording.figure import Figure, Quaternion
 
 RECORDER = "_recorder"
 """Root of the recorder's own entities; no robot can have this name."""
@@ -79,3 +82,51 @@ def of_model(place: Place, body: str) -> str:
 def of_difference(robot: str, what: str) -> str:
     """Return the path of the difference between hardware and simulation; `what` is `arms` or `head`."""
     return f"{robot}/difference/{what}"
+
+
+Say = Callable[[str], None]
+"""A function that shows a sentence to the user."""
+
+
+@dataclass(frozen=True)
+class RobotSet:
+    """The robots found so far, and those that have sent pictures."""
+
+    robots: Mapping[Place, Figure]
+    with_pictures: frozenset[Place] = frozenset()
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the robots, without duplicates."""
+        return sorted({name for name, _ in self.robots})
+
+    def sides(self, name: str) -> list[Place]:
+        """Return the sides of one robot, the simulation first."""
+        return [(name, side) for side in ("sim", "hw") if (name, side) in self.robots]
+
+
+class Output(Protocol):
+    """A file or a viewer; used by the recorder's thread only."""
+
+    def show(self, robots: RobotSet) -> None:
+        """Set the robots of the recording."""
+        ...
+
+    def describe(self, about: About) -> None:
+        """Set what the recording says of itself."""
+        ...
+
+    def write(self, rows: Sequence[Row]) -> None:
+        """Add rows, which `update` writes."""
+        ...
+
+    def update(self, now_s: float) -> bool:
+        """Write the rows that are due at `now_s` (monotonic clock).
+
+        Returns True if the output has restarted and needs all poses and states again.
+        """
+        ...
+
+    def close(self) -> bool:
+        """Write the remaining rows and close; return False if that fails or takes too long."""
+        ...

@@ -12,9 +12,8 @@ from typing import Final
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage, quoted
-from hw_node.cameras.files import Files
-from hw_node.cameras.pattern import Pattern
 from hw_node.cameras.source import FrameSource
+from hw_node.cameras.stand_ins import Files, Pattern
 
 PATTERN, FILE = "pattern", "file:"
 OTHERS: Final = "left=pattern (a test picture), or left=file:PATH (pictures or a video)"

@@ -18,9 +18,8 @@ from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.controller import MotionController, StopCause
 from beatrix_zenoh.node.requests import RequestHandle, Requests, check_own_key, command_refusal, command_reply
 from beatrix_zenoh.node.snapshot import Snapshot
-from sim_node.following.arms import OwnArms, follows
 from sim_node.following.follower import NO_STATUS, Follower, Sample
-from sim_node.following.hardware import HardwareMessages
+from sim_node.following.robots import HardwareMessages, OwnArms, follows
 
 CHECK_S: Final = 0.1
 """Period (s) of the check whether the simulation may still follow, and whether the hardware is silent."""

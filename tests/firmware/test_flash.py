@@ -20,7 +20,7 @@ from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.contract._generated.serial import CONTRACT, FrameType, HelloReply
 from beatrix_zenoh.contract.errors import WrongUsage
-from hw_node import flash, hexfile, stk500
+from hw_node import flash, stk500
 from hw_node.stk500 import ERASE, FLASH, LEAVE, PAGE, PROGRAM, READ, SIGN_ON, SPI
 
 IMAGE = flash.firmware(None)
@@ -330,7 +330,7 @@ def test_any_file_is_read_or_rejected_with_its_cause(
     path = tmp_path_factory.getbasetemp() / "any.hex"
     path.write_bytes(text)
     try:
-        image, refused = hexfile.read(path), ""
+        image, refused = flash.read_hex(path), ""
     except WrongUsage as error:
         image, refused = b"", error.message
     known = r"any\.hex(, line \d+ | has no end record after line \d+: | contains no data)"

@@ -299,7 +299,7 @@ def test_closing_the_window_does_not_disturb_the_robot(counted: Stage) -> None:
     sim = counted.simulation("shown", "--ready", "--view")
     robot = counted.robot("shown", "sim")
     ((window, command),) = children(sim.pid).items()
-    assert "sim_node.viewer_process" in command
+    assert "sim_node.viewer" in command
     assert any("key 4 shows the mechanism" in line for line in sim.lines)
     motion = robot.look(yaw=10, speed=60, wait=False)
     os.kill(window, signal.SIGKILL)

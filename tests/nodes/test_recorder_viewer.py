@@ -12,9 +12,8 @@ from robots import until
 
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.live_output import PERIOD_S, PROBE_S, LiveOutput, ViewerState
-from beatrix_zenoh.recording.output import RobotSet
-from beatrix_zenoh.recording.rows import Frame, Numbers, Row, of_robot
+from beatrix_zenoh.recording.outputs import PERIOD_S, PROBE_S, LiveOutput, ViewerState
+from beatrix_zenoh.recording.rows import Frame, Numbers, RobotSet, Row, of_robot
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.viewer import HOST, Viewer, answers, free_port
 

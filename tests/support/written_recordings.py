@@ -9,8 +9,7 @@ import numpy as np
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.output import RobotSet
-from beatrix_zenoh.recording.rows import Numbers, Row, of_robot
+from beatrix_zenoh.recording.rows import Numbers, RobotSet, Row, of_robot
 from beatrix_zenoh.recording.rrd.stream import Stream
 
 BEGAN_NS = 1_763_000_000_000_000_000

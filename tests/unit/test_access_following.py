@@ -9,7 +9,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import Caller
-from sim_node.following.arms import follows
+from sim_node.following.robots import follows
 
 
 @pytest.fixture

@@ -15,9 +15,8 @@ from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.contract.errors import WrongUsage
 from hw_node import cameras
 from hw_node.cameras import jpeg
-from hw_node.cameras.files import Files
-from hw_node.cameras.pattern import Pattern, number_and_time
 from hw_node.cameras.source import FrameTimer
+from hw_node.cameras.stand_ins import Files, Pattern, number_and_time
 
 
 def picture(level: int, width: int = 32, height: int = 16) -> bytes:

@@ -13,8 +13,7 @@ from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.output import RobotSet
-from beatrix_zenoh.recording.rows import Numbers, Row, of_robot
+from beatrix_zenoh.recording.rows import Numbers, RobotSet, Row, of_robot
 from beatrix_zenoh.recording.rrd.stream import Stream
 from beatrix_zenoh.recording.series import Floats
 from beatrix_zenoh.recording.verbs.compare import compare, recorded

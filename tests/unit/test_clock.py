@@ -10,8 +10,7 @@ from robots import until
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.virtual import VirtualBoard
 from beatrix_zenoh.contract._generated.serial import FrameType, MoveStraight
-from sim_node.body import Simulation
-from sim_node.clock import LATE_S, PERIOD_S, SLICE_S, STALL_S, StepClock
+from sim_node.body import LATE_S, PERIOD_S, SLICE_S, STALL_S, Simulation, StepClock
 
 STEP_S = 0.002
 

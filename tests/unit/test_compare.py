@@ -15,7 +15,7 @@ from statuses import AT_HOME
 from beatrix_zenoh.contract._generated.messages import Head, Positions, Vector3
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.trajectory import plan
-from beatrix_zenoh.recording.compare import compare
+from beatrix_zenoh.recording.compare import Thresholds, compare, why_no_lag
 from beatrix_zenoh.recording.lag import best_shift, lag
 from beatrix_zenoh.recording.series import (
     AXES,
@@ -24,7 +24,6 @@ from beatrix_zenoh.recording.series import (
     recording,
     unbroken,
 )
-from beatrix_zenoh.recording.thresholds import Thresholds, why_no_lag
 
 HZ = 50
 ANGLES = st.floats(-60, 60).filter(lambda angle: abs(angle) > 5)

@@ -17,7 +17,7 @@ from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Status
 from sim_node.following.follower import Sample
-from sim_node.following.hardware import HardwareMessages
+from sim_node.following.robots import HardwareMessages
 
 POSITIONS, STATUS = keys.positions("bea", "hw"), keys.status("bea", "hw")
 

@@ -15,12 +15,11 @@ from known_robots import Act, Known, acts, as_recordings
 from msgspec import structs
 
 from beatrix_zenoh.contract._generated.messages import EventKind, Vector3
-from beatrix_zenoh.recording.compare import compare
+from beatrix_zenoh.recording.compare import Thresholds, compare, why_no_lag
 from beatrix_zenoh.recording.diagnosis import findings
 from beatrix_zenoh.recording.finding import Cause
 from beatrix_zenoh.recording.requests import Request, homes_set, why_alone
 from beatrix_zenoh.recording.series import Recording, part_of, recording
-from beatrix_zenoh.recording.thresholds import Thresholds, why_no_lag
 
 CASES = {case.name: case for case in known_cases.cases()}
 NOISE, LOST = (variant for variant in VARIANTS if variant.name in {"noise", "10 % lost"})

@@ -9,8 +9,8 @@ import pytest
 from beatrix_zenoh import colours
 from beatrix_zenoh.recording.figure import Form, Solid
 from beatrix_zenoh.recording.mechanism import AXIS_RADIUS
-from sim_node.mechanism import MECHANISM, SKIN_OPACITY, add_mechanism, show_through
 from sim_node.model import build, build_spec
+from sim_node.picture import MECHANISM, SKIN_OPACITY, add_mechanism, show_through
 from sim_node.scene import scene_spec
 from sim_node.visuals import MATERIALS, VISUAL
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sim_node.rate import SHARE, SLOWEST_S, FrameRate
+from sim_node.eyes import SHARE, SLOWEST_S, FrameRate
 
 REQUESTED_HZ = 15.0
 

@@ -7,11 +7,10 @@ from pathlib import Path
 import pytest
 
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.recording import file_output
+from beatrix_zenoh.recording import outputs
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.file_output import FileOutput
-from beatrix_zenoh.recording.output import RobotSet
-from beatrix_zenoh.recording.rows import Numbers, Row, of_robot
+from beatrix_zenoh.recording.outputs import FileOutput
+from beatrix_zenoh.recording.rows import Numbers, RobotSet, Row, of_robot
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.viewer import verify
 
@@ -64,7 +63,7 @@ def test_a_full_disk_ends_the_recording_with_a_complete_file(
     output = FileOutput(tmp_path / "lesson.rrd", messages.append)
     output.show(RobotSet({SIM: Figure()}))
     output.write(sample(0))
-    monkeypatch.setattr(file_output, "SPARE_BYTES", 1 << 60)
+    monkeypatch.setattr(outputs, "SPARE_BYTES", 1 << 60)
     output.update(1e6)
     assert output.full
     assert len(messages) == 1

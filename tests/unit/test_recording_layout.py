@@ -11,7 +11,6 @@ from robots import ROOT
 
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.robot_rows import State
 from beatrix_zenoh.recording.rows import (
     Bar,
@@ -19,6 +18,7 @@ from beatrix_zenoh.recording.rows import (
     Line,
     Numbers,
     Orientation,
+    RobotSet,
     Row,
     of_difference,
     of_model,

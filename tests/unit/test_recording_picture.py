@@ -16,8 +16,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.output import RobotSet
-from beatrix_zenoh.recording.rows import Numbers, Orientation, Row, of_model, of_robot
+from beatrix_zenoh.recording.rows import Numbers, Orientation, RobotSet, Row, of_model, of_robot
 from beatrix_zenoh.recording.rrd.layout import BACKGROUND
 from beatrix_zenoh.recording.rrd.stream import Stream
 

@@ -17,13 +17,13 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.rows import (
     Bar,
     Frame,
     Line,
     Numbers,
     Orientation,
+    RobotSet,
     Row,
     of_difference,
     of_model,

@@ -25,9 +25,8 @@ from beatrix_zenoh.contract.codec import decode_json
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.losses import POSITIONS, Stream, total
 from beatrix_zenoh.recording.notes import Arrived, NoteInbox
-from beatrix_zenoh.recording.output import RobotSet
 from beatrix_zenoh.recording.recorder import RecordingThread
-from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Row
+from beatrix_zenoh.recording.rows import Bar, Line, Numbers, RobotSet, Row
 from beatrix_zenoh.recording.samples import Note
 from beatrix_zenoh.recording.sources import RobotAnswer, RobotQueries, RobotSubscriptions, Value
 

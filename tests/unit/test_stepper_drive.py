@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.contract._generated.robot import DriveData
-from sim_node.drive import StepperDrive
+from sim_node.plant import StepperDrive
 
 CYCLE = math.radians(4 * 1.8 * 26 / 68)
 """Four full steps of 1.8 deg at the motor, as an angle of the arm."""

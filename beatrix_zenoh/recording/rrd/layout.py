@@ -11,8 +11,7 @@ from rerun.blueprint.encodings import TextLogColumn, TimelineColumn
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.colours import STYLES
 from beatrix_zenoh.contract.names import SIDE_TITLES
-from beatrix_zenoh.recording.output import RobotSet
-from beatrix_zenoh.recording.rows import of_difference, of_robot
+from beatrix_zenoh.recording.rows import RobotSet, of_difference, of_robot
 from beatrix_zenoh.recording.rrd.read import TIME
 from beatrix_zenoh.recording.rrd.scene import MECHANISM, solids_of
 

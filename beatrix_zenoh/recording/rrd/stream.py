@@ -14,8 +14,7 @@ import rerun as rr
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.recording.about import About
-from beatrix_zenoh.recording.output import RobotSet
-from beatrix_zenoh.recording.rows import MARK, Bar, Frame, Line, Numbers, Orientation, Row
+from beatrix_zenoh.recording.rows import MARK, Bar, Frame, Line, Numbers, Orientation, RobotSet, Row
 from beatrix_zenoh.recording.rrd import scene
 from beatrix_zenoh.recording.rrd.layout import layout
 from beatrix_zenoh.recording.rrd.read import ABOUT, PROPERTY, ROBOT_TIME, TIME

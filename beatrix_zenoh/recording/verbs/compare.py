@@ -79,7 +79,7 @@ def compare(
     output names each exceeded threshold.
     docs/how-to/compare.md explains the figures.
     """
-    from beatrix_zenoh.recording.thresholds import Thresholds
+    from beatrix_zenoh.recording.compare import Thresholds
     from beatrix_zenoh.recording.verbs.comparison_text import as_document, text
 
     thresholds = Thresholds(max_lag, max_rms, max_largest, max_rest, max_missed)

@@ -8,12 +8,11 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from beatrix_zenoh.output import columns
-from beatrix_zenoh.recording.compare import AxisDifference, Comparison
+from beatrix_zenoh.recording.compare import AxisDifference, Comparison, why_no_lag
 from beatrix_zenoh.recording.diagnosis import findings
 from beatrix_zenoh.recording.finding import count
 from beatrix_zenoh.recording.record_robots import LiveRecording
 from beatrix_zenoh.recording.series import HOLE_S
-from beatrix_zenoh.recording.thresholds import why_no_lag
 
 AXIS_HEADS = (
     "hardware - simulation",

@@ -25,9 +25,9 @@ from beatrix_zenoh.terminal.options import Cameras, Connect, Json, Names, On, Vi
 from beatrix_zenoh.terminal.targets import Selection, open_targets
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
-    from beatrix_zenoh.recording.file_output import FileOutput
-    from beatrix_zenoh.recording.output import Output
+    from beatrix_zenoh.recording.outputs import FileOutput
     from beatrix_zenoh.recording.recorder import Recorder
+    from beatrix_zenoh.recording.rows import Output
     from beatrix_zenoh.recording.viewer import Viewer
 
 RECORDING, MOTION_FILE = ".rrd", ".csv"
@@ -158,8 +158,7 @@ def write_recording(settings: Settings, options: RecordingOptions, *, as_json: b
         NoAnswer: NO_ROUTER.
     """
     program()  # raises before any file is written
-    from beatrix_zenoh.recording.file_output import FileOutput
-    from beatrix_zenoh.recording.live_output import LiveOutput
+    from beatrix_zenoh.recording.outputs import FileOutput, LiveOutput
     from beatrix_zenoh.recording.recorder import Recorder
 
     shutdown = Shutdown()

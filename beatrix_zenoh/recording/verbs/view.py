@@ -118,7 +118,7 @@ def show_live(
     """Show live robots in a viewer until it is closed or a shutdown is requested; for the arguments see `view`."""
     with Client(settings, announce=False) as client:
         viewer = open_viewer(port, web_port=web_port)
-        from beatrix_zenoh.recording.live_output import LiveOutput
+        from beatrix_zenoh.recording.outputs import LiveOutput
         from beatrix_zenoh.recording.recorder import Recorder
 
         recorder = Recorder(client, [LiveOutput(port, note)], note, names=robots, cameras_hz=cameras)

@@ -1,25 +1,143 @@
-"""An output that sends rows to a viewer, which may start, end and stop responding at any time."""
+"""The outputs of a recorder: files, one after the other, and a viewer, which may start, end and stop responding at any time."""
 
 from __future__ import annotations
 
+import shutil
+import time
 import uuid
 from collections.abc import Sequence
 from enum import Enum, auto
+from pathlib import Path
 from typing import Final
 
 from beatrix_zenoh import threads
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.files import check_new
 from beatrix_zenoh.recording.about import About
-from beatrix_zenoh.recording.output import RobotSet, Say
-from beatrix_zenoh.recording.rows import Row
+from beatrix_zenoh.recording.rows import RobotSet, Row, Say
 from beatrix_zenoh.recording.rrd.stream import Stream
 from beatrix_zenoh.recording.viewer import HOST, PORT, address, answers
 
-PERIOD_S: Final = 0.1
+PERIOD_S: Final = 0.5
+"""Period of writing: longer periods make smaller files, but a killed recorder loses up to one period of rows."""
+FLUSH_S: Final = 5.0
+CLOSE_S: Final = 10.0
+SPARE_BYTES: Final = 200_000_000
+"""Bytes that the recorder leaves free on the disk, because a full disk stops other programs."""
+
+
+class FileOutput:
+    """A file that is complete after `close`; before that it is readable up to the last half second."""
+
+    def __init__(self, path: Path, say: Say, *, rotate_s: float = 0.0) -> None:
+        """Begin the file; with `rotate_s` > 0 begin a new one every `rotate_s` seconds: lesson-001.rrd, lesson-002.rrd.
+
+        Raises:
+            Refused: BAD_VALUE, the file exists or cannot be written.
+        """
+        self._path, self._say, self._rotate_s = path, say, rotate_s
+        self._rows: list[Row] = []
+        self._robots = RobotSet({})
+        self._about: About | None = None
+        self.files: list[Path] = []
+        """All files of the recording, the newest last."""
+        self._number = 0
+        self.full = False
+        """Whether the disk is too full or too slow; then nothing more is written."""
+        self._stream = self._begin()
+        self._written_s = self._began_s = time.monotonic()
+
+    @property
+    def bytes(self) -> int:
+        """Size of all files so far."""
+        return sum(path.stat().st_size for path in self.files if path.exists())
+
+    def show(self, robots: RobotSet) -> None:
+        """Set the robots of the recording."""
+        self._robots = robots
+        self._stream.show(robots)
+
+    def describe(self, about: About) -> None:
+        """Set what the recording says of itself; each file of it says so."""
+        self._about = about
+        self._stream.describe(about)
+
+    def write(self, rows: Sequence[Row]) -> None:
+        """Keep rows until the next `update`."""
+        if not self.full:
+            self._rows += rows
+
+    def update(self, now_s: float) -> bool:
+        """Write the kept rows if half a second has passed since the last time; return True if a new file has begun."""
+        if self.full or now_s < self._written_s + PERIOD_S:
+            return False
+        self._written_s = now_s
+        self._write()
+        if self._rotate_s and now_s >= self._began_s + self._rotate_s and not self.full:
+            self._stream.close()
+            self._stream, self._began_s = self._begin(), now_s
+            self._stream.show(self._robots)
+            if self._about is not None:
+                self._stream.describe(self._about)
+            return True
+        return False
+
+    def close(self) -> bool:
+        """Write the remaining rows and the end of the file; return False if writing fails or takes too long."""
+        if not self.full:  # otherwise everything that will be written is, and the user knows
+            self._write()
+        done = self._stream.flush(CLOSE_S)
+        if done:
+            self._stream.close()
+        return done
+
+    def _write(self) -> None:
+        rows, self._rows = self._rows, []
+        if rows:
+            self._stream.send(rows)
+        written = self._stream.flush(FLUSH_S)
+        spare = shutil.disk_usage(self.files[-1].parent).free
+        if not written or spare < SPARE_BYTES:
+            self.full = True
+            why = (
+                f"{spare / 1e6:.0f} MB are left on this disk"
+                if spare < SPARE_BYTES
+                else "writing takes too long"
+            )
+            self._say(f"The recording ends here: {why}. Delete files, or record to another disk.")
+
+    def _begin(self) -> Stream:
+        path = self._path
+        if self._rotate_s:
+            self._number += 1
+            # After the first file skip numbers that are taken, so that an earlier recording does not end this one.
+            while self.files and numbered(path, self._number).exists():
+                self._number += 1
+            path = numbered(path, self._number)
+        check_new(path)
+        stream = Stream(str(uuid.uuid4()), path.stem)
+        try:
+            stream.to_file(path)
+        except OSError as error:
+            raise Refused(
+                Reason.BAD_VALUE, f"{path} cannot be written: {error.strerror or error}. Name another file."
+            ) from error
+        self.files.append(path)
+        return stream
+
+
+def numbered(path: Path, number: int) -> Path:
+    """Return the path with a number before its suffix, for example `lesson-001.rrd`."""
+    return path.with_name(f"{path.stem}-{number:03d}{path.suffix}")
+
+
+SENDING_S: Final = 0.1
 PROBE_S: Final = 1.0
-FLUSH_S: Final = 0.5
+RECEIVING_S: Final = 0.5
 THAWING_S: Final = 0.02
-"""Used instead of FLUSH_S while the viewer does not respond, so that files do not wait for it."""
-CLOSE_S: Final = 2.0
+"""Used instead of RECEIVING_S while the viewer does not respond, so that files do not wait for it."""
+LEAVING_S: Final = 2.0
 
 
 class ViewerState(Enum):
@@ -79,7 +197,7 @@ class LiveOutput:
 
         Returns True if the viewer receives data again, or for the first time.
         """
-        if self.state is ViewerState.CONNECTED and now_s >= self._sent_s + PERIOD_S:
+        if self.state is ViewerState.CONNECTED and now_s >= self._sent_s + SENDING_S:
             self._sent_s = now_s
             self._send()
         if now_s < self._probed_s + PROBE_S:
@@ -107,11 +225,11 @@ class LiveOutput:
             self._send()
         if self._stream is None:
             return True
-        if not self._stream.flush(CLOSE_S) and not self._stream.broken:
+        if not self._stream.flush(LEAVING_S) and not self._stream.broken:
             return False
         # Limit the time: if the viewer has just stopped responding, data in its socket buffer block the disconnect.
         closing = threads.start(self._stream.close, "disconnect-viewer")
-        closing.join(CLOSE_S)
+        closing.join(LEAVING_S)
         return not closing.is_alive()
 
     def _send(self) -> None:
@@ -127,7 +245,7 @@ class LiveOutput:
                 return ViewerState.MISSING
             self._stream = Stream(self._id, "live")
             self._stream.to_viewer(address(self._port))
-        if self._stream.flush(THAWING_S if self.state is ViewerState.FROZEN else FLUSH_S):
+        if self._stream.flush(THAWING_S if self.state is ViewerState.FROZEN else RECEIVING_S):
             return ViewerState.CONNECTED if listening else ViewerState.MISSING
         if self._stream.broken:
             self._stream.close()
