@@ -2,14 +2,30 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable
+
 import pytest
-from access_callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, begin_motion, finish_motion, refusal
+from access_callers import (
+    ANA,
+    ANA_AGAIN,
+    BEN,
+    BOSS,
+    NO_SESSION,
+    OLD,
+    begin_motion,
+    finish_motion,
+    refusal,
+    stop,
+)
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import ENDED_SESSIONS, Caller
+from beatrix_zenoh.node.lease_queries import take
+from sim_node.following.robots import follows
 
 
 @pytest.fixture
@@ -17,29 +33,65 @@ def access() -> Access:
     return Access()
 
 
-# -- lease ---------------------------------------------------------------------------------------
+def follow(access: Access) -> None:
+    access.following = True
+
+
+def freeze(access: Access) -> None:
+    access.teacher.frozen = True
+
+
+def latch(access: Access) -> None:
+    begin_motion(access, ANA, 0).stop_pressed(BEN, 1, emergency=True)
+    access.stop_sent(1)
+
+
+SITUATIONS: dict[str, Callable[[Access], object]] = {
+    "ana moves it": lambda access: begin_motion(access, ANA, 0),
+    "ana has taken it": lambda access: take(access, ANA, 0),
+    "latched": latch,
+    "frozen": freeze,
+    "follows": follow,
+}
+MOVE, ENABLE, DISABLE, CALIBRATE = Operation.MOVE, Operation.ENABLE, Operation.DISABLE, Operation.CALIBRATE
+STOPS, EVERYONE = (Operation.STOP, Operation.EMERGENCY_STOP), (ANA, BEN, BOSS, OLD, NO_SESSION)
 
 
 @pytest.mark.parametrize(
-    ("caller", "action", "reason"),
+    ("situation", "callers", "actions", "reason"),
     [
-        (ANA, Operation.MOVE, Reason.OK),
-        (ANA_AGAIN, Operation.MOVE, Reason.OK),
-        (BEN, Operation.MOVE, Reason.NOT_HOLDER),
-        (BEN, Operation.ENABLE, Reason.NOT_HOLDER),
-        (BEN, Operation.DISABLE, Reason.NOT_HOLDER),
-        (BEN, Operation.CALIBRATE, Reason.NOT_HOLDER),
-        (BEN, Operation.STOP, Reason.OK),
-        (BEN, Operation.EMERGENCY_STOP, Reason.OK),
-        (BEN, Operation.RESET, Reason.OK),
-        (BOSS, Operation.MOVE, Reason.OK),
-        (OLD, Operation.MOVE, Reason.NOT_HOLDER),
+        ("ana moves it", (ANA, ANA_AGAIN, BOSS), (MOVE,), Reason.OK),
+        ("ana moves it", (BEN,), (MOVE, ENABLE, DISABLE, CALIBRATE), Reason.NOT_HOLDER),
+        ("ana moves it", (OLD,), (MOVE,), Reason.NOT_HOLDER),
+        ("ana moves it", (BEN,), (*STOPS, Operation.RESET), Reason.OK),
+        ("ana has taken it", (ANA, ANA_AGAIN, BOSS), (MOVE,), Reason.OK),
+        ("ana has taken it", (BEN,), (MOVE, ENABLE, CALIBRATE), Reason.NOT_HOLDER),
+        ("ana has taken it", (BEN,), STOPS, Reason.OK),
+        ("latched", EVERYONE, (MOVE, ENABLE, CALIBRATE, Operation.FOLLOW), Reason.EMERGENCY),
+        ("latched", EVERYONE, (DISABLE, *STOPS, Operation.RESET), Reason.OK),
+        ("frozen", (ANA,), (MOVE, ENABLE, CALIBRATE, DISABLE, Operation.FOLLOW), Reason.FROZEN),
+        ("frozen", (ANA,), STOPS, Reason.OK),
+        ("frozen", (ANA,), (Operation.GOVERN,), Reason.TEACHER_ONLY),
+        ("frozen", (BOSS,), (MOVE, Operation.GOVERN), Reason.OK),
+        ("follows", (ANA, BOSS, OLD), (MOVE, CALIBRATE), Reason.FOLLOWING),
+        (
+            "follows",
+            (ANA, BOSS, OLD),
+            (ENABLE, DISABLE, Operation.FOLLOW, Operation.LEASE, *STOPS),
+            Reason.OK,
+        ),
     ],
 )
-def test_actions_of_each_caller_while_ana_holds_the_robot(
-    access: Access, caller: Caller, action: Operation, reason: Reason
+def test_each_situation_allows_callers_their_actions(
+    situation: str, callers: tuple[Caller, ...], actions: tuple[Operation, ...], reason: Reason
 ) -> None:
-    assert refusal(begin_motion(access, ANA, 0), caller, 100, action) is reason
+    access = Access()
+    SITUATIONS[situation](access)
+    for caller, action in itertools.product(callers, actions):
+        assert refusal(access, caller, 1000, action) is reason, (caller, action)
+
+
+# -- lease ---------------------------------------------------------------------------------------
 
 
 def test_the_refusal_has_the_holder_and_the_waiting_time(access: Access) -> None:
@@ -71,27 +123,6 @@ def test_undo_take_restores_the_previous_lease(access: Access) -> None:
 
 
 # -- emergency latch ----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("caller", [ANA, BEN, BOSS, OLD, NO_SESSION], ids=lambda caller: caller.seat)
-@pytest.mark.parametrize(
-    ("action", "reason"),
-    [
-        (Operation.MOVE, Reason.EMERGENCY),
-        (Operation.ENABLE, Reason.EMERGENCY),
-        (Operation.CALIBRATE, Reason.EMERGENCY),
-        (Operation.DISABLE, Reason.OK),
-        (Operation.STOP, Reason.OK),
-        (Operation.EMERGENCY_STOP, Reason.OK),
-        (Operation.RESET, Reason.OK),
-    ],
-)
-def test_actions_under_the_emergency_latch(
-    access: Access, caller: Caller, action: Operation, reason: Reason
-) -> None:
-    begin_motion(access, ANA, 0).stop_pressed(BEN, 1, emergency=True)
-    access.stop_sent(1)
-    assert refusal(access, caller, 100, action) is reason
 
 
 def test_the_refusal_under_the_latch_lists_reset_first(access: Access) -> None:
@@ -158,3 +189,55 @@ def test_only_the_newest_ended_sessions_are_remembered(access: Access) -> None:
         access.session_changed(Caller("x", f"s{number}"), 0, alive=False)
     assert refusal(access, Caller("x", "s0"), 0) is Reason.OK
     assert refusal(access, Caller("x", "s1"), 0) is Reason.CLIENT_LOST
+
+
+# -- a simulation that follows ----------------------------------------------------------------------
+
+
+@pytest.fixture
+def following() -> Access:
+    """A simulation that follows."""
+    made = Access()
+    made.following = True
+    return made
+
+
+def test_stop_of_any_seat_ends_following_at_once(following: Access) -> None:
+    following.stop_pressed(BEN, 1)
+    assert not following.following
+    assert not follows(following)
+
+
+def test_freeze_ends_following(following: Access) -> None:
+    following.teacher.frozen = True
+    assert not follows(following)
+    following.teacher.frozen = False
+    assert not follows(following), "it does not begin again by itself"
+
+
+def test_each_motion_that_follows_counts_so_that_a_stop_is_not_taken_for_a_repetition(
+    following: Access,
+) -> None:
+    before = following.begun
+    assert follows(following)
+    assert following.begun == before + 1
+
+
+@pytest.mark.parametrize(("seat", "reason"), [(ANA, Reason.OK), (BEN, Reason.NOT_HOLDER), (BOSS, Reason.OK)])
+def test_a_seat_that_does_not_hold_the_robot_cannot_switch_following(seat: Caller, reason: Reason) -> None:
+    access = finish_motion(Access(), ANA, 1)
+    assert refusal(access, seat, 1 + LINGER_S / 2, Operation.FOLLOW) is reason
+
+
+def test_following_begins_only_after_a_stopped_motion_has_come_to_rest() -> None:
+    access = begin_motion(Access(), ANA, 1)
+    access.stop_pressed(BEN, 2)
+    assert refusal(access, ANA, 2.1, Operation.FOLLOW, resting=False) is Reason.STOPPED
+    access.stop_sent(2.2)
+    access.rested(2.3)
+    assert refusal(access, ANA, 2.4, Operation.FOLLOW) is Reason.OK
+
+
+def test_stop_then_motions_are_accepted_again(access: Access) -> None:
+    stop(access, BOSS, 1)
+    assert refusal(access, ANA, 5) is Reason.OK

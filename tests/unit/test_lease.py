@@ -19,26 +19,6 @@ def access() -> Access:
     return Access()
 
 
-@pytest.mark.parametrize(
-    ("caller", "action", "reason"),
-    [
-        (ANA, Operation.MOVE, Reason.OK),
-        (ANA_AGAIN, Operation.MOVE, Reason.OK),
-        (BEN, Operation.MOVE, Reason.NOT_HOLDER),
-        (BEN, Operation.ENABLE, Reason.NOT_HOLDER),
-        (BEN, Operation.CALIBRATE, Reason.NOT_HOLDER),
-        (BEN, Operation.STOP, Reason.OK),
-        (BEN, Operation.EMERGENCY_STOP, Reason.OK),
-        (BOSS, Operation.MOVE, Reason.OK),
-    ],
-)
-def test_permissions_while_a_robot_is_taken_and_rests(
-    access: Access, caller: Caller, action: Operation, reason: Reason
-) -> None:
-    take(access, ANA, 0)
-    assert refusal(access, caller, 1000, action=action) is reason
-
-
 def test_only_a_free_robot_can_be_taken(access: Access) -> None:
     assert take(access, ANA, 0) == 1
     with pytest.raises(Refused) as refused:
@@ -129,27 +109,6 @@ def test_the_queue_is_bounded(access: Access) -> None:
     with pytest.raises(Refused) as refused:
         take(access, BEN, 0, wait=True)
     assert refused.value.reason is Reason.BUSY
-
-
-@pytest.mark.parametrize(
-    ("caller", "action", "reason"),
-    [
-        (ANA, Operation.MOVE, Reason.FROZEN),
-        (ANA, Operation.ENABLE, Reason.FROZEN),
-        (ANA, Operation.CALIBRATE, Reason.FROZEN),
-        (ANA, Operation.DISABLE, Reason.FROZEN),
-        (ANA, Operation.STOP, Reason.OK),
-        (ANA, Operation.EMERGENCY_STOP, Reason.OK),
-        (ANA, Operation.GOVERN, Reason.TEACHER_ONLY),
-        (BOSS, Operation.MOVE, Reason.OK),
-        (BOSS, Operation.GOVERN, Reason.OK),
-    ],
-)
-def test_permissions_while_a_robot_is_frozen(
-    access: Access, caller: Caller, action: Operation, reason: Reason
-) -> None:
-    access.teacher.frozen = True
-    assert refusal(access, caller, 0, action=action) is reason
 
 
 def test_take_is_refused_if_the_robot_was_frozen_since_authorize(access: Access) -> None:
