@@ -110,3 +110,31 @@ def test_random_programs_never_move_the_arms_beyond_the_limits(script: list[tupl
             assert abs(sum(program.core.steps())) <= YAW_SUM_MAX
         assert program.new() == DONE
         assert allowed(program.core.steps())
+
+
+NECK, GEAR = Neck(), Gear()
+
+
+def tilt(steps: Steps) -> float:
+    """Return the tilt of the head (deg)."""
+    return math.degrees(math.acos(min(1.0, NECK.head(GEAR.to_rad(steps)).up)))
+
+
+def border() -> list[Steps]:
+    """Return the positions on the border of the text port's limits at which the short arm is at 0."""
+    low, high = TILT_GAP_MIN - ARM_SPACING, TILT_GAP_MAX - ARM_SPACING
+    poses: list[Steps] = []
+    for first in range(low, high + 1):
+        seconds = range(max(low, -high - first), min(high, -low - first) + 1)
+        ends = seconds if first in (low, high) else (seconds[0], seconds[-1])
+        poses.extend((0, first, first + second) for second in ends)
+    return poses
+
+
+def test_the_tilt_is_within_its_limit_on_the_whole_border() -> None:
+    poses = border()
+    assert len(poses) > 4000
+    assert all(allowed(pose) for pose in poses)
+    tilts = [tilt(pose) for pose in poses]
+    assert max(tilts) <= ROBOT.limits.tilt_max
+    assert max(tilts) > ROBOT.limits.tilt_max - 0.1

@@ -134,3 +134,9 @@ def test_opening_the_port_resets_everything_except_home(framed: Program) -> None
     assert framed.say("@CALSTATUS", "@MOVRX 1") == REFUSED * 2
     assert max(framed.position) < 15
     assert framed.core.steps()[0] > 150
+
+
+def test_at_power_up_motors_are_off_and_home_is_unknown() -> None:
+    program = Program()
+    assert program.say("@CALSTATUS", "@MOVRX 1 1", "@MOVHOME") == REFUSED * 3
+    assert program.position == (0, 0, 0)

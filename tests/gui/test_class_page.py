@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from gui_views import class_world
-from gui_worlds import status
+from gui_worlds import robot, status, world
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QWidget
@@ -14,7 +14,7 @@ from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, WatchedState
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction
-from gui.console.state.actions import Govern, SendStop, WatchClass
+from gui.console.state.actions import Govern, SendLease, SendStop, WatchClass
 from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat
 from gui.window.widgets.class_page import ClassPage
 from gui.window.window import Window
@@ -122,3 +122,12 @@ def test_the_tab_key_reaches_all_controls_of_the_page(qtbot: QtBot, window: Wind
     ]
     assert all(widget in seen for widget in order)
     assert all(widget.accessibleName() for widget in seen)
+
+
+def test_the_button_of_a_pill_takes_the_robot(window: Window, link: RecordingLink) -> None:
+    link.known = world(robot("sim", known=status("sim", waiting=("cleo",), limit_deg=20.0)))
+    window.refresh()
+    pill = window.panels.header.pills["sim"]
+    assert pill.notes.text() == "waiting: 1 · limit 20 °/s · 2 ms"
+    QTest.mouseClick(pill.lease, LEFT)
+    assert link.done[-1] == SendLease(1, LeaseAction.TAKE, "sim")

@@ -17,7 +17,7 @@ from beatrix_zenoh.client import RobotState
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.widgets import plots as plots_module
-from gui.window.widgets.plots import CAPACITY, History, PlotsPanel, sample_time_s
+from gui.window.widgets.plots import CAPACITY, History, PlotsPanel, sample_time_s, span
 
 Arms = tuple[float, float, float]
 LAG_S = 0.2
@@ -132,3 +132,11 @@ def test_time_stamps_of_another_computer_are_converted_to_this_clock() -> None:
     assert sample_time_s(state, 100.0) == pytest.approx(99.9)
     foreign = robot_at("hw", 5099.9, (0, 0, 0))
     assert sample_time_s(foreign, 100.0) == pytest.approx(99.99), "the time of arrival"
+
+
+@pytest.mark.parametrize(
+    ("lowest", "highest", "limits"), [(0, 0, (-10, 10)), (-1, 62, (-5, 65)), (40, 41, (30, 50))]
+)
+def test_an_axis_has_round_limits(lowest: float, highest: float, limits: tuple[float, float]) -> None:
+    low, high = span(lowest, highest, 20.0)
+    assert (low, high) == limits

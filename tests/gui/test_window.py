@@ -21,6 +21,7 @@ from beatrix_zenoh.client.degrees import HeadAngles
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state.actions import Outcome, Play, Send, WriteFile
 from gui.console.state.intents import (
+    ChooseRobot,
     Intent,
     Jog,
     PlayFile,
@@ -218,3 +219,11 @@ def test_nothing_is_drawn_while_nothing_changes(qtbot: QtBot, window: Window) ->
         assert painted == []
         pad.update()
         qtbot.waitUntil(lambda: painted == ["pad"])
+
+
+def test_another_robot_is_chosen_by_keyboard(qtbot: QtBot, window: Window, intents: Taken) -> None:
+    robots = window.panels.header.robots
+    robots.setFocus()
+    qtbot.waitUntil(robots.hasFocus)
+    QTest.keyClick(robots, Qt.Key.Key_Down)
+    assert intents() == [ChooseRobot("bea2")]

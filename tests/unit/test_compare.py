@@ -14,6 +14,7 @@ from statuses import AT_HOME
 
 from beatrix_zenoh.contract._generated.messages import Head, Positions, Vector3
 from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.compare import Thresholds, compare, why_no_lag
 from beatrix_zenoh.recording.lag import best_shift, lag
@@ -21,7 +22,9 @@ from beatrix_zenoh.recording.series import (
     AXES,
     Floats,
     Recording,
+    heads_apart,
     recording,
+    regularity,
     unbroken,
 )
 
@@ -226,3 +229,19 @@ def test_recording_turns_messages_into_degrees_in_the_order_of_the_axes() -> Non
     assert dict(zip(AXES, found.angles[1], strict=True)) == pytest.approx(
         {"short": 1, "middle": 2, "long": 3, "yaw": 4, "pitch": 5, "roll": 6}
     )
+
+
+@given(st.lists(st.tuples(*[st.floats(-80, 80)] * 3), min_size=2, max_size=2))
+def test_the_angle_between_heads_is_that_of_their_rotations(heads: list[tuple[float, float, float]]) -> None:
+    one, other = (np.array(rotation_of(*(math.radians(angle) for angle in head))) for head in heads)
+    trace = float(np.clip((np.trace(one @ other.T) - 1) / 2, -1, 1))
+    (found,) = heads_apart(np.array(heads[:1]), np.array(heads[1:]))
+    assert math.cos(math.radians(found)) == pytest.approx(trace, abs=1e-9)
+
+
+def test_gaps_and_lost_samples_are_counted() -> None:
+    kept = [k for k in range(100) if k not in (40, 41, 70)]
+    found = regularity(recording([message(k) for k in [*kept[:50], *kept[49:]]]))
+    assert (found.samples, found.lost, found.gaps) == (97, 3, 2)
+    assert found.period_ms == pytest.approx(20)
+    assert found.longest_ms == pytest.approx(60)

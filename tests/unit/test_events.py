@@ -10,7 +10,7 @@ from statuses import BOARD, READY
 
 from beatrix_zenoh.contract._generated.messages import EventKind, Fault, Phase
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.events import RESTARTED, SHOWN_S, Diagnostics, NodeEvents
+from beatrix_zenoh.node.events import RESTARTED, SHOWN_S, WINDOW_S, Diagnostics, NodeEvents
 from beatrix_zenoh.node.state import StatusEvents
 
 ANA = Caller("ana", "s1")
@@ -107,3 +107,14 @@ def test_a_restart_is_one_event_and_a_warning_until_the_board_is_calibrated() ->
     assert made.warnings() == []
     made.follow_boot(2, calibrated=False)
     assert made.warnings() == []
+
+
+def test_every_event_of_a_long_flood_is_counted_once(log: NodeEvents, clock: Clock) -> None:
+    counted = 0
+    for _ in range(5000):
+        add(log, "x")
+        clock.now_s += 0.002
+        counted += sum(event.count for event in log.take())
+    clock.now_s += WINDOW_S
+    counted += sum(event.count for event in log.take())
+    assert counted == 5000

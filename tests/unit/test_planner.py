@@ -23,7 +23,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.contract._generated.serial import Move, Telemetry
+from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.motion.rotation import leaning
 from beatrix_zenoh.node.planner import Planner
 
@@ -259,3 +259,32 @@ def test_the_largest_step_count_of_a_frame_is_allowed() -> None:
     assert Move.unpack(goal.frame(1).pack()) == goal.frame(1)
     with pytest.raises(Refused, match="can be sent to the board"):
         PLANNER.goal(stay, at(furthest + 1))
+
+
+TENTH = Vector3(0.1, 0.1, 0.1)
+
+
+STEPS = PLANNER.gear.to_steps((0.1, 0.1, 0.1))
+
+
+DEFAULT = math.radians(ROBOT.limits.speed_default)
+
+
+@pytest.mark.parametrize(
+    ("query", "kind", "speeds"),
+    [
+        (MotionQuery(position=TENTH), Move, (DEFAULT,) * 3),
+        (MotionQuery(position=TENTH, speed=Vector3(0.2, 0.3, 0.4)), Move, (0.2, 0.3, 0.4)),
+        (PoseQuery(yaw=0.1), MoveStraight, (DEFAULT,) * 3),
+        (PoseQuery(yaw=0.1, speed=0.4), MoveStraight, (0.4, 0.4, 0.4)),
+    ],
+)
+def test_the_frame_of_a_goal_has_whole_steps_and_the_requested_or_default_speed(
+    query: MotionQuery | PoseQuery, kind: type[Move | MoveStraight], speeds: tuple[float, float, float]
+) -> None:
+    goal, quarters = PLANNER.goal(query, at(0)), PLANNER.gear.speed_to_quarters(speeds)
+    assert goal.frame(9) == (
+        Move(9, STEPS, quarters) if kind is Move else MoveStraight(9, STEPS, quarters[0])
+    )
+    assert goal.target == PLANNER.gear.to_rad(goal.steps)
+    assert goal.duration == goal.trajectory.duration > 0

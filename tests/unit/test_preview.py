@@ -103,3 +103,11 @@ def test_a_motion_that_takes_too_long_is_refused_with_advice(monkeypatch: pytest
     with pytest.raises(Refused, match="higher speed") as refusal:
         preview(move_to((3.0, 3.0, 3.0), speed=1.0))
     assert refusal.value.reason is Reason.TIMED_OUT
+
+
+def test_largest_tilt_and_smallest_gap_are_those_of_the_whole_motion() -> None:
+    seen = preview(move_to(NODDED))
+    tilts = [math.acos(math.cos(pitch) * math.cos(roll)) for _, pitch, roll in seen.head]
+    assert seen.tilt_max >= max(tilts) - 1e-9
+    assert seen.tilt_max == pytest.approx(0.35, abs=math.radians(0.5))
+    assert seen.gap_min == pytest.approx(min(NECK.gaps(NODDED)), abs=math.radians(1.0))

@@ -236,3 +236,17 @@ def test_an_error_ends_the_thread_and_is_reported(rig: Rig) -> None:
     assert rig.thread.failure is rig.output.failure
     assert rig.thread.close()
     assert rig.output.closed
+
+
+def test_positions_of_a_lost_board_are_counted_and_not_written_in_the_past(rig: Rig) -> None:
+    """The node repeats the last positions; those of an hour ago would stretch the time line."""
+    rig.answer(AHEAD_NS)
+    old = msgspec.structs.replace(positions(AHEAD_NS - 3_600_000_000_000), repeated=True)
+    for _ in range(3):
+        rig.subscriptions.publish(msgspec.structs.replace(old, seq=next(numbers)))
+    rig.subscriptions.publish(positions())
+    until(lambda: len(rig.arms()) == 1, "the new sample is written")
+    assert rig.rows_of("repeats") == [(3.0,)]
+    (one,) = rig.thread.counts.values()
+    assert (one.received, one.repeated, one.impossible, one.late) == (4, 3, 0, 0)
+    assert rig.queries.requests == [], "the clock is not measured again"

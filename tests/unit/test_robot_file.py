@@ -149,3 +149,8 @@ def test_different_values_have_different_fingerprints(tmp_path: Path) -> None:
     other = robot_file.load(write(tmp_path, "[head]\nmass = 0.9\n"))
     assert robot_file.fingerprint(ROBOT) == robot_file.fingerprint(robot_file.load(None))
     assert robot_file.fingerprint(other) != robot_file.fingerprint(ROBOT)
+
+
+def test_a_robot_file_that_is_too_long_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(WrongUsage, match="is longer than"):
+        robot_file.load(write(tmp_path, "#" * (robot_file.LONGEST_FILE + 1)))

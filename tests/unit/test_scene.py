@@ -169,3 +169,20 @@ def test_only_the_outside_camera_sees_the_head() -> None:
         assert not (seen & of_head).any()
         assert (seen | of_head)[visible].all(), "all other objects are visible"
     assert ((posed.groups_seen_from("outside") == VISUAL) == visible).all()
+
+
+@pytest.mark.parametrize("yaw", [0, 75])
+def test_hiding_geoms_outside_the_picture_does_not_change_it(yaw: int) -> None:
+    painter = RayPainter(eye_scene(), 48, 36)
+    painter.pose(posture(yaw, pitch=20))
+    painter.paint("eye_right")
+    posed = painter._posed
+    eye, rays = posed.data.camera("eye_right").xpos.copy(), painter._rays("eye_right")
+    together = painter._cast(eye, rays)[0]
+    assert (posed.model.geom_group != painter._posed._groups).sum() > 50, "an object of the scene is missing"
+    posed.model.geom_group[:] = painter._posed._groups
+    alone, hit = [], np.zeros(1, dtype=np.int32)
+    for ray in rays:
+        mujoco.mj_ray(posed.model, posed.data, eye, ray, painter._group, 1, -1, hit)
+        alone.append(int(hit[0]))
+    assert together.tolist() == alone

@@ -20,6 +20,7 @@ from gui.console.state.actions import (
     RunSimulation,
     Send,
     ViewRecording,
+    WriteFile,
 )
 from gui.console.state.world import LinkPhase, RecordingProgress
 
@@ -154,3 +155,12 @@ def test_a_suspended_recorder_does_not_delay_the_end_of_the_window(linked: Linke
     os.kill(child._process.pid, signal.SIGSTOP)
     linked.close()
     assert child.code == -signal.SIGKILL
+
+
+def test_a_file_is_written_or_the_failure_is_reported(linked: Linked, tmp_path: Path) -> None:
+    linked.do(WriteFile(1, tmp_path / "a.csv", "t_s,°\n"))
+    assert linked.end_of(1).accepted
+    assert (tmp_path / "a.csv").read_text(encoding="utf-8") == "t_s,°\n"
+    linked.do(WriteFile(2, tmp_path / "none" / "a.csv", ""))
+    end = linked.end_of(2)
+    assert (end.accepted, "cannot be written" in end.message) == (False, True)

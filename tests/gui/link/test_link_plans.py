@@ -8,7 +8,7 @@ from robots import Stage, until
 
 from beatrix_zenoh.client.degrees import pose_query
 from beatrix_zenoh.contract._generated.messages import Reason, Steps
-from gui.console.state.actions import AbortPlan, Select, Send, SendStop
+from gui.console.state.actions import AbortPlan, Select, Send, SendPlanNow, SendStop
 from gui.console.state.world import PlanPhase, World
 
 BOTH = ("sim", "hw")
@@ -154,3 +154,10 @@ def test_the_end_of_the_window_within_the_lead_leaves_the_hardware_unmoved(
         other.until(lambda world: world.sim.status is not None and not world.sim.status.holder, "it is free")
         assert steps(other) == before
         assert short(other.world, "sim") < 50
+
+
+def test_send_now_ends_the_lead(linked: Linked) -> None:
+    leading(linked, 1, 20.0, 30.0)
+    linked.do(SendPlanNow())
+    assert linked.end_of(1).accepted
+    linked.until(lambda world: short(world, "hw") == pytest.approx(20, abs=0.1), "there")
