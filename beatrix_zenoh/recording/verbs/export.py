@@ -14,7 +14,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDE_TITLES, SIDES
 from beatrix_zenoh.files import check_new, new_file
 from beatrix_zenoh.output import print_json, say
-from beatrix_zenoh.recording.verbs.files import read_recording
+from beatrix_zenoh.recording.verbs.files import RECORDING, read_recording
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json, Names, Which, finite
 from beatrix_zenoh.terminal.progress import progress_bar
@@ -44,7 +44,6 @@ class Film(NamedTuple):
     shows: str
 
 
-RECORDING = ".rrd"
 TABLES = (".csv", ".parquet")
 
 Files = Annotated[

@@ -14,7 +14,7 @@ from beatrix_zenoh.recording.viewer import complete, program, repair, verify
 if TYPE_CHECKING:  # importing numpy would delay every verb
     from beatrix_zenoh.recording.samples import Recorded
 
-SUFFIX = ".rrd"
+RECORDING = ".rrd"
 DAMAGED = ".damaged"
 EMPTY = "it contains no positions of a robot. The file is unchanged: record again."
 
@@ -68,7 +68,7 @@ def repair_recording(path: Path, *, as_json: bool) -> None:
             raise Refused(Reason.BAD_VALUE, f"{path} cannot be repaired: {EMPTY}")
         show_repaired(path, f"{path} is complete: there is nothing to repair.", None, as_json=as_json)
         return
-    unfinished, kept = path.with_suffix(f".repaired{SUFFIX}"), path.with_name(path.name + DAMAGED)
+    unfinished, kept = path.with_suffix(f".repaired{RECORDING}"), path.with_name(path.name + DAMAGED)
     try:
         why = repair(path, unfinished)
         if not why and not holds_samples(unfinished):

@@ -16,7 +16,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.output import FAILED, exit_code, note, print_json, say
 from beatrix_zenoh.recording.losses import CONTESTED, PICTURES, Count, Stream, findings, total
-from beatrix_zenoh.recording.verbs.files import repair_recording
+from beatrix_zenoh.recording.verbs.files import RECORDING, repair_recording
 from beatrix_zenoh.recording.verbs.view import leave, open_viewer
 from beatrix_zenoh.recording.viewer import PORT, program
 from beatrix_zenoh.settings import Settings, resolve
@@ -30,7 +30,7 @@ if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.rows import Output
     from beatrix_zenoh.recording.viewer import Viewer
 
-RECORDING, MOTION_FILE = ".rrd", ".csv"
+MOTION_FILE = ".csv"
 SHORTEST_MIN = 0.1
 """Shortest file of a rotated recording, minutes."""
 

@@ -16,7 +16,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.output import note
-from beatrix_zenoh.recording.verbs.files import read_recording
+from beatrix_zenoh.recording.verbs.files import RECORDING, read_recording
 from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.terminal.progress import progress_bar
 from beatrix_zenoh.terminal.targets import (
@@ -32,7 +32,6 @@ if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
     from beatrix_zenoh.recording.follow import Following
     from beatrix_zenoh.recording.path import ArmPath
 
-RECORDING = ".rrd"
 PROGRESS_S = 5.0
 """Period of the progress notes if stderr is not a terminal."""
 LONG_S = 60.0
