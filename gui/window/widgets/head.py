@@ -22,7 +22,7 @@ from PyQt5.QtWidgets import QBoxLayout, QFrame, QGridLayout, QLabel, QSizePolicy
 from gui.console.state.intents import AimHead, Theme
 from gui.console.state.views import HeadView, Orientation
 from gui.console.texts import Texts
-from gui.window.theme import DARK, Style, style_of
+from gui.window.theme import Style, style_of
 from gui.window.widgets.controls import IntentButton, label, set_text
 
 LEAST_WIDTH, LEAST_HEIGHT = 140, 150
@@ -66,7 +66,7 @@ class HeadPad(QWidget):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._view: HeadView | None = None
-        self._style: Style = DARK
+        self._style: Style = style_of(Theme.DARK)
         self._grip: Grip | None = None
         self._captions = {
             name: texts(f"label.pad_{name}")
