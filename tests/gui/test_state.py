@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from golden import same
 from gui_worlds import (
     BOTH,
     NOT_SIM,
@@ -106,7 +107,7 @@ def test_without_a_checked_box_motion_buttons_are_disabled_with_a_reason() -> No
     state = state_after(NOT_SIM)
     for button in motion_buttons(state.view(world())):
         assert not button.enabled
-        assert "Check Simulation, Hardware or both" in button.tooltip
+        same("state.without a checked box motion buttons are disabled with a reason", button.tooltip)
     assert state.handle(Jog("short", 1), world()) == []
     refusal = state.view(world()).arms.refusal
     assert refusal is not None
@@ -229,8 +230,8 @@ def test_the_failure_of_a_child_program_is_shown_in_banner_and_last_line() -> No
     failed = replace(world(absent("sim"), absent("hw"), names=()), child_trouble="There is no mujoco.")
     banner = State().view(failed).banner
     assert banner is not None
-    assert banner.text.startswith("There is no mujoco. No robot is online.")
-    assert State().view(failed).last == "A program of this window has failed: There is no mujoco."
+    same("state.the failure of a child program is shown in banner and last line 1", banner.text)
+    same("state.the failure of a child program is shown in banner and last line 2", State().view(failed).last)
 
 
 def test_a_recording_is_begun_ended_and_opened() -> None:
@@ -245,7 +246,7 @@ def test_a_recording_is_begun_ended_and_opened() -> None:
     assert state.handle(intents.ToggleRecording(), ending) == []
     ended = world(recording=RecordingProgress(file, running=False, seconds=72.6, trouble="The disk is full."))
     assert state.handle(intents.OpenRecording(), ended) == [ViewRecording(file)]
-    assert state.view(ended).last == "The recording has failed: The disk is full."
+    same("state.a recording is begun ended and opened", state.view(ended).last)
     state.handle(intents.Stop(), ended)
     assert state.view(ended).last == "last: stop sent, both"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from golden import same
 from gui_worlds import (
     BOTH,
     arms_of,
@@ -43,7 +44,7 @@ def test_the_countdown_is_shown_with_its_buttons() -> None:
         view = state_after(BOTH).view(now).sending
         assert [view.send_now.enabled, view.change.enabled] == [False] * 2
         assert view.abort.enabled is (now.plan is not None), "the button stops both robots"
-        assert view.send_now.tooltip == "No motion waits to be sent to the hardware."
+        same("state lead.the countdown is shown with its buttons", view.send_now.tooltip)
 
 
 def test_a_waiting_motion_is_sent_changed_or_aborted() -> None:
@@ -74,7 +75,7 @@ def test_a_motion_during_the_lead_replaces_the_waiting_one() -> None:
     state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.REPLACED))
     view = state.view(world())
     assert view.arms.refusal is None
-    assert view.history[1].result == "replaced by a newer motion"
+    same("state lead.a motion during the lead replaces the waiting one", view.history[1].result)
 
 
 def test_plus_during_the_lead_adds_to_the_goal_of_both_robots() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from golden import same
 from gui_worlds import ENDPOINT, absent, refused, robot, state_after, status, world
 
 from beatrix_zenoh.client import Presence
@@ -91,14 +92,14 @@ def test_a_refusal_because_of_a_lease_offers_to_wait() -> None:
     refused(state, taken_by("ana").detail, Reason.NOT_HOLDER)
     refusal = state.view(world()).arms.refusal
     assert refusal is not None
-    assert "ana has taken this robot" in refusal.text
+    same("state leases.a refusal because of a lease offers to wait 1", refusal.text)
     assert refusal.alternative is not None
     assert refusal.alternative.text == "Wait for my turn"
     assert state.handle(TakeAlternative(), world()) == [SendLease(2, WAIT, "sim")]
     state.report(Outcome(2, "sim", accepted=True, done=True))
     row = state.view(world()).history[0]
     assert (row.what, row.result) == ("wait for a turn (simulation)", "done")
-    assert row.command_line == "beatrix lease take --wait 60 --on sim"
+    same("state leases.a refusal because of a lease offers to wait 2", row.command_line)
 
 
 def banner_of(state: State, now: World) -> str:
@@ -112,12 +113,10 @@ def test_the_banner_of_a_new_lease_is_shown_until_it_is_dismissed() -> None:
     state = State()
     assert banner_of(state, sim_with(holder="ana", waiting=("ben",))) == ""
     mine = sim_with(holder="ben", lease=5)
-    assert (
-        banner_of(state, mine) == "It is your turn: the simulation of bea1 is yours until you give it back."
-    )
+    same("state leases.the banner of a new lease is shown until it is dismissed 1", banner_of(state, mine))
     assert "your turn" in banner_of(state, mine)
     state.handle(SetLanguage("de"), mine)
-    assert banner_of(state, mine).startswith("Du bist dran: bea1 (Simulation)")
+    same("state leases.the banner of a new lease is shown until it is dismissed 2", banner_of(state, mine))
     assert state.handle(DismissNotice(), mine) == []
     assert banner_of(state, mine) == ""
 
@@ -126,10 +125,10 @@ def test_a_lease_that_the_teacher_takes_or_ends_has_a_banner() -> None:
     state = State()
     banner_of(state, sim_with(holder="ben", lease=5))
     lost = banner_of(state, sim_with(holder="teacher", lease=6))
-    assert lost.startswith("teacher has taken the simulation of bea1 from you.")
+    same("state leases.a lease that the teacher takes or ends has a banner 1", lost)
     state = State()
     banner_of(state, sim_with(holder="ben", lease=5))
-    assert banner_of(state, sim_with()).startswith("Your lease of the simulation of bea1 has ended.")
+    same("state leases.a lease that the teacher takes or ends has a banner 2", banner_of(state, sim_with()))
 
 
 def test_a_lease_that_this_window_gives_back_has_no_banner() -> None:
@@ -150,7 +149,8 @@ def test_a_taken_robot_is_given_back_before_another_is_shown() -> None:
 
 
 def test_a_frozen_robot_has_a_banner_in_the_windows_of_students() -> None:
-    assert banner_of(State(), sim_with(frozen=True)).startswith(
-        "The teacher has frozen the robot (simulation)."
+    same(
+        "state leases.a frozen robot has a banner in the windows of students",
+        banner_of(State(), sim_with(frozen=True)),
     )
     assert banner_of(State(), sim_with("teacher", frozen=True)) == ""

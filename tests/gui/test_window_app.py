@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+from golden import same
 
 PROGRAM = "import sys; from gui.window.app import main; sys.exit(main(sys.argv[1:]))"
 NOWHERE = "tcp/127.0.0.1:1"
@@ -48,5 +49,5 @@ def test_without_a_display_the_window_is_refused(tmp_path: Path) -> None:
     with start(tmp_path, **environment) as process:
         output, errors = process.communicate(timeout=START_S)
     assert (process.returncode, output) == (1, "")
-    assert errors.startswith("No window can be opened because there is no display.")
+    same("window app.without a display the window is refused", errors)
     assert errors.count("\n") == 1

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import typer
+from golden import same
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.errors import Refused
@@ -76,8 +77,8 @@ def test_the_table_names_every_axis_and_the_lag(lesson: Path, capsys: pytest.Cap
     assert [line.split()[0] for line in lines[1:8]] == [
         "short", "middle", "long", "yaw", "pitch", "roll", "head"
     ]  # fmt: skip
-    assert "The hardware's set points are 200.0 ms behind the simulation's. In 2 motions" in lines[-2]
-    assert lines[-1].startswith("Middle is +1.50° off at rest")
+    same("cli recordings.the table names every axis and the lag 1", lines[-2])
+    same("cli recordings.the table names every axis and the lag 2", lines[-1])
 
 
 def test_the_error_for_a_missing_robot_lists_the_robots_of_the_recording(

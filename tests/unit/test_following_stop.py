@@ -10,6 +10,7 @@ from typing import Any, cast
 
 import pytest
 from access_callers import ANA
+from golden import same
 from msgspec.structs import replace
 from statuses import AT_HOME, READY
 
@@ -179,7 +180,7 @@ def test_a_refused_path_brakes(following: Following) -> None:
     following.place(250.0)
     assert following.board.frames == [MOVE, STOP]
     assert following.status().values["following"] is FollowState.WAITING
-    assert "cannot move to the place of the hardware" in following.status().warnings[0]
+    same("following stop.a refused path brakes", following.status().warnings[0])
 
 
 def test_a_hardware_that_must_be_waited_for_brakes_even_before_the_telemetry_shows_the_motion(

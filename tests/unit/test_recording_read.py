@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 import rerun as rr
+from golden import same
 
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.contract._generated.messages import (
@@ -124,7 +125,7 @@ def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
     ]
     other = msgspec.structs.replace(info, fingerprint="fedc")
     (warning,) = last.with_robot(HW, other).with_robot(("ada", "hw"), other).warnings()
-    assert warning.startswith("Simulation and hardware of bea were started with different robot files")
+    same("recording read.a recording says what it is", warning)
 
 
 def test_events_states_and_differences_are_read(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 from typing import cast
 
 import pytest
+from golden import same
 from patient_connections import PATIENCE_S
 from robots import until
 
@@ -178,7 +179,7 @@ def test_one_robot_that_does_not_answer_is_explained_by_the_same_sentence(
 
 
 def test_a_sentence_names_its_robot_once() -> None:
-    assert sentence(HW, "The arms rest.") == "bea (hw): The arms rest."
+    same("stopping.a sentence names its robot once", sentence(HW, "The arms rest."))
     assert sentence(HW, "bea (hw) is online.") == "bea (hw) is online."
 
 
