@@ -46,9 +46,7 @@ def test_the_teacher_mutes_a_seat_on_all_robots_and_ends_a_turn(free: Shell) -> 
     assert (refused.returncode, "ana is not the teacher's seat" in refused.stderr) == (1, True)
     assert free.good("mute", "ana", *boss).count("ana is muted: it only watches") == 2
     for command in (("top", "--once"), ("ls",)):
-        assert "The teacher has muted ana; only the teacher ends this: beatrix unmute SEAT" in free.good(
-            *command
-        )
+        assert "beatrix unmute SEAT" in free.good(*command)
     for words in ("look --yaw 5", "enable", "lease take", "stop"):
         refused = free.run(*words.split(), "--on", "sim")
         assert (refused.returncode, "beatrix unmute ana" in refused.stderr) == (1, True)
@@ -68,15 +66,13 @@ def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> N
         (NAME, "hw", True),
     }
     assert {row["state"] for row in free.json("ls")["robots"]} == {"frozen"}
-    assert "The teacher has frozen it; only the teacher ends this: beatrix unfreeze" in free.good(
-        "top", "--once"
-    )
+    assert "beatrix unfreeze" in free.good("top", "--once")
     refused = free.run("look", "--yaw", "5", "--on", "sim")
     assert (refused.returncode, "frozen" in refused.stderr) == (1, True)
     free.good("unfreeze", "--who", "teacher")
     assert "at most 20°/s" in free.good("limit", "20", "--who", "teacher")
     nothing = free.run("limit", "0", "--who", "teacher")
-    assert (nothing.returncode, "`beatrix limit off` ends the limit" in nothing.stderr) == (2, True)
+    assert (nothing.returncode, "beatrix limit off" in nothing.stderr) == (2, True)
     refused = free.run("look", "--yaw", "5", "--speed", "60", "--on", "sim")
     assert (refused.returncode, "20.0°/s" in refused.stderr) == (1, True)
     free.good("limit", "off", "--who", "teacher")

@@ -78,7 +78,7 @@ def test_a_missing_viewer_is_reported_once() -> None:
     assert feed.output.state is ViewerState.MISSING
     assert len(feed.messages) == 1
     assert "No viewer answers" in feed.messages[0]
-    assert "Start one with `beatrix view --port" in feed.messages[0]
+    assert "beatrix view --port" in feed.messages[0]
     assert feed.output.left_out == 5 * 7
     assert feed.output.close()
 

@@ -73,7 +73,7 @@ def test_web_sockets_of_foreign_pages_are_refused(
 def test_a_request_with_a_rebound_host_name_gets_no_page(browser: WebClient) -> None:
     response = browser.fetch("/", Host=f"evil.example:{browser.port}")
     assert response.code == 403
-    assert "Open the address that `beatrix web` has printed" in response.body.decode()
+    assert "beatrix web" in response.body.decode()
     assert "Set-Cookie" not in response.headers
 
 
@@ -151,7 +151,7 @@ def test_too_many_connections_of_an_address_are_refused_with_a_reason(
             until(lambda: served(browser), "served again")
     lines = capfd.readouterr().err.splitlines()
     assert len(lines) == 1
-    assert "A connection from 127.0.0.1 was refused" in lines[0]
+    assert "127.0.0.1 was refused" in lines[0]
 
 
 def served(browser: WebClient) -> bool:
