@@ -162,18 +162,6 @@ def test_a_stream_of_positions_has_no_gaps(robot: Robot) -> None:
     assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
 
 
-def test_positions_and_status_are_published_as_json_to_a_subscriber(robot: Robot) -> None:
-    received: dict[str, bytes] = {}
-    robot.client.bus.subscribe(
-        f"beatrix/{robot.name}/{robot.side}/state/*/json", lambda one: received.update({one.key: one.payload})
-    )
-    wanted = [f"beatrix/{robot.name}/{robot.side}/state/{what}/json" for what in ("positions", "status")]
-    until(lambda: received.keys() >= set(wanted), "positions and status in JSON")  # events may arrive first
-    positions, status = (received[key] for key in wanted)
-    assert codec.decode_json(positions, Positions).seq > 0
-    assert codec.decode_json(status, Status).robot == robot.name
-
-
 def test_status_is_published_when_it_changes(robot: Robot) -> None:
     received: list[Status] = []
     robot.client.bus.subscribe(

@@ -10,8 +10,6 @@ from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState
 
 ACK, NACK = "ACK\n", "NACK\n"
 DONE, REFUSED, UNKNOWN = [ACK, ACK], [ACK, NACK], [NACK]
-LONGEST = "@MOVRALL " + "0000000000000000002 " * 5 + "0000000000000020 1"
-"""Line of the maximum length, 127 bytes."""
 
 
 @pytest.fixture
@@ -22,16 +20,6 @@ def program() -> Program:
 @pytest.fixture
 def framed() -> Program:
     return Program(framed=True).ready()
-
-
-def test_32_lines_of_maximum_length_are_queued(program: Program) -> None:
-    assert len(LONGEST) == 127
-    program.send(b"@MOVRALL 100 100 100\r")
-    program.send(b"".join(LONGEST.encode("ascii") + b"\r" for _ in range(32)))
-    assert program.new() == [ACK]
-    program.tick(33 * 600)
-    assert program.new() == [ACK] + DONE * 32
-    assert program.position == (164, 164, 164)
 
 
 def test_commands_are_executed_and_answered_in_order(program: Program) -> None:

@@ -141,30 +141,6 @@ def test_extra_and_missing_arguments_are_accepted(program: Program, line: str, m
     assert program.position == moved
 
 
-@pytest.mark.parametrize(
-    ("line", "answer"),
-    [
-        ("@MOVRX 0 " + "1 " * 17 + "1", DONE),  # 20 words
-        ("@MOVRX 0 " + "1 " * 17 + "1 ", DONE),  # a trailing space does not start a word
-        ("@MOVRX 0 " + "1 " * 18 + "1", UNKNOWN),
-        ("@MOVRX 0 " + " " * 18 + "1", UNKNOWN),
-        ("@MOVRX 0 " + "1" * 19, DONE),
-        ("@MOVRX 0 " + "1" * 20, UNKNOWN),
-        ("@MOVRX 0 " + ("1" * 18 + " ") * 6 + "1234", DONE),  # 127 bytes
-        ("@MOVRX 0 " + ("1" * 18 + " ") * 6 + "12345", UNKNOWN),
-        ("@MOVRX " + "1" * 30, UNKNOWN),
-        ("@" + "A" * 5000, UNKNOWN),
-        ("@" * 300, UNKNOWN),
-    ],
-)
-def test_lines_and_words_that_are_too_long_are_unknown(
-    program: Program, line: str, answer: list[str]
-) -> None:
-    assert program.say(line) == answer
-    assert program.say("@COMSTATUS") == DONE
-    assert program.position == (0, 0, 0)
-
-
 @given(st.binary(max_size=200).map(lambda data: data.translate(None, b"\0\r\n")))
 def test_any_line_is_answered_at_least_once(line: bytes) -> None:
     program = Program()

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 from gui_views import class_world
 from gui_worlds import robot, status, world
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication, QWidget
-from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, WatchedState
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from gui.console.state.actions import Govern, SendLease, SendStop, WatchClass
-from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat
+from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass
 from gui.window.widgets.class_page import ClassPage
 from gui.window.window import Window
 
@@ -49,28 +45,6 @@ def test_the_page_takes_the_place_of_the_robot(window: Window, page: ClassPage) 
     assert not page.isVisible()
 
 
-def test_the_chosen_seat_is_muted_and_stays_chosen(
-    window: Window, page: ClassPage, link: RecordingLink, state: WatchedState
-) -> None:
-    assert [page.seats.itemText(index) for index in range(page.seats.count())] == [
-        "ana",
-        "ben",
-        "cleo",
-        "dora",
-    ]
-    page.seats.setCurrentIndex(2)
-    QTest.mouseClick(page.mute, LEFT)
-    assert state.intents == [MuteSeat("cleo", on=True)]
-    first, *others = link.known.robots
-    muted = replace(first, status=status("sim", muted=("cleo",)))
-    link.known = replace(link.known, robots=(muted, *others), seats=("ana", "cleo", "teacher"))
-    window.refresh()
-    assert (page.seats.currentText(), page.mute.text()) == ("cleo (muted)", "Unmute")
-    link.known = replace(link.known, robots=(), seats=("teacher",))
-    window.refresh()
-    assert not page.mute.isVisible()
-
-
 def test_buttons_report_their_intents(page: ClassPage, state: WatchedState) -> None:
     for button, intent in (
         (page.freeze_all, GovernClass(LeaseAction.FREEZE)),
@@ -102,26 +76,6 @@ def test_space_stops_all_robots(page: ClassPage, link: RecordingLink) -> None:
     page.limit.setFocus()
     QTest.keyClick(page.limit, Qt.Key.Key_Space)
     assert isinstance(link.done[-1], SendStop)
-
-
-def test_the_tab_key_reaches_all_controls_of_the_page(qtbot: QtBot, window: Window, page: ClassPage) -> None:
-    seen: list[QWidget] = []
-    for _ in range(20):
-        QTest.keyClick(window, Qt.Key.Key_Tab)
-        focused = QApplication.focusWidget()
-        assert focused is not None
-        seen.append(focused)
-    order = [
-        page.freeze_all,
-        page.unfreeze_all,
-        page.limit,
-        page.set_limit,
-        page.list,
-        page.freeze,
-        page.take,
-    ]
-    assert all(widget in seen for widget in order)
-    assert all(widget.accessibleName() for widget in seen)
 
 
 def test_the_button_of_a_pill_takes_the_robot(window: Window, link: RecordingLink) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -17,7 +16,7 @@ from beatrix_zenoh.client import RobotState
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.widgets import plots as plots_module
-from gui.window.widgets.plots import CAPACITY, History, PlotsPanel, sample_time_s, span
+from gui.window.widgets.plots import PlotsPanel, sample_time_s, span
 
 Arms = tuple[float, float, float]
 LAG_S = 0.2
@@ -75,18 +74,6 @@ def test_the_plots_show_the_lag_of_the_hardware(plots: PlotsPanel) -> None:
     assert curve(plots.arms[1].lines[0])[1] == pytest.approx(0.0)
 
 
-def test_hidden_plots_draw_nothing_and_keep_samples(plots: PlotsPanel) -> None:
-    fill(plots, lambda time_s: (ramp(time_s), 0, 0))
-    line = plots.arms[0].lines[0]
-    assert line.getData()[0] is None
-    plots.show()
-    assert len(curve(line)[0]) == 201
-    plots.hide()
-    before = curve(line)
-    plots.append(world_at(11.0))
-    assert (curve(line) == before).all()
-
-
 def test_curves_are_drawn_at_most_20_times_a_second(
     plots: PlotsPanel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -98,33 +85,6 @@ def test_curves_are_drawn_at_most_20_times_a_second(
     monkeypatch.setattr(plots_module, "PERIOD_S", 0.0)
     plots.append(world_at(1.1))
     assert len(curve(plots.arms[0].lines[0])[0]) == 3, "no sample is lost"
-
-
-def test_the_memory_of_the_samples_is_bounded() -> None:
-    def feed(first: int, count: int) -> None:
-        for tick in range(first, first + count):
-            history.add(tick / 50, (tick, 0, 0))
-
-    history = History()
-    feed(0, 95_000)
-    tracemalloc.start()
-    feed(95_000, 10_000)
-    grown, _ = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    assert grown < 10_000, "bytes"
-    assert len(history.samples) == CAPACITY
-    assert history.samples[:, 1].tolist() == list(range(105_000 - CAPACITY, 105_000)), "the newest, in order"
-
-
-def test_a_sample_is_kept_once_and_a_pause_breaks_the_line() -> None:
-    history = History()
-    for time_s in (1.0, 1.0, 1.1, 1.05, 5.0):
-        history.add(time_s, (time_s, 0, 0))
-    times, angles = history.samples[:, 0], history.samples[:, 1]
-    assert times.tolist() == [1.0, 1.1, 1.1, 5.0]
-    assert np.isnan(angles[2])
-    history.add(0.5, (7, 0, 0))
-    assert history.samples[:, 1].tolist() == [7.0], "another clock clears the samples"
 
 
 def test_time_stamps_of_another_computer_are_converted_to_this_clock() -> None:

@@ -11,7 +11,6 @@ from robots import Stage
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Fault
-from beatrix_zenoh.contract.names import ARMS
 
 pytestmark = [
     pytest.mark.qt_log_ignore("This plugin does not support"),  # popups without a display
@@ -20,26 +19,6 @@ pytestmark = [
 
 
 # -- arms -----------------------------------------------------------------------------------------
-
-
-def test_labels_show_where_the_robots_are(user: Windowed, robots: dict[str, Robot]) -> None:
-    panels = user.window.panels
-    for arm in ("short", "short", "middle", "long"):
-        user.press(panels.arms.rows[arm].plus)
-        user.until_last("done")
-    for side, robot in robots.items():
-        at = robot.positions()
-        shown = {getattr(panels.arms.rows[arm], side): getattr(at.arms, arm) for arm in ARMS}
-        shown |= {
-            panels.head.numbers[side, axis]: getattr(at.head, axis) for axis in ("yaw", "pitch", "roll")
-        }
-        assert len({round(angle) for angle in shown.values()}) > 3, (
-            "the values differ, so that the test notices swapped ones"
-        )
-        user.until(
-            lambda shown=shown: all(shows(label, angle) for label, angle in shown.items()),  # type: ignore[misc]
-            f"{at}; shown: {[label.text() for label in shown]}",
-        )
 
 
 def shows(label: QLabel, angle: float) -> bool:

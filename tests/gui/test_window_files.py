@@ -11,7 +11,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QFileDialog, QLineEdit
 from pytestqt.qtbot import QtBot
 
-from gui.console.state.intents import Intent, PlayFile, SaveChoreography, SavePose, Stop
+from gui.console.state.intents import Intent, SaveChoreography, SavePose, Stop
 from gui.window.widgets.controls import IntentButton
 from gui.window.widgets.poses import FileDialog
 from gui.window.window import Window
@@ -96,18 +96,3 @@ def test_a_file_that_exists_is_not_written_at_the_first_press(
     assert not dialog.notice.isVisible()
     enter(dialog, "dance")
     assert intents() == [SaveChoreography(tmp_path / "inner" / "dance.csv")]
-
-
-def test_a_file_that_is_missing_is_not_played(
-    qtbot: QtBot, window: Window, intents: Taken, tmp_path: Path
-) -> None:
-    dialog = opened(qtbot, window, window.panels.poses.play_file)
-    intents()
-    enter(dialog, "none.csv")  # the button Open is disabled
-    dialog.accept()  # as if the file had just been deleted
-    assert dialog.isVisible()
-    assert "none.csv" in dialog.notice.text()
-    QTest.mousePress(window.panels.stop_bar, Qt.MouseButton.LeftButton)
-    assert intents() == [Stop()]
-    enter(dialog, str(tmp_path / "dance.csv"))
-    assert intents() == [PlayFile(tmp_path / "dance.csv")]

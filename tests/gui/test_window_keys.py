@@ -14,7 +14,6 @@ from recording_link import RecordingLink
 
 from gui.console.state.actions import Send, SendStop
 from gui.console.state.intents import (
-    AimHead,
     EmergencyStop,
     Intent,
     Jog,
@@ -188,34 +187,6 @@ def test_ctrl_z_undoes_and_ctrl_r_records(
     intents()
     press(key, Qt.KeyboardModifier.ControlModifier)
     assert intents() == [intent]
-
-
-STEPS = [
-    (Qt.Key.Key_Left, 0, (0.0, 0.0, -1.0)),
-    (Qt.Key.Key_Right, 0, (0.0, 0.0, 1.0)),
-    (Qt.Key.Key_Up, 0, (0.0, -1.0, 0.0)),
-    (Qt.Key.Key_Down, 0, (0.0, 1.0, 0.0)),
-    (Qt.Key.Key_PageUp, 0, (1.0, 0.0, 0.0)),
-    (Qt.Key.Key_PageDown, 0, (-1.0, 0.0, 0.0)),
-    (Qt.Key.Key_Down, Qt.KeyboardModifier.ShiftModifier, (0.0, 5.0, 0.0)),
-]
-
-
-@pytest.mark.parametrize(("key", "modifiers", "step"), STEPS)
-def test_arrow_keys_move_the_target(
-    qtbot: QtBot,
-    window: Window,
-    intents: Taken,
-    key: Qt.Key,
-    modifiers: Qt.KeyboardModifier,
-    step: tuple[float, float, float],
-) -> None:
-    focus(qtbot, window.panels.head.pad)
-    window.handle(AimHead(0.0, 0.0, 0.0))
-    intents()
-    press(key, modifiers or Qt.KeyboardModifier.NoModifier)
-    press(key, modifiers or Qt.KeyboardModifier.NoModifier)
-    assert intents() == [AimHead(*step), AimHead(*(2 * angle for angle in step))]
 
 
 def test_enter_sends_the_target(qtbot: QtBot, window: Window, link: RecordingLink, intents: Taken) -> None:

@@ -155,20 +155,6 @@ def test_a_suspended_subscriber_delays_no_other_subscriber(
             reader.end(SIGKILL)  # the exit code of the suspended subscriber does not matter
 
 
-def test_the_status_shows_which_eye_streams_and_at_which_rate(eyes: Eyes, robot: Robot) -> None:
-    until(idle(eyes), "no subscriber of the previous test is left")
-    left, right = robot.status().cameras
-    assert (left.eye, right.eye) == ("left", "right")
-    assert (left.connected, left.streaming, left.hz, left.trouble) == (True, False, 0.0, "")
-    with robot.camera("left") as images, robot.status_stream() as statuses:
-        images.next(5.0)
-        streaming = next(status for status in statuses if status.cameras[0].streaming)
-        assert not streaming.cameras[1].streaming
-        measured = next(status for status in statuses if status.cameras[0].hz > 0)
-        assert measured.cameras[0].hz < 1.5 / PERIOD_S
-        assert (measured.cameras[0].width, measured.cameras[0].height) == (640, 480)
-
-
 def test_a_lost_camera_is_an_event_and_a_warning(eyes: Eyes, robot: Robot) -> None:
     trouble = "The cable is out: plug it in."
     with robot.events(timeout_s=10.0) as events:

@@ -76,20 +76,6 @@ def test_echo_shows_the_last_events_and_then_the_next_ones(free: Shell) -> None:
         echo.communicate(timeout=END_S)
 
 
-def test_echo_counts_past_events_and_gives_them_as_json(shell: Shell) -> None:
-    for _ in range(2):
-        shell.good("stop", "--on", "sim")
-    rows = [json.loads(line) for line in shell.good("echo", "events", "--count", "2", "--json").splitlines()]
-    assert len(rows) == 2
-    assert (rows[-1]["robot"], rows[-1]["side"], rows[-1]["kind"], rows[-1]["reason"]) == (
-        NAME,
-        "sim",
-        "stop",
-        "OK",
-    )
-    assert rows[-1]["seq"] - rows[0]["seq"] == 1
-
-
 def test_echo_of_events_ends_when_the_robot_is_lost(shell: Shell) -> None:
     with another(shell, "bea5") as node:
         echo = shell.start("echo", "events", "--name", "bea5")
@@ -261,9 +247,3 @@ print("slow:", [name for name in {slow} if name in sys.modules])
         check=False,
     )
     assert "slow: []" in done.stdout, done.stdout + done.stderr
-
-
-def test_top_names_the_seats_that_are_connected(shell: Shell) -> None:
-    with shell.robot("sim"):
-        assert {"ana", "ben"} <= {*shell.json("top", "--who", "ben")["seats"]}
-        assert "seats: ana, ben" in shell.good("top", "--once", "--who", "ben")

@@ -165,7 +165,7 @@ def test_queries_free_their_memory(stage: Stage) -> None:
             robot.status()
         return resident_kb() - before
 
-    ask(6000)  # fills the memory that earlier tests have freed
+    ask(3000)  # fills the memory that earlier tests have freed
     # Once as many queries are freed as are sent, memory no longer grows. A busy computer delays that.
     until(lambda: ask(1500) < 600, "memory is reused: if none were freed, 1500 queries would need 1200 kB")
 

@@ -108,23 +108,6 @@ def test_leads_and_lags_of_both_robots_are_told_apart(stage: Stage, twin: Twin) 
     assert max(map(lead_error_s, found.moved)) < LEAD_ASKED_S
 
 
-def test_a_changed_lead_is_one_motion(stage: Stage, twin: Twin) -> None:
-    def moves() -> None:
-        twin.preview(25, 5, speed=60).commit(lead_s=4.0, wait=False)
-        until(lambda: not twin.sim.status().moving and twin.sim.positions().head[0] > 24, "it arrives")
-        twin.preview(25, 5, speed=60).commit(lead_s=0.5)
-        rest()
-
-    sim, hw = recorded_during(stage, 7.0, moves)
-    found = compare(sim.recording, hw.recording)
-    (part,) = found.moved
-    assert part.lead_s is not None
-    assert 0.8 < part.lead_s < 4.0, "counted from the first request"
-    assert findings(found) == []
-    check_lag(sim, hw, found)
-    assert lead_error_s(part) < LEAD_ASKED_S
-
-
 def test_a_motion_that_the_hardware_never_received_is_no_difference(stage: Stage, twin: Twin) -> None:
     def moves() -> None:
         plan = twin.preview(20, speed=60)

@@ -61,7 +61,7 @@ def test_a_program_that_ends_by_an_exception_ends_soon_and_without_a_crash(
 ) -> None:
     script = tmp_path / "program.py"
     script.write_text(BEGIN + program + END)
-    for _ in range(5):  # without the hook, four of ten such programs, or more, were aborted
+    for _ in range(3):  # without the hook, four of ten such programs, or more, were aborted
         child = subprocess.run(
             [sys.executable, str(script), stage.endpoint],
             capture_output=True,

@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 import pytest
-import rerun as rr
 import zenoh
 from robots import Stage, ready, until
 
@@ -130,19 +129,3 @@ def test_every_sample_is_in_the_table_to_the_last_bit(
     for name, columns in FIELDS.items():
         np.testing.assert_array_equal(as_published(rows, columns), of_messages(messages, name), name)
     assert np.ptp(rows.yaw_deg) > 60, "it moved"
-
-
-def test_pandas_reads_the_same_angles_from_the_recording(lesson: Lesson) -> None:
-    """Rerun's reader returns one row of equal times, and no two samples of a robot have equal times."""
-    with rr.server.Server(datasets={"day": [str(path) for path in lesson.files]}) as server:
-        dataset = server.client().get_dataset("day")
-        loaded = dataset.filter_contents(["/bea/sim/arms"]).reader(index="time").to_pandas()
-    loaded = loaded.sort_values("robot_time")
-    times = loaded["robot_time"].astype("int64").tolist()
-    by_time = {
-        message["t_wall_ns"]: message for (side, _), message in lesson.raw.messages.items() if side == "sim"
-    }
-    messages = [by_time[time] for time in times]
-    assert len(messages) > 600
-    angles = np.radians(np.array(loaded["/bea/sim/arms:Scalars:scalars"].tolist())).astype(np.float32)
-    np.testing.assert_array_equal(angles, of_messages(messages, "position"))

@@ -24,7 +24,7 @@ from beatrix_zenoh.node import Node
 from sim_node import eyes, gl
 from sim_node import renderer as drawing
 from sim_node.body import Simulation
-from sim_node.renderer import HEIGHT, WIDTH, Renderer
+from sim_node.renderer import HEIGHT, WIDTH
 from sim_node.target import HOME
 
 OPENGL = gl.backend()
@@ -237,21 +237,6 @@ def test_a_renderer_that_hangs_is_reported_and_restarted(
         fresh(images)
         until(lambda: not any(eye.trouble for eye in inside.status().cameras), "the trouble is over")
         assert renderer not in renderers(os.getpid())
-
-
-def test_a_renderer_that_always_fails_is_reported_and_tried_again(
-    inside: Robot, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def broken(*_: object) -> None:
-        raise OSError("no memory")
-
-    monkeypatch.setattr(eyes, "Renderer", broken)
-    with inside.camera("left") as images:
-        until(lambda: inside.status().cameras[0].trouble == eyes.NO_RENDERER, "the trouble is shown")
-        assert not inside.status().cameras[0].connected
-        monkeypatch.setattr(eyes, "Renderer", Renderer)
-        images.next(FIRST_S)
-    assert inside.status().cameras[0].trouble == ""
 
 
 def test_without_a_display_the_viewer_prints_one_sentence_and_returns_1(stage: Stage) -> None:

@@ -128,22 +128,6 @@ def test_a_simulation_that_must_wait_brakes_on_its_way() -> None:
         assert simulation.positions().arms.short < 60
 
 
-def test_impossible_velocities_do_not_end_the_simulation_and_are_named() -> None:
-    with Stage() as stage:
-        stage.simulation("fay", "--follow", "--eyes-hz", "0")
-        simulation = stage.robot("fay", "sim")
-        fake = FakeHardware(stage, "fay", place=0.0)
-        try:
-            wait_status(simulation, lambda status: status.following is FollowState.FOLLOWING, "following")
-            fake.velocity = 1500.0
-            words = "impossible velocities"
-            wait_status(simulation, lambda status: words in " ".join(status.warnings), "the warning")
-            fake.velocity = 0.0
-            wait_status(simulation, lambda status: status.following is FollowState.FOLLOWING, "following")
-        finally:
-            fake.close()
-
-
 def test_while_two_programs_publish_it_holds_its_place() -> None:
     with Stage() as stage:
         stage.simulation("gil", "--follow", "--eyes-hz", "0")

@@ -19,9 +19,7 @@ from statuses import READY
 from zenoh.handlers import Callback
 
 from beatrix_zenoh import Interrupted, NoAnswer, Robot
-from beatrix_zenoh.client.request import ask
-from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Info, Reason
+from beatrix_zenoh.contract._generated.messages import Reason
 
 
 @pytest.fixture(scope="module")
@@ -174,42 +172,6 @@ def test_stop_is_also_published(stage: Stage, robot: Robot) -> None:
         session.declare_subscriber("beatrix/*/*/stop/*", Callback(receive, indirect=False))
         until(lambda: robot.stop().result and not stop_keys.empty(), "STOP is published")
         assert stop_keys.get(timeout=1.0) == "beatrix/bea/hw/stop/ana"
-
-
-def test_text_of_a_foreign_robot_adds_no_row_to_a_table(stage: Stage, robot: Robot) -> None:
-    shell = Shell(stage.endpoint)
-    status = msgspec.to_builtins(READY) | {
-        "holder": "-\nbea2   hw   frozen",
-        "warnings": ["Hot.\nbea4   hw   ready"],
-        "waiting": ["x" * 900_000],
-    }
-    info = msgspec.to_builtins(ask(robot.client, robot.place, keys.info("bea", "hw"), None, Info, 2.0))
-    info["version"] = "1.0\nbea5   hw   ready"
-    with foreign(stage) as session:
-        token = session.liveliness().declare_token("beatrix/odd/hw/@alive")
-        for name, message in (("state/status", status), ("info", info)):
-            key = f"beatrix/odd/hw/{name}"
-            answer_all(session, key, key, msgspec.msgpack.encode(message))
-        for command in (("ls",), ("top", "--once")):
-            lines = shell.good(*command).splitlines()
-            assert not [line for line in lines if line.startswith(("bea2", "bea4", "bea5"))]
-            assert max(map(len, lines)) < 300
-        token.undeclare()
-
-
-def test_a_token_that_names_no_robot_is_not_listed(stage: Stage, robot: Robot) -> None:
-    shell = Shell(stage.endpoint)
-    strange = ("odd/x17", "Odd/hw", f"{'o' * 33}/hw", "odd\nbea2/hw")
-    with foreign(stage) as session:
-        tokens = [session.liveliness().declare_token(f"beatrix/{place}/@alive") for place in strange]
-        tokens += [session.liveliness().declare_token(f"beatrix/{place}/@claim/1") for place in strange]
-        tokens.append(session.liveliness().declare_token("beatrix/@seat/an\na/1"))
-        bus = robot.client.bus
-        assert bus.robots() == bus.claims() == [("bea", "hw")]
-        assert [row["robot"] for row in shell.json("ls")["robots"]] == ["bea"]
-        assert "seats: ana\n" in shell.good("top", "--once")
-        for token in tokens:
-            token.undeclare()
 
 
 def get_all(session: zenoh.Session, key: str, target: zenoh.QueryTarget) -> tuple[list[str], list[str]]:

@@ -13,11 +13,10 @@ import pytest
 from robots import Stage, ask_raw, ready, until
 from shell import Shell
 
-from beatrix_zenoh import Refused, Robot, Twin
+from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh.client.choreography import Choreography, Pose, play
-from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Phase, Positions, Source
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Phase
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 
@@ -129,28 +128,6 @@ def test_the_goals_of_a_lesson_follow_from_its_log_alone(stage: Stage, tmp_path:
     assert len(logged) == 12
     for goal, wanted in zip(logged, goals(lesson), strict=True):
         assert goal == pytest.approx(wanted, abs=HALF_DEG)
-
-
-def test_both_robots_record_the_same_request_with_its_lead(stage: Stage) -> None:
-    stage.simulation("bea")
-    stage.hardware("bea")
-    with Twin("bea", connect=stage.endpoint, who="ana") as twin:
-        twin.make_ready()
-        twin.preview(yaw=8, pitch=2, speed=60).commit(lead_s=0.5)
-        twin.look(yaw=1, relative=True, speed=60)
-        twin.hw.look(yaw=0, speed=60)
-        until(lambda: len(asked(twin.hw)) == 3, "the events")
-        for query, lead in zip(asked(twin.sim), (0.5, 0.0), strict=True):
-            assert query.pose_query is not None
-            assert (query.pose_query.lead, query.source, query.seat) == (lead, Source.SDK, "ana")
-        both = [[event.pose_query for event in asked(robot)[:2]] for robot in (twin.sim, twin.hw)]
-        assert both[0] == both[1]
-        alone = asked(twin.hw)[2].pose_query
-        assert alone is not None
-        assert alone.lead is None
-        done = [event for event in events_of(twin.hw) if event.phase is Phase.DONE]
-        place = keys.positions("bea", "hw")
-        assert done[-1].position == ask(twin.client, ("bea", "hw"), place, None, Positions, 2.0).commanded
 
 
 def asked(robot: Robot) -> list[Event]:

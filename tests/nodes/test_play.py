@@ -7,7 +7,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import pytest
-from late_tests import in_time
 from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, Robot, Twin
@@ -53,15 +52,6 @@ def test_in_lockstep_both_robots_wait_for_the_slower_one(twin: Twin, begun: list
     assert begun[2].hardware_deg == pytest.approx(4, abs=0.1)
     assert begun[4].hardware_deg == pytest.approx(8, abs=0.1)
     assert titles == ["f"] * 3
-
-
-@pytest.mark.measures_time
-def test_with_a_lead_the_hardware_begins_each_pose_later_by_the_lead(twin: Twin, begun: list[Begun]) -> None:
-    play(twin, POSES, lead_s=1.2)
-    assert [one.side for one in begun] == ["sim", "sim", "hw", "sim", "hw", "hw"]
-    of_sim, of_hw = ([one.at_s for one in begun if one.side == twin] for twin in ("sim", "hw"))
-    lags = [after - before for before, after in zip(of_sim, of_hw, strict=True)]
-    in_time(max(abs(lag - 1.2) for lag in lags), 0.2, "the hardware apart from the lead of 1.2 s")
 
 
 def test_stop_at_one_robot_ends_the_choreography_on_both_robots(

@@ -101,14 +101,6 @@ def test_every_published_sample_is_in_the_file(lesson: Lesson) -> None:
             np.testing.assert_allclose(samples.arms[row], np.degrees([arms.x, arms.y, arms.z]), atol=1e-9)
 
 
-def test_requests_refusals_and_stops_are_recorded_as_text(lesson: Lesson) -> None:
-    sim, hw = (lesson.recorded.lines[place].texts for place in (SIM, HW))
-    assert any("ana: look left " in text or "ana: look right " in text for text in sim)
-    assert any("would tilt 60.0°" in text for text in sim)
-    assert any("ana: STOP: " in text for text in hw)
-    assert any("ana: Ended by STOP" in text for text in hw)
-
-
 def test_the_code_of_the_page_reads_a_recording(
     lesson: Lesson, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -256,32 +256,6 @@ def test_closing_the_twin_during_the_lead_leaves_the_hardware_unmoved(stage: Sta
 # -- number of queries, and targets without a preview ---------------------------------------------
 
 
-def test_a_preview_and_a_commit_send_three_queries(twin: Twin, monkeypatch: pytest.MonkeyPatch) -> None:
-    twin.preview(yaw=2, speed=60).commit()  # opens the subscriptions and queries info
-    sent: list[str] = []
-    bus = type(twin.client.bus)
-    query = bus.query
-
-    def counted(self: object, key: str, *rest: object, **more: object) -> object:
-        sent.append(key)
-        return query(self, key, *rest, **more)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(bus, "query", counted)
-
-    def three() -> bool:
-        sent.clear()
-        twin.preview(yaw=4, speed=60).commit()
-        twin.preview(yaw=0, speed=60).commit()
-        twin.positions()
-        return [key.rpartition("/")[2] for key in sent] == ["preview", "pose", "pose"] * 2
-
-    until(
-        three,
-        "published states are new enough; on a busy machine some are too old, so the twin queries them",
-        30.0,
-    )
-
-
 def test_targets_at_20_hz_are_sent_to_both_robots_and_the_last_is_reached(twin: Twin) -> None:
     pause = threading.Event()
     motions = []

@@ -25,12 +25,6 @@ def picture(level: int, width: int = 32, height: int = 16) -> bytes:
     return encoded
 
 
-def without_tables(whole: bytes) -> bytes:
-    head = list(jpeg.segments(whole))
-    kept = [whole[one.begin : one.end] for one in head if one.marker != jpeg.DHT]
-    return b"".join([jpeg.SOI, *kept, whole[head[-1].end :]])
-
-
 def shown(files: Files, count: int) -> list[bytes]:
     files.open()
     frames = [files.next(1.0) for _ in range(count)]
@@ -64,13 +58,6 @@ def test_the_frame_timer_keeps_its_rate_and_makes_no_burst_after_a_delay() -> No
 # -- JPEG ------------------------------------------------------------------------------------------
 
 
-def test_only_missing_tables_are_added() -> None:
-    whole = picture(100)
-    assert jpeg.complete(whole) is whole
-    completed = jpeg.complete(without_tables(whole))
-    assert np.array_equal(simplejpeg.decode_jpeg(completed), simplejpeg.decode_jpeg(whole))
-
-
 @pytest.mark.parametrize(
     "damaged",
     [b"", b"no picture", jpeg.SOI, picture(1)[:30], jpeg.SOI + b"\xff" * 9, picture(1)[:4] + bytes(99)],
@@ -95,14 +82,6 @@ def test_the_pictures_of_a_folder_are_repeated_in_order(tmp_path: Path) -> None:
     (tmp_path / "a.JPG").write_bytes(pictures[0])
     (tmp_path / "notes.txt").write_text("not shown")
     assert shown(Files(tmp_path), 3) == [*pictures, pictures[0]]
-
-
-def test_a_single_picture_and_the_pictures_of_a_video_are_repeated(tmp_path: Path) -> None:
-    pictures = [picture(level) for level in (50, 60)]
-    (tmp_path / "one.jpg").write_bytes(pictures[0])
-    assert shown(Files(tmp_path / "one.jpg"), 2) == [pictures[0]] * 2
-    (tmp_path / "video.mjpeg").write_bytes(b"".join(pictures))
-    assert shown(Files(tmp_path / "video.mjpeg"), 3) == [*pictures, pictures[0]]
 
 
 def chunk(kind: bytes, data: bytes) -> bytes:

@@ -98,18 +98,6 @@ def test_the_pauses_between_files_are_named(
     assert "nothing was recorded" not in capsys.readouterr().out
 
 
-def test_a_part_is_exported(lesson: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    csv = lesson.with_suffix(".csv")
-    words = ["export", str(lesson), str(csv), "--from", "1", "--to", "2.5", "--name", "bob", "--json"]
-    assert app.run(words) == 0
-    assert json.loads(capsys.readouterr().out) == {
-        "result": True, "file": str(csv), "rows": 76, "robots": ["bob (sim)"]
-    }  # fmt: skip
-    times = pd.read_csv(csv).time_s
-    assert (times.iloc[0], times.iloc[-1]) == (1.0, 2.5)
-    assert pd.read_csv(csv).unix_time_s.iloc[0] == BEGAN_NS / 1e9 + 1
-
-
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [

@@ -18,7 +18,7 @@ from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.compare import Thresholds, compare, why_no_lag
-from beatrix_zenoh.recording.lag import best_shift, lag
+from beatrix_zenoh.recording.lag import lag
 from beatrix_zenoh.recording.series import (
     AXES,
     Floats,
@@ -129,16 +129,6 @@ def test_the_lag_is_that_of_the_set_points_if_they_were_recorded() -> None:
     assert math.isnan(compare(first, second).off_set_points[0])
 
 
-def test_only_the_longest_part_without_a_hole_is_compared() -> None:
-    first, second = shaken([0.0] * 5), shaken([0.03] * 5)
-    kept = (second.t < 2.0) | (second.t > 5.5)
-    found = compare(first, Recording(second.t[kept], second.angles[kept]))
-    assert found.seconds == pytest.approx(first.t[-1] - 5.5, abs=0.05)
-    assert found.lag_s == pytest.approx(0.03, abs=0.002)
-    assert max(axis.rms_after for axis in found.axes) < 0.05
-    assert found.regularity[1].longest_ms == pytest.approx(3500, abs=50)
-
-
 @given(st.integers(0, 2**16))
 def test_the_compared_part_has_no_holes(seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -177,13 +167,6 @@ def test_a_threshold_names_all_axes_in_one_sentence_and_never_an_equal_figure() 
     assert "+0.050 s" not in lag_sentence
     assert largest.count("allowed") == 1
     assert "(and " in largest
-
-
-def test_a_lag_at_the_border_of_the_search_is_unknown() -> None:
-    first, second = shaken([0.0] * 3), shaken([0.4] * 3)
-    t = np.arange(0.9, 3.0, 0.01)
-    assert math.isnan(best_shift(first, second, t, 0.0, 0.15).s)
-    assert best_shift(first, second, t, 0.0, 0.5).s == pytest.approx(0.4, abs=0.002)
 
 
 def test_thresholds_that_cannot_be_checked_are_reported() -> None:

@@ -108,22 +108,6 @@ def test_robots_stand_side_by_side_with_units_in_the_names() -> None:
     np.testing.assert_allclose(found["bea_sim_yaw_deg"], -(np.arange(10) + 0.75) + 2)
 
 
-@given(st.integers(0, 1200), st.integers(0, 1200))
-def test_both_ends_of_a_span_are_included(one_ms: int, other_ms: int) -> None:
-    begin, end = (bound / 1000 for bound in sorted((one_ms, other_ms)))
-    made = recorded({SIM: samples([k * STEP_NS for k in range(51)])})
-    if begin > 1.0:
-        with pytest.raises(Refused, match="has no samples from"):
-            table([made], Span(begin, end))
-        return
-    found = table([made], Span(begin, end))
-    wanted = [k / 50 for k in range(51) if begin <= k / 50 <= end]
-    rows = [time for block in found.grid() for time in block["time_s"]]
-    assert rows == wanted
-    every = [time for block in found.samples() for time in block["time_s"]]
-    assert every == pytest.approx(wanted, abs=1e-9)
-
-
 def test_the_files_of_a_rotated_recording_are_one_table() -> None:
     times = [k * STEP_NS for k in range(100)]
     arms = np.outer(np.arange(100.0), (1, 0, 0))

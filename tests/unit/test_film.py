@@ -98,19 +98,6 @@ def test_both_robots_stand_beside_each_other(folder: Path, capsys: pytest.Captur
     assert np.abs(right.astype(int) - EMPTY).max() < 12
 
 
-def test_damaged_pictures_and_other_sizes_are_survived(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The first picture has an odd size, which H.264 cannot hold."""
-    monkeypatch.chdir(tmp_path)
-    pictures = [jpeg(COLOURS[0], (65, 49)), b"\xff\xd8 no picture", *map(jpeg, COLOURS[2:])]
-    write_lesson(tmp_path / "lesson.rrd", (HW,), more=eye(HW, "right", pictures))
-    assert app.run(["export", "lesson.rrd", "--video", "eye.mp4", "--eye", "right", "--on", "hw"]) == 0
-    film = decoded(tmp_path / "eye.mp4")
-    assert film.times_s == pytest.approx([0, 0.4, 1.45, 1.5], abs=1 / 45_000)
-    assert {picture.shape for picture in film.pictures} == {(48, 64, 3)}
-
-
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [

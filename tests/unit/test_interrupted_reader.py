@@ -10,7 +10,7 @@ from types import FrameType
 import pytest
 
 from beatrix_zenoh.bus import Received
-from beatrix_zenoh.client.subscription import Inbox, Wakeup
+from beatrix_zenoh.client.subscription import Inbox
 
 CALLS = 200
 
@@ -87,7 +87,3 @@ def test_close_ends_every_wait() -> None:
     for reader in readers:
         reader.join(timeout=5.0)
         assert not reader.is_alive()
-
-
-def test_a_wait_ends_at_its_timeout() -> None:
-    assert not Wakeup().wait_for(lambda: False, 0.01)

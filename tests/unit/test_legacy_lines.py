@@ -14,7 +14,7 @@ from beatrix_zenoh.legacy import Effect, LineCause
 from beatrix_zenoh.legacy.line import ACK, NACK, Answer, ProgramLine, effect_of
 from beatrix_zenoh.legacy.link import TextLink
 from beatrix_zenoh.legacy.outcomes import explain, misread
-from beatrix_zenoh.legacy.port import CAPACITY, LAST, REFUSED_MAX, LineQueue
+from beatrix_zenoh.legacy.port import CAPACITY, LAST, LineQueue
 
 
 @pytest.mark.parametrize(
@@ -183,16 +183,3 @@ def test_motors_off_is_queued_behind_any_number_of_lines_but_not_twice() -> None
     assert port.board.lines == [b"@MOVRX 5", b"@ENMOTORS OFF"]
     port.answer()
     assert port.node.outcomes[-1] == ("@ENMOTORS", Reason.OK)
-
-
-def test_a_full_queue_refuses_lines_in_their_turn_and_ignores_those_beyond_its_bound() -> None:
-    port = Port()
-    for _ in range(REFUSED_MAX + 10):
-        port.queue.take(b"@MOVRX 5")
-    port.queue.take(b"@STOPALL")
-    assert port.board.lines == [b"@MOVRX 5", b"@STOPALL"], "STOP is sent at once"
-    port.answer()
-    port.answer()
-    answers = b"".join(port.written)
-    assert answers == (ACK + ACK) + (ACK + NACK) * (REFUSED_MAX - 1) + (ACK + ACK)
-    assert not port.queue.overdue()

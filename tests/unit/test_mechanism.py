@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
-import pytest
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.recording.figure import Form, Solid
 from beatrix_zenoh.recording.mechanism import AXIS_RADIUS
 from sim_node.model import build, build_spec
-from sim_node.picture import MECHANISM, SKIN_OPACITY, add_mechanism, show_through
+from sim_node.picture import MECHANISM, add_mechanism
 from sim_node.scene import scene_spec
-from sim_node.visuals import MATERIALS, VISUAL
 
 
 def axes(solids: tuple[Solid, ...]) -> list[Solid]:
@@ -47,14 +45,3 @@ def test_the_mechanism_is_hidden_at_first_and_changes_neither_masses_nor_contact
     assert model.body_mass.tolist() == plain.body_mass.tolist()
     assert not (plain.geom_group == MECHANISM).any()
     assert not (scene_spec().compile().geom_group == MECHANISM).any(), "the eyes never draw it"
-
-
-def test_the_robot_becomes_translucent_and_opaque_again() -> None:
-    model = scene_spec().compile()
-    before = model.mat_rgba.copy()
-    show_through(model, through=True)
-    assert all(model.material(name).rgba[3] == pytest.approx(SKIN_OPACITY) for name in MATERIALS.values())
-    of_robot = (model.geom_bodyid == model.body("head").id) & (model.geom_group == VISUAL)
-    assert (model.mat_rgba[model.geom_matid[of_robot], 3] < 1).all()
-    show_through(model, through=False)
-    assert (model.mat_rgba == before).all()

@@ -97,17 +97,6 @@ def test_a_blocked_read_blocks_no_other_thread_and_the_camera_is_not_opened_twic
     picture(camera)
 
 
-def test_a_driver_that_blocks_on_opening_is_an_error(
-    camera: UsbCamera, module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(opencv, "OPEN_S", 0.05)
-    monkeypatch.setattr(opencv, "END_S", 0.05)
-    module.opens_at_once.clear()
-    with pytest.raises(NoAnswer, match="Camera 1 blocks its driver"):
-        camera.open()
-    camera.close()
-
-
 def test_opencv_cameras_are_selected_by_number(module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "cv2", module)
     monkeypatch.setattr("importlib.util.find_spec", lambda _: object())

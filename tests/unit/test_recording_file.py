@@ -32,20 +32,6 @@ def messages() -> list[str]:
     return []
 
 
-def test_each_file_of_a_rotated_recording_shows_the_robots(tmp_path: Path, messages: list[str]) -> None:
-    output = FileOutput(tmp_path / "day.rrd", messages.append, rotate_s=60.0)
-    output.show(RobotSet({SIM: Figure()}))
-    began = [output.update(1e6)]  # later than the end of the first file's minute
-    for index in range(3):
-        output.write(sample(index))
-        began.append(output.update(1e6 + 1 + index * 30))
-    assert began == [True, False, False, True]
-    assert output.close()
-    assert [path.name for path in output.files] == ["day-001.rrd", "day-002.rrd", "day-003.rrd"]
-    assert all(verify(path) == "" for path in output.files)
-    assert len(read(output.files[1]).robots[SIM].time_ns) == 3
-
-
 def test_an_existing_file_is_not_overwritten(tmp_path: Path, messages: list[str]) -> None:
     (tmp_path / "day-002.rrd").write_bytes(b"yesterday")
     with pytest.raises(Refused, match="exists and is not overwritten"):

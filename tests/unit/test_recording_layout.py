@@ -120,18 +120,3 @@ def test_side_by_side_draws_each_robot_in_a_view_of_its_own_and_its_eyes_beside_
         {f"/bea/{side}/camera/{eye}"} for side in ("sim", "hw") for eye in ("left", "right")
     ]
     assert sim.settings["EyeControls3D"] == hw.settings["EyeControls3D"], "both are seen from the same point"
-
-
-def test_each_of_several_robots_has_its_own_views(tmp_path: Path) -> None:
-    places = [(name, side) for name in ("bea1", "bea2") for side in ("sim", "hw")]
-    tabs = tabs_of(recorded(tmp_path, *places))
-    for name in ("Overlay", "Side by side"):
-        assert tabs[name].kind == "grid"
-    assert tabs["Plots"].kind == "tabs"
-    for tab in ("Overlay", "Side by side", "Plots"):
-        for name, part in zip(("bea1", "bea2"), tabs[tab].parts, strict=True):
-            views = [part] if isinstance(part, View) else part.views
-            assert views
-            assert all(
-                view.draws and all(entity.startswith(f"/{name}/") for entity in view.draws) for view in views
-            )

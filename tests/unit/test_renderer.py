@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-
 import numpy as np
 import pytest
 import simplejpeg
@@ -37,27 +35,6 @@ def test_only_the_requested_views_are_drawn() -> None:
     renderer.close()
     with pytest.raises(OSError, match="closed"):
         list(renderer.draw(NOW, ["left"]))
-
-
-def assert_closing_interrupts_drawing(renderer: Renderer) -> None:
-    ended = threading.Event()
-
-    def draw() -> None:
-        try:
-            while True:
-                dict(renderer.draw(NOW, ["left", "right"]))
-        except OSError:
-            ended.set()
-
-    drawer = threading.Thread(target=draw)
-    drawer.start()
-    renderer.close()
-    assert ended.wait(5.0)
-    drawer.join()
-
-
-def test_closing_interrupts_drawing() -> None:
-    assert_closing_interrupts_drawing(start_renderer("rays"))
 
 
 def test_a_late_picture_raises_timeout_error(monkeypatch: pytest.MonkeyPatch) -> None:

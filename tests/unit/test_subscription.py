@@ -87,13 +87,6 @@ def test_values_come_in_order_with_robot_and_time(client: FakeClient) -> None:
     assert subscription.take(0.01) == []
 
 
-def test_the_oldest_publications_are_dropped_and_counted(client: FakeClient) -> None:
-    subscription = subscribed(client, length=2)
-    for name in "abcde":
-        client.bus.publish(status(name))
-    assert (subscription.take(), subscription.dropped) == (["d", "e"], 3)
-
-
 def test_undecodable_publications_are_skipped(client: FakeClient) -> None:
     subscription = subscribed(client)
     client.bus.publish(b"garbage")
