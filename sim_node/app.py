@@ -14,7 +14,7 @@ from beatrix_zenoh.terminal.run import run_command
 from sim_node.body import EYES_HZ, EYES_HZ_MAX, Simulation
 from sim_node.picture import KEYS
 from sim_node.target import TargetPath
-from sim_node.viewer import Viewer
+from sim_node.viewer import SceneViewer
 
 
 def sim(
@@ -51,7 +51,7 @@ def sim(
     """Simulate a robot. Ends with Ctrl-C."""
     settings = resolve(name, connect)
     robot = values.load(robot_file)
-    viewer = Viewer(robot) if view else None
+    viewer = SceneViewer(robot) if view else None
     if view:
         typer.echo(KEYS, err=True)
     raise typer.Exit(

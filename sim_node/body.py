@@ -19,8 +19,8 @@ from sim_node.model import TIMESTEP_MS
 from sim_node.painter import SceneState
 from sim_node.plant import Plant
 from sim_node.preview import Preview, PreviewHandler, simulate_motion
-from sim_node.target import Target, TargetHandler, TargetPath
-from sim_node.viewer import Viewer, ViewerFeed
+from sim_node.target import PersonTarget, TargetHandler, TargetPath
+from sim_node.viewer import SceneViewer, ViewerFeed
 
 PERIOD_S = 0.006
 """Period (s) of the simulation's thread, which makes the steps that are due."""
@@ -107,7 +107,7 @@ class Simulation:
         *,
         eyes_hz: float = EYES_HZ,
         target: TargetPath = TargetPath.STILL,
-        viewer: Viewer | None = None,
+        viewer: SceneViewer | None = None,
         follow: bool = False,
     ) -> None:
         """Create the robot and start its physics.
@@ -121,7 +121,7 @@ class Simulation:
             follow: follow the hardware of this name from the start on, as soon as the motors are on and home is known.
         """
         self._robot, self._eyes_hz, self._viewer, self._follow = robot, eyes_hz, viewer, follow
-        self._target = Target(target, time.monotonic())
+        self._target = PersonTarget(target, time.monotonic())
         self._plant = Plant(robot)
         self._firmware = Firmware(boot=1, name=name)
         self._board = VirtualBoard(self._firmware)

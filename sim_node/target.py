@@ -69,7 +69,7 @@ def check(place: Point) -> None:
         )
 
 
-class Target:
+class PersonTarget:
     """The person's place; any thread may read and set it."""
 
     def __init__(self, path: TargetPath, start_s: float) -> None:
@@ -90,7 +90,7 @@ class Target:
 class TargetHandler(Component):
     """Answers queries that set or read the place of the person, on its own thread."""
 
-    def __init__(self, name: str, target: Target, clock_s: Callable[[], float]) -> None:
+    def __init__(self, name: str, target: PersonTarget, clock_s: Callable[[], float]) -> None:
         self._key = keys.target(name)
         self._target, self._clock_s = target, clock_s
         self._worker: ThreadPoolExecutor | None = None
@@ -119,7 +119,7 @@ class TargetHandler(Component):
             self._worker.shutdown()
 
 
-def reply(target: Target, raw: RawQuery, now_s: float) -> TargetReply:
+def reply(target: PersonTarget, raw: RawQuery, now_s: float) -> TargetReply:
     """Set the place if the query contains one, and return the place at `now_s` (the target's clock)."""
     refusal: BeatrixError | None = None
     if raw.payload or raw.parameters:

@@ -31,7 +31,7 @@ READY: Final = "ready"
 PERIOD_S: Final = 1 / 30
 
 
-class Viewer:
+class SceneViewer:
     """A window that shows the scene until the user closes it."""
 
     def __init__(self, robot: RobotData) -> None:
@@ -57,7 +57,7 @@ class Viewer:
 class ViewerFeed(Component):
     """Shows the simulation in a viewer, on its own thread, until the user closes the window."""
 
-    def __init__(self, viewer: Viewer, scene_state: Callable[[], SceneState]) -> None:
+    def __init__(self, viewer: SceneViewer, scene_state: Callable[[], SceneState]) -> None:
         self._viewer, self._scene_state = viewer, scene_state
         self._closed = threading.Event()
         self._thread: threading.Thread | None = None

@@ -24,8 +24,8 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.motion.trajectory import Trajectory, plan
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.robot_rows import RobotRows
-from beatrix_zenoh.recording.rows import RobotSet, Row
-from beatrix_zenoh.recording.rrd.stream import Stream
+from beatrix_zenoh.recording.rows import RecordingRow, RobotSet
+from beatrix_zenoh.recording.rrd.stream import RowStream
 from beatrix_zenoh.recording.series import Floats, Recording, recording
 from beatrix_zenoh.recording.verbs.compare import recorded
 
@@ -207,14 +207,14 @@ def from_file(
     path: Path, both: Sequence[Known], requested: Sequence[Act], seconds: float, *, events: bool
 ) -> tuple[Recording, Recording]:
     """Write a recording as `beatrix record` does, and read it as `beatrix compare FILE` does."""
-    rows: list[Row] = []
+    rows: list[RecordingRow] = []
     for known in both:
         maker = RobotRows(("known", known.side), Figure())
         for positions in known.positions(requested, seconds):
             rows += maker.positions(positions, positions.t_wall_ns)
         for event in known.events if events else ():
             rows += maker.event(event, event.t_wall_ns)
-    stream = Stream(path.stem, path.stem)
+    stream = RowStream(path.stem, path.stem)
     stream.to_file(path)
     stream.show(RobotSet({("known", known.side): Figure() for known in both}))
     stream.send(rows)

@@ -15,7 +15,7 @@ import numpy as np
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.lag import EXPLAINED, FAR_S, NEAR_S, Shift, best_shift, chosen, gains, lag
-from beatrix_zenoh.recording.requests import NOT_ASKED, Alone, Request, Shared, alone, pairs, shared
+from beatrix_zenoh.recording.requests import NOT_ASKED, Alone, MotionRequest, Shared, alone, pairs, shared
 from beatrix_zenoh.recording.series import GRID_S, Flags, Floats, Recording, resample, resting, runs, sampled
 
 LOCAL_S = 0.15
@@ -157,7 +157,7 @@ def all_measured(first: Recording, second: Recording, expected: Sequence[Expecte
     return rescaled if any(part.measured for part in rescaled) else parts
 
 
-def within(recorded: Recording) -> list[Request]:
+def within(recorded: Recording) -> list[MotionRequest]:
     """Return the requests during a recording."""
     return [
         request
@@ -166,7 +166,7 @@ def within(recorded: Recording) -> list[Request]:
     ]
 
 
-def follows(motion: Alone, ways: Sequence[Interval], asked: Sequence[Request]) -> bool:
+def follows(motion: Alone, ways: Sequence[Interval], asked: Sequence[MotionRequest]) -> bool:
     """Return whether the simulation moved with the hardware although no request reached it: it follows.
 
     Args:

@@ -53,7 +53,7 @@ Mapped = tuple[tuple[int, ...], tuple[int, ...]]
 """For each arm of the first robot the index of an arm of the second, and its sign."""
 
 
-class Seen(NamedTuple):
+class ComparedSamples(NamedTuple):
     """Samples of both robots at times that can be compared: n rows, arms in deg."""
 
     t: Floats
@@ -83,12 +83,12 @@ def findings(found: Comparison) -> list[Finding]:
     return [*result, *arm_by_arm(seen), *clocks(found)]
 
 
-def samples(found: Comparison) -> Seen:
+def samples(found: Comparison) -> ComparedSamples:
     """Return the samples of the arms that can be compared."""
     arms = slice(0, len(ARMS))
     finite = np.isfinite(np.hstack([found.first, found.second_after])).all(axis=1)
     kept = found.compared & finite
-    return Seen(
+    return ComparedSamples(
         found.t[kept] - found.t[0],
         found.first[kept, arms],
         found.second_after[kept, arms],
@@ -96,13 +96,13 @@ def samples(found: Comparison) -> Seen:
     )
 
 
-def after(seen: Seen, t: float) -> Seen:
+def after(seen: ComparedSamples, t: float) -> ComparedSamples:
     """Return the samples after a time (s)."""
     kept = seen.t > t
-    return Seen(seen.t[kept], seen.first[kept], seen.second[kept], seen.rest[kept])
+    return ComparedSamples(seen.t[kept], seen.first[kept], seen.second[kept], seen.rest[kept])
 
 
-def stood_still(found: Comparison, seen: Seen) -> list[Finding]:
+def stood_still(found: Comparison, seen: ComparedSamples) -> list[Finding]:
     """Return a finding if one robot was asked to move, and stood still while the other moved."""
     if not found.moved:
         return []
@@ -113,7 +113,7 @@ def stood_still(found: Comparison, seen: Seen) -> list[Finding]:
     return []
 
 
-def stopped_moving(found: Comparison, seen: Seen) -> list[Finding]:
+def stopped_moving(found: Comparison, seen: ComparedSamples) -> list[Finding]:
     """Return findings for arms of the hardware that moved, and then stood still during all later motions."""
     since: dict[str, float] = {}
     for i, arm in enumerate(ARMS):
@@ -140,7 +140,7 @@ def stopped_moving(found: Comparison, seen: Seen) -> list[Finding]:
     ]
 
 
-def began_apart(found: Comparison, seen: Seen) -> Finding | None:
+def began_apart(found: Comparison, seen: ComparedSamples) -> Finding | None:
     """Return a finding if the robots began in different poses and came together later."""
     spans = rests(seen)
     if not spans or not len(found.moved):
@@ -162,12 +162,12 @@ def began_apart(found: Comparison, seen: Seen) -> Finding | None:
     )
 
 
-def rests(seen: Seen) -> list[tuple[int, int]]:
+def rests(seen: ComparedSamples) -> list[tuple[int, int]]:
     """Return begin and end (exclusive) of each rest of both robots, without short ones."""
     return [(a, b) for a, b in runs(seen.rest) if seen.t[b - 1] - seen.t[a] > REST_S]
 
 
-def exchanged(seen: Seen) -> list[Finding]:
+def exchanged(seen: ComparedSamples) -> list[Finding]:
     """Return findings if other arms, or reversed ones, explain the movement of the second much better."""
     one, other = (angles - angles.mean(axis=0) for angles in (seen.first, seen.second))
     total = float(np.sum(one**2))
@@ -209,7 +209,7 @@ def exchanged(seen: Seen) -> list[Finding]:
     return result
 
 
-def arm_by_arm(seen: Seen) -> list[Finding]:
+def arm_by_arm(seen: ComparedSamples) -> list[Finding]:
     """Return the cause of the differences of each arm; a scale that all arms share is one finding."""
     each = [cause_of(seen, i) for i in range(len(ARMS))]
     result = [finding for finding in each if finding is not None]
@@ -219,7 +219,7 @@ def arm_by_arm(seen: Seen) -> list[Finding]:
     return result
 
 
-def cause_of(seen: Seen, arm: int) -> Finding | None:
+def cause_of(seen: ComparedSamples, arm: int) -> Finding | None:
     """Return why one arm differs: it stands still, has an offset, moves too far, or has missed steps; None: unknown."""
     name = ARMS[arm]
     mine, other = seen.first[:, arm], seen.second[:, arm]
@@ -276,7 +276,7 @@ def scaled(mine: Floats, around: Floats) -> tuple[float, float]:
     return slope, float(np.sum((around - slope * way) ** 2))
 
 
-def stepped(seen: Seen, apart: Floats) -> tuple[float, float, float]:
+def stepped(seen: ComparedSamples, apart: Floats) -> tuple[float, float, float]:
     """Return the height (deg) and the time (s) of the step that explains the differences best, and what it leaves."""
     n, sums = len(apart), np.cumsum(apart)
     before = np.arange(1, n)

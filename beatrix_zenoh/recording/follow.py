@@ -51,7 +51,7 @@ SLOWER: Final = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
 _REST: Final = (0.0, 0.0, 0.0)
 
 
-class Target(NamedTuple):
+class TimedTarget(NamedTuple):
     """A query and its time: s from the start of the path, negative before the start."""
 
     t: float
@@ -65,7 +65,7 @@ class Following:
     path: ArmPath
     start: MotionQuery
     """the motion to the start of the path, at the default speed of the robot"""
-    targets: tuple[Target, ...]
+    targets: tuple[TimedTarget, ...]
     planned: Floats
     """planned arm angles (n, 3) in deg, in steps of STEP_S from LEAD_IN_S before the start of the path"""
     fastest: float
@@ -130,7 +130,7 @@ class OffThePath(Exception):
         self.deg, self.t = deg, t
 
 
-def planned(path: ArmPath, limits: MotionLimits) -> tuple[list[Target], Floats]:
+def planned(path: ArmPath, limits: MotionLimits) -> tuple[list[TimedTarget], Floats]:
     """Return the targets, and the planned arm angles as in `Following.planned`.
 
     Raises:
@@ -140,7 +140,7 @@ def planned(path: ArmPath, limits: MotionLimits) -> tuple[list[Target], Floats]:
     grid = path.at(np.arange(-LEAD_IN_S, path.duration_s + AHEAD_S + LOOK_S + STEP_S, STEP_S))
     position: Arms = _radians(grid[0])
     velocity: Arms = _REST
-    targets: list[Target] = []
+    targets: list[TimedTarget] = []
     way: list[list[float]] = []
     every = round(TARGET_S / STEP_S)
     for at in range(0, round((LEAD_IN_S + path.duration_s) / STEP_S) + every, every):
@@ -153,7 +153,7 @@ def planned(path: ArmPath, limits: MotionLimits) -> tuple[list[Target], Floats]:
         query = motion_query(*goal, relative=False, speed=speed)
         new = not targets or query != targets[-1].query or velocity != _REST
         if new or t - targets[-1].t >= KEEP_S:
-            targets.append(Target(t, query))
+            targets.append(TimedTarget(t, query))
         for step in range(every):
             way.append([math.degrees(angle) for angle in trajectory.at(step * STEP_S)[0]])
             off = float(np.max(np.abs(np.array(way[-1]) - grid[min(at + step, len(grid) - 1)])))

@@ -13,7 +13,7 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.contract.publishers import NUMBERS, Publishers, goes_back
-from beatrix_zenoh.recording.rows import RECORDER, Line, Numbers, Row, Say
+from beatrix_zenoh.recording.rows import RECORDER, Line, Numbers, RecordingRow, Say
 
 POSITIONS: Final = "positions"
 EVENTS: Final = "events"
@@ -223,7 +223,7 @@ class LossReport:
 
     def rows(
         self, counts: Mapping[Stream, Count], time_ns: int, now_s: float, *, last: bool
-    ) -> Iterator[Row]:
+    ) -> Iterator[RecordingRow]:
         """Show the user what is new; yield its lines, and the numbers of dropped and of lost publications.
 
         Args:

@@ -16,7 +16,7 @@ from beatrix_zenoh.contract._generated.messages import NoteQuery, NoteReply, Rea
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.recording.robot_rows import clock
-from beatrix_zenoh.recording.rows import MARK, NOTES, Bar, Line, Row
+from beatrix_zenoh.recording.rows import MARK, NOTES, Bar, Line, RecordingRow
 from beatrix_zenoh.recording.samples import Note
 
 WAITING: Final = 10
@@ -90,7 +90,7 @@ class NoteInbox:
         incoming.finish()
 
 
-def rows_of(note: Note) -> Iterator[Row]:
+def rows_of(note: Note) -> Iterator[RecordingRow]:
     """Yield a line of the log, and a mark on the time line that lasts until the next note."""
     text = f"{clock(note.time_ns)}  note by {note.seat}:  {note.text}"
     yield Line(NOTES, note.time_ns, note.time_ns, text, "INFO", encode_json(note).decode())

@@ -15,8 +15,8 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import check_new
 from beatrix_zenoh.recording.about import About
-from beatrix_zenoh.recording.rows import RobotSet, Row, Say
-from beatrix_zenoh.recording.rrd.stream import Stream
+from beatrix_zenoh.recording.rows import RecordingRow, RobotSet, Say
+from beatrix_zenoh.recording.rrd.stream import RowStream
 from beatrix_zenoh.recording.viewer import HOST, PORT, address, answers
 
 PERIOD_S: Final = 0.5
@@ -37,7 +37,7 @@ class FileOutput:
             Refused: BAD_VALUE, the file exists or cannot be written.
         """
         self._path, self._say, self._rotate_s = path, say, rotate_s
-        self._rows: list[Row] = []
+        self._rows: list[RecordingRow] = []
         self._robots = RobotSet({})
         self._about: About | None = None
         self.files: list[Path] = []
@@ -63,7 +63,7 @@ class FileOutput:
         self._about = about
         self._stream.describe(about)
 
-    def write(self, rows: Sequence[Row]) -> None:
+    def write(self, rows: Sequence[RecordingRow]) -> None:
         """Keep rows until the next `update`."""
         if not self.full:
             self._rows += rows
@@ -107,7 +107,7 @@ class FileOutput:
             )
             self._say(f"The recording ends here: {why}. Delete files, or record to another disk.")
 
-    def _begin(self) -> Stream:
+    def _begin(self) -> RowStream:
         path = self._path
         if self._rotate_s:
             self._number += 1
@@ -116,7 +116,7 @@ class FileOutput:
                 self._number += 1
             path = numbered(path, self._number)
         check_new(path)
-        stream = Stream(str(uuid.uuid4()), path.stem)
+        stream = RowStream(str(uuid.uuid4()), path.stem)
         try:
             stream.to_file(path)
         except OSError as error:
@@ -163,10 +163,10 @@ class LiveOutput:
     def __init__(self, port: int, say: Say) -> None:
         self._port, self._say = port, say
         self._id = str(uuid.uuid4())
-        self._rows: list[Row] = []
+        self._rows: list[RecordingRow] = []
         self._robots = RobotSet({})
         self._about: About | None = None
-        self._stream: Stream | None = None
+        self._stream: RowStream | None = None
         self.state = ViewerState.MISSING
         self.left_out = 0
         """Number of rows that the viewer missed."""
@@ -185,7 +185,7 @@ class LiveOutput:
         if self._stream is not None and self.state is ViewerState.CONNECTED:
             self._stream.describe(about)
 
-    def write(self, rows: Sequence[Row]) -> None:
+    def write(self, rows: Sequence[RecordingRow]) -> None:
         """Keep rows until the next `update`; without a viewer only count them."""
         if self.state is ViewerState.CONNECTED:
             self._rows += rows
@@ -243,7 +243,7 @@ class LiveOutput:
         if self._stream is None:
             if not listening:
                 return ViewerState.MISSING
-            self._stream = Stream(self._id, "live")
+            self._stream = RowStream(self._id, "live")
             self._stream.to_viewer(address(self._port))
         if self._stream.flush(THAWING_S if self.state is ViewerState.FROZEN else RECEIVING_S):
             return ViewerState.CONNECTED if listening else ViewerState.MISSING

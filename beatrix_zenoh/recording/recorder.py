@@ -19,7 +19,16 @@ from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.losses import POSITIONS, Count, Losses, LossReport, Stream
 from beatrix_zenoh.recording.notes import NoteInbox, rows_of
 from beatrix_zenoh.recording.robot_rows import RobotRows
-from beatrix_zenoh.recording.rows import Frame, Numbers, Output, RobotSet, Row, Say, of_difference, of_robot
+from beatrix_zenoh.recording.rows import (
+    Frame,
+    Numbers,
+    Output,
+    RecordingRow,
+    RobotSet,
+    Say,
+    of_difference,
+    of_robot,
+)
 from beatrix_zenoh.recording.samples import Note
 from beatrix_zenoh.recording.sources import RobotAnswer, RobotQueries, RobotSubscriptions
 from beatrix_zenoh.recording.timebase import Timebase, Timed, TimedArrivals
@@ -92,7 +101,7 @@ class RecordingThread:
             self.failure = error
 
     def _step(self, *, last: bool = False) -> None:
-        rows: list[Row] = []
+        rows: list[RecordingRow] = []
         for answer in self._queries.answers():
             rows += self._answered(answer)
         for arrival in self._subscriptions.take():
@@ -110,7 +119,7 @@ class RecordingThread:
             for output in self._outputs:
                 output.write(again)
 
-    def _answered(self, answer: RobotAnswer) -> Iterator[Row]:
+    def _answered(self, answer: RobotAnswer) -> Iterator[RecordingRow]:
         """Use the answer of a robot; yield the rows of the publications that were kept until then."""
         waiting = list(self._arrivals.answered(answer))
         if answer.place not in self._rows:
@@ -124,7 +133,7 @@ class RecordingThread:
         for timed in waiting:
             yield from self._convert(timed)
 
-    def _noted(self) -> Iterator[Row]:
+    def _noted(self) -> Iterator[RecordingRow]:
         """Yield the rows of new notes."""
         for seat, text, mono_ns in self._notes.take() if self._notes is not None else ():
             self._describe(self._about.with_seat(seat))
@@ -142,7 +151,7 @@ class RecordingThread:
         for output in self._outputs:
             output.show(robots)
 
-    def _convert(self, timed: Timed) -> Iterator[Row]:
+    def _convert(self, timed: Timed) -> Iterator[RecordingRow]:
         arrival, time_ns, stale = timed
         place, value = (arrival.robot, arrival.side), arrival.value
         rows = self._rows[place]
@@ -164,12 +173,14 @@ class RecordingThread:
             case CameraImage():
                 yield from self._picture(place, value, time_ns)
 
-    def _difference(self, place: Place, rows: RobotRows, time_ns: int, robot_ns: int) -> Iterator[Row]:
+    def _difference(
+        self, place: Place, rows: RobotRows, time_ns: int, robot_ns: int
+    ) -> Iterator[RecordingRow]:
         for difference in self._differences[place[0]].add(place[1], time_ns, rows.angles):
             for what, angles in (("arms", difference.angles[:3]), ("head", difference.angles[3:])):
                 yield Numbers(of_difference(place[0], what), difference.time_ns, robot_ns, angles)
 
-    def _picture(self, place: Place, image: CameraImage, time_ns: int) -> Iterator[Row]:
+    def _picture(self, place: Place, image: CameraImage, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the row of a picture if one is due."""
         path = of_robot(place, "camera", image.eye)
         due_ns = self._picture_due_ns.get(path, time_ns)
@@ -182,7 +193,7 @@ class RecordingThread:
             self._show_robots()
         yield Frame(path, time_ns, image.t_wall_ns, image.jpeg)
 
-    def _lost_robots(self) -> Iterator[Row]:
+    def _lost_robots(self) -> Iterator[RecordingRow]:
         """Yield the state LOST of each robot that no longer publishes positions."""
         now_ns = time.monotonic_ns()
         for place, (arrived_ns, time_ns) in self._last.items():

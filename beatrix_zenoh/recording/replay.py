@@ -38,7 +38,7 @@ Progress = Callable[[float], None]
 """A function that is called with the elapsed time of the path (s)."""
 
 
-class Stream:
+class TargetStream:
     """The targets for one robot, sent `delay_s` (s) after their times.
 
     `lead_s` is the lead (s) of both robots, None for one robot.
@@ -167,7 +167,7 @@ def replay(
     _go_to_start(robots, following)
     delays = {robots: 0.0} if isinstance(robots, Robot) else {robots.sim: 0.0, robots.hw: lead_s}
     both_s = None if isinstance(robots, Robot) else lead_s
-    streams = [Stream(robot, following, delay_s, both_s) for robot, delay_s in delays.items()]
+    streams = [TargetStream(robot, following, delay_s, both_s) for robot, delay_s in delays.items()]
     begin_s = time.monotonic() + BEGIN_S
     for stream in streams:
         stream.start(begin_s)

@@ -33,7 +33,7 @@ Content = MotionQuery | PoseQuery | str
 
 
 @dataclass(frozen=True)
-class Request:
+class MotionRequest:
     """One request of a motion to one robot, and what came of it."""
 
     t: float
@@ -59,17 +59,17 @@ class Request:
         return isinstance(self.content, str) or self.content.absolute
 
 
-def requests(events: Iterable[tuple[float, Event]]) -> tuple[Request, ...]:
+def requests(events: Iterable[tuple[float, Event]]) -> tuple[MotionRequest, ...]:
     """Return the requests of motions in the events of one robot, each event with its time (s), in order of time."""
-    found: list[Request] = []
+    found: list[MotionRequest] = []
     for t, event in events:
         if event.kind is EventKind.COMMAND and event.action == HOME and event.reason is Reason.OK:
-            found.append(Request(t - event.duration, HOME, event.seat, end=Reason.OK, end_s=t))
+            found.append(MotionRequest(t - event.duration, HOME, event.seat, end=Reason.OK, end_s=t))
         elif event.kind is EventKind.MOTION and event.phase is Phase.DONE:
             found = ended(found, t, event)
         elif event.kind is EventKind.MOTION and (query := event.motion_query or event.pose_query) is not None:
             found.append(
-                Request(
+                MotionRequest(
                     t,
                     msgspec.structs.replace(query, lease=0, lead=None, source=Source.ZENOH),
                     event.seat,
@@ -91,7 +91,7 @@ def homes_set(events: Iterable[tuple[float, Event]]) -> tuple[float, ...]:
     )
 
 
-def ended(found: list[Request], t: float, event: Event) -> list[Request]:
+def ended(found: list[MotionRequest], t: float, event: Event) -> list[MotionRequest]:
     """Return the requests with the end of the newest one that has the number of this event."""
     for i in range(len(found) - 1, -1, -1):
         if found[i].motion == event.motion and not found[i].refused:
@@ -102,11 +102,11 @@ def ended(found: list[Request], t: float, event: Event) -> list[Request]:
 class Pair(NamedTuple):
     """A request that both robots received; None: this robot never received it."""
 
-    sim: Request | None
-    hw: Request | None
+    sim: MotionRequest | None
+    hw: MotionRequest | None
 
 
-def pairs(sim: Sequence[Request], hw: Sequence[Request]) -> list[Pair]:
+def pairs(sim: Sequence[MotionRequest], hw: Sequence[MotionRequest]) -> list[Pair]:
     """Match the requests of both robots by content, seat and order; unmatched ones are pairs with None.
 
     A request to the hardware belongs to the request to the simulation whose lead explains its time best.
@@ -133,12 +133,12 @@ def begin_s(pair: Pair) -> float:
     return min(request.t for request in pair if request is not None)
 
 
-def late_s(sim: Request, hw: Request) -> float:
+def late_s(sim: MotionRequest, hw: MotionRequest) -> float:
     """Return how much later (s) than its lead the hardware received a request."""
     return hw.t - sim.t - (sim.lead_s or 0.0)
 
 
-def plausible(sim: Request, hw: Request) -> bool:
+def plausible(sim: MotionRequest, hw: MotionRequest) -> bool:
     """Return whether a request to the hardware may be the same as one to the simulation.
 
     A lead can be ended at any time, so the hardware may begin before its end.
@@ -149,13 +149,13 @@ def plausible(sim: Request, hw: Request) -> bool:
 class Shared(NamedTuple):
     """A motion that both robots made."""
 
-    sim: Request
-    hw: Request
+    sim: MotionRequest
+    hw: MotionRequest
     lead_s: float | None
     """the lead (s) after the first request"""
-    first: Request
+    first: MotionRequest
     """the request that began the movement of the simulation; it is not `sim` if the lead was changed"""
-    replaced: tuple[Request, ...]
+    replaced: tuple[MotionRequest, ...]
     """earlier requests to the simulation, which `sim` repeated with another lead"""
 
 
@@ -169,7 +169,7 @@ def shared(matched: Sequence[Pair]) -> list[Shared]:
         if sim is None or hw is None or sim.refused or hw.refused:
             continue
         lead_s, first = sim.lead_s, sim
-        replaced: tuple[Request, ...] = ()
+        replaced: tuple[MotionRequest, ...] = ()
         for before in reversed([pair.sim for pair in matched[:i]]):
             if before is None or before.refused or not changes(before, first):
                 break
@@ -178,7 +178,7 @@ def shared(matched: Sequence[Pair]) -> list[Shared]:
     return found
 
 
-def changes(before: Request, after: Request) -> bool:
+def changes(before: MotionRequest, after: MotionRequest) -> bool:
     """Return whether a request only changes the lead of the one before."""
     waits = before.lead_s is not None and after.t < before.t + before.lead_s
     return (
@@ -192,7 +192,7 @@ def changes(before: Request, after: Request) -> bool:
 class Alone(NamedTuple):
     """A motion that only one robot made, and a sentence with the reason."""
 
-    request: Request
+    request: MotionRequest
     hardware: bool
     """whether the hardware made it"""
     why: str
@@ -228,7 +228,7 @@ def near(t: float, streams: Sequence[float]) -> bool:
     return any(abs(other - t) < STREAM_S for other in streams[max(0, i - 1) : i + 1])
 
 
-def why_alone(sim: Request, hw: Request | None) -> str:
+def why_alone(sim: MotionRequest, hw: MotionRequest | None) -> str:
     """Return the reason why only the simulation made a motion."""
     if hw is not None:
         return f"the hardware refused it ({hw.refused.rstrip('.')})"

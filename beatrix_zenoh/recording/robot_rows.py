@@ -25,13 +25,13 @@ from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.contract.sentences.events import plain_sentence
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import Figure, Quaternion
-from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Orientation, Row, of_model, of_robot
+from beatrix_zenoh.recording.rows import Bar, BodyTurn, Line, Numbers, RecordingRow, of_model, of_robot
 
 STILL: Final = 5e-5
 """If all components of a quaternion change by at most this (0.006 deg), there is no new row."""
 
 
-class State(StrEnum):
+class BarState(StrEnum):
     """A robot's state, shown as a coloured bar."""
 
     DISABLED = "disabled"
@@ -47,9 +47,9 @@ class State(StrEnum):
 
 
 FOLLOWING = {
-    FollowState.APPROACHING: State.FOLLOWING,
-    FollowState.FOLLOWING: State.FOLLOWING,
-    FollowState.PARTED: State.PARTED,
+    FollowState.APPROACHING: BarState.FOLLOWING,
+    FollowState.FOLLOWING: BarState.FOLLOWING,
+    FollowState.PARTED: BarState.PARTED,
 }
 """States of a simulation that follows the hardware."""
 
@@ -60,7 +60,7 @@ class RobotRows:
     def __init__(self, place: Place, figure: Figure) -> None:
         self.place, self.figure = place, figure
         self._turns: dict[str, Quaternion] = {}
-        self._state: State | None = None
+        self._state: BarState | None = None
         self._status: Status | None = None
         self._stopped = False
         self._since_ns = 0
@@ -70,7 +70,7 @@ class RobotRows:
         self._written: Positions | None = None
         self._repeats = 0
 
-    def clock(self, time_ns: int, offset_s: float, bound_s: float) -> Iterator[Row]:
+    def clock(self, time_ns: int, offset_s: float, bound_s: float) -> Iterator[RecordingRow]:
         """Yield a measured offset of the robot's clock and its largest error (s); each new file begins with the last."""
         self._clock = time_ns, offset_s, bound_s
         yield Numbers(of_robot(self.place, "clock"), time_ns, time_ns, (offset_s, bound_s))
@@ -92,7 +92,7 @@ class RobotRows:
         self._repeats += 1
         return True
 
-    def positions(self, positions: Positions, time_ns: int) -> Iterator[Row]:
+    def positions(self, positions: Positions, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the numbers of a publication in deg and deg/s, its sequence number, and the bodies that have turned.
 
         `repeats` is the number of publications just before that only repeated the rows before them.
@@ -119,22 +119,22 @@ class RobotRows:
         for path, turn in self.figure.rotations((arms.x, arms.y, arms.z), rotation).items():
             if moved(self._turns.get(path), turn):
                 self._turns[path] = turn
-                yield Orientation(of_model(self.place, path), *stamp, turn)
+                yield BodyTurn(of_model(self.place, path), *stamp, turn)
 
-    def begin_again(self) -> list[Row]:
+    def begin_again(self) -> list[RecordingRow]:
         """Let the next publications repeat all bodies and the state, for a new file or viewer; return the clock again."""
         self._turns.clear()
         self._state = None
         return [] if self._clock is None else [*self.clock(*self._clock)]
 
-    def status(self, status: Status, time_ns: int) -> Iterator[Row]:
+    def status(self, status: Status, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the state if it has changed."""
         self._status = status
         if status.moving or not status.enabled:
             self._stopped = False
         yield from self._changed_to(self._state_now(), time_ns, status.t_wall_ns)
 
-    def event(self, event: Event, time_ns: int) -> Iterator[Row]:
+    def event(self, event: Event, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the event as a line, and the state if a STOP changes it."""
         stamp = (time_ns, event.t_wall_ns)
         text = f"{clock(time_ns)}  {self.place[0]} {self.place[1]}:  {plain_sentence(event)}"
@@ -143,22 +143,22 @@ class RobotRows:
             self._stopped = True
             yield from self._changed_to(self._state_now(), *stamp)
 
-    def lost(self, time_ns: int) -> Iterator[Row]:
+    def lost(self, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the state LOST, once: the positions of the robot have ended."""
-        yield from self._changed_to(State.LOST, time_ns, time_ns)
+        yield from self._changed_to(BarState.LOST, time_ns, time_ns)
 
-    def back(self, time_ns: int, robot_ns: int) -> Iterator[Row]:
+    def back(self, time_ns: int, robot_ns: int) -> Iterator[RecordingRow]:
         """Yield the present state of a robot that was lost and publishes positions again."""
-        if self._state is State.LOST and self._status is not None:
+        if self._state is BarState.LOST and self._status is not None:
             yield from self._changed_to(self._state_now(), time_ns, robot_ns)
 
-    def _state_now(self) -> State:
+    def _state_now(self) -> BarState:
         if self._status is None:
-            return State.STOPPED if self._stopped else State.READY
+            return BarState.STOPPED if self._stopped else BarState.READY
         state = state_of(self._status)
-        return State.STOPPED if self._stopped and state is State.READY else state
+        return BarState.STOPPED if self._stopped and state is BarState.READY else state
 
-    def _changed_to(self, state: State, time_ns: int, robot_ns: int) -> Iterator[Row]:
+    def _changed_to(self, state: BarState, time_ns: int, robot_ns: int) -> Iterator[RecordingRow]:
         if state is not self._state:
             self._state = state
             # The event of a STOP may arrive after the status that it has caused, with an earlier time. The viewer shows
@@ -172,19 +172,19 @@ def moved(before: Quaternion | None, now: Quaternion) -> bool:
     return before is None or any(abs(a - b) > STILL for a, b in zip(before, now, strict=True))
 
 
-def state_of(status: Status) -> State:
+def state_of(status: Status) -> BarState:
     """Return the state that follows from a status."""
     if status.fault is Fault.EMERGENCY:
-        return State.EMERGENCY
+        return BarState.EMERGENCY
     if status.fault is Fault.BOARD_LOST or not status.board.connected:
-        return State.LOST
+        return BarState.LOST
     if status.fault is not Fault.NONE:
-        return State.FAULT
+        return BarState.FAULT
     if not status.enabled:
-        return State.DISABLED
+        return BarState.DISABLED
     if not status.calibrated:
-        return State.ENABLED
-    return FOLLOWING.get(status.following) or (State.MOVING if status.moving else State.READY)
+        return BarState.ENABLED
+    return FOLLOWING.get(status.following) or (BarState.MOVING if status.moving else BarState.READY)
 
 
 def arms_deg(vector: Vector3) -> tuple[float, float, float]:

@@ -19,7 +19,7 @@ MARK = f"{RECORDER}/note"
 
 
 @dataclass(frozen=True)
-class Row:
+class RecordingRow:
     """One value of an entity.
 
     `time_ns` is the source's time by the clock of the recording computer, since 1970; `robot_ns` the same moment by the
@@ -32,21 +32,21 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Numbers(Row):
+class Numbers(RecordingRow):
     """Numbers of a plot: deg, deg/s or counts."""
 
     values: tuple[float, ...]
 
 
 @dataclass(frozen=True)
-class Orientation(Row):
+class BodyTurn(RecordingRow):
     """Orientation of a body in its parent's frame."""
 
     quaternion: Quaternion
 
 
 @dataclass(frozen=True)
-class Line(Row):
+class Line(RecordingRow):
     """A line of a log."""
 
     text: str
@@ -56,14 +56,14 @@ class Line(Row):
 
 
 @dataclass(frozen=True)
-class Bar(Row):
+class Bar(RecordingRow):
     """A state that lasts until the next one."""
 
     state: str
 
 
 @dataclass(frozen=True)
-class Frame(Row):
+class Frame(RecordingRow):
     """A camera's picture."""
 
     jpeg: bytes
@@ -116,7 +116,7 @@ class Output(Protocol):
         """Set what the recording says of itself."""
         ...
 
-    def write(self, rows: Sequence[Row]) -> None:
+    def write(self, rows: Sequence[RecordingRow]) -> None:
         """Add rows, which `update` writes."""
         ...
 

@@ -73,7 +73,7 @@ class Samples:
 
 
 @dataclass(frozen=True)
-class Texts:
+class TimedTexts:
     """Lines or states of one entity, in the order of time."""
 
     time_ns: Nanoseconds
@@ -117,9 +117,9 @@ class Recorded:
     robots: dict[Place, Samples]
     differences: dict[str, tuple[Nanoseconds, Floats]]
     """by robot name: times (n,), and hardware minus simulation (n, 6): short, middle, long, yaw, pitch, roll (deg)"""
-    lines: dict[Place, Texts]
+    lines: dict[Place, TimedTexts]
     """the events as sentences"""
-    states: dict[Place, Texts]
+    states: dict[Place, TimedTexts]
     events: dict[Place, tuple[TimedEvent, ...]]
     """events of each robot in the order of time: what was requested, and what came of it"""
     clocks: dict[Place, tuple[ClockOffset, ...]] = field(default_factory=dict)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.contract._generated.messages import Event, Positions
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.requests import Request, homes_set, requests
+from beatrix_zenoh.recording.requests import MotionRequest, homes_set, requests
 from beatrix_zenoh.recording.samples import Samples, TimedEvent, lost
 
 Floats = npt.NDArray[np.float64]
@@ -52,7 +52,7 @@ class Recording:
     """(n, 3) in deg, the firmware's set points of the arms; None: not recorded"""
     lost: int | None = None
     """number of published samples that are missing; None: not known"""
-    requests: tuple[Request, ...] | None = None
+    requests: tuple[MotionRequest, ...] | None = None
     """the requests of motions, with times as in `t`; None: not recorded, a file of an earlier version"""
     homes_s: tuple[float, ...] = ()
     """times (s) at which the present position was declared home"""

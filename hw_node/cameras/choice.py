@@ -13,7 +13,7 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage, quoted
 from hw_node.cameras.source import FrameSource
-from hw_node.cameras.stand_ins import Files, Pattern
+from hw_node.cameras.stand_ins import Pattern, PictureFiles
 
 PATTERN, FILE = "pattern", "file:"
 OTHERS: Final = "left=pattern (a test picture), or left=file:PATH (pictures or a video)"
@@ -34,15 +34,15 @@ class CameraChoice:
         if self.source == PATTERN:
             return Pattern(self.eye)
         if self.source.startswith(FILE):
-            return Files(Path(self.source.removeprefix(FILE)))
+            return PictureFiles(Path(self.source.removeprefix(FILE)))
         # Each library is an extra for one operating system, so only the one that is needed is imported.
         if on_linux():
             from hw_node.cameras import v4l2  # noqa: PLC0415
 
-            return v4l2.UsbCamera(Path(self.source))
+            return v4l2.V4l2Camera(Path(self.source))
         from hw_node.cameras import opencv  # noqa: PLC0415
 
-        return opencv.UsbCamera(int(self.source), opencv.library())
+        return opencv.OpenCvCamera(int(self.source), opencv.library())
 
 
 def on_linux() -> bool:
@@ -87,7 +87,7 @@ def check(word: str, choice: CameraChoice, others: Sequence[CameraChoice]) -> No
     if source == PATTERN:
         return
     if source.startswith(FILE):
-        trouble = Files(Path(source.removeprefix(FILE))).trouble()
+        trouble = PictureFiles(Path(source.removeprefix(FILE))).trouble()
         if trouble:
             raise wrong(word, trouble.rstrip("."))
         return

@@ -64,7 +64,7 @@ def library() -> OpenCv:
     return cast("OpenCv", cv2)
 
 
-class UsbCamera:
+class OpenCvCamera:
     """A USB camera by its number: OpenCV decodes its pictures, and this class encodes them as JPEG."""
 
     name: Final = "opencv"

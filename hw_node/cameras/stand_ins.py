@@ -139,7 +139,7 @@ HZ_MAX: Final = 60.0
 Range = tuple[int, int]
 
 
-class Files:
+class PictureFiles:
     """The pictures of a folder in the order of their names, or those of a video, or one picture.
 
     They are repeated, and not encoded again. The rate is 30 pictures a second, or that of an AVI video, at most HZ_MAX.

@@ -27,7 +27,7 @@ FORMATS: Final = (v4l2.PixelFormat.MJPEG, v4l2.PixelFormat.JPEG)
 log = logging.getLogger(__name__)
 
 
-class UsbCamera:
+class V4l2Camera:
     """A USB camera by its path, preferably a permanent one: /dev/v4l/by-path/… or by-id/…."""
 
     name: Final = "v4l2"
@@ -128,7 +128,7 @@ def to_frame(one: v4l2.Frame) -> CameraFrame:
         raise ValueError("the camera has marked it as damaged")
     picture = jpeg.complete(bytes(one.data))
     width, height = jpeg.size(picture)
-    return CameraFrame(picture, width, height, exposed_ns(one), UsbCamera.name)
+    return CameraFrame(picture, width, height, exposed_ns(one), V4l2Camera.name)
 
 
 def exposed_ns(one: v4l2.Frame) -> int:

@@ -41,7 +41,7 @@ NO_SET_POINTS: Final = "The hardware publishes no positions. The simulation hold
 NO_STATUS: Final = "The state of the hardware is not known yet. The simulation holds its place and waits."
 
 
-class Sample(NamedTuple):
+class HardwareSample(NamedTuple):
     """Positions of the hardware, as received at `arrived_s` (monotonic clock of this computer)."""
 
     arrived_s: float
@@ -53,7 +53,7 @@ class Sample(NamedTuple):
     """two programs publish positions of the hardware, and these are of one of them"""
 
     @classmethod
-    def of(cls, positions: Positions, arrived_s: float, *, contested: bool = False) -> Sample:
+    def of(cls, positions: Positions, arrived_s: float, *, contested: bool = False) -> HardwareSample:
         """Return the sample of a message."""
         head = positions.head_measured or positions.head
         commanded = SetPoint(tuple3(positions.commanded), tuple3(positions.velocity))
@@ -85,7 +85,7 @@ class Follower:
 
     def __init__(self, now_s: float) -> None:
         self._status_due_s = now_s + UNKNOWN_S
-        self._sample: Sample | None = None
+        self._sample: HardwareSample | None = None
         self._before: Arms = (0.0, 0.0, 0.0)
         self._delays: deque[float] = deque(maxlen=SAMPLES)
         self._unready = NO_STATUS
@@ -98,7 +98,7 @@ class Follower:
 
     # -- what is received ---------------------------------------------------------------------------
 
-    def hear(self, sample: Sample) -> bool:
+    def hear(self, sample: HardwareSample) -> bool:
         """Record the newest positions of the hardware; return whether it was silent before."""
         last = self._sample
         silent = last is None or sample.arrived_s - last.arrived_s > SILENT_S

@@ -18,7 +18,7 @@ from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.controller import MotionController, StopCause
 from beatrix_zenoh.node.requests import RequestHandle, Requests, check_own_key, command_refusal, command_reply
 from beatrix_zenoh.node.snapshot import Snapshot
-from sim_node.following.follower import NO_STATUS, Follower, Sample
+from sim_node.following.follower import NO_STATUS, Follower, HardwareSample
 from sim_node.following.robots import HardwareMessages, OwnArms, follows
 
 CHECK_S: Final = 0.1
@@ -47,7 +47,7 @@ class FollowHandler(Component):
         self._sessions: Sessions | None = None
         self._follower: Follower | None = None
         self._arms = OwnArms(controller, snapshot)
-        self._sample: Sample | None = None
+        self._sample: HardwareSample | None = None
         self._was_ready = self._file_known = self._files_differ = self._holds = False
         self._state = FollowState.OFF
         self._warnings: list[str] = []
@@ -88,7 +88,7 @@ class FollowHandler(Component):
             return
         self._queue.post(lambda: self._run(query, handle), decline)
 
-    def _hear_sample(self, sample: Sample) -> None:
+    def _hear_sample(self, sample: HardwareSample) -> None:
         self._sample = sample
         self._queue.post_latest("follow", self._step)
 

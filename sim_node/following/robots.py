@@ -18,7 +18,7 @@ from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.planner import tuple3
 from beatrix_zenoh.node.snapshot import Snapshot
 from sim_node.following.course import SetPoint, advanced
-from sim_node.following.follower import Limits, Sample, Step
+from sim_node.following.follower import HardwareSample, Limits, Step
 from sim_node.following.parting import Places
 
 ANSWER_S: Final = 5.0
@@ -29,7 +29,7 @@ class HardwareMessages:
     """Receives positions and status of the hardware of one name; the callbacks run on Zenoh's thread."""
 
     def __init__(
-        self, name: str, on_sample: Callable[[Sample], None], on_status: Callable[[Status], None]
+        self, name: str, on_sample: Callable[[HardwareSample], None], on_status: Callable[[Status], None]
     ) -> None:
         self._name, self._on_sample, self._on_status = name, on_sample, on_status
         self._ends: list[Callable[[], None]] = []
@@ -68,7 +68,7 @@ class HardwareMessages:
         except BeatrixError:  # it does not come from a node of this version
             return
         contested = self._publishers.several(positions.seq)
-        self._on_sample(Sample.of(positions, time.monotonic(), contested=contested))
+        self._on_sample(HardwareSample.of(positions, time.monotonic(), contested=contested))
 
     def _status(self, received: Received) -> None:
         try:

@@ -13,7 +13,7 @@ import pytest
 from robots import Stage
 
 from beatrix_zenoh import Refused
-from beatrix_zenoh.recording.rrd.stream import Stream
+from beatrix_zenoh.recording.rrd.stream import RowStream
 from beatrix_zenoh.recording.viewer import answers, free_port, program
 
 
@@ -80,7 +80,7 @@ def test_without_a_screen_the_error_explains_what_to_do(tmp_path: Path) -> None:
 
 
 def write_recording(path: Path) -> None:
-    stream = Stream("one", "lesson")
+    stream = RowStream("one", "lesson")
     stream.to_file(path)
     stream.close()
 

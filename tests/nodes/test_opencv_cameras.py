@@ -12,7 +12,7 @@ from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.node import Component, Node
 from hw_node.body import VirtualHardware
 from hw_node.cameras import Camera, camera
-from hw_node.cameras.opencv import UsbCamera
+from hw_node.cameras.opencv import OpenCvCamera
 
 
 class HardwareWithOneEye(VirtualHardware):
@@ -23,7 +23,7 @@ class HardwareWithOneEye(VirtualHardware):
         self._module = module
 
     def components(self, node: Node) -> list[Component]:
-        return [Camera(node, "left", UsbCamera(0, self._module))]
+        return [Camera(node, "left", OpenCvCamera(0, self._module))]
 
 
 def test_an_eye_is_open_while_subscribed_and_returns_after_unplugging(

@@ -13,7 +13,7 @@ from robots import until
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.outputs import PERIOD_S, PROBE_S, LiveOutput, ViewerState
-from beatrix_zenoh.recording.rows import Frame, Numbers, RobotSet, Row, of_robot
+from beatrix_zenoh.recording.rows import Frame, Numbers, RecordingRow, RobotSet, of_robot
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.viewer import HOST, Viewer, answers, free_port
 
@@ -36,7 +36,7 @@ class Feed:
         """Write the rows of one period; return whether the output has restarted."""
         stamp = 1_763_000_000_000_000_000 + self.count * 20_000_000
         self.count += 1
-        rows: list[Row] = [
+        rows: list[RecordingRow] = [
             Numbers(of_robot(SIM, what), stamp, stamp, (1.0, 2.0, 3.0))
             for what in ("arms", "commanded", "head")
         ]

@@ -9,16 +9,18 @@ import numpy as np
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.rows import Numbers, RobotSet, Row, of_robot
-from beatrix_zenoh.recording.rrd.stream import Stream
+from beatrix_zenoh.recording.rows import Numbers, RecordingRow, RobotSet, of_robot
+from beatrix_zenoh.recording.rrd.stream import RowStream
 
 BEGAN_NS = 1_763_000_000_000_000_000
 STEP_NS = 20_000_000
 
 
-def write_lesson(path: Path, places: Sequence[Place], rows: int = 300, more: Sequence[Row] = ()) -> None:
+def write_lesson(
+    path: Path, places: Sequence[Place], rows: int = 300, more: Sequence[RecordingRow] = ()
+) -> None:
     """Write a recording of robots with random angles, which are float32 in rad as in their messages, every 20 ms."""
-    stream = Stream("one", path.stem)
+    stream = RowStream("one", path.stem)
     stream.to_file(path)
     stream.show(RobotSet({place: Figure() for place in places}))
     angles = np.random.default_rng(1).normal(0.0, 0.5, (rows, 3)).astype(np.float32)

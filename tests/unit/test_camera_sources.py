@@ -16,7 +16,7 @@ from beatrix_zenoh.contract.errors import WrongUsage
 from hw_node import cameras
 from hw_node.cameras import jpeg
 from hw_node.cameras.source import FrameTimer
-from hw_node.cameras.stand_ins import Files, Pattern, number_and_time
+from hw_node.cameras.stand_ins import Pattern, PictureFiles, number_and_time
 
 
 def picture(level: int, width: int = 32, height: int = 16) -> bytes:
@@ -81,7 +81,7 @@ def test_the_pictures_of_a_folder_are_repeated_in_order(tmp_path: Path) -> None:
     (tmp_path / "b.jpeg").write_bytes(pictures[1])
     (tmp_path / "a.JPG").write_bytes(pictures[0])
     (tmp_path / "notes.txt").write_text("not shown")
-    assert shown(Files(tmp_path), 3) == [*pictures, pictures[0]]
+    assert shown(PictureFiles(tmp_path), 3) == [*pictures, pictures[0]]
 
 
 def chunk(kind: bytes, data: bytes) -> bytes:
@@ -111,7 +111,7 @@ def test_the_error_for_an_unusable_file_contains_the_cause(
 ) -> None:
     path = tmp_path / name
     path.write_bytes(content)
-    files = Files(path)
+    files = PictureFiles(path)
     with pytest.raises(NoAnswer, match=why) as refused:
         shown(files, 1)
     files.close()
@@ -123,7 +123,10 @@ def test_the_error_for_an_unusable_file_contains_the_cause(
 
 def test_each_eye_gets_its_source(tmp_path: Path) -> None:
     found = cameras.choices([f"right=file:{tmp_path}", "left=pattern"])
-    assert {one.eye: type(one.build()).__name__ for one in found} == {"right": "Files", "left": "Pattern"}
+    assert {one.eye: type(one.build()).__name__ for one in found} == {
+        "right": "PictureFiles",
+        "left": "Pattern",
+    }
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.follow import LEAD_IN_S, STEP_S, Following, follow
 from beatrix_zenoh.recording.path import ArmPath, path_of, path_of_recording
-from beatrix_zenoh.recording.replay import FASTER, LATE_S, Stream, corrected
+from beatrix_zenoh.recording.replay import FASTER, LATE_S, TargetStream, corrected
 from beatrix_zenoh.recording.series import Floats, Recording
 
 REST: Arms = (0.0, 0.0, 0.0)
@@ -231,7 +231,7 @@ def test_a_suspended_program_sends_no_late_target(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("beatrix_zenoh.recording.replay.clock_s", lambda _robot: 0.0)
     monkeypatch.setattr("beatrix_zenoh.recording.replay.StopEvents", lambda _robot: NoStop())
     following = follow(path("0,0,0,0\n1,10,0,0\n"), ROBOT)
-    stream = Stream(FakeRobot(), following, 0.0, None)
+    stream = TargetStream(FakeRobot(), following, 0.0, None)
     stream.start(time.monotonic() - LATE_S - 0.1)
     with pytest.raises(Interrupted, match="was suspended") as error:
         stream.advance()

@@ -20,8 +20,8 @@ from sim_node.following.follower import (
     SILENT_S,
     UNKNOWN_S,
     Follower,
+    HardwareSample,
     Limits,
-    Sample,
 )
 from sim_node.following.parting import LASTS_S, Parting, Places
 
@@ -37,7 +37,7 @@ def deg(*angles: float) -> Arms:
 
 def sample(
     at_s: float, *place: float, velocity: float = 0.0, delay_s: float = 0.0, position: float | None = None
-) -> Sample:
+) -> HardwareSample:
     """Return positions (deg, deg/s) of the hardware that are true at `at_s`; its clock is 1000 s ahead."""
     arms = deg(*place) if len(place) == 3 else deg(*(place or (0.0,)) * 3)
     there = arms if position is None else deg(position, position, position)
@@ -49,7 +49,7 @@ def sample(
         commanded=vector(arms),
         head=Head(sum(there) / 3, 0.0, 0.0),
     )
-    return Sample.of(message, at_s + delay_s)
+    return HardwareSample.of(message, at_s + delay_s)
 
 
 def status(*, enabled: bool = True, calibrated: bool = True, connected: bool = True) -> Status:

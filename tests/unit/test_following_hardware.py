@@ -16,7 +16,7 @@ from beatrix_zenoh.bus import Received, Sessions
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Status
-from sim_node.following.follower import Sample
+from sim_node.following.follower import HardwareSample
 from sim_node.following.robots import HardwareMessages
 
 POSITIONS, STATUS = keys.positions("bea", "hw"), keys.status("bea", "hw")
@@ -26,7 +26,7 @@ class Foreign:
     """A program that publishes for a simulation, without a network."""
 
     def __init__(self) -> None:
-        self.samples: list[Sample] = []
+        self.samples: list[HardwareSample] = []
         self.statuses: list[Status] = []
         self._handlers: dict[str, Callable[[Received], None]] = {}
         messages = HardwareMessages("bea", self.samples.append, self.statuses.append)

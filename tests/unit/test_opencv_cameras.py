@@ -17,7 +17,7 @@ from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.node import CameraFrame
 from hw_node import cameras
 from hw_node.cameras import opencv
-from hw_node.cameras.opencv import UsbCamera
+from hw_node.cameras.opencv import OpenCvCamera
 
 
 @pytest.fixture
@@ -26,8 +26,8 @@ def module() -> FakeOpenCv:
 
 
 @pytest.fixture
-def camera(module: FakeOpenCv) -> Iterator[UsbCamera]:
-    camera = UsbCamera(1, module)
+def camera(module: FakeOpenCv) -> Iterator[OpenCvCamera]:
+    camera = OpenCvCamera(1, module)
     yield camera
     module.goes_on.set()
     module.opens_at_once.set()
@@ -39,13 +39,15 @@ def opencv_threads() -> list[str]:
     return [thread.name for thread in threading.enumerate() if thread.name.startswith("beatrix-opencv")]
 
 
-def picture(camera: UsbCamera) -> CameraFrame:
+def picture(camera: OpenCvCamera) -> CameraFrame:
     frame = camera.next(5.0)
     assert frame is not None
     return frame
 
 
-def test_pictures_are_jpeg_with_correct_colours_size_and_time(camera: UsbCamera, module: FakeOpenCv) -> None:
+def test_pictures_are_jpeg_with_correct_colours_size_and_time(
+    camera: OpenCvCamera, module: FakeOpenCv
+) -> None:
     begin_ns = time.monotonic_ns()
     camera.open()
     frame = picture(camera)
@@ -57,7 +59,7 @@ def test_pictures_are_jpeg_with_correct_colours_size_and_time(camera: UsbCamera,
 
 @pytest.mark.parametrize(("platform", "backend"), [("win32", 700), ("darwin", 1200)])
 def test_motion_jpeg_is_requested_with_the_backend_of_each_system(
-    camera: UsbCamera, module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch, platform: str, backend: int
+    camera: OpenCvCamera, module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch, platform: str, backend: int
 ) -> None:
     monkeypatch.setattr(sys, "platform", platform)
     camera.open()
@@ -66,7 +68,9 @@ def test_motion_jpeg_is_requested_with_the_backend_of_each_system(
     assert module.captures[0].asked == {3: 640, 4: 480, 5: 30, 6: 0x47504A4D}
 
 
-def test_an_unplugged_camera_is_an_error_and_can_be_reopened(camera: UsbCamera, module: FakeOpenCv) -> None:
+def test_an_unplugged_camera_is_an_error_and_can_be_reopened(
+    camera: OpenCvCamera, module: FakeOpenCv
+) -> None:
     camera.open()
     picture(camera)
     module.plugged = False
@@ -80,7 +84,7 @@ def test_an_unplugged_camera_is_an_error_and_can_be_reopened(camera: UsbCamera, 
 
 
 def test_a_blocked_read_blocks_no_other_thread_and_the_camera_is_not_opened_twice(
-    camera: UsbCamera, module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch
+    camera: OpenCvCamera, module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(opencv, "END_S", 0.05)
     module.goes_on.clear()
@@ -103,7 +107,7 @@ def test_opencv_cameras_are_selected_by_number(module: FakeOpenCv, monkeypatch: 
     monkeypatch.setattr(sys, "platform", "win32")
     left, right = cameras.choices(["left=0", "right=1"])
     source = right.build()
-    assert isinstance(source, UsbCamera)
+    assert isinstance(source, OpenCvCamera)
     assert source.trouble() == ""
     source.open()
     until(lambda: module.opened == [(1, module.CAP_DSHOW)], "the camera of that number is opened")

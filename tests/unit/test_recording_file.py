@@ -10,7 +10,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording import outputs
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.outputs import FileOutput
-from beatrix_zenoh.recording.rows import Numbers, RobotSet, Row, of_robot
+from beatrix_zenoh.recording.rows import Numbers, RecordingRow, RobotSet, of_robot
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.viewer import verify
 
@@ -18,7 +18,7 @@ SIM = ("bea", "sim")
 BEGAN_NS = 1_763_000_000_000_000_000
 
 
-def sample(index: int) -> list[Row]:
+def sample(index: int) -> list[RecordingRow]:
     """Return the rows of the sample with this index."""
     time_ns = BEGAN_NS + index * 20_000_000
     return [

@@ -11,21 +11,21 @@ from robots import ROOT
 
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.robot_rows import State
+from beatrix_zenoh.recording.robot_rows import BarState
 from beatrix_zenoh.recording.rows import (
     Bar,
+    BodyTurn,
     Frame,
     Line,
     Numbers,
-    Orientation,
+    RecordingRow,
     RobotSet,
-    Row,
     of_difference,
     of_model,
     of_robot,
 )
 from beatrix_zenoh.recording.rrd.layout import TABS
-from beatrix_zenoh.recording.rrd.stream import Stream
+from beatrix_zenoh.recording.rrd.stream import RowStream
 
 Place = tuple[str, str]
 SIM, HW = ("bea", "sim"), ("bea", "hw")
@@ -34,26 +34,26 @@ PAGE = ROOT / "docs/how-to/record.md"
 ANGLES = (1.0, 2.0, 3.0)
 
 
-def rows_of(place: Place) -> list[Row]:
+def rows_of(place: Place) -> list[RecordingRow]:
     """Return one row of each kind for a robot."""
     at = (BEGAN_NS, BEGAN_NS)
     turns = Figure().rotations(Neck().inverse(0, 0, 0), ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
     return [
-        *(Orientation(of_model(place, body), *at, turn) for body, turn in turns.items()),
+        *(BodyTurn(of_model(place, body), *at, turn) for body, turn in turns.items()),
         *(
             Numbers(of_robot(place, what), *at, ANGLES)
             for what in ("arms", "commanded", "head", "head_measured")
         ),
         *(Frame(of_robot(place, "camera", eye), *at, b"\xff\xd8") for eye in ("left", "right")),
         Line(of_robot(place, "events"), *at, "ana look accepted", "INFO"),
-        Bar(of_robot(place, "state"), *at, State.READY),
+        Bar(of_robot(place, "state"), *at, BarState.READY),
     ]
 
 
 def recorded(folder: Path, *places: Place, pictures: bool = True) -> Path:
     """Return a recording of these robots."""
     path = folder / "lesson.rrd"
-    stream = Stream("one", "lesson")
+    stream = RowStream("one", "lesson")
     stream.to_file(path)
     for number in range(len(places)):  # the robots appear one after the other, and their pictures last
         stream.show(RobotSet({place: Figure() for place in places[: number + 1]}))

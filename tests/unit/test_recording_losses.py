@@ -20,7 +20,7 @@ from beatrix_zenoh.recording.losses import (
     findings,
     total,
 )
-from beatrix_zenoh.recording.rows import Line, Numbers, Row
+from beatrix_zenoh.recording.rows import Line, Numbers, RecordingRow
 from beatrix_zenoh.recording.samples import Samples
 from beatrix_zenoh.recording.verbs.record import missing, outcome
 
@@ -90,7 +90,7 @@ def test_only_gaps_are_losses(seqs: tuple[int, ...], lost: int) -> None:
 def test_two_programs_under_one_name_are_named_once_and_no_loss_is_counted() -> None:
     losses, said = Losses(), list[str]()
     report = LossReport(said.append)
-    rows: list[Row] = []
+    rows: list[RecordingRow] = []
     for k in range(200):
         for first in (1000, 7000):
             losses.received(ARMS, first + k)

@@ -16,20 +16,20 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.rows import Numbers, Orientation, RobotSet, Row, of_model, of_robot
+from beatrix_zenoh.recording.rows import BodyTurn, Numbers, RecordingRow, RobotSet, of_model, of_robot
 from beatrix_zenoh.recording.rrd.layout import BACKGROUND
-from beatrix_zenoh.recording.rrd.stream import Stream
+from beatrix_zenoh.recording.rrd.stream import RowStream
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
 BEGAN_NS = 1_763_000_000_000_000_000
 
 
-def rows(place: tuple[str, str], yaw: float) -> list[Row]:
+def rows(place: tuple[str, str], yaw: float) -> list[RecordingRow]:
     """Return rows of a robot whose head is turned by `yaw` (rad)."""
     arms = Neck().inverse(yaw, 0.0, 0.0)
     turns = Figure().rotations(arms, rotation_of(yaw, 0.0, 0.0))
-    poses: list[Row] = [
-        Orientation(of_model(place, path), BEGAN_NS, BEGAN_NS, turn) for path, turn in turns.items()
+    poses: list[RecordingRow] = [
+        BodyTurn(of_model(place, path), BEGAN_NS, BEGAN_NS, turn) for path, turn in turns.items()
     ]
     numbers = (math.degrees(yaw),) * 3
     return [*poses, Numbers(of_robot(place, "arms"), BEGAN_NS, BEGAN_NS, numbers)]
@@ -39,7 +39,7 @@ def rows(place: tuple[str, str], yaw: float) -> list[Row]:
 def path(tmp_path: Path) -> Path:
     """A recording of two robots, of which the simulation has turned."""
     path = tmp_path / "lesson.rrd"
-    stream = Stream("one", "lesson")
+    stream = RowStream("one", "lesson")
     stream.to_file(path)
     stream.show(RobotSet({SIM: Figure(), HW: Figure()}))
     stream.send([*rows(SIM, 0.8), *rows(HW, 0.0)])

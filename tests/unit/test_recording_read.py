@@ -20,18 +20,18 @@ from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rows import (
     Bar,
+    BodyTurn,
     Frame,
     Line,
     Numbers,
-    Orientation,
+    RecordingRow,
     RobotSet,
-    Row,
     of_difference,
     of_model,
     of_robot,
 )
 from beatrix_zenoh.recording.rrd.read import read, read_about
-from beatrix_zenoh.recording.rrd.stream import Stream
+from beatrix_zenoh.recording.rrd.stream import RowStream
 from beatrix_zenoh.recording.samples import ClockOffset
 from beatrix_zenoh.recording.viewer import verify
 
@@ -47,23 +47,23 @@ def strict(monkeypatch: pytest.MonkeyPatch) -> None:
     rr.set_strict_mode(True)
 
 
-def sample(place: tuple[str, str], index: int) -> list[Row]:
+def sample(place: tuple[str, str], index: int) -> list[RecordingRow]:
     """Return the rows of the sample with this index."""
     time_ns, robot_ns = BEGAN_NS + index * STEP_NS, BEGAN_NS + index * STEP_NS - 7
-    what: list[Row] = [
+    what: list[RecordingRow] = [
         Numbers(of_robot(place, name), time_ns, robot_ns, (index + k, k, -index))
         for k, name in enumerate(("arms", "commanded", "head"))
     ]
     return [
         *what,
-        Orientation(of_model(place, "head"), time_ns, robot_ns, (0.0, 0.0, 0.0, 1.0)),
+        BodyTurn(of_model(place, "head"), time_ns, robot_ns, (0.0, 0.0, 0.0, 1.0)),
         Frame(of_robot(place, "camera", "left"), time_ns, robot_ns, b"\xff\xd8 no picture"),
     ]
 
 
-def written(path: Path, stage: RobotSet, batches: list[list[Row]]) -> None:
+def written(path: Path, stage: RobotSet, batches: list[list[RecordingRow]]) -> None:
     """Write a complete recording of these rows."""
-    stream = Stream("one", path.stem)
+    stream = RowStream("one", path.stem)
     stream.to_file(path)
     stream.show(stage)
     for batch in batches:
@@ -101,7 +101,7 @@ def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
         keys=[], examples=[],
     )  # fmt: skip
     last = first.with_seat("ben").with_seat("ana").with_seat("").with_robot(SIM, info).with_robot(SIM, info)
-    stream = Stream("one", path.stem)
+    stream = RowStream("one", path.stem)
     stream.to_file(path)
     stream.describe(first)
     stream.send([*sample(SIM, 0), Numbers(of_robot(SIM, "clock"), BEGAN_NS, BEGAN_NS, (-12.5, 0.25))])

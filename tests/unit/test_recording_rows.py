@@ -22,8 +22,8 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.robot_rows import RobotRows, State, state_of
-from beatrix_zenoh.recording.rows import Bar, Line, Numbers, Orientation
+from beatrix_zenoh.recording.robot_rows import BarState, RobotRows, state_of
+from beatrix_zenoh.recording.rows import Bar, BodyTurn, Line, Numbers
 
 NOW_NS = 1_763_000_000_123_456_789
 
@@ -69,20 +69,20 @@ def test_rows_of_arms_and_head_are_in_degrees(rows_of_robot: RobotRows) -> None:
 @pytest.mark.parametrize(
     ("fields", "state"),
     [
-        ({"enabled": False, "calibrated": False}, State.DISABLED),
-        ({"calibrated": False}, State.ENABLED),
-        ({}, State.READY),
-        ({"moving": True}, State.MOVING),
-        ({"moving": True, "following": FollowState.FOLLOWING}, State.FOLLOWING),
-        ({"following": FollowState.PARTED}, State.PARTED),
-        ({"following": FollowState.WAITING}, State.READY),
-        ({"fault": Fault.EMERGENCY, "enabled": False}, State.EMERGENCY),
-        ({"fault": Fault.ASSEMBLY_LEFT}, State.FAULT),
-        ({"fault": Fault.BOARD_LOST}, State.LOST),
-        ({"board": msgspec.structs.replace(BOARD, connected=False)}, State.LOST),
+        ({"enabled": False, "calibrated": False}, BarState.DISABLED),
+        ({"calibrated": False}, BarState.ENABLED),
+        ({}, BarState.READY),
+        ({"moving": True}, BarState.MOVING),
+        ({"moving": True, "following": FollowState.FOLLOWING}, BarState.FOLLOWING),
+        ({"following": FollowState.PARTED}, BarState.PARTED),
+        ({"following": FollowState.WAITING}, BarState.READY),
+        ({"fault": Fault.EMERGENCY, "enabled": False}, BarState.EMERGENCY),
+        ({"fault": Fault.ASSEMBLY_LEFT}, BarState.FAULT),
+        ({"fault": Fault.BOARD_LOST}, BarState.LOST),
+        ({"board": msgspec.structs.replace(BOARD, connected=False)}, BarState.LOST),
     ],
 )
-def test_each_status_is_converted_to_one_state(fields: dict[str, object], state: State) -> None:
+def test_each_status_is_converted_to_one_state(fields: dict[str, object], state: BarState) -> None:
     assert state_of(msgspec.structs.replace(READY, **fields)) is state
 
 
@@ -133,11 +133,11 @@ def test_each_event_is_converted_to_one_line(
 
 
 def test_only_bodies_that_turned_get_a_row(rows_of_robot: RobotRows) -> None:
-    first = [row.path for row in rows_of_robot.positions(positions(), NOW_NS) if isinstance(row, Orientation)]
+    first = [row.path for row in rows_of_robot.positions(positions(), NOW_NS) if isinstance(row, BodyTurn)]
     assert len(first) == 7
-    assert not [row for row in rows_of_robot.positions(positions(), NOW_NS) if isinstance(row, Orientation)]
+    assert not [row for row in rows_of_robot.positions(positions(), NOW_NS) if isinstance(row, BodyTurn)]
     turned = {
-        row.path for row in rows_of_robot.positions(positions(0.2), NOW_NS) if isinstance(row, Orientation)
+        row.path for row in rows_of_robot.positions(positions(0.2), NOW_NS) if isinstance(row, BodyTurn)
     }
     # Turning about the vertical does not turn the rods relative to their arms, so they get no row.
     assert turned == {
@@ -146,6 +146,6 @@ def test_only_bodies_that_turned_get_a_row(rows_of_robot: RobotRows) -> None:
     }
     rows_of_robot.begin_again()
     assert (
-        len([row for row in rows_of_robot.positions(positions(0.2), NOW_NS) if isinstance(row, Orientation)])
+        len([row for row in rows_of_robot.positions(positions(0.2), NOW_NS) if isinstance(row, BodyTurn)])
         == 7
     )

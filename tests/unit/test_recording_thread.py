@@ -27,7 +27,7 @@ from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.losses import POSITIONS, Stream, total
 from beatrix_zenoh.recording.notes import Arrived, NoteInbox
 from beatrix_zenoh.recording.recorder import RecordingThread
-from beatrix_zenoh.recording.rows import Bar, Line, Numbers, RobotSet, Row
+from beatrix_zenoh.recording.rows import Bar, Line, Numbers, RecordingRow, RobotSet
 from beatrix_zenoh.recording.samples import Note
 from beatrix_zenoh.recording.sources import RobotAnswer, RobotQueries, RobotSubscriptions, Value
 
@@ -80,7 +80,7 @@ class FakeOutput:
     """Keeps all rows."""
 
     def __init__(self) -> None:
-        self.rows: list[Row] = []
+        self.rows: list[RecordingRow] = []
         self.robot_sets: list[RobotSet] = []
         self.abouts: list[About] = []
         self.failure: Exception | None = None
@@ -92,7 +92,7 @@ class FakeOutput:
     def describe(self, about: About) -> None:
         self.abouts.append(about)
 
-    def write(self, rows: Sequence[Row]) -> None:
+    def write(self, rows: Sequence[RecordingRow]) -> None:
         self.rows += rows
 
     def update(self, now_s: float) -> bool:  # noqa: ARG002

@@ -5,7 +5,7 @@ import pytest
 from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.contract._generated.messages import Reason, TargetReply
 from beatrix_zenoh.contract.errors import Refused
-from sim_node.target import BOUNDS, HOME, PERIOD_S, Target, TargetPath, check, on_path, reply
+from sim_node.target import BOUNDS, HOME, PERIOD_S, PersonTarget, TargetPath, check, on_path, reply
 
 
 @pytest.mark.parametrize("path", list(TargetPath))
@@ -22,7 +22,7 @@ def test_every_path_begins_at_home_and_stays_within_the_bounds(path: TargetPath)
 def test_a_place_outside_the_room_is_refused_with_the_bounds(
     place: tuple[float, float, float], field: str
 ) -> None:
-    target = Target(TargetPath.STILL, 0.0)
+    target = PersonTarget(TargetPath.STILL, 0.0)
     with pytest.raises(Refused, match="the room allows") as caught:
         target.move(place)
     detail = caught.value.detail
@@ -31,13 +31,15 @@ def test_a_place_outside_the_room_is_refused_with_the_bounds(
     assert target.place(1.0) == HOME
 
 
-def answer_to(target: Target, payload: bytes = b"", encoding: str = "", parameters: str = "") -> TargetReply:
+def answer_to(
+    target: PersonTarget, payload: bytes = b"", encoding: str = "", parameters: str = ""
+) -> TargetReply:
     return reply(target, RawQuery(payload, encoding, parameters), now_s=0.0)
 
 
 @pytest.mark.parametrize("wrong", [b"1 2", b"1 2 3 4", b"there", b"1 nan 0", b'{"x": 1}', b"9 0 0"])
 def test_a_wrong_query_is_refused_with_an_explanation(wrong: bytes) -> None:
-    answer = answer_to(Target(TargetPath.STILL, 0.0), wrong)
+    answer = answer_to(PersonTarget(TargetPath.STILL, 0.0), wrong)
     assert (answer.result, answer.reason) == (False, Reason.BAD_VALUE)
     assert (answer.x, answer.y, answer.z) == HOME
     assert "x" in answer.message

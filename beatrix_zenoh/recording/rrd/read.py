@@ -31,8 +31,8 @@ from beatrix_zenoh.recording.samples import (
     Note,
     Recorded,
     Samples,
-    Texts,
     TimedEvent,
+    TimedTexts,
 )
 from beatrix_zenoh.recording.viewer import check_recording
 
@@ -196,12 +196,12 @@ def _difference(columns: Columns, name: str) -> tuple[Nanoseconds, Floats] | Non
     return arms.time_ns, np.hstack((arms.values.astype(np.float64), _at(head, arms)))
 
 
-def _texts(columns: Columns, entity: str, component: str) -> Texts:
+def _texts(columns: Columns, entity: str, component: str) -> TimedTexts:
     column = columns.get((entity, component))
     if column is None:
         none = np.empty(0, np.int64)
-        return Texts(none, none, ())
-    return Texts(column.time_ns, column.robot_ns, tuple(str(text) for text in column.values))
+        return TimedTexts(none, none, ())
+    return TimedTexts(column.time_ns, column.robot_ns, tuple(str(text) for text in column.values))
 
 
 def _events(columns: Columns, entity: str) -> tuple[TimedEvent, ...]:

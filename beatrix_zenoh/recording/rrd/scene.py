@@ -12,7 +12,7 @@ from beatrix_zenoh.colours import ARMS, AXES, Colour, pale
 from beatrix_zenoh.contract.names import SIDE_TITLES
 from beatrix_zenoh.recording.figure import Body, Figure, Form, Solid
 from beatrix_zenoh.recording.mechanism import mechanism
-from beatrix_zenoh.recording.robot_rows import State
+from beatrix_zenoh.recording.robot_rows import BarState
 from beatrix_zenoh.recording.rows import of_difference, of_model, of_robot
 
 Item = tuple[str, rr.AsComponents]
@@ -29,29 +29,29 @@ CURVES = {"arms": ARMS, "commanded": ARMS, "velocity": ARMS, "head": AXES, "head
 MARK_COLOURS = ((88, 96, 110), (116, 124, 138))
 """Colours of notes on the time line."""
 STATE_SIGNS = {
-    State.DISABLED: "○",
-    State.ENABLED: "◐",
-    State.READY: "●",
-    State.MOVING: "▶",
-    State.FOLLOWING: "»",
-    State.PARTED: "≠",
-    State.STOPPED: "■",
-    State.EMERGENCY: "✖",
-    State.FAULT: "⚠",
-    State.LOST: "?",
+    BarState.DISABLED: "○",
+    BarState.ENABLED: "◐",
+    BarState.READY: "●",
+    BarState.MOVING: "▶",
+    BarState.FOLLOWING: "»",
+    BarState.PARTED: "≠",
+    BarState.STOPPED: "■",
+    BarState.EMERGENCY: "✖",
+    BarState.FAULT: "⚠",
+    BarState.LOST: "?",
 }
 """Signs before the words of the states, which remain when the viewer cuts the word of a short state."""
 STATE_COLOURS = {
-    State.DISABLED: (120, 125, 130),
-    State.ENABLED: (214, 190, 80),
-    State.READY: (70, 150, 90),
-    State.MOVING: (60, 130, 230),
-    State.FOLLOWING: (40, 160, 170),
-    State.PARTED: (225, 80, 110),
-    State.STOPPED: (235, 140, 40),
-    State.EMERGENCY: (215, 45, 45),
-    State.FAULT: (170, 50, 160),
-    State.LOST: (60, 62, 66),
+    BarState.DISABLED: (120, 125, 130),
+    BarState.ENABLED: (214, 190, 80),
+    BarState.READY: (70, 150, 90),
+    BarState.MOVING: (60, 130, 230),
+    BarState.FOLLOWING: (40, 160, 170),
+    BarState.PARTED: (225, 80, 110),
+    BarState.STOPPED: (235, 140, 40),
+    BarState.EMERGENCY: (215, 45, 45),
+    BarState.FAULT: (170, 50, 160),
+    BarState.LOST: (60, 62, 66),
 }
 
 
@@ -75,9 +75,9 @@ def of_place(place: Place, figure: Figure) -> Iterator[Item]:
     yield (
         of_robot(place, "state"),
         rr.StateConfiguration(
-            values=[state.value for state in State],
-            labels=[f"{STATE_SIGNS[state]} {state.value}" for state in State],
-            colors=[STATE_COLOURS[state] for state in State],
+            values=[state.value for state in BarState],
+            labels=[f"{STATE_SIGNS[state]} {state.value}" for state in BarState],
+            colors=[STATE_COLOURS[state] for state in BarState],
         ),
     )
 

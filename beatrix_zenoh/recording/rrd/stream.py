@@ -14,7 +14,7 @@ import rerun as rr
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.recording.about import About
-from beatrix_zenoh.recording.rows import MARK, Bar, Frame, Line, Numbers, Orientation, RobotSet, Row
+from beatrix_zenoh.recording.rows import MARK, Bar, BodyTurn, Frame, Line, Numbers, RecordingRow, RobotSet
 from beatrix_zenoh.recording.rrd import scene
 from beatrix_zenoh.recording.rrd.layout import layout
 from beatrix_zenoh.recording.rrd.read import ABOUT, PROPERTY, ROBOT_TIME, TIME
@@ -22,7 +22,7 @@ from beatrix_zenoh.recording.rrd.read import ABOUT, PROPERTY, ROBOT_TIME, TIME
 APPLICATION = "beatrix"
 
 
-class Stream:
+class RowStream:
     """One recording, sent to one file or viewer. Used by one thread.
 
     Rows are sent as columns, which takes about a twentieth of the time of single rows and allows explicit times.
@@ -88,9 +88,9 @@ class Stream:
         known = {name: fact for name, fact in facts.items() if fact}
         self._stream.send_property(PROPERTY, rr.AnyValues(drop_untyped_nones=True, **known))
 
-    def send(self, rows: Sequence[Row]) -> None:
+    def send(self, rows: Sequence[RecordingRow]) -> None:
         """Send rows; the rows of each entity keep their order."""
-        entities: dict[str, list[Row]] = defaultdict(list)
+        entities: dict[str, list[RecordingRow]] = defaultdict(list)
         for row in rows:
             entities[row.path].append(row)
         self._show_marks(entities.get(MARK, ()))
@@ -100,7 +100,7 @@ class Stream:
             indexes = [rr.TimeColumn(TIME, timestamp=times), rr.TimeColumn(ROBOT_TIME, timestamp=robot)]
             self._stream.send_columns(path, indexes, columns(part))
 
-    def _show_marks(self, rows: Sequence[Row]) -> None:
+    def _show_marks(self, rows: Sequence[RecordingRow]) -> None:
         """Give new notes their colour: the viewer would choose any, such as red."""
         before = len(self._marks)
         self._marks.update(dict.fromkeys(row.state for row in rows if isinstance(row, Bar)))
@@ -122,16 +122,16 @@ class Stream:
             self._stream.disconnect()
 
 
-def columns(rows: Sequence[Row]) -> Iterable[rr.ComponentColumn]:
+def columns(rows: Sequence[RecordingRow]) -> Iterable[rr.ComponentColumn]:
     """Convert rows of one entity, which must all have the same type, to columns of Rerun."""
     match rows[0]:
         case Numbers():
             values = [row.values for row in rows if isinstance(row, Numbers)]
             flat = np.array(values, dtype=np.float64)
             return rr.Scalars.columns(scalars=flat.ravel()).partition([flat.shape[1]] * len(flat))
-        case Orientation():
+        case BodyTurn():
             return rr.Transform3D.columns(
-                quaternion=np.array([row.quaternion for row in rows if isinstance(row, Orientation)])
+                quaternion=np.array([row.quaternion for row in rows if isinstance(row, BodyTurn)])
             )
         case Line():
             lines = [row for row in rows if isinstance(row, Line)]
