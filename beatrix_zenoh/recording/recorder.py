@@ -30,8 +30,14 @@ from beatrix_zenoh.recording.rows import (
     of_robot,
 )
 from beatrix_zenoh.recording.samples import Note
-from beatrix_zenoh.recording.sources import RobotAnswer, RobotQueries, RobotSubscriptions
-from beatrix_zenoh.recording.timebase import Timebase, Timed, TimedArrivals
+from beatrix_zenoh.recording.sources import (
+    RobotAnswer,
+    RobotQueries,
+    RobotSubscriptions,
+    Timebase,
+    Timed,
+    TimedArrivals,
+)
 
 PERIOD_S: Final = 0.05
 END_S: Final = 15.0

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.recording.difference import GRID_NS, WAITING, AngleDifference, Difference
-from beatrix_zenoh.recording.timebase import Delay, Timebase
+from beatrix_zenoh.recording.sources import Delay, Timebase
 
 MS = 1_000_000
 BEA = ("bea", "sim")
