@@ -155,7 +155,7 @@ def test_a_robot_that_was_not_asked_to_move_is_not_said_to_stand_still() -> None
 def test_a_motion_that_nothing_ended_in_its_lead_was_not_asked() -> None:
     same(
         "known errors.a motion that nothing ended in its lead was not asked",
-        why_alone(Request(1.0, "HOME", "ana", lead_s=0.5), None),
+        why_alone(MotionRequest(1.0, "HOME", "ana", lead_s=0.5), None),
     )
 
 
