@@ -25,7 +25,7 @@ def picture(level: int, width: int = 32, height: int = 16) -> bytes:
     return encoded
 
 
-def shown(files: Files, count: int) -> list[bytes]:
+def shown(files: PictureFiles, count: int) -> list[bytes]:
     files.open()
     frames = [files.next(1.0) for _ in range(count)]
     files.close()

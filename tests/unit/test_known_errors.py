@@ -19,7 +19,7 @@ from beatrix_zenoh.contract._generated.messages import EventKind, Vector3
 from beatrix_zenoh.recording.compare import Thresholds, compare, why_no_lag
 from beatrix_zenoh.recording.diagnosis import findings
 from beatrix_zenoh.recording.finding import Cause
-from beatrix_zenoh.recording.requests import homes_set, why_alone
+from beatrix_zenoh.recording.requests import MotionRequest, homes_set, why_alone
 from beatrix_zenoh.recording.series import Recording, part_of, recording
 
 CASES = {case.name: case for case in known_cases.cases()}
