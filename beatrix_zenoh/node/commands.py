@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Final
 
 from beatrix_zenoh.board.board import Board
@@ -164,11 +165,9 @@ class CommandHandler(Component):
             self._decline(handle, error)
             return
         handle = replace(handle, action=name_of(command, query), source=query.source)
-
-        def decline(error: BeatrixError) -> None:
-            self._decline(handle, error)
-
-        self._requests.queue.post(lambda: self._run(command, query, handle, received_s), decline)
+        self._requests.queue.post(
+            lambda: self._run(command, query, handle, received_s), partial(self._decline, handle)
+        )
 
     def _decline(self, handle: RequestHandle, error: BeatrixError) -> None:
         handle.end(command_refusal(error, self._controller.arms()))

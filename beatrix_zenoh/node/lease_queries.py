@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Final, NamedTuple
 
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
@@ -131,11 +132,7 @@ class LeaseHandler(Component):
             self._decline(handle, error)
             return
         handle = replace(handle, action=query.action.value)
-
-        def decline(error: BeatrixError) -> None:
-            self._decline(handle, error)
-
-        self._requests.queue.post(lambda: self._run(query, handle), decline)
+        self._requests.queue.post(lambda: self._run(query, handle), partial(self._decline, handle))
 
     def _decline(self, handle: RequestHandle, error: BeatrixError) -> None:
         handle.end(self._reply(error.reason, error.message, handle.caller, error.detail))
