@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
+from contrast import contrast
 from gui_views import STATES, example
 from PyQt5.QtCore import QRect, Qt
 from PyQt5.QtGui import QTextDocumentFragment
@@ -22,21 +23,6 @@ from gui.window.window import LEAST_HEIGHT, LEAST_WIDTH, Window
 SIZES = [(1366, 768), (1024, 600), (LEAST_WIDTH, LEAST_HEIGHT)]
 READABLE, LEGIBLE = 4.5, 3.0
 """Least contrast of text, and of disabled text and large symbols."""
-
-
-def luminance(colour: str) -> float:
-    """Return the relative luminance of `#rrggbb`, as WCAG 2 defines it."""
-    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
-    red, green, blue = (
-        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
-    )
-    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
-
-
-def contrast(one: str, other: str) -> float:
-    """Return the contrast ratio of two colours, from 1 to 21."""
-    light, dark = sorted((luminance(one), luminance(other)), reverse=True)
-    return (light + 0.05) / (dark + 0.05)
 
 
 def pairs(colours: Style) -> Iterator[tuple[str, str, str, float]]:

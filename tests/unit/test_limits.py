@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from typing import Any
 
 import pytest
 
@@ -47,16 +48,9 @@ def allowed(
     return limits.check_motion(start, velocity, target, SPEED, straight=straight)
 
 
-def refused(
-    target: Arms,
-    *,
-    start: Arms = REST,
-    velocity: Arms = REST,
-    straight: bool = False,
-    limits: MotionLimits = LIMITS,
-) -> Refused:
+def refused(target: Arms, **how: Any) -> Refused:
     with pytest.raises(Refused) as caught:
-        limits.check_motion(start, velocity, target, SPEED, straight=straight)
+        allowed(target, **how)
     return caught.value
 
 

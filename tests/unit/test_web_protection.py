@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 
 import pytest
+from contrast import contrast
 from golden import same
 
 from beatrix_zenoh.contract._generated.messages import Fault
@@ -156,13 +157,6 @@ def test_page_and_server_use_the_same_code_for_a_closed_web_socket() -> None:
     assert f"const FULL = {FULL};" in (STATIC / "page.js").read_text()
 
 
-def luminance(colour: str) -> float:
-    """Return the relative luminance of a colour (WCAG 2.1)."""
-    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
-    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-
 @pytest.mark.parametrize(
     ("text", "ground"),
     [
@@ -176,8 +170,7 @@ def luminance(colour: str) -> float:
     ],
 )
 def test_texts_contrast_with_their_background(text: str, ground: str) -> None:
-    lighter, darker = sorted((luminance(COLOURS[text]), luminance(COLOURS[ground])), reverse=True)
-    assert (lighter + 0.05) / (darker + 0.05) >= 4.5
+    assert contrast(COLOURS[text], COLOURS[ground]) >= 4.5
 
 
 def test_every_refusal_has_a_place_beside_its_control() -> None:
