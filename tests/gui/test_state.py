@@ -21,10 +21,7 @@ from gui_worlds import (
     world,
 )
 
-from beatrix_zenoh.contract._generated.messages import (
-    CameraStatus,
-    Command,
-)
+from beatrix_zenoh.contract._generated.messages import CameraStatus, Command
 from gui.console.state import intents
 from gui.console.state.actions import (
     BeginRecording,

@@ -13,15 +13,7 @@ from gui_worlds import status, world
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason
 from gui.console.state import intents
 from gui.console.state.actions import Govern, Outcome, SendStop, WatchCameras, WatchClass
-from gui.console.state.intents import (
-    GovernClass,
-    Intent,
-    LimitClass,
-    MuteSeat,
-    Page,
-    Stop,
-    TogglePage,
-)
+from gui.console.state.intents import GovernClass, Intent, LimitClass, MuteSeat, Page, Stop, TogglePage
 from gui.console.state.state import State
 from gui.console.state.views import ClassView, Condition
 from gui.console.state.world import LinkPhase, World

@@ -6,28 +6,14 @@ import math
 
 import pytest
 from golden import same
-from gui_worlds import (
-    BOTH,
-    arms_of,
-    plan,
-    robot,
-    sent,
-    state_after,
-    world,
-)
+from gui_worlds import BOTH, arms_of, plan, robot, sent, state_after, world
 
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.client.degrees import Path as MotionPath
-from beatrix_zenoh.contract._generated.messages import (
-    Reason,
-)
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import intents
-from gui.console.state.actions import (
-    AbortPlan,
-    Outcome,
-    SendPlanNow,
-)
+from gui.console.state.actions import AbortPlan, Outcome, SendPlanNow
 from gui.console.state.intents import Jog
 from gui.console.state.views import Orientation
 from gui.console.state.world import PlanPhase

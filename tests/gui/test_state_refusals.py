@@ -7,18 +7,7 @@ from typing import Any
 
 import pytest
 from golden import same
-from gui_worlds import (
-    BOTH,
-    accept,
-    arms_of,
-    plan,
-    refused,
-    robot,
-    sent,
-    state_after,
-    vector,
-    world,
-)
+from gui_worlds import BOTH, accept, arms_of, plan, refused, robot, sent, state_after, vector, world
 
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
@@ -40,13 +29,7 @@ from beatrix_zenoh.contract.refusals import (
     taken_by,
 )
 from gui.console.state import intents
-from gui.console.state.actions import (
-    Action,
-    Outcome,
-    Ready,
-    SendCommand,
-    SendLease,
-)
+from gui.console.state.actions import Action, Outcome, Ready, SendCommand, SendLease
 from gui.console.state.intents import Jog
 from gui.console.state.state import State
 from gui.console.state.world import PlanPhase

@@ -82,11 +82,7 @@ class Pair:
     def _hear(self, hardware: SetPoint) -> None:
         own = self._point(1)
         course = course_to(
-            hardware,
-            self._before,
-            own,
-            acceleration=LIMITS.acceleration,
-            speed_max=LIMITS.speed_max,
+            hardware, self._before, own, acceleration=LIMITS.acceleration, speed_max=LIMITS.speed_max
         )
         self._before = hardware.velocity
         self._send(self.simulation, course)

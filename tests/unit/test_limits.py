@@ -54,11 +54,7 @@ def refused(target: Arms, **how: Any) -> Refused:
     return caught.value
 
 
-REASONS = {
-    Limit.TILT: Reason.OUT_OF_REACH,
-    Limit.ARM_GAP: Reason.ARM_GAP,
-    Limit.YAW: Reason.YAW_LIMIT,
-}
+REASONS = {Limit.TILT: Reason.OUT_OF_REACH, Limit.ARM_GAP: Reason.ARM_GAP, Limit.YAW: Reason.YAW_LIMIT}
 
 
 def detail_of(refusal: Refused) -> Detail:

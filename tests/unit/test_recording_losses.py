@@ -44,10 +44,7 @@ def lost_in_file(*seqs: int, repeats: tuple[int, ...] | None = None) -> int | No
     return Samples(numbers, numbers, NONE, NONE, NONE, None, NONE, numbers, again).lost
 
 
-@given(
-    first=st.integers(0, NUMBERS - 1),
-    arrives=st.lists(st.booleans(), max_size=60),
-)
+@given(first=st.integers(0, NUMBERS - 1), arrives=st.lists(st.booleans(), max_size=60))
 def test_each_missing_number_is_one_loss(first: int, arrives: list[bool]) -> None:
     """The numbers may pass the largest uint32; those before the first and after the last arrival are unknown."""
     seqs = [(first + i) % NUMBERS for i, there in enumerate([True, *arrives, True]) if there]

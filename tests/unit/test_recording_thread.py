@@ -16,11 +16,7 @@ from statuses import AT_HOME, READY
 
 from beatrix_zenoh.client.clocks import Offset
 from beatrix_zenoh.client.subscription import Arrival
-from beatrix_zenoh.contract._generated.messages import (
-    Event,
-    Positions,
-    Status,
-)
+from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.codec import decode_json
 from beatrix_zenoh.recording.about import About

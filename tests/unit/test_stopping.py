@@ -154,11 +154,7 @@ def test_robots_of_a_group_that_do_not_answer_are_named_with_what_to_do(position
     expected = [("hangs", "hw"), ("busy", "hw"), HW, ("other", "sim")]
     answers = SentGroupStop(Network({HW: RESTS}).client(), ("*", "hw")).answers(expected)
     assert [*answers] == [HW, ("busy", "hw"), ("hangs", "hw")]
-    assert [answer.reason for answer in answers.values()] == [
-        Reason.OK,
-        Reason.TIMED_OUT,
-        Reason.NODE_HANGS,
-    ]
+    assert [answer.reason for answer in answers.values()] == [Reason.OK, Reason.TIMED_OUT, Reason.NODE_HANGS]
     for place in (("busy", "hw"), ("hangs", "hw")):
         assert answers[place].message.startswith(f"{place[0]} (hw)")
         assert "power off" in answers[place].message

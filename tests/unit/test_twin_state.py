@@ -140,11 +140,7 @@ def test_the_holder_or_the_teacher_may_move_a_ready_robot(holder: str, who: str)
         ({"calibrated": False}, Reason.NOT_CALIBRATED, "Home is not known"),
         ({"enabled": False, "fault": Fault.EMERGENCY}, Reason.EMERGENCY, "EMERGENCY_STOP is latched"),
         ({"board": LOST, "fault": Fault.BOARD_LOST}, Reason.BOARD_LOST, "does not answer"),
-        (
-            {"board": LOST, "fault": Fault.CONTRACT_MISMATCH},
-            Reason.CONTRACT_MISMATCH,
-            "of another version",
-        ),
+        ({"board": LOST, "fault": Fault.CONTRACT_MISMATCH}, Reason.CONTRACT_MISMATCH, "of another version"),
         (
             {"board": LOST, "fault": Fault.BOARD_LOST, "warnings": ["The board is gone: plug it in."]},
             Reason.BOARD_LOST,
