@@ -141,3 +141,21 @@ def test_both_eyes_of_both_robots_have_their_places(qtbot: QtBot) -> None:
     places = ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75))
     for place, painted in zip(places, colours, strict=True):
         assert alike(colour(shown, *place), painted)
+
+
+def test_a_picture_whose_header_claims_too_many_pixels_is_not_decoded(picture: CameraPicture) -> None:
+    """Height and width follow the marker 0xFFC0, the length of its segment and the precision."""
+    jpeg = bytearray(picture_of(RED).jpeg)
+    at = jpeg.index(b"\xff\xc0") + 5
+    assert jpeg[at : at + 4] == (480).to_bytes(2, "big") + (640).to_bytes(2, "big")
+    jpeg[at : at + 4] = 2 * (65500).to_bytes(2, "big")
+    began_s = time.monotonic()
+    assert eyes.decode(bytes(jpeg)) is None
+    assert time.monotonic() - began_s < 0.5
+    picture.show_image(of_bytes(bytes(jpeg)))
+    shown = picture.grab().toImage()
+    picture.show_view(EyeView(ON.side, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
+    assert picture.grab().toImage() == shown
+    whole = eyes.decode(picture_of(RED).jpeg)
+    assert whole is not None
+    assert (whole.width(), whole.height()) == (640, 480)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -16,7 +17,7 @@ from beatrix_zenoh.client import RobotState
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.widgets import plots as plots_module
-from gui.window.widgets.plots import PlotsPanel, sample_time_s, span
+from gui.window.widgets.plots import CAPACITY, History, PlotsPanel, sample_time_s, span
 
 Arms = tuple[float, float, float]
 LAG_S = 0.2
@@ -100,3 +101,19 @@ def test_time_stamps_of_another_computer_are_converted_to_this_clock() -> None:
 def test_an_axis_has_round_limits(lowest: float, highest: float, limits: tuple[float, float]) -> None:
     low, high = span(lowest, highest, 20.0)
     assert (low, high) == limits
+
+
+def test_the_memory_of_the_samples_is_bounded() -> None:
+    def feed(first: int, count: int) -> None:
+        for tick in range(first, first + count):
+            history.add(tick / 50, (tick, 0, 0))
+
+    history = History()
+    feed(0, 95_000)
+    tracemalloc.start()
+    feed(95_000, 10_000)
+    grown, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert grown < 10_000, "bytes"
+    assert len(history.samples) == CAPACITY
+    assert history.samples[:, 1].tolist() == list(range(105_000 - CAPACITY, 105_000)), "the newest, in order"

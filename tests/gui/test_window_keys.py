@@ -14,6 +14,7 @@ from recording_link import RecordingLink
 
 from gui.console.state.actions import Send, SendStop
 from gui.console.state.intents import (
+    AimHead,
     EmergencyStop,
     Intent,
     Jog,
@@ -227,3 +228,31 @@ def test_tab_reaches_every_control_and_returns_to_the_first(qtbot: QtBot, window
     places = [seen.index(widget) for widget in order]
     assert places == sorted(places)
     assert all(widget.accessibleName() or widget.inherits("QTabBar") for widget in seen)
+
+
+STEPS = [
+    (Qt.Key.Key_Left, 0, (0.0, 0.0, -1.0)),
+    (Qt.Key.Key_Right, 0, (0.0, 0.0, 1.0)),
+    (Qt.Key.Key_Up, 0, (0.0, -1.0, 0.0)),
+    (Qt.Key.Key_Down, 0, (0.0, 1.0, 0.0)),
+    (Qt.Key.Key_PageUp, 0, (1.0, 0.0, 0.0)),
+    (Qt.Key.Key_PageDown, 0, (-1.0, 0.0, 0.0)),
+    (Qt.Key.Key_Down, Qt.KeyboardModifier.ShiftModifier, (0.0, 5.0, 0.0)),
+]
+
+
+@pytest.mark.parametrize(("key", "modifiers", "step"), STEPS)
+def test_arrow_keys_move_the_target(
+    qtbot: QtBot,
+    window: Window,
+    intents: Taken,
+    key: Qt.Key,
+    modifiers: Qt.KeyboardModifier,
+    step: tuple[float, float, float],
+) -> None:
+    focus(qtbot, window.panels.head.pad)
+    window.handle(AimHead(0.0, 0.0, 0.0))
+    intents()
+    press(key, modifiers or Qt.KeyboardModifier.NoModifier)
+    press(key, modifiers or Qt.KeyboardModifier.NoModifier)
+    assert intents() == [AimHead(*step), AimHead(*(2 * angle for angle in step))]

@@ -162,3 +162,16 @@ def test_usb_cameras_are_refused_without_their_libraries(monkeypatch: pytest.Mon
     monkeypatch.setattr(sys, "platform", "darwin")
     with pytest.raises(WrongUsage, match=r'opencv-python-headless: pip install "\.\[cameras\]"'):
         cameras.choices(["left=0"])
+
+
+def without_tables(whole: bytes) -> bytes:
+    head = list(jpeg.segments(whole))
+    kept = [whole[one.begin : one.end] for one in head if one.marker != jpeg.DHT]
+    return b"".join([jpeg.SOI, *kept, whole[head[-1].end :]])
+
+
+def test_only_missing_tables_are_added() -> None:
+    whole = picture(100)
+    assert jpeg.complete(whole) is whole
+    completed = jpeg.complete(without_tables(whole))
+    assert np.array_equal(simplejpeg.decode_jpeg(completed), simplejpeg.decode_jpeg(whole))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 import simplejpeg
@@ -52,3 +54,24 @@ def test_a_posture_of_nan_does_not_end_the_process() -> None:
     dict(renderer.draw(broken, ["left"]))
     assert dict(renderer.draw(NOW, ["left"]))
     renderer.close()
+
+
+def assert_closing_interrupts_drawing(renderer: Renderer) -> None:
+    ended = threading.Event()
+
+    def draw() -> None:
+        try:
+            while True:
+                dict(renderer.draw(NOW, ["left", "right"]))
+        except OSError:
+            ended.set()
+
+    drawer = threading.Thread(target=draw)
+    drawer.start()
+    renderer.close()
+    assert ended.wait(5.0)
+    drawer.join()
+
+
+def test_closing_interrupts_drawing() -> None:
+    assert_closing_interrupts_drawing(start_renderer("rays"))
