@@ -15,7 +15,7 @@ from beatrix_zenoh.settings import resolve
 from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, RobotFile
 from beatrix_zenoh.terminal.run import run_command
 from hw_node.body import build
-from hw_node.cameras import choices
+from hw_node.cameras.camera import choices
 from hw_node.port import VIRTUAL
 
 

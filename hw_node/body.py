@@ -11,7 +11,7 @@ from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node import ArmState, Component, Node
-from hw_node.cameras import PATTERN, Camera, CameraChoice, same_for_both
+from hw_node.cameras.camera import PATTERN, Camera, CameraChoice, same_for_both
 from hw_node.port import VIRTUAL, SerialPort, find
 
 

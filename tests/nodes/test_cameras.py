@@ -17,7 +17,8 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import CameraFrame, Component, Node
 from hw_node.body import VirtualHardware
-from hw_node.cameras import Camera, camera
+from hw_node.cameras import camera
+from hw_node.cameras.camera import Camera
 
 PICTURE = b"\xff\xd8 picture"
 

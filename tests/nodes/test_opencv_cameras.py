@@ -11,7 +11,8 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.node import Component, Node
 from hw_node.body import VirtualHardware
-from hw_node.cameras import Camera, camera
+from hw_node.cameras import camera
+from hw_node.cameras.camera import Camera
 from hw_node.cameras.opencv import OpenCvCamera
 
 

@@ -13,8 +13,7 @@ import simplejpeg
 
 from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.contract.errors import WrongUsage
-from hw_node import cameras
-from hw_node.cameras import jpeg
+from hw_node.cameras import camera, jpeg
 from hw_node.cameras.source import FrameTimer
 from hw_node.cameras.stand_ins import Pattern, PictureFiles, number_and_time
 
@@ -122,7 +121,7 @@ def test_the_error_for_an_unusable_file_contains_the_cause(
 
 
 def test_each_eye_gets_its_source(tmp_path: Path) -> None:
-    found = cameras.choices([f"right=file:{tmp_path}", "left=pattern"])
+    found = camera.choices([f"right=file:{tmp_path}", "left=pattern"])
     assert {one.eye: type(one.build()).__name__ for one in found} == {
         "right": "PictureFiles",
         "left": "Pattern",
@@ -142,7 +141,7 @@ def test_each_eye_gets_its_source(tmp_path: Path) -> None:
 )
 def test_invalid_values_are_refused(words: list[str], why: str) -> None:
     with pytest.raises(WrongUsage, match=why) as refused:
-        cameras.choices(words)
+        camera.choices(words)
     assert refused.value.message.startswith(f"camera {words[-1]}: ")
 
 
@@ -151,17 +150,17 @@ def test_one_camera_is_refused_for_both_eyes(tmp_path: Path, monkeypatch: pytest
     (tmp_path / "video0").touch()
     (tmp_path / "by-path").symlink_to(tmp_path / "video0")
     with pytest.raises(WrongUsage, match="the other eye has this camera already"):
-        cameras.choices([f"left={tmp_path}/video0", f"right={tmp_path}/by-path"])
+        camera.choices([f"left={tmp_path}/video0", f"right={tmp_path}/by-path"])
 
 
 def test_usb_cameras_are_refused_without_their_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
     monkeypatch.setattr(sys, "platform", "linux")
     with pytest.raises(WrongUsage, match=r'pip install "\.\[cameras\]"'):
-        cameras.choices(["left=/dev/video0"])
+        camera.choices(["left=/dev/video0"])
     monkeypatch.setattr(sys, "platform", "darwin")
     with pytest.raises(WrongUsage, match=r'opencv-python-headless: pip install "\.\[cameras\]"'):
-        cameras.choices(["left=0"])
+        camera.choices(["left=0"])
 
 
 def without_tables(whole: bytes) -> bytes:

@@ -15,8 +15,8 @@ from robots import until
 
 from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.node import CameraFrame
-from hw_node import cameras
 from hw_node.cameras import opencv
+from hw_node.cameras.camera import choices
 from hw_node.cameras.opencv import OpenCvCamera
 
 
@@ -105,7 +105,7 @@ def test_opencv_cameras_are_selected_by_number(module: FakeOpenCv, monkeypatch: 
     monkeypatch.setitem(sys.modules, "cv2", module)
     monkeypatch.setattr("importlib.util.find_spec", lambda _: object())
     monkeypatch.setattr(sys, "platform", "win32")
-    left, right = cameras.choices(["left=0", "right=1"])
+    left, right = choices(["left=0", "right=1"])
     source = right.build()
     assert isinstance(source, OpenCvCamera)
     assert source.trouble() == ""
