@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from typing import Final
 
 import msgspec
 from tornado import web, websocket
 
-from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.contract import names
+from gui.console.state import intents
+from gui.console.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 from gui.page import messages, protection
-from gui.page.driving import Driver, home_query
-from gui.page.eyes import Camera
-from gui.page.hub import Hub
+from gui.page.hub import Camera, Hub
 from gui.page.protection import Login, Visitor, Visitors
 
 PAGES_MAX: Final = 64
-UNREAD_MAX: Final = 20
-"""Largest number of unconfirmed states of a browser; it gets no more until it confirms one."""
 MESSAGES_MAX: Final = 200
 """Largest number of messages of a page in a second; a page normally sends twenty."""
 TOO_MANY_PAGES: Final = f"{PAGES_MAX} pages are open already: close one, then load this page again."
@@ -60,11 +55,11 @@ class Guarded(web.RequestHandler):
         """Refuse a request with a foreign Host header or, unless it only reads, with a foreign Origin header."""
         acts = self.request.method != "GET" or "Upgrade" in self.request.headers
         if not self.host:
-            self.refuse(403, protection.FOREIGN_HOST)
+            self.reject(403, protection.FOREIGN_HOST)
         elif acts and not protection.origin_allowed(self.request.headers.get("Origin"), self.host):
-            self.refuse(403, protection.FOREIGN_ORIGIN)
+            self.reject(403, protection.FOREIGN_ORIGIN)
 
-    def refuse(self, status: int, sentence: str) -> None:
+    def reject(self, status: int, sentence: str) -> None:
         """Reply with a sentence and end the request."""
         self.set_status(status)
         self.set_header("Content-Type", "text/plain; charset=utf-8")
@@ -72,7 +67,7 @@ class Guarded(web.RequestHandler):
 
     def write_error(self, status_code: int, **_: object) -> None:
         """Reply with the name of the error, never with a traceback."""
-        self.refuse(status_code, f"{status_code}: {self._reason}")
+        self.reject(status_code, f"{status_code}: {self._reason}")
 
     @property
     def visitor(self) -> Visitor | None:
@@ -90,10 +85,10 @@ class Nothing(Guarded):
 
     def get(self) -> None:
         """Reply with status 404."""
-        self.refuse(404, NOTHING)
+        self.reject(404, NOTHING)
 
 
-class Files(Guarded, web.StaticFileHandler):
+class StaticFiles(Guarded, web.StaticFileHandler):
     """The files of the folder `static`: style sheet, scripts, icon."""
 
     def initialize(self, context: Context, path: str) -> None:  # type: ignore[override]
@@ -108,12 +103,12 @@ class Front(Guarded):
     def get(self) -> None:
         """Show the page to a browser that is logged in; otherwise show the form, or log in if no PIN is needed."""
         if self.visitor is not None:
-            self.render("page.html", token=self.xsrf_token.decode())
+            self.render("page.html", token=self.xsrf_token.decode(), name=self.visitor.name)
         elif self.context.login.needed:
             self.form("")
         elif self.request.headers.get("Sec-Fetch-Dest", "document") != "document":
             # Each login may log out the oldest browser, so no foreign page may load this as a picture or a frame.
-            self.refuse(403, protection.FOREIGN_ORIGIN)
+            self.reject(403, protection.FOREIGN_ORIGIN)
         else:
             self.admit()
             self.redirect("/", status=303)
@@ -131,7 +126,9 @@ class Front(Guarded):
 
     def form(self, refusal: str) -> None:
         """Show the form, with the reason why the last PIN was refused; empty: no PIN was typed."""
-        self.render("login.html", refusal=refusal)
+        wanted = self.request.headers.get("Accept-Language", "")[:2]
+        language = wanted if wanted in LANGUAGES else DEFAULT_LANGUAGE
+        self.render("login.html", refusal=refusal, language=language, text=Texts(language))
 
 
 class Stopper(Guarded):
@@ -141,14 +138,14 @@ class Stopper(Guarded):
         """Send STOP."""
         visitor = self.visitor
         if visitor is None:
-            self.refuse(403, protection.NO_COOKIE)
+            self.reject(403, protection.NO_COOKIE)
             return
         try:
-            stop = msgspec.json.decode(self.request.body, type=messages.Stop)
+            stop = msgspec.json.decode(self.request.body, type=messages.StopRobot)
         except msgspec.DecodeError as error:
-            self.refuse(400, f"This STOP cannot be read: {error}.")
+            self.reject(400, f"This STOP cannot be read: {error}.")
             return
-        self.context.hub.stop(visitor, stop.robot, stop.stop, None)
+        self.context.hub.stop(visitor, stop.robot, stop.stop)
 
 
 class Socket(Guarded, websocket.WebSocketHandler):
@@ -158,7 +155,7 @@ class Socket(Guarded, websocket.WebSocketHandler):
         """Refuse browsers that are not logged in."""
         super().prepare()
         if not self._finished and self.visitor is None:
-            self.refuse(403, protection.NO_COOKIE)
+            self.reject(403, protection.NO_COOKIE)
 
     def send(self, message: str | bytes, *, binary: bool = False) -> None:
         """Send a message, unless the browser has disconnected."""
@@ -170,39 +167,27 @@ class Socket(Guarded, websocket.WebSocketHandler):
 
 
 class Live(Socket):
-    """The web socket for the requests of one page and the states that it shows."""
-
-    place: Place | None = None
-    driver: Driver | None = None
+    """The web socket for the requests of one page and the views that it shows."""
 
     def open(self, *_: str, **__: str) -> None:
         """Register the page, or close the web socket if PAGES_MAX pages are open."""
         visitor, self.hub = self.visitor, self.context.hub
         assert visitor is not None
         self.visitor_of_page = visitor
-        self._unread = self._count = 0
+        self._count = 0
         self._second = time.monotonic()
         if len(self.hub.pages) >= PAGES_MAX:
             self.close(FULL, TOO_MANY_PAGES)
             return
         self.set_nodelay(True)
+        self.face = self.hub.new_face(lambda view: self.send(view.decode()))
         self.hub.pages.add(self)
-        self.send(msgspec.json.encode({"kind": "hello", "name": visitor.name}).decode())
 
     def on_close(self) -> None:
         """Remove the page and end its driver, which stops the robot."""
-        self.hub.pages.discard(self)
-        self.hub.end_driver(self)
-
-    def show(self, state: bytes) -> None:
-        """Send a state, unless the browser has not confirmed UNREAD_MAX earlier ones."""
-        if self._unread < UNREAD_MAX:
-            self._unread += 1
-            self.send(state.decode())
-
-    def report(self, outcome: messages.Outcome) -> None:
-        """Send the outcome of a request."""
-        self.send(msgspec.json.encode(outcome).decode())
+        if self in self.hub.pages:
+            self.hub.pages.discard(self)
+            self.hub.end_driver(self.face)
 
     def on_message(self, message: str | bytes) -> None:
         """Carry out a request; close the web socket after an invalid message or too many messages."""
@@ -215,43 +200,40 @@ class Live(Socket):
         except msgspec.DecodeError:
             self.close(MALFORMED, "A message of this page cannot be read: load the page again.")
             return
-        if isinstance(request, messages.Stop):
-            self.hub.stop(self.visitor_of_page, request.robot, request.stop, self)
+        if isinstance(request, messages.StopRobot):
+            own = self if request.robot == self.face.robot else None
+            self.hub.stop(self.visitor_of_page, request.robot, request.stop, own)
         if self._count > MESSAGES_MAX:
             self.close(TOO_FAST, "This page sends too many messages: load the page again.")
-        elif not isinstance(request, messages.Stop):
+        elif not isinstance(request, messages.StopRobot):
             self.carry_out(request)
 
     def carry_out(self, request: messages.Request) -> None:
         """Carry out a request that is not STOP."""
-        if self.driver is not None and not isinstance(request, messages.Seen):
-            self.driver.beat()
+        face = self.face
+        if face.driver is not None and not isinstance(request, messages.Seen):
+            face.driver.beat()
         match request:
             case messages.Seen():
-                self._unread = max(0, self._unread - 1)
-            case messages.Watch(robot=robot, side=side):
-                self.hub.watch(self, (robot, side))
+                face.seen()
+            case messages.Open(saved=saved):
+                face.open(saved)
             case messages.Drive(name=name):
                 self.hub.drive(self, name)
             case messages.Leave():
-                self.hub.end_driver(self)
+                self.hub.end_driver(face)
             case messages.Hidden():
-                self.hub.hidden(self)
-            case messages.Hold(part=part):
-                self.with_driver(part, lambda driver: driver.hold(request))
+                face.stop_moving()
+            case messages.Hold():
+                face.hold(request)
             case messages.Release(press=press):
-                if self.driver is not None:
-                    self.driver.release(press)
-            case messages.Home(speed=speed):
-                self.with_driver("home", lambda driver: driver.begin("home", home_query(speed)))
-            case messages.Do(command=command):
-                self.with_driver(command, lambda driver: driver.command(command))
-
-    def with_driver(self, control: str, work: Callable[[Driver], None]) -> None:
-        """Call `work` with the driver of this page; if it does not drive, the page gets a refusal instead."""
-        driver = self.hub.driver_of(self, control)
-        if driver is not None:
-            work(driver)
+                face.release(press)
+            case messages.ShowClass(on=on):
+                face.shows_class = on
+            case intents.ChooseRobot(name=name):
+                self.hub.watch(self, name)
+            case intents.Intent():
+                face.carry_out(request)
 
 
 class Pictures(Socket):
@@ -259,14 +241,12 @@ class Pictures(Socket):
 
     def open(self, *_: str, **__: str) -> None:
         """Begin to send pictures of the robot and side in the URL; close the web socket if that is not online."""
-        robot, side = self.get_query_argument("robot", ""), self.get_query_argument("side", "")
+        place = self.get_query_argument("robot", ""), self.get_query_argument("side", "")
         self._sent: dict[Camera, int] = {}
         self._ready = [True, True]
-        self._cameras: list[Camera] = []
-        if (robot, side) in self.context.hub.places():
+        self._cameras = self.context.hub.start_pictures(self, place)
+        if self._cameras:
             self.set_nodelay(True)
-            self._cameras = [(robot, side, eye) for eye in names.EYES]
-            self.context.hub.start_pictures(self, self._cameras)
         else:
             self.close()
 
@@ -274,13 +254,13 @@ class Pictures(Socket):
         """Send the newest picture, if the browser has drawn the last one of this eye."""
         index = self._cameras.index(camera)
         newest = self.context.hub.newest(camera)
-        if self._ready[index] and newest is not None and newest[0] != self._sent.get(camera):
-            self._ready[index], self._sent[camera] = False, newest[0]
-            self.send(bytes([index]) + newest[1], binary=True)
+        if self._ready[index] and newest is not None and newest.seq != self._sent.get(camera):
+            self._ready[index], self._sent[camera] = False, newest.seq
+            self.send(bytes([index]) + newest.jpeg, binary=True)
 
     def on_message(self, message: str | bytes) -> None:
         """Send the next picture of eye `0` or `1`, because the browser has drawn the last one."""
-        if message in ("0", "1"):
+        if message in ("0", "1") and self._cameras:
             self._ready[int(message)] = True
             self.changed(self._cameras[int(message)])
 

@@ -1,4 +1,4 @@
-"""The state that all pages share: session, robots, drivers, pictures.
+"""What all pages share: the link that watches all robots, one driver for each seat, STOP, pictures.
 
 The methods of `Hub` run on the thread of the server's loop.
 """
@@ -9,54 +9,42 @@ import itertools
 import threading
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Final, Protocol
 
-import msgspec
-
 from beatrix_zenoh import threads
-from beatrix_zenoh.client import Client, Monitor, Presence
+from beatrix_zenoh.client import CameraImage, Client
 from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.client.stopping import GROUP_S, IF_IT_MOVES, Answers, StopSender, sentence
+from beatrix_zenoh.client.stopping import GROUP_S, StopSender
+from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract import names
-from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract._generated.messages import Source
 from beatrix_zenoh.settings import Settings
-from gui.page import driving, view
-from gui.page.driving import DEAD_MAN_S, Driver
-from gui.page.eyes import Camera, Eye
-from gui.page.messages import Outcome, refused
+from gui.console.link import Link
+from gui.console.link.governing import ClassStates
+from gui.console.link.pictures import CameraStream
+from gui.console.link.stopping import send_stop
+from gui.console.state.actions import Outcome, SendStop
+from gui.page.face import Driver, Face
+from gui.page.jog import Jogging
 from gui.page.protection import Visitor
 
+DEAD_MAN_S: Final = 0.4
+"""Longest time without a heartbeat of the page; then a moving robot is stopped. Pages send ten heartbeats a second."""
 GONE_S: Final = 5.0
 """Longest time without a heartbeat of a page that drives; then the server gives the robot back."""
-CLOSE_S: Final = 3.0
-"""Time for sessions and subscriptions to close."""
-SILENT: Final = "No heartbeat came from this page, so the robot was stopped. Hold a button again to continue."
-GONE: Final = "This page was silent for too long, so the robot was given back. Press Drive to take it again."
-TAKEN: Final = "The robot was handed over to {holder}. Press Drive to take it again."
-ENDED: Final = (
-    "The robot or the router was started again, so no page drives. Press Drive to take the robot again."
-)
-NAME_IN_USE: Final = (
-    "Another page drives {robot} as {seat}, or waits for it. Type another name, then press Drive."
-)
-SEAT_IN_USE: Final = "All pages of this server use the seat {seat} of its account, and one of them drives {robot}. Wait until it is given back."
-NOT_DRIVING: Final = "You only watch this robot: press Drive first."
-NOT_STOPPED: Final = f"STOP was sent, but no robot {{robot}} answered. {IF_IT_MOVES}"
-NO_ROBOT: Final = "There is no robot {name} at the router. Choose one from the list."
+CLOSE_S: Final = 3.5
+"""Time for links and subscriptions to close."""
+
+Camera = tuple[str, str, str]
+"""Robot, side and eye."""
 
 
-class Page(Protocol):
-    """A page that is open in a browser."""
+class OpenPage(Protocol):
+    """The web socket of an open page."""
 
     visitor_of_page: Visitor
-    place: Place | None
-    driver: Driver | None
-
-    def report(self, outcome: Outcome) -> None:
-        """Show the outcome of a request beside the control that sent the request."""
-
-    def show(self, state: bytes) -> None:
-        """Show a state, unless too many earlier ones are unconfirmed."""
+    face: Face
 
     def close(self) -> None:
         """Close the web socket of the page."""
@@ -70,10 +58,10 @@ class PictureSocket(Protocol):
 
 
 class Hub:
-    """Passes requests of pages to robots, and the states of robots to pages."""
+    """Gives pages the states of robots, and links with which they drive."""
 
     def __init__(self, settings: Settings, only: str | None, call: Callable[..., object]) -> None:
-        """Open the session and monitor the robots.
+        """Begin to watch the robots.
 
         Args:
             settings: router and seat.
@@ -83,94 +71,83 @@ class Hub:
         Raises:
             NoAnswer: NO_ROUTER.
         """
+        Client(settings, announce=False).close()  # to find out whether a router answers
         self.settings, self._only, self._call = settings, only, call
-        self.client = Client(settings)
-        self.monitor = Monitor(self.client)
-        self._router = True
-        self.client.bus.watch_router(lambda there: self._set_router(there=there))
-        self.pages: set[Page] = set()
+        self._link = Link(settings, lambda _: None, lambda _, __: None, source=Source.PAGE)
+        self._link.start()
+        self.pages: set[OpenPage] = set()
+        self._class = ClassStates()
+        self._class.watch(on=True)
         self._stop_sender = StopSender("web")
         self._closing: list[threading.Thread] = []
-        self._eyes: dict[Camera, tuple[Eye, set[PictureSocket]]] = {}
-
-    def _set_router(self, *, there: bool) -> None:
-        self._router = there
+        self._eyes: dict[Camera, tuple[CameraStream, set[PictureSocket]]] = {}
+        self._newest: dict[Camera, CameraImage] = {}
 
     def drivers(self) -> Iterable[Driver]:
         """Return the drivers of all pages that drive or wait."""
-        return [page.driver for page in self.pages if page.driver is not None]
+        return [page.face.driver for page in self.pages if page.face.driver is not None]
 
-    # -- states --------------------------------------------------------------------------------------
+    # -- views ---------------------------------------------------------------------------------------
 
-    def places(self) -> list[Place]:
-        """Return the robots that pages may use, the simulation of each name first."""
-        found = {
-            (robot.robot, robot.side): robot.presence is not Presence.ABSENT
-            for robot in self.monitor.robots()
-            if self._only in (None, robot.robot)
-        }
-        return [place for place, present in found.items() if present]
+    def robots(self) -> tuple[str, ...]:
+        """Return the names of the robots that pages may use."""
+        session = self._link.session
+        present = () if session is None else sorted({name for name, _ in session.monitor.present()})
+        return tuple(name for name in present if self._only in (None, name))
+
+    def new_face(self, send: Callable[[bytes], None]) -> Face:
+        """Return the face of a new page, which shows the first robot."""
+        robot = next(iter(self.robots()), self._only or self.settings.robot)
+        return Face(self._link.world(robot), send, self._stop)
 
     def show(self) -> None:
-        """Send each page the state of its robot, and end drivers whose lease has ended."""
-        if not self.pages:
-            return
-        places = self.places()
-        listed = [{"robot": robot, "side": side} for robot, side in places]
-        states = {page.place: page.place and self.monitor.robot(*page.place) for page in self.pages}
-        shown = {place: state and view.state_of(state) for place, state in states.items()}
+        """Send all pages what has changed."""
+        robots = self.robots()
+        shown = any(page.face.shows_class for page in self.pages)
+        states = self._class.states(self._link.session, time.monotonic()) if shown else ()
         for page in list(self.pages):
-            if page.place is None and places:
-                page.place = places[0]  # its state follows with the next call
-            state = states.get(page.place)
-            if page.driver is not None and state is not None and state.status is not None:
-                status = state.status
-                if page.driver.lost(status.lease, status.holder):
-                    self.end_driver(page, TAKEN.format(holder=status.holder) if status.holder else ENDED)
-            driver = page.driver
-            content = {
-                "kind": "state",
-                "router": self._router,
-                "robots": listed,
-                "robot": shown.get(page.place),
-                "you": {
-                    "seat": "" if driver is None else driver.seat,
-                    "drives": driver is not None and bool(driver.lease),
-                    "waits": driver is not None and not driver.lease,
-                },
-            }
-            page.show(msgspec.json.encode(content))
+            face = page.face
+            world = self._link.world(face.robot) if face.driver is None else face.driver.link.world()
+            face.show(replace(world, robots=states if face.shows_class else ()), robots)
 
-    def watch(self, page: Page, place: Place) -> None:
+    def watch(self, page: OpenPage, robot: str) -> None:
         """Show another robot to a page, and end its driver of the former robot."""
-        if place not in self.places():
-            page.report(refused("robot", NO_ROBOT.format(name=names.tidy(place[0]))))
-        elif place != page.place:
-            self.end_driver(page)
-            page.place = place
+        face = page.face
+        if robot not in self.robots() or robot == face.robot:
+            return
+        self.end_driver(face)
+        face.change(self._link.world(robot))
 
     # -- driving -------------------------------------------------------------------------------------
 
-    def drive(self, page: Page, name: str) -> None:
-        """Start a driver that takes a page's robot or waits for it; its seat is the account's or is made of `name`."""
-        if page.driver is not None or page.place is None:
+    def drive(self, page: OpenPage, name: str) -> None:
+        """Open a link that takes a page's robot or waits for it; its seat is the account's or is made of `name`."""
+        face, session, account = page.face, self._link.session, self.settings.account
+        if face.driver is not None or session is None:
             return
-        account = self.settings.account
         seat = self.settings.who if account is not None else self._seat(page, name)
-        robot = page.place[0]
-        if any((driver.place, driver.seat) == (page.place, seat) for driver in self.drivers()):
-            text = NAME_IN_USE if account is None else SEAT_IN_USE
-            page.report(refused("drive", text.format(robot=robot, seat=seat)))
+        if any((driver.robot, driver.seat) == (face.robot, seat) for driver in self.drivers()):
+            key = "page.name_in_use" if account is None else "page.seat_in_use"
+            face.notify(key, robot=face.robot, seat=seat)
             return
-        settings = Settings(robot, self.settings.connect, seat, account=account)
-        driver: Driver
+        report, settings = (
+            self._reporter(face),
+            Settings(face.robot, self.settings.connect, seat, account=account),
+        )
+        link = Link(settings, report, lambda _, __: None, source=Source.PAGE, shared=session)
+        link.start()
+        face.notify("")
+        face.driver = Driver(link, Jogging(report), face.robot, seat, time.monotonic())
 
-        def ended(text: str) -> None:
-            self._call(lambda: self.end_driver(page, text) if page.driver is driver else None)
+    def _reporter(self, face: Face) -> Callable[[Outcome], None]:
+        """Return a function that reports outcomes to a page; any thread may call it."""
 
-        driver = page.driver = Driver(settings, page.place, self._reporter(page), ended)
+        def report(outcome: Outcome) -> None:
+            self._call(face.report, outcome)
 
-    def _seat(self, page: Page, name: str) -> str:
+        return report
+
+    def _seat(self, page: OpenPage, name: str) -> str:
         """Return a seat made of the typed name, or of a guest name if that has neither letters a-z nor digits."""
         used = {driver.seat for driver in self.drivers()}
         guest = page.visitor_of_page.name
@@ -178,123 +155,101 @@ class Hub:
         free = next(guest for guest in guests if f"web-{guest}" not in used)
         return f"web-{names.tidy(name, free)}"[:32].strip("-")
 
-    def end_driver(self, page: Page, text: str = "") -> None:
-        """End the driver of a page, so that its robot stops and is free; the page shows `text` as the reason."""
-        driver, page.driver = page.driver, None
+    def end_driver(self, face: Face, key: str = "") -> None:
+        """Close the link of a page, so that its robot stops and is free; the page shows the text `key` as the reason."""
+        driver, face.driver = face.driver, None
         if driver is None:
             return
-        driver.drop()
-        self._close_later(driver.close)
-        if text:
-            page.report(refused("drive", text))
-
-    def driver_of(self, page: Page, control: str) -> Driver | None:
-        """Return the driver of a page that drives; otherwise report to the page that it must drive first."""
-        driver = page.driver
-        if driver is None or not driver.lease:
-            page.report(refused(control, NOT_DRIVING))
-            return None
-        return driver
+        driver.jog.close()
+        self._close_later(driver.link.close)
+        face.state.leave()
+        face.notify(key)
 
     def check_heartbeats(self) -> None:
         """Stop moving robots whose page is silent; give a robot back if its page is silent for longer than GONE_S."""
         for page in list(self.pages):
-            driver = page.driver
+            driver = page.face.driver
             if driver is None:
                 continue
-            silent_s = driver.silent()
+            silent_s = time.monotonic() - driver.beat_s
             if silent_s > GONE_S:
-                self.end_driver(page, GONE)
+                self.end_driver(page.face, "page.gone")
             elif silent_s > DEAD_MAN_S and driver.busy and not driver.stopped:
-                self.stop_driver(driver, page)
-                page.report(refused("drive", SILENT))
-
-    def hidden(self, page: Page) -> None:
-        """Stop the robot of a page that is no longer visible, if it moves for this page."""
-        if page.driver is not None and page.driver.busy:
-            self.stop_driver(page.driver, page)
-
-    def stop_driver(self, driver: Driver, page: Page) -> None:
-        """Stop the robot of one page, because the page is silent or hidden."""
-        driver.stopped = True
-        driver.drop()
-        self._send_stop(driver.place[0], driver, self._reporter(page))
+                page.face.stop_moving()
+                page.face.notify("page.silent")
 
     # -- STOP ----------------------------------------------------------------------------------------
 
-    def stop(self, visitor: Visitor, robot: str, stop: str, page: Page | None) -> None:
-        """Send STOP to simulation and hardware of a name, for any page; ignore it if its number `stop` came before."""
+    def _stop(self, face: Face, action: SendStop) -> None:
+        """Send STOP through the session that watches, for a page that does not drive or has lost its own session."""
+        session = self._link.session
+        if session is not None:
+            session = replace(session, twin=Twin(face.robot, client=session.client))
+            send_stop(self._stop_sender, session, action, self._reporter(face))
+
+    def stop(self, visitor: Visitor, robot: str, stop: str, page: OpenPage | None = None) -> None:
+        """Send STOP to simulation and hardware of a name, for any page; ignore it if its number `stop` came before.
+
+        Other pages that drive this robot drop what waits to be sent. Without a page, one of this browser that shows the
+        robot reports the outcome; without such a page, no page does.
+        """
         if not names.PATTERN.fullmatch(robot) or not visitor.is_new_stop(stop):
             return
-        own = None
-        for driver in self.drivers():
-            if driver.place[0] == robot:
-                driver.drop()
-        pages = [other for other in self.pages if other.visitor_of_page is visitor]
-        for other in pages:
-            if other.driver is not None and other.driver.place[0] == robot:
-                own = other.driver
-        self._send_stop(robot, own, self._reporter(*(pages if page is None else [page])))
-
-    def _send_stop(self, robot: str, driver: Driver | None, report: driving.Report) -> None:
-        """Send STOP through the session of a driver, so that its seat need not pause; otherwise through the hub's."""
-
-        def answered(answers: Answers) -> None:
-            for place, answer in answers.items():
-                ok, text = not isinstance(answer, BeatrixError), sentence(place, answer.message)
-                report(Outcome("stop", ok=ok, text=text))
-            if not answers:
-                report(refused("stop", NOT_STOPPED.format(robot=robot)))
-
-        own = None if driver is None else driver.client
-        clients = [self.client] if own is None else [own, self.client]
-        self._stop_sender.send(clients, [(robot, "*")], answered, self.monitor.present())
-
-    def _reporter(self, *pages: Page) -> driving.Report:
-        """Return a function that reports to pages; any thread may call it."""
-
-        def report(outcome: Outcome) -> None:
-            for page in pages:
-                self._call(page.report, outcome)
-
-        return report
+        own = [one for one in self.pages if one.visitor_of_page is visitor and one.face.robot == robot]
+        page = page or next(iter(sorted(own, key=lambda one: one.face.driver is None)), None)
+        for other in self.pages:
+            if other is not page and other.face.robot == robot:
+                other.face.drop()
+        session = self._link.session
+        if page is not None:
+            page.face.stop()
+        elif session is not None:
+            self._stop_sender.send([session.client], [(robot, "*")], lambda _: None)
 
     # -- pictures ------------------------------------------------------------------------------------
 
-    def start_pictures(self, socket: PictureSocket, cameras: Iterable[Camera]) -> None:
-        """Begin to send pictures to a web socket; cameras work only while a page shows them."""
+    def start_pictures(self, socket: PictureSocket, place: Place) -> list[Camera]:
+        """Begin to send pictures to a web socket; cameras work only while a page shows them. Returns both cameras."""
+        session, cameras = self._link.session, [(*place, eye) for eye in names.EYES]
+        if session is None or place not in session.monitor.present() or place[0] not in self.robots():
+            return []
         for camera in cameras:
             if camera not in self._eyes:
-                eye = Eye(self.client, camera, lambda changed: self._call(self._picture, changed))
-                self._eyes[camera] = eye, set()
+
+                def arrived(_: str, image: CameraImage, camera: Camera = camera) -> None:
+                    self._newest[camera] = image
+                    self._call(self._picture, camera)
+
+                self._eyes[camera] = CameraStream(session.client, camera, arrived), set()
             self._eyes[camera][1].add(socket)
+        return cameras
 
     def _picture(self, camera: Camera) -> None:
         for socket in list(self._eyes[camera][1]) if camera in self._eyes else []:
             socket.changed(camera)
 
-    def newest(self, camera: Camera) -> tuple[int, bytes] | None:
-        """Return number and JPEG of the newest picture of a camera; None if none has arrived."""
-        picture = self._eyes[camera][0].newest if camera in self._eyes else None
-        return None if picture is None else (picture.seq, picture.jpeg)
+    def newest(self, camera: Camera) -> CameraImage | None:
+        """Return the newest picture of a camera; None if none has arrived."""
+        return self._newest.get(camera)
 
     def end_pictures(self, socket: PictureSocket) -> None:
         """Send no more pictures to a web socket; end subscriptions that no other one needs."""
-        for camera, (eye, sockets) in list(self._eyes.items()):
+        for camera, (stream, sockets) in list(self._eyes.items()):
             sockets.discard(socket)
             if not sockets:
                 del self._eyes[camera]
-                self._close_later(eye.end)
+                self._newest.pop(camera, None)
+                self._close_later(stream.end)
 
     def _close_later(self, close: Callable[[], None]) -> None:
-        """Close a session or a subscription on a thread, because it may wait for the router."""
+        """Close a link or a subscription on a thread, because it may wait for the router."""
         self._closing = [thread for thread in self._closing if thread.is_alive()]
         self._closing.append(threads.start(close, "web-close"))
 
     def close(self) -> None:
         """Stop the robots that pages move, and end all sessions and threads."""
         for page in list(self.pages):
-            self.end_driver(page)
+            self.end_driver(page.face)
         for camera in list(self._eyes):
             self._close_later(self._eyes.pop(camera)[0].end)
         self._stop_sender.close()
@@ -302,4 +257,4 @@ class Hub:
         deadline_s = time.monotonic() + CLOSE_S
         for thread in self._closing:
             thread.join(max(0.0, deadline_s - time.monotonic()))
-        self.client.close()
+        self._link.close()

@@ -1,4 +1,4 @@
-"""Messages between the control page and its server, as JSON."""
+"""Messages of the control page to its server, as JSON: those of the page itself, and intents of the console."""
 
 from __future__ import annotations
 
@@ -7,25 +7,24 @@ from typing import Annotated, Final, Literal
 import msgspec
 from msgspec import Meta
 
+from gui.console.state import intents
+from gui.console.state.saved import Saved
+
 ROTATIONS: Final = ("yaw", "pitch", "roll")
-SLOWEST_DEG_S, FASTEST_DEG_S = 2.0, 40.0
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
 Press = Annotated[int, Meta(ge=1, le=2**53)]
 """Number of a press of a button; a page counts its presses."""
-Speed = Annotated[float, Meta(ge=SLOWEST_DEG_S, le=FASTEST_DEG_S)]
-"""Speed of the fastest arm, deg/s."""
 
 
 class Message(msgspec.Struct, frozen=True, tag_field="do", forbid_unknown_fields=True):
-    """Base class of the messages of a page; the field `do` names the class."""
+    """Base class of the messages of the page itself; the field `do` names the class."""
 
 
-class Watch(Message, frozen=True, tag="watch"):
-    """Show another robot."""
+class Open(Message, frozen=True, tag="open"):
+    """The choices that this browser has kept."""
 
-    robot: Name
-    side: Literal["sim", "hw"]
+    saved: Saved
 
 
 class Drive(Message, frozen=True, tag="drive"):
@@ -47,7 +46,7 @@ class Hidden(Message, frozen=True, tag="hidden"):
 
 
 class Seen(Message, frozen=True, tag="seen"):
-    """The page has received a state."""
+    """The page has received a view."""
 
 
 class Hold(Message, frozen=True, tag="hold"):
@@ -56,7 +55,6 @@ class Hold(Message, frozen=True, tag="hold"):
     press: Press
     part: Literal["yaw", "pitch", "roll", "short", "middle", "long"]
     sign: Literal[-1, 1]
-    speed: Speed
 
 
 class Release(Message, frozen=True, tag="release"):
@@ -65,19 +63,13 @@ class Release(Message, frozen=True, tag="release"):
     press: Press
 
 
-class Home(Message, frozen=True, tag="home"):
-    """Turn all arms to 0 degrees."""
+class ShowClass(Message, frozen=True, tag="class"):
+    """Show or hide the table of all robots."""
 
-    speed: Speed
-
-
-class Do(Message, frozen=True, tag="command"):
-    """Send a command."""
-
-    command: Literal["ready", "disable", "reset"]
+    on: bool
 
 
-class Stop(Message, frozen=True, tag="stop"):
+class StopRobot(Message, frozen=True, tag="stop"):
     """STOP for simulation and hardware of a name."""
 
     robot: Name
@@ -85,26 +77,45 @@ class Stop(Message, frozen=True, tag="stop"):
     """a number that no other STOP of this browser has"""
 
 
-Request = Watch | Drive | Leave | Beat | Hidden | Seen | Hold | Release | Home | Do | Stop
-_DECODER: Final = msgspec.json.Decoder(Request)
+OWN: Final = (
+    intents.SetLanguage
+    | intents.SetSpeed
+    | intents.SetLead
+    | intents.SetDestination
+    | intents.SetCameras
+    | intents.AimHead
+    | intents.DismissRefusal
+    | intents.DismissNotice
+    | intents.DeletePose
+    | intents.SavePose
+    | intents.ChooseRobot
+    | intents.EmergencyStop
+)
+"""Intents of every page: they change only this page, or stop robots."""
+DRIVING: Final = (
+    intents.SendHead
+    | intents.RunCommand
+    | intents.MakeReady
+    | intents.AskLease
+    | intents.SendNow
+    | intents.Change
+    | intents.Abort
+    | intents.TakeAlternative
+    | intents.Undo
+    | intents.Repeat
+    | intents.GoToPose
+    | intents.PlayPoses
+)
+"""Intents of a page that drives. No page may use other ones, for example those that start programs or name files."""
+Request = (
+    Open | Drive | Leave | Beat | Hidden | Seen | Hold | Release | ShowClass | StopRobot | intents.Intent
+)
+_DECODER: Final = msgspec.json.Decoder(
+    Open | Drive | Leave | Beat | Hidden | Seen | Hold | Release | ShowClass | StopRobot | OWN | DRIVING
+)
 
 
 def read(text: str | bytes) -> Request:
     """Return the decoded message of a page; raises msgspec.DecodeError."""
     request: Request = _DECODER.decode(text)
     return request
-
-
-class Outcome(msgspec.Struct, frozen=True, tag_field="kind", tag="outcome"):
-    """The outcome of a request, for the page, which shows it beside the control."""
-
-    control: str
-    """`drive`, `stop`, `robot`, `home`, the part of a jog, or a command"""
-    ok: bool
-    text: str = ""
-    """a sentence; empty: done as requested"""
-
-
-def refused(control: str, text: str) -> Outcome:
-    """Return the outcome of a request that was not carried out."""
-    return Outcome(control, ok=False, text=text)

@@ -17,14 +17,14 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown
 from gui.page.connections import Server, brief_log
-from gui.page.handlers import Context, Files, Front, Live, Nothing, Pictures, Stopper
+from gui.page.handlers import Context, Front, Live, Nothing, Pictures, StaticFiles, Stopper
 from gui.page.hub import Hub
 from gui.page.protection import Login
 
 STATIC: Final = Path(__file__).parent / "static"
 LOOPBACK, ALL = "127.0.0.1", "0.0.0.0"  # noqa: S104  # only with --lan, behind a PIN
 SHOW_MS: Final = 100
-"""Period of the states that pages get."""
+"""Period of the views that pages get."""
 HEARTBEAT_MS: Final = 50
 """Period of the check for heartbeats."""
 PING_S: Final = 5.0
@@ -35,6 +35,8 @@ BACKLOG: Final = 128
 """Largest number of connections that may wait to be accepted."""
 BODY_MAX: Final = 4096
 """Largest request, bytes."""
+MESSAGE_MAX: Final = 16384
+"""Largest message of a page, bytes: the choices and poses that its browser has kept."""
 
 
 def serve(
@@ -133,7 +135,7 @@ def application(context: Context) -> web.Application:
             ("/stop", Stopper, shared),
             ("/live", Live, shared),
             ("/pictures", Pictures, shared),
-            (r"/static/([a-z.]+)", Files, {**shared, "path": str(STATIC)}),
+            (r"/static/([a-z.]+)", StaticFiles, {**shared, "path": str(STATIC)}),
         ],
         default_handler_class=Nothing,
         default_handler_args=shared,
@@ -141,6 +143,6 @@ def application(context: Context) -> web.Application:
         xsrf_cookies=True,
         xsrf_cookie_kwargs={"samesite": "Strict", "httponly": True},
         websocket_ping_interval=PING_S,
-        websocket_max_message_size=BODY_MAX,
+        websocket_max_message_size=MESSAGE_MAX,
         log_function=lambda _: None,  # an access log would grow without limit
     )

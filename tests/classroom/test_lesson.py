@@ -63,18 +63,22 @@ def test_only_one_page_of_a_seat_drives_at_a_time(router: ClassRouter, clients: 
         browser.load()
         first, second = browser.connect(), browser.connect()
         for page in (first, second):
-            page.state(lambda state: len(state["robots"]) == 2, "both robots")
-            page.send("watch", robot="bea1", side="hw")
-        first.state(lambda state: state["robot"]["robot"] == "bea1", "watches")
+            page.state(lambda view: view["robots"] == ["ana", "bea1"], "both robots")
+            page.send("ChooseRobot", name="bea1")
+        first.state(lambda view: view["robot"] == "bea1", "watches")
         first.drive("mia")
         assert robot.status().holder == "ben"
         second.send("drive", name="noa")
-        assert "All pages of this server use the seat ben" in second.outcome("drive")["text"]
-        second.send("watch", robot="ana", side="hw")
+        second.state(
+            lambda view: "All pages of this server use the seat ben" in view["you"]["notice"], "refused"
+        )
+        second.send("ChooseRobot", name="ana")
+        second.state(lambda view: view["robot"] == "ana", "watches")
         second.send("drive", name="noa")
-        assert "account ben" in second.outcome("drive")["text"]
+        refused = second.state(lambda view: view["commands"]["refusal"], "refused")["commands"]["refusal"]
+        assert "account ben" in refused["text"]
         second.send("stop", robot="bea1", stop="1")
-        assert second.outcome("stop")["ok"]
+        first.state(lambda view: view["history"][0]["what"] == "stop", "reported where the robot is shown")
 
 
 def test_an_emergency_stop_of_a_student_reaches_all_robots(

@@ -12,6 +12,7 @@ import pytest
 
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.texts import LANGUAGES, Texts, load
+from gui.page.messages import ROTATIONS
 
 GUI = Path(__file__).resolve().parents[2] / "gui"
 CALLERS = ("texts", "_texts", "words")
@@ -57,11 +58,8 @@ def is_used(key: str, words: set[str], patterns: set[str]) -> bool:
 
 
 def modules() -> dict[Path, ast.Module]:
-    """Return all modules of console and window."""
-    return {
-        path: ast.parse(path.read_text(encoding="utf-8"))
-        for path in (*(GUI / "console").rglob("*.py"), *(GUI / "window").rglob("*.py"))
-    }
+    """Return all modules of console, window and page."""
+    return {path: ast.parse(path.read_text(encoding="utf-8")) for path in GUI.rglob("*.py")}
 
 
 @pytest.mark.parametrize("code", OTHERS)
@@ -86,11 +84,29 @@ def test_every_key_that_the_window_uses_exists() -> None:
             assert found, f"{path.relative_to(GUI)}: there is no text {pattern!r}"
 
 
+def words_of_the_page() -> set[str]:
+    """Return the strings in the scripts of the page and the keys in its HTML."""
+    files = [path.read_text() for path in (GUI / "page/static").iterdir()]
+    return {word for text in files for word in re.findall(r"[\"`]([\w.-]+)[\"`]", text)}
+
+
+def test_every_key_that_the_page_uses_exists() -> None:
+    keys = {word for word in words_of_the_page() if re.match(r"(page|label)\.[a-z]", word)}
+    assert len(keys) > 20
+    assert keys - {*ENGLISH} == set()
+
+
 def test_every_text_is_used() -> None:
     nodes = [node for tree in modules().values() for node in ast.walk(tree)]
     words = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
-    words |= set(ARMS)
-    patterns = {text for node in nodes if isinstance(node, ast.JoinedStr) for text in literals(node)}
+    words |= {
+        *ARMS,
+        *words_of_the_page(),
+        *(f"{part}-{way}" for part in ROTATIONS for way in ("plus", "minus")),
+    }
+    patterns = {r"page\.(.+)"} | {
+        text for node in nodes if isinstance(node, ast.JoinedStr) for text in literals(node)
+    }
     dotted = {pattern for pattern in patterns if re.match(r"[a-z]+\\\.", pattern)}
     assert [key for key in ENGLISH if not is_used(key, words, dotted)] == []
 

@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 from robots import Stage, ready, until
-from web_client import WebClient, WebSocket, serving
+from web_client import WebClient, WebSocket, online, serving
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.contract._generated.messages import Source
+from beatrix_zenoh.contract._generated.messages import Command, Source
 from gui.page.handlers import MESSAGES_MAX
 
 NAMES, PRESSES = itertools.count(1), itertools.count(1)
@@ -59,44 +59,49 @@ def driver(browser: WebClient, robot: Robot) -> Iterator[WebSocket]:
     page.close()
 
 
-def resting(state: dict[str, Any]) -> bool:
-    """Return whether a state shows that no motion is running."""
-    return not state["robot"]["status"]["moving"]
+def moving(view: dict[str, Any]) -> bool:
+    """Return whether a view shows that a motion is running."""
+    return any(pill["condition"] == "moving" for pill in view["pills"])
+
+
+def resting(view: dict[str, Any]) -> bool:
+    """Return whether a view shows a robot at rest."""
+    return any(pill["condition"] == "ready" for pill in view["pills"])
 
 
 def hold_button(
     page: WebSocket, part: str, holds: Callable[[dict[str, Any]], bool], what: str
 ) -> dict[str, Any]:
-    """Hold a button until a message fulfils `holds`, with a heartbeat for each state; return the message."""
+    """Hold a button until a view fulfils `holds`, with a heartbeat for each message; return the view."""
     press = next(PRESSES)
 
-    def held(message: dict[str, Any]) -> bool:
+    def held(view: dict[str, Any]) -> bool:
         nonlocal press
-        if "heartbeat" in message.get("text", "") or "rest" in message.get("text", ""):
+        if view["you"]["notice"]:
             press = next(PRESSES)  # this computer was too busy for a heartbeat: press again
-        page.send("hold", press=press, part=part, sign=1, speed=20)
-        return holds(message)
+        page.send("hold", press=press, part=part, sign=1)
+        return holds(view)
 
-    found = page.wait(held, what)
+    page.send("SetSpeed", degrees_per_s=20)
+    found = page.state(held, what)
     page.send("release", press=press)
     return found
 
 
 def jog(page: WebSocket, part: str, moved: float) -> None:
     """Hold the + button of an axis until its absolute angle is above `moved` (deg)."""
-    index = ("yaw", "pitch", "roll").index(part)
-    hold_button(
-        page,
-        part,
-        lambda message: message["kind"] == "state" and abs(message["robot"]["head"][index]) > moved,
-        "moved",
-    )
+    hold_button(page, part, lambda view: abs(view["head"]["hw"][part]) > moved, "moved")
 
 
 def slowly_home(page: WebSocket) -> None:
     """Begin a motion that takes longer than the test."""
-    page.send("home", speed=2)
-    page.state(lambda state: not resting(state), "moves")
+    page.send("SetSpeed", degrees_per_s=2)
+    home(page)
+    page.state(lambda view: view["history"][0]["what"].startswith("home") and moving(view), "moves")
+
+
+def home(page: WebSocket) -> None:
+    page.send("RunCommand", command=Command.HOME.value)
 
 
 # -- driving -------------------------------------------------------------------------------------------
@@ -104,34 +109,46 @@ def slowly_home(page: WebSocket) -> None:
 
 def test_a_held_button_moves_the_robot_until_it_is_released(driver: WebSocket, robot: Robot) -> None:
     jog(driver, "yaw", 5.0)
-    driver.state(resting, "at rest")
+    view = driver.state(lambda view: resting(view) and view["history"][0]["good"] is not None, "at rest")
+    assert (view["history"][0]["who"], view["history"][0]["good"]) == ("you", True)
     rests = robot.positions().head.yaw
     assert {event.source for event in robot.past_events() if event.pose_query is not None} == {Source.PAGE}
     late = next(PRESSES) - 1
-    driver.send("hold", press=late, part="yaw", sign=1, speed=20)  # a late heartbeat
-    driver.send("command", command="ready")
-    driver.outcome("ready")
+    driver.send("hold", press=late, part="yaw", sign=1)  # a late heartbeat
+    driver.send("MakeReady", side="hw")
+    driver.state(lambda view: "make ready" in view["last"] and "done" in view["last"], "make ready")
     assert robot.positions().head.yaw == pytest.approx(rests, abs=0.2)
 
 
-def test_a_jog_ends_at_the_limit_with_a_refusal(driver: WebSocket, robot: Robot) -> None:
-    refused = hold_button(driver, "pitch", lambda message: message.get("control") == "pitch", "a refusal")
-    assert "at most 35.0° is allowed" in refused["text"]
+def test_a_jog_ends_at_the_limit_with_an_alternative(driver: WebSocket, robot: Robot) -> None:
+    view = hold_button(driver, "pitch", lambda view: view["head"]["refusal"], "a refusal")
+    assert "at most 35.0° is allowed" in view["head"]["refusal"]["text"]
+    assert view["head"]["refusal"]["alternative"]["intent"] == {"do": "TakeAlternative"}
     driver.state(resting, "at rest")
     assert robot.positions().head.pitch == pytest.approx(34.5, abs=1.0)
+
+
+def test_a_refused_target_has_an_alternative_that_the_robot_accepts(driver: WebSocket, robot: Robot) -> None:
+    driver.send("AimHead", yaw=0, pitch=30, roll=30)
+    driver.send("SendHead")
+    view = driver.state(lambda view: view["head"]["refusal"], "refused")
+    driver.send_raw(json.dumps(view["head"]["refusal"]["alternative"]["intent"]))
+    driver.state(lambda view: view["history"][0]["good"] and len(view["history"]) > 1, "accepted, and done")
+    assert robot.positions().head.pitch > 10.0
 
 
 def test_without_heartbeats_the_robot_stops(driver: WebSocket, robot: Robot) -> None:
     jog(driver, "yaw", 3.0)
     slowly_home(driver)
-    assert (
-        "No heartbeat"
-        in driver.wait(lambda message: "heartbeat" in message.get("text", ""), "stopped", heartbeat=False)[
-            "text"
-        ]
-    )
-    driver.wait(lambda message: message["kind"] == "state" and resting(message), "at rest", heartbeat=False)
+    driver.state(lambda view: "No heartbeat" in view["you"]["notice"], "stopped", heartbeat=False)
+    until(lambda: not robot.status().moving, "at rest")
     assert abs(robot.positions().head.yaw) > 1.0
+
+
+def test_a_silent_page_gives_the_robot_back(driver: WebSocket, robot: Robot) -> None:
+    driver.state(lambda view: not view["you"]["drives"], "given back", heartbeat=False)
+    assert "silent for too long" in driver.view["you"]["notice"]
+    until(lambda: not robot.status().holder, "free")
 
 
 def test_a_web_socket_that_closes_stops_the_robot_and_gives_it_back(driver: WebSocket, robot: Robot) -> None:
@@ -151,28 +168,28 @@ def test_a_hidden_page_stops_the_robot(driver: WebSocket, robot: Robot) -> None:
 
 
 def test_one_page_drives_and_the_next_gets_the_robot_when_it_leaves(
-    driver: WebSocket, browser: WebClient
+    driver: WebSocket, browser: WebClient, robot: Robot
 ) -> None:
     other = browser.connect()
-    seen = other.state(
-        lambda state: state["robot"] and state["robot"]["status"]["holder"], "the driver is shown"
-    )
-    assert seen["robot"]["status"]["holder"].startswith("web-mia")
-    other.send("home", speed=40)
-    assert other.outcome("home")["text"] == "You only watch this robot: press Drive first."
+    other.state(lambda view: "web-mia" in view["pills"][1]["text"], "the driver is shown")
+    for request in ({"do": "SendHead"}, {"do": "hold", "press": next(PRESSES), "part": "yaw", "sign": 1}):
+        other.send_raw(json.dumps(request))
+        other.state(lambda view: "press Drive first" in view["you"]["notice"], "only watches")
     other.send("drive", name="ben")
-    other.state(lambda state: state["robot"]["status"]["waiting"] == ["web-ben"], "waits")
+    other.state(lambda view: view["you"]["seat"] == "web-ben", "waits")
+    until(lambda: robot.status().waiting == ["web-ben"], "waits")
     driver.send("leave")
-    other.state(lambda state: state["you"]["drives"], "drives")
+    other.state(lambda view: "yours" in view["pills"][1]["notes"], "drives")
+    assert "It is your turn" in other.state(lambda view: view["banner"], "a banner")["banner"]["text"]
     other.close()
 
 
 def test_a_name_drives_from_one_page_only(driver: WebSocket, browser: WebClient) -> None:
-    holder = driver.seen[-1]["you"]["seat"]
+    holder = driver.view["you"]["seat"]
     other = browser.connect()
-    other.state(lambda state: state["robot"] is not None, "a robot")
+    other.state(lambda view: "web-mia" in view["pills"][1]["text"], "a robot")
     other.send("drive", name=holder.removeprefix("web-"))
-    assert f"Another page drives bea1 as {holder}" in other.outcome("drive")["text"]
+    other.state(lambda view: f"Another page drives bea1 as {holder}" in view["you"]["notice"], "refused")
     other.close()
 
 
@@ -183,32 +200,36 @@ def test_each_page_with_a_name_without_latin_letters_has_a_guest_seat_of_its_own
     with WebClient(port) as second:
         second.load()
         pages = [browser.connect(), browser.connect(), second.connect()]
+        queue: list[str] = []
         for page, name in zip(pages, ("美玲", "小明", "🙂"), strict=True):
-            page.state(lambda state: state["robot"] is not None, "a robot")
+            page.state(online, "a robot")
             page.send("drive", name=name)
-            page.state(lambda state: state["you"]["drives"] or state["you"]["waits"], f"{name} is a seat")
-        seats = [page.seen[-1]["you"]["seat"] for page in pages]
-        assert len({*seats}) == len(pages)
-        assert all(re.fullmatch(r"web-guest-[0-9-]+", seat) for seat in seats)
-        until(lambda: [robot.status().holder, *robot.status().waiting] == seats, "one drives, two wait")
+            queue.append(page.state(lambda view: view["you"]["drives"], f"{name} is a seat")["you"]["seat"])
+            until(
+                lambda: [robot.status().holder, *robot.status().waiting] == queue, "one drives, others wait"
+            )
+        assert len({*queue}) == len(pages)
+        assert all(re.fullmatch(r"web-guest-[0-9-]+", seat) for seat in queue)
         for page in pages:
             page.close()
 
 
 def test_the_teacher_takes_the_robot_from_a_page(driver: WebSocket, stage: Stage) -> None:
     with stage.robot("bea1", "hw", "teacher").lease():
-        assert "handed over to teacher" in driver.outcome("drive")["text"]
-        driver.state(lambda state: not state["you"]["drives"], "watches")
+        driver.state(lambda view: view["banner"] and "teacher" in view["banner"]["text"], "lost")
+        home(driver)
+        refusal = driver.state(lambda view: view["commands"]["refusal"], "refused")["commands"]["refusal"]
+        assert refusal["alternative"]["intent"]["do"] == "TakeAlternative"  # waits for the robot
 
 
 def test_two_browsers_drive_two_robots(driver: WebSocket, browser: WebClient, stage: Stage) -> None:
     other = browser.connect()
-    other.state(lambda state: len(state["robots"]) == 2, "both robots")
-    other.send("watch", robot="bea2", side="hw")
-    other.state(lambda state: state["robot"]["robot"] == "bea2", "the second robot")
+    other.state(lambda view: view["robots"] == ["bea1", "bea2"], "both robots")
+    other.send("ChooseRobot", name="bea2")
+    other.state(lambda view: view["robot"] == "bea2" and online(view), "the second robot")
     other.drive("cleo")
-    other.send("command", command="ready")
-    assert other.outcome("ready")["ok"]
+    other.send("MakeReady", side="hw")
+    other.state(resting, "ready")
     jog(other, "yaw", 2.0)
     assert stage.robot("bea1", "hw").status().holder.startswith("web-mia")
     other.close()
@@ -216,15 +237,42 @@ def test_two_browsers_drive_two_robots(driver: WebSocket, browser: WebClient, st
 
 def test_a_page_cannot_watch_an_unknown_robot(browser: WebClient) -> None:
     page = browser.connect()
-    page.send("watch", robot="bea9", side="sim")
-    assert "There is no robot bea9" in page.outcome("robot")["text"]
+    page.send("ChooseRobot", name="bea9")
+    page.send("SetSpeed", degrees_per_s=33)
+    assert page.state(lambda view: view["arms"]["speed"] == 33, "a later message")["robot"] == "bea1"
+
+
+def test_the_class_is_a_table_of_all_robots(browser: WebClient) -> None:
+    page = browser.connect()
+    assert page.state(online, "a robot")["class"] == []
+    page.send("class", on=True)
+    rows = page.state(lambda view: len(view["class"]) == 2, "both robots")["class"]
+    assert [row["cells"][:2] for row in rows] == [["bea1", "Hardware"], ["bea2", "Hardware"]]
+
+
+def test_choices_of_the_browser_return_and_texts_follow_the_language(browser: WebClient) -> None:
+    page = browser.connect()
+    page.send(
+        "open",
+        saved={
+            "language": "de",
+            "speed": 12,
+            "poses": [{"name": "hoch", "short": 1, "middle": 2, "long": 3}],
+        },
+    )
+    view = page.state(lambda view: view["language"] == "de", "German")
+    assert (view["texts"]["page.drive"], view["pills"][1]["title"]) == ("Steuern", "Hardware")
+    assert (view["arms"]["speed"], view["poses"]["names"]) == (12, ["hoch"])
+    page.send("SetLanguage", code="en")
+    view = page.state(lambda view: view["saved"]["language"] == "en", "English")
+    assert view["saved"]["poses"][0]["name"] == "hoch"
 
 
 def test_only_the_named_robot_is_offered(stage: Stage, robot: Robot) -> None:
     with serving(stage.endpoint, only="bea2") as port, WebClient(port) as browser:
         browser.load()
-        state = browser.connect().state(lambda state: state["robot"] is not None, "a robot")
-    assert state["robots"] == [{"robot": "bea2", "side": "hw"}]
+        view = browser.connect().state(online, "a robot")
+    assert (view["robots"], view["robot"]) == (["bea2"], "bea2")
 
 
 def test_pages_show_that_a_robot_or_the_router_is_lost() -> None:
@@ -233,40 +281,53 @@ def test_pages_show_that_a_robot_or_the_router_is_lost() -> None:
         with serving(stage.endpoint) as port, WebClient(port) as browser:
             browser.load()
             page = browser.connect()
-            page.state(lambda state: state["robot"] and state["robot"]["presence"] == "online", "online")
+            page.state(online, "online")
             stage.end_nodes()
-            page.state(lambda state: state["robot"]["presence"] == "absent", "absent")
+            view = page.state(lambda view: not online(view), "absent")
+            assert view["banner"] == {
+                "text": view["banner"]["text"],
+                "buttons": [],
+            }  # none that starts a program
             stage.end_router()
-            page.state(lambda state: not state["router"], "no router")
+            page.state(lambda view: not view["online"], "no router")
 
 
 # -- STOP ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("way", ["web socket", "post"])
+@pytest.mark.parametrize("way", ["web socket", "post", "emergency"])
 def test_every_page_can_stop_the_robot(driver: WebSocket, port: int, robot: Robot, way: str) -> None:
     with WebClient(port) as viewer:
         viewer.load()
         page = viewer.connect()
+        page.state(online, "a robot")
         jog(driver, "yaw", 3.0)
         slowly_home(driver)
         if way == "post":
             body = json.dumps({"do": "stop", "robot": "bea1", "stop": "7"})
             assert viewer.fetch("/stop", body).code == 200
+        elif way == "emergency":
+            page.send("EmergencyStop")
         else:
             page.send("stop", robot="bea1", stop="7")
-        assert page.outcome("stop")["ok"]
-    assert not robot.status().moving
+        page.state(
+            lambda view: view["history"][0]["who"] == "you" and "stop" in view["history"][0]["what"],
+            "in its history",
+        )
+        until(lambda: not robot.status().moving, "stopped")
+    assert robot.status().enabled is (way != "emergency")
     assert abs(robot.positions().head.yaw) > 1.0
 
 
-def test_stop_of_a_robot_that_is_not_online_tells_what_to_do(browser: WebClient) -> None:
-    page = browser.connect()
-    page.send("stop", robot="bea9", stop="9")
-    outcome = page.outcome("stop")
-    assert not outcome["ok"]
-    assert "no robot bea9 answered" in outcome["text"]
-    assert "switch its motor power off" in outcome["text"]
+def test_a_browser_without_a_web_socket_can_stop_the_robot(
+    driver: WebSocket, port: int, robot: Robot
+) -> None:
+    with WebClient(port) as viewer:
+        viewer.load()
+        jog(driver, "yaw", 3.0)
+        slowly_home(driver)
+        viewer.fetch("/stop", json.dumps({"do": "stop", "robot": "bea1", "stop": "7"}))
+        until(lambda: not robot.status().moving, "stopped")
 
 
 def test_stop_arrives_while_pictures_flood_and_the_page_reads_nothing(
@@ -298,9 +359,9 @@ def test_a_page_that_floods_stop_delays_no_stop_of_another_page(
     with WebClient(port) as viewer:
         viewer.load()
         page = viewer.connect()
+        page.state(online, "a robot")
         page.send("stop", robot="bea1", stop="7")
-        assert page.outcome("stop")["ok"]
-    assert not robot.status().moving
+        until(lambda: not robot.status().moving, "stopped")
     assert abs(robot.positions().head.yaw) > 1.0
 
 

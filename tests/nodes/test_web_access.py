@@ -111,13 +111,28 @@ def test_cookies_are_for_this_page_only(port: int) -> None:
 
 
 def test_the_files_of_the_page_load_nothing_from_elsewhere(browser: WebClient) -> None:
-    for name in ("page.html", "login.html", "page.js", "eyes.js", "texts.js", "page.css"):
+    for name in ("page.html", "login.html", "page.js", "connection.js", "eyes.js", "page.css"):
         text = (server.STATIC / name).read_text()
         assert "http://" not in text
         assert "https://" not in text
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", '{"do":"fly"}', '{"do":"hold","press":1}', "x" * 100])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "{",
+        "[]",
+        '{"do":"fly"}',
+        '{"do":"hold","press":1}',
+        '{"do":"StartSimulation"}',
+        '{"do":"SaveChoreography","file":"/tmp/a.csv"}',
+        '{"do":"PlayFile","file":"/tmp/a.csv"}',
+        '{"do":"GovernClass","action":"freeze"}',
+        '{"do":"ToggleRecording"}',
+        "x" * 100,
+    ],
+)
 def test_a_message_that_cannot_be_read_closes_the_web_socket(browser: WebClient, text: str) -> None:
     page = browser.connect()
     page.send_raw(text)

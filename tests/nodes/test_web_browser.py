@@ -19,6 +19,7 @@ from gui.page import server
 def stage() -> Iterator[Stage]:
     with Stage() as made:
         made.hardware("bea1")
+        made.simulation("bea1")
         yield made
 
 
@@ -37,66 +38,112 @@ def serving_page(monkeypatch: pytest.MonkeyPatch) -> Iterator[contextlib.ExitSta
 
 @pytest.fixture
 def browser(stage: Stage, serving_page: contextlib.ExitStack, tmp_path: Path) -> Iterator[Browser]:
-    """A browser that has opened the page with the PIN, with the screen size of a phone."""
+    """A browser that has opened the page with the PIN, with the screen size of a phone; the motors are off."""
+    for side in ("sim", "hw"):
+        stage.robot("bea1", side).emergency_stop()  # ends the lease of a page before, too
+        stage.robot("bea1", side).reset()
     port = serving_page.enter_context(serving(stage.endpoint, pin=PIN))
     with Browser(tmp_path, (360, 640)) as made:
         made.open(f"http://127.0.0.1:{port}/")
         made.run("document.querySelector('#pin').focus()")
         made.type(PIN)
         made.click("button")
-        made.wait(lambda: made.text("#state") == "Motors off", "the page")
+        made.wait(lambda: "motors off" in made.text("#pills"), "the page")
         yield made
 
 
-def far(robot: Robot, angle: float) -> bool:
-    return robot.positions().head.yaw > angle
+def yaw(robot: Robot) -> float:
+    return robot.positions().head.yaw
+
+
+def aim(browser: Browser, **angles: float) -> None:
+    """Move sliders; a slider to the right is positive."""
+    for part, angle in angles.items():
+        slider = f"document.querySelector('#aim-{part}')"
+        browser.run(f"{slider}.value = {angle}, {slider}.dispatchEvent(new Event('input'))")
+    browser.click("#send")
+
+
+def drive(browser: Browser) -> None:
+    """Take both robots and make them ready."""
+    browser.click("#yaw-plus")
+    browser.wait(lambda: "press Drive first" in browser.text("#notice"), "only watches")
+    browser.run("document.querySelector('#name').value = 'Mia K.'")
+    browser.click("#drive")
+    browser.wait(lambda: "yours" in browser.text("#pills > :last-child"), "drives")
+    assert browser.text("#you") == "You drive as web-mia-k."
+    browser.click("#hw")
+    for pill, step in (("first", "Make ready"), ("last", "Enable"), ("last", "Calibrate")):
+        button = f"#pills > :{pill}-child button"
+        browser.wait(lambda button=button, step=step: browser.text(button) == step, step)  # type: ignore[misc]
+        browser.click(button)
+    browser.wait(lambda: browser.text("#pills").count("ready") == 2, "both are ready")
 
 
 def test_a_student_drives_from_a_browser(
-    browser: Browser, robot: Robot, serving_page: contextlib.ExitStack
+    browser: Browser, robot: Robot, stage: Stage, serving_page: contextlib.ExitStack
 ) -> None:
-    browser.click("#yaw-plus")
-    browser.wait(lambda: "press Drive first" in browser.text("#head .refusal"), "a refusal beside the button")
-    browser.run("document.querySelector('#name').value = 'Mia K.'")
-    browser.click("#drive")
-    browser.wait(lambda: browser.text("#driver") == "You drive as web-mia-k.", "drives")
-    browser.click("[data-command=ready]")
-    browser.wait(lambda: browser.text("#state") == "Ready", "ready")
-
+    drive(browser)
     browser.press("#yaw-plus")
-    until(lambda: far(robot, 3.0), "a held button moves the head")
-    browser.release("#yaw-plus")
-    browser.wait(lambda: browser.text("#state") == "Ready", "the robot rests")
-    yaw = robot.positions().head.yaw
-    browser.wait(lambda: browser.text("#value-yaw") == f"{yaw:.1f}°", "the angle is shown")
-
-    browser.press("#yaw-plus")
-    until(lambda: far(robot, yaw + 3.0), "moves again")
+    until(lambda: yaw(robot) > 3.0, "a held button moves both heads")
     browser.key(" ")
-    browser.wait(lambda: "bea1 (hw)" in browser.text("#stopped"), "STOP by the keyboard")
+    browser.wait(lambda: browser.text("#last").startswith("last: stop done"), "STOP by the keyboard")
     browser.release("#yaw-plus")
     assert not robot.status().moving
 
-    robot.emergency_stop()
-    browser.wait(lambda: browser.text("#state") == "Emergency stop", "the emergency is shown")
-    browser.click("[data-command=reset]")
-    browser.wait(lambda: browser.text("#state") == "Motors off", "reset")
+    rests = yaw(robot)
+    browser.run("document.querySelector('#lead').value = 5")
+    browser.run("document.querySelector('#lead').dispatchEvent(new Event('change'))")
+    aim(browser, yaw=20)
+    browser.wait(lambda: "hardware follows in" in browser.text("#countdown"), "the simulation leads")
+    until(lambda: yaw(stage.robot("bea1", "sim")) < 0.0, "the simulation goes first")
+    assert yaw(robot) == pytest.approx(rests, abs=0.5)
+    browser.click("#send_now")
+    until(lambda: yaw(robot) < -15.0, "the hardware follows at once")
 
-    stop = "(({bottom, width, height}) => [bottom, width, height])(document.querySelector('#stop').getBoundingClientRect())"
-    for width, height in ((360, 640), (1366, 768)):
-        browser.resize(width, height)
-        assert browser.run("document.documentElement.scrollWidth <= innerWidth"), "nothing is cut off"
-        box = browser.run(stop)
-        assert box[0] == height
-        assert box[1] >= width - 20
-        assert box[2] >= 72
+    for size in ((360, 640), (1366, 768)):
+        check_size(browser, *size)
+    browser.click("#sim")
     browser.run("document.querySelector('#looking').click()")
     loaded = "[...document.images].filter((image) => image.naturalWidth > 0 && image.offsetWidth > 0).length"
     browser.wait(lambda: browser.run(loaded) == 2, "both eyes")
     assert browser.errors() == []
 
     serving_page.close()
-    browser.wait(lambda: browser.text("#state") == "Server lost", "the server has ended")
-    assert "beatrix stop" in browser.text("#trouble")
+    browser.wait(lambda: "beatrix stop" in browser.text("#trouble"), "the server has ended")
     browser.click("#stop")
-    assert "STOP did not reach the server." in browser.text("#stopped")
+    assert "STOP did not reach the server." in browser.text("#last")
+
+
+def test_a_refusal_and_its_alternative_in_german(browser: Browser, robot: Robot) -> None:
+    drive(browser)
+    browser.run("document.querySelector('#language').value = 'de'")
+    browser.run("document.querySelector('#language').dispatchEvent(new Event('change'))")
+    browser.wait(lambda: browser.text("#drive") == "Zurückgeben", "German")
+    aim(browser, yaw=0, pitch=30, roll=30)
+    browser.wait(lambda: "35,0°" in browser.text("#refusal-head p"), "a refusal beside the sliders")
+    assert browser.text("#refusal-head .alternative").startswith("Blick auf ")
+    browser.click("#refusal-head .alternative")
+    until(lambda: robot.positions().head.pitch > 10.0, "the alternative is accepted")
+    assert browser.run("document.querySelector('#refusal-head').hidden")
+    browser.wait(lambda: browser.text("#history li:first-child").startswith("✓ Blick"), "in the history")
+
+    browser.click("#emergency")
+    browser.wait(lambda: "Halte den Kopf" in browser.text("#question"), "asks first")
+    assert robot.status().enabled
+    browser.click("#emergency")
+    browser.wait(lambda: "Notstopp" in browser.text("#banner"), "shown")
+    assert not robot.status().enabled
+    assert browser.errors() == []
+
+
+def check_size(browser: Browser, width: int, height: int) -> None:
+    """Nothing is cut off, and STOP is at the bottom, large."""
+    browser.resize(width, height)
+    assert browser.run("document.documentElement.scrollWidth <= innerWidth")
+    box = browser.run(
+        "(({bottom, width, height}) => [bottom, width, height])(document.querySelector('#stop').getBoundingClientRect())"
+    )
+    assert box[0] == height
+    assert box[1] >= width - 160
+    assert box[2] >= 72

@@ -19,7 +19,7 @@ class RecordingLink(Link):
         self.known: World = ready()
         self.done: list[Action] = []
 
-    def world(self) -> World:
+    def world(self, robot: str = "") -> World:  # noqa: ARG002
         return self.known
 
     def do(self, action: Action) -> None:

@@ -46,12 +46,17 @@ def serving(
         thread.join(EVENT_S)
 
 
+def online(view: dict[str, Any]) -> bool:
+    """Return whether a view shows a robot that is online."""
+    return any(pill["condition"] != "absent" for pill in view["pills"])
+
+
 class WebSocket:
     """One web socket; it is read only while a test waits for a message."""
 
     def __init__(self, browser: WebClient, path: str, headers: dict[str, str]) -> None:
         self._do = browser.do
-        self.seen: list[dict[str, Any]] = []
+        self.view: dict[str, Any] = {}
         self._closed = False
         request = HTTPRequest(f"ws://127.0.0.1:{browser.port}{path}", headers=headers)
         self._socket = self._do(lambda: websocket_connect(request))
@@ -72,45 +77,31 @@ class WebSocket:
             self._closed = message is None
         return message
 
-    def wait(
+    def state(
         self, holds: Callable[[dict[str, Any]], bool], what: str, heartbeat: bool = True
     ) -> dict[str, Any]:
-        """Return the next message that fulfils `holds`; confirm each state, as the page does.
+        """Return the next view that fulfils `holds`, with all its parts; confirm each message, as the page does.
 
         With `heartbeat`, also send the heartbeat of a page that drives or waits.
         """
-        found: list[dict[str, Any]] = []
 
         def look() -> bool:
             text = self.read()
             assert text is not None, f"closed ({self.code}): {what}"
-            message = json.loads(text)
-            self.seen.append(message)
-            if message["kind"] == "state":
-                self.send("seen")
-                if heartbeat and (message["you"]["drives"] or message["you"]["waits"]):
-                    self.send("beat")
-            found.extend([message] if holds(message) else [])
-            return bool(found)
+            self.view |= json.loads(text)
+            self.send("seen")
+            if heartbeat and self.view["you"]["drives"]:
+                self.send("beat")
+            return holds(self.view)
 
         until(look, what)
-        return found[0]
-
-    def state(self, holds: Callable[[dict[str, Any]], bool], what: str) -> dict[str, Any]:
-        """Return the next state that fulfils `holds`."""
-        return self.wait(lambda message: message["kind"] == "state" and holds(message), what)
-
-    def outcome(self, control: str, *, heartbeat: bool = True) -> dict[str, Any]:
-        """Return the next outcome of a control."""
-        return self.wait(
-            lambda message: message.get("control") == control, f"outcome of {control}", heartbeat
-        )
+        return self.view
 
     def drive(self, name: str) -> Self:
-        """Take the robot under this name, and wait until this page drives."""
-        self.state(lambda state: state["robot"] is not None, "a robot")
+        """Take the robot under this name, and wait until this page holds it."""
+        self.state(online, "a robot")
         self.send("drive", name=name)
-        self.state(lambda state: state["you"]["drives"], f"{name} drives")
+        self.state(lambda view: any("yours" in pill["notes"] for pill in view["pills"]), f"{name} drives")
         return self
 
     @property

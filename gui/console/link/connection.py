@@ -33,7 +33,7 @@ class Session:
 
     client: Client
     monitor: Monitor
-    """the states of all robots of the router; only Qt's thread reads them"""
+    """the states of all robots of the router; only one thread reads them, for a window Qt's"""
     twin: Twin
     """both robots of the chosen name"""
     seats: Seats
@@ -47,7 +47,13 @@ class Connection:
     """
 
     def __init__(
-        self, settings: Settings, on_session: Callable[[Session], None], *, name_given: bool
+        self,
+        settings: Settings,
+        on_session: Callable[[Session], None],
+        *,
+        name_given: bool,
+        source: Source,
+        shared: Session | None,
     ) -> None:
         """Store the arguments; `start` begins to look for the router.
 
@@ -55,11 +61,14 @@ class Connection:
             settings: robot, router and seat.
             on_session: called when there is a session, and when another robot is selected; must not wait.
             name_given: whether the user chose the robot, which then stays selected even if only another one is online.
+            source: the face, for the events of robots.
+            shared: a session whose states of robots and seats this one reads, too; None: it receives them itself.
         """
         self.settings = settings
         self.robot = settings.robot
         self.session: Session | None = None
         self._on_session, self._chosen = on_session, name_given
+        self._source, self._shared = source, shared
         self._router_present = True
         self._trouble = ""
         self._refused = False
@@ -110,12 +119,12 @@ class Connection:
         self._on_session(session)
         self._tasks.put(old.twin.close)  # on the connection's thread, because closing may wait for a robot
 
-    def states(self) -> tuple[RobotState, RobotState]:
-        """Return the states of simulation and hardware of the selected name."""
+    def states(self, robot: str) -> tuple[RobotState, RobotState]:
+        """Return the states of simulation and hardware of a name."""
         session = self.session
         if session is None:
-            return absent(self.robot, "sim"), absent(self.robot, "hw")
-        return session.monitor.robot(self.robot, "sim"), session.monitor.robot(self.robot, "hw")
+            return absent(robot, "sim"), absent(robot, "hw")
+        return session.monitor.robot(robot, "sim"), session.monitor.robot(robot, "hw")
 
     def names(self) -> tuple[str, ...]:
         """Return the names of the robots online, sorted."""
@@ -149,7 +158,7 @@ class Connection:
 
     def _connect(self) -> None:
         try:
-            client = Client(self.settings, source=Source.WINDOW)
+            client = Client(self.settings, source=self._source)
         except BeatrixError as error:
             self._refused = error.reason is Reason.ACCOUNT_REFUSED
             self._trouble = error.message
@@ -158,7 +167,9 @@ class Connection:
             if (refused := client.bus.refusal(client.token)) is not None:
                 raise refused
             client.bus.watch_router(self._on_router)
-            monitor, seats = Monitor(client, events=EVENTS), Seats(client)
+            shared = self._shared
+            monitor = Monitor(client, events=EVENTS) if shared is None else shared.monitor
+            seats = Seats(client) if shared is None else shared.seats
         except BeatrixError as error:  # the router has no rules for this account, or was lost meanwhile
             client.close()
             self._refused, self._trouble = error.reason is Reason.ACCOUNT_REFUSED, error.message

@@ -11,11 +11,11 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopSender
 from beatrix_zenoh.client.twin import Twin
-from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.settings import Settings
 from gui.console.link.children import Children, Recordings
-from gui.console.link.connection import Connection
+from gui.console.link.connection import Connection, Session
 from gui.console.link.governing import ClassStates, Governing
 from gui.console.link.outcomes import deselected, done, failed, replaced, stopped
 from gui.console.link.pictures import Cameras, OnImage
@@ -41,7 +41,14 @@ class Link:
     """The window's connection to router and robots; no method except `close` waits for either of them."""
 
     def __init__(
-        self, settings: Settings, on_outcome: OnOutcome, on_image: OnImage, *, name_given: bool = True
+        self,
+        settings: Settings,
+        on_outcome: OnOutcome,
+        on_image: OnImage,
+        *,
+        name_given: bool = True,
+        source: Source = Source.WINDOW,
+        shared: Session | None = None,
     ) -> None:
         """Create the link; nothing is connected yet.
 
@@ -51,12 +58,16 @@ class Link:
             on_image: called in the same way, for each picture of a camera.
             name_given: whether the user chose the robot; otherwise the link selects the only name online, or for the
                 teacher one of several.
+            source: the face, for the events of robots.
+            shared: a session whose states of robots and seats this link reads; None: it receives them itself.
         """
         self._on_outcome, self._caller = on_outcome, threading.get_ident()
         self._outcomes = Worker("window-outcomes")
         report = self._report
         self._cameras = Cameras(on_image)
-        self._connection = Connection(settings, self._cameras.follow, name_given=name_given)
+        self._connection = Connection(
+            settings, self._cameras.follow, name_given=name_given, source=source, shared=shared
+        )
         self._queues = {side: RequestQueue(side, report) for side in SIDES}
         self._plans = Plans(report)
         self._playing = Playing(report)
@@ -71,11 +82,24 @@ class Link:
         """Start to look for the router."""
         self._connection.start()
 
-    def world(self) -> World:
-        """Return the present world; call it in one thread only, Qt's."""
+    @property
+    def session(self) -> Session | None:
+        """The session with the router; None until a router answers."""
+        return self._connection.session
+
+    @property
+    def busy(self) -> bool:
+        """Whether robots move, or are about to move, for this link."""
+        queued = any(queue.busy for queue in self._queues.values())
+        return queued or self._plans.progress() is not None or bool(self._playing.title)
+
+    def world(self, robot: str = "") -> World:
+        """Return the present world, by default of the selected robot; call it in one thread only, for a window Qt's."""
         connection = self._connection
-        sim, hw = connection.states()
-        session, robot, now_s = connection.session, sim.robot, time.monotonic()
+        latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
+        robot = robot or connection.robot
+        sim, hw = connection.states(robot)
+        session, now_s = connection.session, time.monotonic()
         account = connection.settings.account
         return World(
             now_s=now_s,
@@ -87,7 +111,7 @@ class Link:
             hw=hw,
             names=connection.names(),
             trouble=connection.trouble,
-            latency_s={side: probe.round_trip_s for side, probe in self._probes.items()},
+            latency_s=latency_s,
             plan=self._plans.progress(),
             recording=self._recordings.progress(),
             starting=self._children.starting,
@@ -225,6 +249,14 @@ class Link:
                 lambda: self._plans.drop_leading(replaced()),
             )
 
+    def make_way(self) -> None:
+        """End what must not run beside a motion that the face itself sends to the robots of `session`."""
+        self._playing.end(replaced())
+        self._plans.drop_trying(replaced())
+        self._plans.drop_leading(replaced())
+        for queue in self._queues.values():
+            queue.replace()
+
     def _wait_for_play(self) -> None:
         self._playing.wait_ended()
 
@@ -245,7 +277,7 @@ class Link:
             self._report(self._no_session(action.row))
         else:
             send_stop(self._stop_sender, session, action, self._report)
-        self._drop_all()  # in this thread, so that requests made after STOP are not dropped
+        self.drop()  # in this thread, so that requests made after STOP are not dropped
 
     def _no_session(self, row: int) -> Outcome:
         trouble = (
@@ -256,7 +288,8 @@ class Link:
         reason = Reason.ACCOUNT_REFUSED if refused else Reason.NO_ROUTER
         return failed(row, "", NoAnswer(reason, trouble))
 
-    def _drop_all(self) -> None:
+    def drop(self) -> None:
+        """Drop waiting requests, and end plans and plays, because STOP was pressed."""
         self._plans.drop(stopped())
         self._playing.end(stopped())
         for queue in self._queues.values():

@@ -51,6 +51,11 @@ class RequestQueue(Worker):
 
     # -- any thread; none of these waits ------------------------------------------------------------
 
+    @property
+    def busy(self) -> bool:
+        """Whether a motion runs, or a request waits."""
+        return self._running is not None or bool(self._waiting)
+
     def move(
         self,
         row: int,

@@ -35,8 +35,7 @@ def view(memory: Memory, world: World) -> ClassView | None:
     if not world.is_teacher:
         return None
     texts = memory.choices.texts
-    limits = _limits(world)
-    rows = tuple(_row(robot, world, texts, limit_shown=len(limits) < 2) for robot in world.robots)
+    limits, rows = _limits(world), table(world, texts)
     shown = memory.choices.page is Page.CLASS
     toggle = "hide" if shown else "show"
     result, good = _result(memory, texts)
@@ -138,6 +137,12 @@ def _result(memory: Memory, texts: Texts) -> tuple[str, bool | None]:
 
 
 # -- rows -------------------------------------------------------------------------------------------
+
+
+def table(world: World, texts: Texts) -> tuple[ClassRowView, ...]:
+    """Return a row for each robot."""
+    limit_shown = len(_limits(world)) < 2
+    return tuple(_row(robot, world, texts, limit_shown=limit_shown) for robot in world.robots)
 
 
 def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) -> ClassRowView:

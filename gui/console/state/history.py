@@ -213,7 +213,7 @@ def _motion(query: MotionQuery | PoseQuery, texts: Texts, *, undoes: bool) -> st
         yaw, pitch, roll = (
             _number(math.degrees(angle), texts) for angle in (query.yaw, query.pitch, query.roll)
         )
-        return texts("what.look", yaw=yaw, pitch=pitch, roll=roll)
+        return texts("what.look" if query.absolute else "what.look_by", yaw=yaw, pitch=pitch, roll=roll)
     arms = arm_angles(query.position)
     if query.absolute and not undoes and not any(arms):
         return texts("what.home")

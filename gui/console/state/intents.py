@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
+
+import msgspec
 
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
@@ -37,23 +38,19 @@ class Theme(StrEnum):
     PROJECTOR = "projector"
 
 
-@dataclass(frozen=True)
-class Intent:
-    """Base class of all intents."""
+class Intent(msgspec.Struct, frozen=True, tag=True, tag_field="do", forbid_unknown_fields=True):
+    """Base class of all intents; in JSON the field `do` is the name of the class."""
 
 
-@dataclass(frozen=True)
-class Stop(Intent):
+class Stop(Intent, frozen=True):
     """Stop the robots of the shown page at once, regardless of the checked boxes."""
 
 
-@dataclass(frozen=True)
-class EmergencyStop(Intent):
+class EmergencyStop(Intent, frozen=True):
     """Switch the motors of the robots of the shown page off at once; their heads fall."""
 
 
-@dataclass(frozen=True)
-class Jog(Intent):
+class Jog(Intent, frozen=True):
     """+ or - of an arm: in relative mode turn it by the increment, in absolute mode send it to + or - the increment."""
 
     arm: str
@@ -62,8 +59,7 @@ class Jog(Intent):
     """+1 or -1"""
 
 
-@dataclass(frozen=True)
-class AimHead(Intent):
+class AimHead(Intent, frozen=True):
     """Move the target of the head pad; nothing is sent."""
 
     yaw: float
@@ -71,63 +67,54 @@ class AimHead(Intent):
     roll: float
 
 
-@dataclass(frozen=True)
-class SendHead(Intent):
+class SendHead(Intent, frozen=True):
     """Send the target of the head pad."""
 
 
-@dataclass(frozen=True)
-class SetRelative(Intent):
+class SetRelative(Intent, frozen=True):
     """Choose relative or absolute mode."""
 
     relative: bool
 
 
-@dataclass(frozen=True)
-class SetIncrement(Intent):
+class SetIncrement(Intent, frozen=True):
     """Choose how far + and - turn an arm (deg)."""
 
     degrees: float
 
 
-@dataclass(frozen=True)
-class SetSpeed(Intent):
+class SetSpeed(Intent, frozen=True):
     """Choose the speed of the fastest arm (deg/s)."""
 
     degrees_per_s: float
 
 
-@dataclass(frozen=True)
-class SetDestination(Intent):
+class SetDestination(Intent, frozen=True):
     """Check or clear the box of the hardware or of the simulation."""
 
     side: str
     checked: bool
 
 
-@dataclass(frozen=True)
-class SetCameras(Intent):
+class SetCameras(Intent, frozen=True):
     """Check or clear the box of the eye cameras."""
 
     on: bool
 
 
-@dataclass(frozen=True)
-class ShowTab(Intent):
+class ShowTab(Intent, frozen=True):
     """Show another tab in the middle column."""
 
     name: Tab
 
 
-@dataclass(frozen=True)
-class SetLead(Intent):
+class SetLead(Intent, frozen=True):
     """Choose by how much the simulation leads the hardware (s); 0: they move at the same time."""
 
     seconds: float
 
 
-@dataclass(frozen=True)
-class RunCommand(Intent):
+class RunCommand(Intent, frozen=True):
     """Send a command to the checked robots, or to one robot as its next step."""
 
     command: Command
@@ -137,15 +124,13 @@ class RunCommand(Intent):
     """`sim` or `hw`; empty: the checked robots"""
 
 
-@dataclass(frozen=True)
-class MakeReady(Intent):
+class MakeReady(Intent, frozen=True):
     """Enable and calibrate one robot, unless that is done already."""
 
     side: str
 
 
-@dataclass(frozen=True)
-class AskLease(Intent):
+class AskLease(Intent, frozen=True):
     """Take a robot, wait for it, or give it back."""
 
     action: LeaseAction
@@ -153,18 +138,15 @@ class AskLease(Intent):
     side: str
 
 
-@dataclass(frozen=True)
-class DismissNotice(Intent):
+class DismissNotice(Intent, frozen=True):
     """Hide the sentence about a lease that this seat gained or lost."""
 
 
-@dataclass(frozen=True)
-class TogglePage(Intent):
+class TogglePage(Intent, frozen=True):
     """Switch between the page of the class and the robot; only in the teacher's window."""
 
 
-@dataclass(frozen=True)
-class GovernClass(Intent):
+class GovernClass(Intent, frozen=True):
     """Freeze, unfreeze, take or give back robots of the class, as the teacher."""
 
     action: LeaseAction
@@ -172,136 +154,114 @@ class GovernClass(Intent):
     """name and side of one robot; None: all robots online"""
 
 
-@dataclass(frozen=True)
-class MuteSeat(Intent):
+class MuteSeat(Intent, frozen=True):
     """Let a seat only watch all robots of the class, or end that, as the teacher."""
 
     seat: str
     on: bool
 
 
-@dataclass(frozen=True)
-class LimitClass(Intent):
+class LimitClass(Intent, frozen=True):
     """Limit the speed of all robots of the class, as the teacher."""
 
     text: str
     """deg/s as the user has typed it; empty: no limit"""
 
 
-@dataclass(frozen=True)
-class SendNow(Intent):
+class SendNow(Intent, frozen=True):
     """Send the waiting motion of both robots to the hardware now."""
 
 
-@dataclass(frozen=True)
-class Change(Intent):
+class Change(Intent, frozen=True):
     """End the motion before the hardware moves, and restore its target on the pad."""
 
 
-@dataclass(frozen=True)
-class Abort(Intent):
+class Abort(Intent, frozen=True):
     """End the motion of both robots; the hardware stays unmoved, or stops if it moves already."""
 
 
-@dataclass(frozen=True)
-class TakeAlternative(Intent):
+class TakeAlternative(Intent, frozen=True):
     """Send the alternative or next step of the shown refusal."""
 
 
-@dataclass(frozen=True)
-class DismissRefusal(Intent):
+class DismissRefusal(Intent, frozen=True):
     """Hide the shown refusal."""
 
 
-@dataclass(frozen=True)
-class Undo(Intent):
+class Undo(Intent, frozen=True):
     """Turn the arms back to their angles before the last motion."""
 
 
-@dataclass(frozen=True)
-class Repeat(Intent):
+class Repeat(Intent, frozen=True):
     """Send a row of the history again."""
 
     row: int
     """number of the row"""
 
 
-@dataclass(frozen=True)
-class SavePose(Intent):
+class SavePose(Intent, frozen=True):
     """Save the present arm angles under a name."""
 
     name: str
 
 
-@dataclass(frozen=True)
-class DeletePose(Intent):
+class DeletePose(Intent, frozen=True):
     """Delete a saved pose."""
 
     name: str
 
 
-@dataclass(frozen=True)
-class GoToPose(Intent):
+class GoToPose(Intent, frozen=True):
     """Turn the arms to a saved pose."""
 
     name: str
 
 
-@dataclass(frozen=True)
-class PlayPoses(Intent):
+class PlayPoses(Intent, frozen=True):
     """Play saved poses one after the other, in the order of their list."""
 
 
-@dataclass(frozen=True)
-class PlayFile(Intent):
+class PlayFile(Intent, frozen=True):
     """Play a choreography or motion file."""
 
     file: Path
 
 
-@dataclass(frozen=True)
-class SaveChoreography(Intent):
+class SaveChoreography(Intent, frozen=True):
     """Write the saved poses as a choreography."""
 
     file: Path
 
 
-@dataclass(frozen=True)
-class ToggleRecording(Intent):
+class ToggleRecording(Intent, frozen=True):
     """Begin or end a recording."""
 
 
-@dataclass(frozen=True)
-class OpenRecording(Intent):
+class OpenRecording(Intent, frozen=True):
     """Open the last recording in the viewer."""
 
 
-@dataclass(frozen=True)
-class ChooseRobot(Intent):
+class ChooseRobot(Intent, frozen=True):
     """Show and drive the robots of this name."""
 
     name: str
 
 
-@dataclass(frozen=True)
-class StartSimulation(Intent):
+class StartSimulation(Intent, frozen=True):
     """Start a simulation on this computer, and a router if there is none."""
 
 
-@dataclass(frozen=True)
-class Retry(Intent):
+class Retry(Intent, frozen=True):
     """Look for the router again now."""
 
 
-@dataclass(frozen=True)
-class SetTheme(Intent):
+class SetTheme(Intent, frozen=True):
     """Choose colours and sizes."""
 
     theme: Theme
 
 
-@dataclass(frozen=True)
-class SetLanguage(Intent):
+class SetLanguage(Intent, frozen=True):
     """Choose a language by its ISO 639-1 code."""
 
     code: str

@@ -69,8 +69,12 @@ def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) 
 
 
 def record(memory: Memory, row: Row, outcome: Outcome) -> None:
-    """Store a refusal, to be shown; the end of an accepted motion is shown in the history only."""
-    ended_elsewhere = outcome.side in row.accepted or "" in row.accepted
+    """Store a refusal, to be shown; the end of an accepted motion is shown in the history only.
+
+    An alternative shows that it is no end: the robot has accepted earlier goals of a held button.
+    """
+    refused = outcome.detail is not None and outcome.detail.alternative is not None
+    ended_elsewhere = not refused and (outcome.side in row.accepted or "" in row.accepted)
     wanted = row.dropped and outcome.reason is Reason.STOPPED
     if outcome.accepted or ended_elsewhere or wanted or outcome.reason in (Reason.OK, Reason.REPLACED):
         return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 from gui.console.state import (
     arms,
     choices,
@@ -19,10 +20,11 @@ from gui.console.state import (
     refusals,
     sending,
 )
-from gui.console.state.actions import Action, Connect, Outcome, RunSimulation, Select, WatchCameras
-from gui.console.state.choices import choices_from
+from gui.console.state.actions import Action, Connect, Outcome, RunSimulation, Select, Send, WatchCameras
+from gui.console.state.choices import Choices, choices_from
 from gui.console.state.intents import Intent, Page
 from gui.console.state.memory import Memory
+from gui.console.state.presence import unreachable
 from gui.console.state.saved import Saved
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
@@ -49,6 +51,11 @@ class State:
             chosen.lead_s,
             self._memory.poses,
         )
+
+    @property
+    def choices(self) -> Choices:
+        """The present choices."""
+        return self._memory.choices
 
     def begin(self) -> list[Action]:
         """Return the actions at the start of the window, whose first tab shows pictures."""
@@ -158,6 +165,19 @@ class State:
             memory.undo = ()  # the angles in it belong to the previous robot
             given_back = leases.give_back_all(memory, world)
         return [*class_page.show(memory, Page.ROBOT), *given_back, Select(name)]
+
+    def hold(self, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:
+        """Add a motion that the face itself sends to the checked robots; return its row, or None if it is refused."""
+        if unreachable(self._memory, world, self.choices.sides, control):
+            return None
+        request = Send(self._memory.next_row(), query, self.choices.sides)
+        motions.begin(self._memory, world, request, control)
+        return request.row
+
+    def leave(self) -> None:
+        """Forget leases and unfinished requests, because the session of this seat was closed."""
+        self._memory.standings, self._memory.lease_notice = {}, None
+        self._memory.mark_dropped()
 
     def report(self, outcome: Outcome) -> None:
         """Apply the outcome of an action to history, refusal and undo list."""

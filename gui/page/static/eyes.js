@@ -1,48 +1,42 @@
 // Shows the pictures of both eyes; the web socket for them is open only while they are visible.
-import { text } from "./texts.js";
-
 const RETRY_MS = 1000;
 let socket = null;
 let shown = ""; // robot and side of the socket
 let visible = false;
 let connected = () => false;
-const images = [0, 1].map((eye) => {
+const images = ["left_eye", "right_eye"].map((name) => {
   const figure = document.createElement("figure");
-  const image = new Image();
-  image.alt = text(`eye.${eye}`);
   const caption = document.createElement("figcaption");
-  caption.textContent = text(`eye.${eye}`);
+  caption.dataset.text = `page.${name}`;
+  const image = new Image();
+  image.dataset.label = `page.${name}`;
   figure.append(image, caption);
   return image;
 });
 
-export function connectEyes(isConnected) {
+export function connectEyes(isConnected, changed) {
   connected = isConnected;
-  const place = document.querySelector("#eyes .pictures");
-  place.append(...images.map((image) => image.parentElement));
-  new IntersectionObserver((entries) => { visible = entries.at(-1).isIntersecting; }).observe(document.getElementById("eyes"));
+  document.querySelector("#eyes .pictures").append(...images.map((image) => image.parentElement));
+  new IntersectionObserver((entries) => { visible = entries.at(-1).isIntersecting; changed(); }).observe(document.getElementById("eyes"));
 }
 
-export function showEyes(robot) {
-  const looking = document.getElementById("looking").checked;
-  const cameras = robot?.status?.eyes ?? [];
-  const wanted = looking && visible && !document.hidden && cameras.length && connected() ? `${robot.robot} ${robot.side}` : "";
-  let hint = "";
-  if (robot?.status && !cameras.length) hint = "eyes.none";
-  else if (!looking) hint = "eyes.off";
-  else if (images.every((image) => !image.src)) hint = "eyes.waiting";
-  document.getElementById("eyes-hint").textContent = hint && text(hint);
-  document.querySelector("#eyes .pictures").hidden = !looking;
-  if (wanted !== shown) open(wanted, robot);
+export function showEyes({ robot, eyes, texts }) {
+  if (!eyes) return;
+  const { side, on, text } = eyes;
+  document.getElementById("looking").checked = on;
+  document.querySelector("#eyes .pictures").hidden = !on || Boolean(text);
+  document.getElementById("eyes-hint").textContent = on ? text : texts["page.eyes_off"];
+  const wanted = on && !text && visible && !document.hidden && connected() ? `robot=${robot}&side=${side}` : "";
+  if (wanted !== shown) open(wanted);
 }
 
-function open(wanted, robot) {
+function open(wanted) {
   socket?.close();
   socket = null;
   shown = wanted;
   images.forEach((image) => { release(image); image.removeAttribute("src"); });
   if (!wanted) return;
-  const own = socket = new WebSocket(`ws://${location.host}/pictures?robot=${robot.robot}&side=${robot.side}`);
+  const own = socket = new WebSocket(`ws://${location.host}/pictures?${wanted}`);
   own.binaryType = "arraybuffer";
   own.onmessage = (event) => { if (own === socket) draw(own, event.data); };
   own.onclose = () => { if (own === socket) setTimeout(() => { if (own === socket) shown = ""; }, RETRY_MS); };

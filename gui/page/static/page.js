@@ -1,127 +1,292 @@
-// The control page: shows the state that its server sends, and sends a request for each button.
+// The control page: draws the parts of the view that its server sends, and sends the intent of each button.
+import { connect, isOpen, send, trouble } from "./connection.js";
 import { connectEyes, showEyes } from "./eyes.js";
-import { text } from "./texts.js";
 
 const BEAT_MS = 100; // period of the heartbeats of a page that drives or waits
-const LOST_MS = 1500; // time without a state after which the server is lost; it sends ten a second
-const RETRY_MS = 1000;
+const AIM_MS = 60; // shortest time between two targets
 const CONFIRM_MS = 5000;
-const SPEEDS = [10, 20, 40]; // °/s
-const ROTATIONS = ["yaw", "pitch", "roll"];
+const SPEEDS = [10, 20, 30, 40, 60, 90]; // °/s
+const LEADS = [0, 1, 2, 5]; // s
+// Parts of the head with the signs of their left and right button; yaw to the left is positive.
+const ROTATIONS = { yaw: [1, -1], pitch: [-1, 1], roll: [-1, 1] };
 const ARMS = ["short", "middle", "long"];
-const FULL = 4004;
-// Signs of the two buttons of each part. Yaw to the left, pitch nose-down and roll right-ear-down are positive.
-const ROWS = [["yaw", 1, -1], ["pitch", -1, 1], ["roll", -1, 1], ["short", -1, 1], ["middle", -1, 1], ["long", -1, 1]];
+const COLUMNS = ["robot", "side", "state", "driver", "waiting", "rate", "age", "remarks"];
 const KEYS = { ArrowLeft: "yaw-plus", ArrowRight: "yaw-minus", ArrowUp: "pitch-minus", ArrowDown: "pitch-plus" };
+const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "SavePose", "DeletePose"];
 
 const byId = (id) => document.getElementById(id);
 const token = document.querySelector("meta[name=token]").content;
-let socket = null;
-let heard = 0; // time (ms) of the last state
-let state = null; // the last state
+const view = { texts: {}, you: {}, robot: "" };
 let held = null; // the button that is held
 let press = 0;
-let closedFor = "";
+let aimed = 0; // time (ms) of the last move of a slider
 
-// -- requests to the server ---------------------------------------------------------------------------------
+const text = (key, values = {}) => (view.texts[key] ?? "").replace(/\{(\w+)\}/g, (_, name) => values[name]);
 
-function send(message) {
-  if (socket?.readyState !== WebSocket.OPEN) return false;
-  socket.send(JSON.stringify(message));
-  return true;
+// -- small parts --------------------------------------------------------------------------------------
+
+function set(element, content) {
+  if (element.textContent !== content) element.textContent = content;
 }
 
-function connect() {
-  socket = new WebSocket(`ws://${location.host}/live`);
-  const opened = socket;
-  let answered = false;
-  socket.onmessage = (event) => {
-    if (opened !== socket) return;
-    answered = true;
-    receive(JSON.parse(event.data));
+function make(kind, content = "", className = "") {
+  const element = document.createElement(kind);
+  element.textContent = content;
+  element.className = className;
+  return element;
+}
+
+// Shows a button of the view; `more` returns fields of its intent that the page knows.
+function bind(element, button, more = () => ({})) {
+  element.hidden = !button;
+  if (!button) return element;
+  if (!element.classList.contains("armed")) set(element, button.text);
+  element.title = button.tooltip;
+  element.disabled = !button.enabled;
+  element.classList.toggle("watching", !WATCHERS.includes(button.intent.do));
+  element.onclick = () => {
+    if (button.question && !element.classList.contains("armed")) confirm(element, button);
+    else act(element, button, more());
   };
-  socket.onclose = (event) => {
-    releaseButton();
-    if (event.code === FULL) closedFor = text("trouble.full");
-    else if (event.code > 4000) closedFor = text("trouble.closed");
-    else setTimeout(answered ? connect : checkLogin, RETRY_MS);
-    show();
-  };
+  return element;
 }
 
-async function checkLogin() {
-  // A restarted server does not know the cookie: it replies with the form for the PIN or a redirect. Then reload.
-  try {
-    const page = await fetch("/", { redirect: "manual" });
-    const html = await page.text();
-    if (page.type === "opaqueredirect" || !html.includes('name="token"')) location.reload();
-  } catch { /* the server does not answer yet */ }
-  connect();
+function act(element, button, more) {
+  if (button.question) disarm(element, button);
+  send({ ...button.intent, ...more });
 }
 
-function receive(message) {
-  if (message.kind === "state") {
-    state = message;
-    heard = performance.now();
-    send({ do: "seen" });
-    show();
-  } else if (message.kind === "hello") {
-    if (!byId("name").value) byId("name").value = localStorage.getItem("name") ?? message.name;
-  } else if (message.control === "stop") {
-    showStop(message.ok, message.text);
-  } else {
-    report(message.control, message.ok, message.text);
+function disarm(element, button) {
+  element.classList.remove("armed");
+  element.textContent = button.text;
+  byId("question").hidden = !document.querySelector(".armed");
+}
+
+// A second press must confirm. A dialog would hide STOP.
+function confirm(element, button) {
+  element.classList.add("armed");
+  element.textContent = text("page.confirm");
+  set(byId("question"), button.question);
+  byId("question").hidden = false;
+  setTimeout(() => disarm(element, button), CONFIRM_MS);
+}
+
+function choose(list, values, value, name) {
+  const all = [...new Set([...values, value])].sort((a, b) => a - b);
+  if (list.dataset.values !== all.join()) {
+    list.dataset.values = all.join();
+    list.replaceChildren(...all.map((one) => new Option(name(one), one)));
   }
+  if (document.activeElement !== list) list.value = value;
 }
 
-function report(control, ok, sentence) {
-  for (const place of document.querySelectorAll(".refusal[data-for]")) {
-    if (!place.dataset.for.split(" ").includes(control)) continue;
-    place.hidden = ok;
-    place.textContent = sentence;
+function showRefusal(id, refusal) {
+  const box = byId(id);
+  box.hidden = !refusal;
+  if (!refusal) return;
+  const close = { text: "✕", tooltip: text("label.dismiss"), intent: { do: "DismissRefusal" }, enabled: true };
+  box.replaceChildren(make("p", refusal.text), bind(make("button"), close));
+  if (refusal.alternative) box.append(bind(make("button", "", "main alternative"), refusal.alternative));
+}
+
+// -- the parts of the view ----------------------------------------------------------------------------
+
+const SHOW = {
+  title: (title) => { document.title = title; },
+  language: (language) => { document.documentElement.lang = byId("language").value = language; },
+  texts: showTexts,
+  robots: showRobots,
+  robot: showRobots,
+  you: showYou,
+  banner: (banner) => {
+    byId("banner").hidden = !banner;
+    const buttons = banner?.buttons.map((button) => bind(make("button"), button)) ?? [];
+    byId("banner").replaceChildren(make("p", banner?.text), ...buttons);
+  },
+  pills: (pills) => pills.forEach(showPill),
+  head: showHead,
+  arms: showArms,
+  sending: showSending,
+  commands: (commands) => {
+    for (const name of ["enable", "calibrate", "home", "disable", "reset", "undo"]) bind(byId(name), commands[name]);
+    showRefusal("refusal-commands", commands.refusal);
+  },
+  poses: showPoses,
+  history: (rows) => byId("history").replaceChildren(...rows.map(historyRow)),
+  class: (rows) => {
+    const cells = (row) => row.cells.map((cell) => make("td", cell));
+    document.querySelector("#class tbody").replaceChildren(...rows.map((row) => {
+      const line = make("tr");
+      line.append(...cells(row));
+      return line;
+    }));
+  },
+  last: (last) => set(byId("last"), last),
+  stop: (button) => { byId("stop").title = button.tooltip; set(byId("stop"), button.text); },
+  emergency: (button) => bind(byId("emergency"), button),
+};
+
+function receive(parts) {
+  Object.assign(view, parts);
+  const names = parts.texts ? Object.keys(view) : Object.keys(parts);
+  for (const name of ["texts", ...Object.keys(SHOW)]) if (names.includes(name)) SHOW[name](view[name]);
+  showEyes(view);
+  showTrouble();
+}
+
+function showTexts() {
+  for (const element of document.querySelectorAll("[data-text]")) set(element, text(element.dataset.text));
+  for (const element of document.querySelectorAll("[data-label]")) {
+    element.ariaLabel = element.title = text(element.dataset.label);
+    if (element.tagName === "INPUT") element.placeholder = element.title;
   }
-  if (!ok && held?.dataset.part === control) releaseButton();
+  for (const button of document.querySelectorAll("[data-part]")) {
+    const { part, sign } = button.dataset;
+    if (part in ROTATIONS) set(button, text(`page.${button.id}`));
+    button.ariaLabel = part in ROTATIONS ? text(`page.${button.id}`) : `${part} ${sign > 0 ? "+" : "−"}`;
+  }
+  document.querySelector("#class thead").replaceChildren(...COLUMNS.map((name) => make("th", text(`label.class_${name}`))));
 }
 
-function beat() {
-  if (held) send({ do: "hold", press, part: held.dataset.part, sign: Number(held.dataset.sign), speed: speed() });
-  else if (state?.you.drives || state?.you.waits) send({ do: "beat" });
+function showTrouble() {
+  const key = trouble();
+  byId("trouble").hidden = !key;
+  set(byId("trouble"), text(key));
+  document.body.classList.toggle("lost", Boolean(key));
 }
 
-// -- STOP ------------------------------------------------------------------------------------------
+function showRobots() {
+  const names = [...new Set([...(view.robots ?? []), view.robot])].sort();
+  const list = byId("robots");
+  if (list.dataset.names !== names.join()) {
+    list.dataset.names = names.join();
+    list.replaceChildren(...names.map((name) => new Option(name, name)));
+  }
+  if (document.activeElement !== list) list.value = view.robot;
+}
+
+function showYou(you) {
+  if (held && (!you.drives || you.over >= press)) releaseButton();
+  set(byId("you"), you.text);
+  set(byId("drive"), text(you.drives ? "page.leave" : "page.drive"));
+  byId("drive").title = text(you.drives ? "page.leave_tip" : "page.drive_tip");
+  byId("drive").classList.toggle("main", !you.drives);
+  byId("name").hidden = you.drives;
+  document.body.classList.toggle("idle", !you.drives);
+  set(byId("notice"), you.notice);
+  byId("notice").hidden = !you.notice;
+}
+
+function showPill(pill, index) {
+  const box = byId("pills").children[index];
+  const [state, notes, button] = box.children;
+  box.className = `pill ${pill.condition.replace(" ", "-")}`;
+  box.title = [pill.reason, ...pill.warnings, pill.details].filter(Boolean).join("\n");
+  set(state, `${pill.symbol} ${pill.title}: ${pill.text}`);
+  set(notes, [...pill.notes, ...pill.warnings, pill.latency].filter(Boolean).join(" · "));
+  bind(button, pill.next_step ?? pill.lease);
+  button.classList.toggle("next", Boolean(pill.next_step));
+}
+
+function showHead(head) {
+  const signed = (angle) => `${(Math.round(10 * angle) / 10 || 0).toFixed(1).replace("-", "−")}°`.replace(".", view.language === "de" ? "," : ".");
+  for (const part of Object.keys(ROTATIONS)) {
+    const slider = byId(`aim-${part}`);
+    const most = part === "yaw" ? head.yaw_max : head.tilt_max;
+    slider.max = most;
+    slider.min = -most;
+    if (performance.now() - aimed > 400) slider.value = head.target[part] * direction(part);
+    const shown = ["sim", "hw"].filter((side) => head[side]);
+    const angles = shown.map((side) => `${text(`label.column_${side}`)} ${signed(head[side][part])}`);
+    set(byId(`value-${part}`), angles.join("  "));
+    set(byId(`target-${part}`), `${text(`label.${part}`)} ${signed(aim(part))}`);
+    slider.ariaLabel = text(`label.${part}`);
+    slider.ariaValueText = signed(aim(part));
+  }
+  bind(byId("send"), head.send);
+  showRefusal("refusal-head", head.refusal);
+}
+
+function showArms(arms) {
+  for (const row of arms.rows.filter((one) => ARMS.includes(one.arm))) {
+    set(byId(`name-${row.arm}`), row.title);
+    const angles = ["sim", "hw"].filter((side) => row[side] && row[side] !== "–");
+    set(byId(`value-${row.arm}`), angles.map((side) => `${text(`label.column_${side}`)} ${row[side]}`).join("  ") || "–");
+  }
+  choose(byId("speed"), SPEEDS.filter((speed) => speed <= arms.speed_max), arms.speed, (speed) => `${speed}${text("label.speed_unit")}`);
+  showRefusal("refusal-arms", arms.refusal);
+}
+
+function showSending(sending) {
+  byId("sim").checked = sending.sim;
+  byId("hw").checked = sending.hw;
+  byId("lead-row").hidden = !sending.lead_matters;
+  choose(byId("lead"), LEADS, sending.lead_s, (lead) => `${lead}${text("label.lead_unit")}`);
+  set(byId("plan-title"), sending.title);
+  set(byId("plan-text"), sending.text);
+  byId("waiting").hidden = sending.progress === null;
+  byId("progress").value = sending.progress ?? 0;
+  set(byId("countdown"), sending.countdown);
+  byId("plan-buttons").hidden = !sending.abort.enabled;
+  for (const name of ["send_now", "change", "abort"]) bind(byId(name), sending[name]);
+}
+
+function showPoses(poses) {
+  const list = byId("pose");
+  const chosen = list.value;
+  list.replaceChildren(...poses.names.map((name) => new Option(name, name)));
+  if (!poses.names.length) list.append(new Option(text("label.poses_empty"), ""));
+  if (poses.names.includes(chosen)) list.value = chosen;
+  for (const name of ["go", "delete"]) bind(byId(name), poses[name], () => ({ name: list.value }));
+  bind(byId("save"), poses.save, () => ({ name: byId("pose-name").value }));
+  bind(byId("play"), poses.play);
+  set(byId("playing"), poses.playing);
+}
+
+function historyRow(row) {
+  const line = make("li", "", row.good === false ? "bad" : row.good ? "good" : "");
+  line.append(make("b", `${row.symbol} ${row.what}`), make("span", ` ${row.result}`), make("small", `${row.time} ${row.who}`));
+  if (row.row >= 0) {
+    const again = { text: "↻", tooltip: text("label.repeat"), intent: { do: "Repeat", row: row.row }, enabled: true };
+    line.append(bind(make("button"), again));
+  }
+  return line;
+}
+
+// -- STOP ---------------------------------------------------------------------------------------------
 
 function stop() {
   releaseButton();
-  const robot = state?.robot?.robot;
+  const robot = view.robot;
   if (!robot) return;
   const message = { do: "stop", robot, stop: crypto.getRandomValues(new Uint32Array(2)).join("-") };
-  const sent = send(message) && condition()[0] !== "server";
-  showStop(sent, text(sent ? "stop.sent" : "stop.failed", { robot }));
+  const sent = send(message) && !trouble();
+  showStop(sent);
   // STOP is also sent by an HTTP request, in case the web socket is broken; the server carries it out once.
   fetch("/stop", {
     method: "POST", keepalive: true, headers: { "X-XSRFToken": token }, body: JSON.stringify(message),
-  }).then((response) => { if (response.ok && !sent) showStop(true, text("stop.sent", { robot })); }, () => {});
+  }).then((response) => { if (response.ok && !sent) showStop(true); }, () => {});
 }
 
-function showStop(ok, sentence) {
-  byId("stopped").textContent = sentence;
-  byId("stopped").className = ok ? "" : "bad";
+function showStop(sent) {
+  set(byId("last"), text(sent ? "page.stop_sent" : "page.stop_failed", { robot: view.robot }));
+  byId("last").className = sent ? "" : "bad";
 }
 
-// -- holding buttons -------------------------------------------------------------------------------
+// -- holding buttons ----------------------------------------------------------------------------------
+
+function beat() {
+  if (held) send({ do: "hold", press, part: held.dataset.part, sign: Number(held.dataset.sign) });
+  else if (view.you.drives) send({ do: "beat" });
+}
 
 function pressButton(button) {
   releaseButton();
-  if (!state?.you.drives) {
-    report(button.dataset.part, false, text("drive.first"));
-    return;
-  }
-  report(button.dataset.part, true, "");
-  report("drive", true, "");
   press += 1;
   held = button;
-  button.classList.add("held");
   beat();
+  if (view.you.drives) button.classList.add("held");
+  else held = null; // the server has replied with a sentence
 }
 
 function releaseButton() {
@@ -134,190 +299,6 @@ function releaseButton() {
 function hide() {
   releaseButton();
   send({ do: "hidden" });
-}
-
-function speed() {
-  return Number(byId("speed").value);
-}
-
-// -- what the page shows ---------------------------------------------------------------------------
-
-function condition() {
-  const robot = state?.robot;
-  if (!heard || performance.now() - heard > LOST_MS || socket?.readyState !== WebSocket.OPEN) return ["server", "bad"];
-  if (!state.router) return ["router", "bad"];
-  if (!robot) return ["none", "warn"];
-  if (robot.presence === "absent") return ["absent", "bad"];
-  if (robot.presence !== "online" || !robot.status) return ["silent", "bad"];
-  if (robot.status.emergency) return ["emergency", "bad"];
-  if (!robot.status.enabled) return ["off", "warn"];
-  if (!robot.status.calibrated) return ["uncalibrated", "warn"];
-  if (robot.status.frozen) return ["frozen", "warn"];
-  return robot.status.moving ? ["moving", "good"] : ["ready", "good"];
-}
-
-function trouble(name) {
-  const robot = state?.robot;
-  const title = robot ? text(`robot.${robot.side}`, robot) : "";
-  if (closedFor) return closedFor;
-  if (name === "server") return heard || socket?.readyState === WebSocket.CLOSED ? text("trouble.server") : "";
-  if (["router", "none"].includes(name)) return text(`trouble.${name}`);
-  if (["absent", "silent"].includes(name)) {
-    return text(`trouble.${name}`, { robot: title, seconds: (robot.age_s ?? 0).toFixed(1) });
-  }
-  const notes = [...robot.status.problems];
-  if (robot.status.emergency) notes.unshift(text("trouble.emergency"));
-  if (robot.status.frozen) notes.push(text("trouble.frozen"));
-  if (robot.status.speed_limit) notes.push(text("trouble.limit", { speed: Math.round(robot.status.speed_limit) }));
-  return notes.join(" ");
-}
-
-function show() {
-  const [name, colour] = condition();
-  set(byId("state"), text(`state.${name}`));
-  byId("state").className = colour;
-  const sentence = trouble(name);
-  set(byId("trouble"), sentence);
-  byId("trouble").hidden = !sentence;
-  if (!state) return;
-  showRobots();
-  showDriver();
-  showNumbers();
-  const live = !["server", "router", "none"].includes(name);
-  showEyes(live ? state.robot : null);
-}
-
-function set(element, content) {
-  if (element.textContent !== content) element.textContent = content;
-}
-
-function showRobots() {
-  const list = byId("robots");
-  const places = state.robots.map((place) => `${place.robot} ${place.side}`);
-  const own = state.robot ? `${state.robot.robot} ${state.robot.side}` : "";
-  if (own && !places.includes(own)) places.unshift(own);
-  if (list.dataset.places !== places.join(",")) {
-    list.dataset.places = places.join(",");
-    list.replaceChildren(...places.map((place) => {
-      const [robot, side] = place.split(" ");
-      return new Option(text(`robot.${side}`, { robot }), place);
-    }));
-    if (!places.length) list.replaceChildren(new Option(text("robot.none"), ""));
-  }
-  if (document.activeElement !== list) list.value = own;
-  document.title = text("title", { robot: state.robot?.robot ?? text("robot.none") });
-}
-
-function showDriver() {
-  const { you, robot } = state;
-  const status = robot?.status;
-  const seat = status?.holder ?? "";
-  const number = (status?.waiting.indexOf(you.seat) ?? -1) + 1;
-  let sentence = seat ? text("driver.other", { seat }) : text("driver.free");
-  if (you.drives) sentence = text("driver.you", { seat: you.seat });
-  else if (you.waits) sentence = number && seat ? text("driver.waiting", { seat, number }) : text("driver.opening");
-  set(byId("driver"), sentence);
-  const action = you.drives ? "leave" : you.waits ? "cancel" : seat ? "wait" : "take";
-  set(byId("drive"), text(`drive.${action}`));
-  byId("drive").classList.toggle("main", !you.drives);
-  byId("name").hidden = you.drives || you.waits;
-  document.body.classList.toggle("idle", !you.drives);
-  document.querySelector("[data-command=ready]").classList.toggle(
-    "next", Boolean(you.drives && status && !status.emergency && !(status.enabled && status.calibrated)));
-  document.querySelector("[data-command=reset]").hidden = !status?.emergency;
-  document.querySelector("[data-command=reset]").classList.toggle("next", you.drives);
-}
-
-function showNumbers() {
-  const { head, arms } = state.robot ?? {};
-  const values = [...(head ?? [null, null, null]), ...(arms ?? [null, null, null])];
-  [...ROTATIONS, ...ARMS].forEach((part, index) => {
-    const value = values[index];
-    set(byId(`value-${part}`), value === null ? "–" : `${value.toFixed(1).replace("-", "−")}°`);
-  });
-}
-
-// -- building --------------------------------------------------------------------------------------
-
-function jogButton(part, sign) {
-  const button = document.createElement("button");
-  const way = `${part}${sign > 0 ? "+" : "-"}`;
-  button.id = `${part}-${sign > 0 ? "plus" : "minus"}`;
-  button.dataset.part = part;
-  button.dataset.sign = sign;
-  button.textContent = ARMS.includes(part) ? (sign > 0 ? "+" : "−") : text(`jog.${way}`);
-  button.setAttribute("aria-label", text(`jog.${way}`));
-  button.onpointerdown = (event) => {
-    if (event.button) return;
-    button.setPointerCapture(event.pointerId); // so that the release arrives even outside the button
-    pressButton(button);
-  };
-  button.onpointerup = button.onpointercancel = button.onlostpointercapture = releaseButton;
-  button.oncontextmenu = (event) => event.preventDefault();
-  return button;
-}
-
-function build() {
-  for (const [part, first, second] of ROWS) {
-    const value = document.createElement("span");
-    value.className = "value";
-    value.innerHTML = `<span id="value-${part}">–</span><small>${text(`part.${part}`)}</small>`;
-    const group = document.querySelector(ROTATIONS.includes(part) ? ".pad" : ".parts");
-    group.append(jogButton(part, first), value, jogButton(part, second));
-  }
-  set(document.querySelector("#head h2"), text("head"));
-  set(document.querySelector("#arms h2"), text("arms"));
-  set(document.querySelector("#eyes h2"), text("eyes"));
-  byId("hold-hint").textContent = text("hold");
-  for (const button of document.querySelectorAll("[data-command]")) {
-    button.textContent = text(`command.${button.dataset.command}`);
-    button.onclick = () => command(button);
-  }
-  document.querySelector("[data-command=ready]").title = text("command.ready.tip");
-  byId("home").textContent = text("command.home");
-  byId("home").onclick = () => {
-    report("home", true, "");
-    send({ do: "home", speed: speed() });
-  };
-  byId("speed-title").textContent = text("speed");
-  byId("speed").replaceChildren(...SPEEDS.map((value) => new Option(text("speed.of", { speed: value }), value)));
-  byId("speed").value = SPEEDS[1];
-  byId("stop").innerHTML = `${text("stop")}<small>${text("stop.keys")}</small>`;
-}
-
-function command(button) {
-  const name = button.dataset.command;
-  report(name, true, "");
-  if (name === "disable" && state?.you.drives && !button.dataset.armed) {
-    confirm(button);
-    return;
-  }
-  send({ do: "command", command: name });
-}
-
-function confirm(button) {
-  // The head sinks without power, so a second press must confirm. A dialog would hide STOP.
-  button.dataset.armed = "yes";
-  button.textContent = text("command.disable.again");
-  report("disable", false, text("command.disable.note"));
-  setTimeout(() => {
-    delete button.dataset.armed;
-    button.textContent = text("command.disable");
-    if (document.querySelector("[data-for~=disable]").textContent === text("command.disable.note")) report("disable", true, "");
-  }, CONFIRM_MS);
-}
-
-function drive() {
-  const { you } = state ?? { you: {} };
-  report("drive", true, "");
-  if (you.drives || you.waits) {
-    releaseButton();
-    send({ do: "leave" });
-    return;
-  }
-  const name = byId("name").value.trim() || "guest";
-  localStorage.setItem("name", name);
-  send({ do: "drive", name });
 }
 
 function keys(event) {
@@ -334,21 +315,106 @@ function keys(event) {
   if (event.type === "keyup") { if (held === button) releaseButton(); } else if (!event.repeat) pressButton(button);
 }
 
+// -- the target of the head ---------------------------------------------------------------------------
+
+const direction = (part) => (part === "yaw" ? -1 : 1); // a slider to the left turns the head to the left
+const aim = (part) => Number(byId(`aim-${part}`).value) * direction(part) + 0;
+
+function sendAim() {
+  const [yaw, pitch, roll] = Object.keys(ROTATIONS).map(aim);
+  send({ do: "AimHead", yaw, pitch, roll });
+}
+
+let aiming = 0;
+function onAim() {
+  aimed = performance.now();
+  aiming ||= setTimeout(() => { aiming = 0; sendAim(); }, AIM_MS);
+}
+
+// The last target goes before the intent of the button *Send*.
+function finishAim() {
+  if (!aiming) return;
+  clearTimeout(aiming);
+  aiming = 0;
+  sendAim();
+}
+
+// -- building -----------------------------------------------------------------------------------------
+
+function jogButton(part, sign) {
+  const button = make("button", sign > 0 ? "+" : "−");
+  button.id = `${part}-${sign > 0 ? "plus" : "minus"}`;
+  button.dataset.part = part;
+  button.dataset.sign = sign;
+  button.onpointerdown = (event) => {
+    if (event.button) return;
+    button.setPointerCapture(event.pointerId); // so that the release arrives even outside the button
+    pressButton(button);
+  };
+  button.onpointerup = button.onpointercancel = button.onlostpointercapture = releaseButton;
+  button.oncontextmenu = (event) => event.preventDefault();
+  return button;
+}
+
+function named(kind, id, className = "") {
+  const element = make(kind, "", className);
+  element.id = id;
+  return element;
+}
+
+function build() {
+  for (const [part, [left, right]] of Object.entries(ROTATIONS)) {
+    const slider = named("input", `aim-${part}`);
+    Object.assign(slider, { type: "range", step: 0.5, value: 0, oninput: onAim });
+    slider.onkeydown = (event) => { if (event.key === "Enter") byId("send").click(); };
+    const names = make("div", "", "angles");
+    names.append(named("b", `target-${part}`), named("span", `value-${part}`));
+    byId("rotations").append(names, jogButton(part, left), slider, jogButton(part, right));
+  }
+  for (const arm of ARMS) {
+    const names = make("div", "", "angles");
+    names.append(named("b", `name-${arm}`), named("span", `value-${arm}`));
+    byId("rows").append(jogButton(arm, -1), names, jogButton(arm, 1));
+  }
+  for (let index = 0; index < 2; index += 1) {
+    const pill = make("div");
+    pill.append(make("p"), make("small"), make("button"));
+    byId("pills").append(pill);
+  }
+  byId("name").value = localStorage.getItem("name") ?? document.querySelector("meta[name=guest]").content;
+}
+
+function drive() {
+  if (view.you.drives) {
+    releaseButton();
+    send({ do: "leave" });
+    return;
+  }
+  const name = byId("name").value.trim() || "guest";
+  localStorage.setItem("name", name);
+  send({ do: "drive", name });
+}
+
 build();
 byId("stop").onpointerdown = stop;
 byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0) stop(); }; // by an assistive program
 byId("drive").onclick = drive;
-byId("robots").onchange = (event) => {
-  const [robot, side] = event.target.value.split(" ");
-  event.target.blur();
-  if (side) send({ do: "watch", robot, side });
-};
+byId("send").addEventListener("click", finishAim, true);
+byId("robots").onchange = (event) => { event.target.blur(); send({ do: "ChooseRobot", name: event.target.value }); };
+byId("language").onchange = (event) => send({ do: "SetLanguage", code: event.target.value });
+byId("speed").onchange = (event) => send({ do: "SetSpeed", degrees_per_s: Number(event.target.value) });
+byId("lead").onchange = (event) => send({ do: "SetLead", seconds: Number(event.target.value) });
+for (const side of ["sim", "hw"]) {
+  byId(side).onchange = (event) => send({ do: "SetDestination", side, checked: event.target.checked });
+}
+byId("looking").onchange = (event) => send({ do: "SetCameras", on: event.target.checked });
+byId("class").ontoggle = (event) => send({ do: "class", on: event.target.open });
 addEventListener("keydown", keys, true);
 addEventListener("keyup", keys, true);
 addEventListener("blur", releaseButton);
 addEventListener("pagehide", hide);
-document.addEventListener("visibilitychange", () => { if (document.hidden) hide(); });
+document.addEventListener("visibilitychange", () => { if (document.hidden) hide(); else showEyes(view); });
 setInterval(beat, BEAT_MS);
-setInterval(show, 500);
-connectEyes(() => socket?.readyState === WebSocket.OPEN);
-connect();
+setInterval(showTrouble, 500);
+connectEyes(isOpen, () => showEyes(view));
+connect(receive, () => { releaseButton(); showTrouble(); });

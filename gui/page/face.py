@@ -1,0 +1,277 @@
+"""One open page: its state, the link with which it drives, and the views that its browser gets."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final, get_args
+
+import msgspec
+
+from beatrix_zenoh.contract._generated.messages import LeaseAction
+from gui.console.link import Link
+from gui.console.link.link import robots_of
+from gui.console.state import class_page, intents
+from gui.console.state.actions import Action, Outcome, SendStop
+from gui.console.state.intents import Intent, Tab
+from gui.console.state.presence import online
+from gui.console.state.saved import Saved
+from gui.console.state.state import State
+from gui.console.state.views import BannerView, ButtonView, View
+from gui.console.state.world import LinkPhase, World
+from gui.console.texts import Texts, load
+from gui.page.jog import AHEAD_S, Jogging, Press, jog_query
+from gui.page.messages import DRIVING, OWN, ROTATIONS, Hold
+
+HISTORY: Final = 40
+"""Largest number of rows of the history of a page."""
+POSES: Final = 50
+"""Largest number of poses of a page."""
+UNREAD_MAX: Final = 20
+"""Largest number of unconfirmed views of a browser; it gets no more until it confirms one."""
+QUIET_S: Final = 0.5
+"""Longest time between two views, even if nothing has changed: the page notices that its server is lost."""
+OFFERED: Final = get_args(OWN) + get_args(DRIVING)
+ENCODER: Final = msgspec.json.Encoder(enc_hook=str)  # `str`, because some buttons of the console name a file
+SAVED_KEYS: Final = ("page.", "label.")
+"""Beginnings of the keys of the texts that the scripts of the page use."""
+
+
+@dataclass
+class Driver:
+    """What a page has while it drives, or waits for a robot."""
+
+    link: Link
+    jog: Jogging
+    robot: str
+    seat: str
+    beat_s: float
+    """time of the last heartbeat of the page (monotonic clock, s)"""
+    asked: bool = False
+    """whether the lease was requested"""
+    stopped: bool = False
+    """whether the robot was stopped because the page is silent or hidden"""
+
+    def beat(self) -> None:
+        """Record a heartbeat of the page, and clear `stopped`."""
+        self.beat_s, self.stopped = time.monotonic(), False
+
+    @property
+    def busy(self) -> bool:
+        """Whether robots move, or are about to move, for the page."""
+        return self.link.busy or self.jog.busy
+
+
+class Face:
+    """The state of one page; all methods run on the thread of the server's loop."""
+
+    def __init__(
+        self, world: World, send: Callable[[bytes], None], stop: Callable[[Face, SendStop], None]
+    ) -> None:
+        """Begin to watch a robot.
+
+        Args:
+            world: the present world of this robot.
+            send: sends a message to the browser.
+            stop: sends STOP for a page that does not drive.
+        """
+        self.robot, self._world = world.robot, world
+        self.driver: Driver | None = None
+        self.shows_class = False
+        self.state = State()
+        self._send, self._stop = send, stop
+        self._notice: tuple[str, dict[str, str]] = ("", {})
+        self._aimed = False
+        """Whether the boxes of the robots fit to the robots that are online."""
+        self._sent: dict[str, bytes] = {}
+        self._unread, self._sent_s = 0, 0.0
+        self.open(Saved())
+
+    def change(self, world: World) -> None:
+        """Show another robot, with the same choices."""
+        self.robot, self._world = world.robot, world
+        self.open(self.state.saved)
+
+    def open(self, saved: Saved) -> None:
+        """Begin with the choices that the browser has kept."""
+        self.state, self._aimed = State(saved), False
+        self.state.handle(intents.ShowTab(Tab.EYES), self._world)
+
+    def notify(self, key: str, **slots: str) -> None:
+        """Show a sentence beside the button *Drive*; no key: none."""
+        self._notice = key, slots
+
+    # -- what the browser sees ----------------------------------------------------------------------
+
+    def show(self, world: World, robots: tuple[str, ...]) -> None:
+        """Send the parts of the view that have changed, unless too many earlier ones are unconfirmed."""
+        self._world = world
+        self._follow(world)
+        if self._unread >= UNREAD_MAX:
+            return
+        parts = {name: ENCODER.encode(part) for name, part in self._parts(world, robots).items()}
+        changed = {name: part for name, part in parts.items() if self._sent.get(name) != part}
+        if changed or world.now_s - self._sent_s >= QUIET_S:
+            self._sent |= changed
+            self._sent_s = world.now_s
+            self._unread += 1
+            self._send(ENCODER.encode({name: msgspec.Raw(part) for name, part in changed.items()}))
+
+    def seen(self) -> None:
+        """Count a confirmation of the browser."""
+        self._unread = max(0, self._unread - 1)
+
+    def _follow(self, world: World) -> None:
+        """Compare leases; ask once for the robots, and check the box of the only robot online."""
+        self.state.follow(world)
+        here = [side for side in ("sim", "hw") if online(world, side)]
+        if here and not self._aimed:
+            self._aimed = True
+            self.state.handle(intents.SetDestination("sim", checked="sim" in here), world)
+            self.state.handle(intents.SetDestination("hw", checked="sim" not in here), world)
+        driver = self.driver
+        if driver is not None and here and not driver.asked:
+            driver.asked = True
+            for side in here:
+                self.carry_out(intents.AskLease(LeaseAction.WAIT, side))
+
+    def _parts(self, world: World, robots: tuple[str, ...]) -> dict[str, object]:
+        view, driver, texts = self.state.view(world), self.driver, self.state.choices.texts
+        key, slots = self._notice
+        rows = class_page.table(world, texts) if self.shows_class else ()
+        return {
+            "online": world.phase is LinkPhase.ONLINE,
+            "robots": robots,
+            "you": {
+                "seat": "" if driver is None else driver.seat,
+                "drives": driver is not None,
+                "over": 0 if driver is None else driver.jog.over,
+                "text": texts("page.watch") if driver is None else texts("page.you", seat=driver.seat),
+                "notice": texts(key, **slots) if key else "",
+            },
+            "saved": self.state.saved,
+            "texts": {
+                name: text for name, text in load(texts.code)[0].items() if name.startswith(SAVED_KEYS)
+            },
+            "eyes": self._eyes(view, world),
+            "class": [{"cells": row.cells, "robot": row.place[0]} for row in rows],
+            "banner": _banner(view, world),
+            "pills": [
+                replace(pill, next_step=_offered(pill.next_step), lease=_lease(pill.lease))
+                for pill in view.pills
+            ],
+            "head": replace(view.head, path=()),
+            "history": view.history[:HISTORY],
+            **{
+                name: getattr(view, name)
+                for name in ("title", "robot", "arms", "sending", "commands", "poses")
+            },
+            **{name: getattr(view, name) for name in ("last", "stop", "emergency", "language")},
+        }
+
+    def _eyes(self, view: View, world: World) -> dict[str, object]:
+        """Return the robot whose pictures the page shows, and why there are none."""
+        choices = self.state.choices
+        sides = sorted(("sim", "hw"), key=lambda side: (not online(world, side), side not in choices.sides))
+        eye = next(eye for eye in view.eyes if (eye.side, eye.eye) == (sides[0], "left"))
+        text = (
+            "" if eye.text == choices.texts("eye.waiting") else eye.text
+        )  # cameras work only while they are watched
+        return {"side": sides[0], "on": choices.cameras, "text": text}
+
+    # -- what the user does -------------------------------------------------------------------------
+
+    def carry_out(self, intent: Intent) -> None:
+        """Carry out an intent of the page; if it needs a page that drives and this one does not, show a sentence."""
+        if isinstance(intent, DRIVING) and self.driver is None:
+            self.notify("page.watching")
+            return
+        if isinstance(intent, intents.SavePose) and len(self.state.saved.poses) >= POSES:
+            return
+        if self.driver is not None and isinstance(intent, DRIVING):
+            self.notify("")
+            self.driver.jog.end()
+        for action in self.state.handle(intent, self._world):
+            self._do(action)
+
+    def _do(self, action: Action) -> None:
+        if self.driver is not None:
+            if isinstance(action, SendStop):
+                self.driver.jog.end(stopped=True)
+            self.driver.link.do(action)
+        if isinstance(action, SendStop) and (
+            self.driver is None or self._world.phase is not LinkPhase.ONLINE
+        ):
+            self._stop(self, action)
+
+    def stop(self) -> None:
+        """Send STOP to both robots."""
+        self.carry_out(intents.Stop())
+
+    def report(self, outcome: Outcome) -> None:
+        """Show the outcome of a request."""
+        self.state.report(outcome)
+
+    def hold(self, hold: Hold) -> None:
+        """Begin or continue the motion of a held button; do nothing if this press has ended."""
+        driver, session = self.driver, None if self.driver is None else self.driver.link.session
+        if driver is None or session is None:
+            self.notify("page.watching")
+            return
+        press = driver.jog.held(hold.press)
+        if press is None and driver.jog.is_new(hold.press):
+            choices = self.state.choices
+            robots = robots_of(session.twin, choices.sides)
+            control = "head" if hold.part in ROTATIONS else hold.part
+            query = jog_query(hold.part, hold.sign, choices.speed, AHEAD_S)
+            row = self.state.hold(self._world, query, control)
+            if row is None:
+                return
+            self.notify("")
+            driver.link.make_way()
+            press = Press(hold.press, hold.part, hold.sign, choices.speed, robots, row)
+        if press is not None:
+            driver.jog.hold(press)
+
+    def release(self, number: int) -> None:
+        """End the motion of a held button."""
+        if self.driver is not None:
+            self.driver.jog.release(number)
+
+    def stop_moving(self) -> None:
+        """Stop the robots if they move for this page, because the page is silent or hidden."""
+        if self.driver is not None and self.driver.busy:
+            self.driver.stopped = True
+            self.stop()
+
+    def drop(self) -> None:
+        """Drop what waits to be sent, because another page has sent STOP."""
+        if self.driver is not None:
+            self.driver.jog.end(stopped=True)
+            self.driver.link.drop()
+
+
+def _offered(button: ButtonView | None) -> ButtonView | None:
+    """Return the button, if pages may use its intent."""
+    return button if button is not None and isinstance(button.intent, OFFERED) else None
+
+
+def _lease(button: ButtonView | None) -> ButtonView | None:
+    """Return the button of a lease, unless it gives the robot back as the button beside *Drive* does for both robots."""
+    match button:
+        case ButtonView(intent=intents.AskLease(action=LeaseAction.GIVE_BACK)):
+            return None
+    return button
+
+
+def _banner(view: View, world: World) -> BannerView | None:
+    """Return the banner without buttons that pages may not use; a text that mentions them is replaced."""
+    banner, texts = view.banner, Texts(view.language)
+    if banner is None:
+        return None
+    buttons = tuple(button for button in banner.buttons if _offered(button))
+    if any(isinstance(button.intent, intents.StartSimulation) for button in banner.buttons):
+        key = "page.no_robot" if world.phase is LinkPhase.ONLINE else "page.no_router"
+        return BannerView(texts(key, robot=view.robot), buttons)
+    return BannerView(banner.text, buttons)

@@ -1,0 +1,163 @@
+"""Held buttons: robots move while heartbeats arrive, because each heartbeat is one goal half a second ahead."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from beatrix_zenoh.client import Motion, Robot
+from beatrix_zenoh.client.stopping import publish_stop
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Vector3
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.names import ARMS
+from gui.console.link.outcomes import accepted, done, failed
+from gui.console.link.worker import Worker
+from gui.console.state.actions import Outcome
+from gui.page.messages import ROTATIONS
+
+AHEAD_S: Final = 0.5
+"""Time to each goal of a jog, longer than network delays; without a new goal the jog ends by itself."""
+BRAKE_S: Final = 0.12
+"""Like AHEAD_S, for the last goal of a jog: an arm at 40 deg/s needs 0.11 s to come to rest."""
+FASTEST_DEG_S: Final = 40.0
+"""Largest speed of a jog (deg/s)."""
+SMALLEST_DEG: Final = 0.5
+"""Shortest motion of a jog near a limit."""
+LIMITS: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT)
+
+
+@dataclass(frozen=True, eq=False)
+class Press:
+    """A press of a button."""
+
+    number: int
+    part: str
+    sign: int
+    speed: float
+    """deg/s"""
+    robots: tuple[Robot, ...]
+    row: int
+    """row of the outcomes in the history"""
+
+    def query(self, ahead_s: float = AHEAD_S) -> MotionQuery | PoseQuery:
+        """Return the motion from the present set point for `ahead_s`."""
+        return jog_query(self.part, self.sign, self.speed, ahead_s)
+
+
+def jog_query(part: str, sign: int, speed_deg_s: float, ahead_s: float) -> MotionQuery | PoseQuery:
+    """Return the motion of one part of the head from the present set point for `ahead_s`."""
+    speed = math.radians(min(speed_deg_s, FASTEST_DEG_S))
+    angle = sign * speed * ahead_s
+    if part in ROTATIONS:
+        yaw, pitch, roll = (angle if part == name else 0.0 for name in ROTATIONS)
+        return PoseQuery(absolute=False, yaw=yaw, pitch=pitch, roll=roll, speed=speed)
+    x, y, z = (angle if part == name else 0.0 for name in ARMS)
+    return MotionQuery(absolute=False, position=Vector3(x, y, z), speed=Vector3(speed, speed, speed))
+
+
+class Jogging(Worker):
+    """Sends the goals of held buttons on a thread of its own; the newest goal replaces one that waits."""
+
+    def __init__(self, report: Callable[[Outcome], None]) -> None:
+        super().__init__("page-jog")
+        self._report = report
+        self._lock = threading.Lock()
+        self._press: Press | None = None
+        self._goal: tuple[Press, float] | None = None
+        self.over = 0
+        """All presses up to this number have ended; read by the page, which then shows its button released."""
+        self._stops = 0
+        self._running: dict[str, tuple[int, Motion]] = {}
+        """By side: the row and motion begun last, until its end."""
+
+    @property
+    def busy(self) -> bool:
+        """Whether robots move, or are about to move, for a held button."""
+        return self._goal is not None or bool(self._running)
+
+    def held(self, number: int) -> Press | None:
+        """Return the press of this number while it is held."""
+        press = self._press
+        return press if press is not None and press.number == number else None
+
+    def is_new(self, number: int) -> bool:
+        """Return whether a press of this number has not begun yet; late heartbeats of earlier presses are ignored."""
+        return number > self.over and self.held(number) is None
+
+    def hold(self, press: Press) -> None:
+        """Begin or continue a press."""
+        self._put(press, press, AHEAD_S)
+
+    def release(self, number: int) -> None:
+        """End a press: the robots come to rest at a last goal."""
+        press = self.held(number)
+        self.over = max(self.over, number)
+        if press is not None:
+            self._put(None, press, BRAKE_S)
+
+    def _put(self, held: Press | None, press: Press, ahead_s: float) -> None:
+        with self._lock:
+            self._press, self._goal = held, (press, ahead_s)
+        self.put(self._step)
+
+    def end(self, *, stopped: bool = False) -> None:
+        """End the press without a last goal; `stopped`: STOP was sent, also to a goal that is being sent."""
+        with self._lock:
+            self._stops += stopped
+            self._goal = None
+            if self._press is not None:
+                self.over, self._press = max(self.over, self._press.number), None
+
+    # -- the thread ---------------------------------------------------------------------------------
+
+    def _step(self) -> None:
+        with self._lock:
+            goal, self._goal, stops = self._goal, None, self._stops
+        if goal is None:
+            return
+        press, ahead_s = goal
+        for robot in press.robots:
+            try:
+                self._begin(press, robot, ahead_s, stops)
+            except BeatrixError as error:
+                self.end()
+                self._report(failed(press.row, robot.side, error))
+                return
+
+    def _begin(self, press: Press, robot: Robot, ahead_s: float, stops: int) -> None:
+        """Send one goal, near a limit a shorter one; raises Refused if no goal is accepted."""
+        began_s, motion = time.monotonic(), None
+        while motion is None:
+            try:
+                motion = robot.begin(press.query(ahead_s))
+            except Refused as error:
+                ahead_s /= 2
+                if error.reason not in LIMITS or press.speed * ahead_s < SMALLEST_DEG:
+                    raise
+        first = self._running.get(robot.side, (0, None))[0] != press.row
+        self._running[robot.side] = press.row, motion
+        if self._stops != stops:  # the STOP sent meanwhile may have arrived before the goal
+            publish_stop(robot.client, robot.place)
+        if first:
+            self._report(accepted(press.row, robot.side, motion.accepted.message, 0.0))
+        motion.add_done_callback(lambda motion: self._ended(press, robot.side, motion, began_s))
+
+    def _ended(self, press: Press, side: str, motion: Motion, began_s: float) -> None:
+        newest = self._running.get(side) == (press.row, motion)
+        if newest:
+            del self._running[side]
+        error = motion.exception(0.0)
+        if error is not None and error.reason is not Reason.REPLACED:
+            self.end()
+            self._report(failed(press.row, side, error))
+        elif error is None and newest and press.number <= self.over:
+            self._report(done(press.row, side, motion.result(0.0).message, time.monotonic() - began_s))
+
+    def close(self) -> None:
+        """End the press and the thread; returns at once."""
+        self.end(stopped=True)
+        super().close()
