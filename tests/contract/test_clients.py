@@ -46,15 +46,6 @@ def test_commands_of_other_seats_are_refused_during_a_motion(body: Body, robot: 
     motion.wait()
 
 
-def test_the_robot_is_free_two_seconds_after_a_motion(body: Body, robot: Robot) -> None:
-    other = body.robot("ben")
-    robot.look(yaw=2, speed=60)
-    until(lambda: robot.status().holder == "", "lease over", 4.0)
-    other.look(yaw=0, speed=60)
-    assert robot.status().holder == "ben"
-    until(lambda: robot.status().holder == "", "lease over", 4.0)
-
-
 def test_a_motion_of_the_teacher_replaces_that_of_another_seat(body: Body, robot: Robot) -> None:
     teacher = body.robot("teacher")
     motion = robot.look(yaw=30, wait=False)

@@ -155,16 +155,3 @@ def test_the_suggestion_of_a_refusal_is_accepted(robot: Robot) -> None:
     assert offer.head.pitch == pytest.approx(35, abs=0.5)
     robot.look(*offer.head, speed=60)
     assert suggestion(Refused(Reason.BUSY)) is None
-
-
-@pytest.mark.bodies("in-process")
-def test_arms_that_would_pass_each_other_are_refused(robot: Robot) -> None:
-    with pytest.raises(Refused, match="short and middle arms would pass each other"):
-        robot.move(92, -92, 0)
-
-
-def test_the_whole_path_is_checked(robot: Robot) -> None:
-    robot.look(pitch=30, speed=60)
-    with pytest.raises(Refused):
-        robot.move(90, 90, 0, relative=True)
-    robot.look(speed=60)

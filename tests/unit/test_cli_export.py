@@ -6,7 +6,6 @@ import json
 import signal
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 import written_recordings
@@ -44,24 +43,6 @@ def test_csv_and_parquet_hold_the_same_table(lesson: Path, capsys: pytest.Captur
     assert text.startswith(b"time_s,unix_time_s,ada_hw_short_deg,")
     assert text.isascii()
     assert b"\r" not in text
-
-
-def test_samples_are_exact(lesson: Path) -> None:
-    samples = {}
-    for suffix, load in ((".csv", pd.read_csv), (".parquet", pd.read_parquet)):
-        path = lesson.with_suffix(suffix)
-        assert app.run(["export", str(lesson), str(path), "--samples", "--name", "ada"]) == 0
-        samples[suffix] = load(path)
-    pd.testing.assert_frame_equal(samples[".csv"], samples[".parquet"], check_exact=True, check_dtype=False)
-    for (name, side), recorded in read(lesson).robots.items():
-        rows = samples[".csv"].query(f"robot == '{name}' and side == '{side}'")
-        if name == "bob":
-            assert rows.empty
-            continue
-        np.testing.assert_array_equal(rows.time_ns, recorded.time_ns)
-        np.testing.assert_array_equal(rows[["short_deg", "middle_deg", "long_deg"]], recorded.arms)
-        assert rows.seq.isna().all(), "not recorded"
-        assert rows.repeats.isna().all()
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

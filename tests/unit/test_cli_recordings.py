@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-import typer
 from golden import same
 
 from beatrix_zenoh.client.session import Place
@@ -56,19 +54,6 @@ def lesson(tmp_path: Path) -> Path:
     path = tmp_path / "lesson.rrd"
     write(path, {("ada", "sim"): 0.0, ("ada", "hw"): LAG_S, ("bob", "sim"): 0.0})
     return path
-
-
-def test_lag_and_offset_of_a_recording_are_found(lesson: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(typer.Exit):
-        compare(str(lesson), max_lag=0.1, as_json=True)
-    found = json.loads(capsys.readouterr().out)
-    assert found["lag_s"] == pytest.approx(LAG_S, abs=0.005)
-    axes = {axis["axis"]: axis for axis in found["axes_deg"]}
-    assert axes["middle"]["lag_s"] == pytest.approx(LAG_S, abs=0.005)
-    assert axes["middle"]["offset"] == pytest.approx(OFF_DEG, abs=0.05)
-    assert axes["short"]["rms_after"] == pytest.approx(0, abs=0.05)
-    assert [robot["lost"] for robot in found["robots"]] == [None, None]
-    assert found["robots"][1]["off_set_points_deg"] == pytest.approx(OFF_DEG, abs=0.05)
 
 
 def test_the_table_names_every_axis_and_the_lag(lesson: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 from golden import same
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 from statuses import AT_HOME
@@ -18,7 +18,6 @@ from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.compare import Thresholds, compare, why_no_lag
-from beatrix_zenoh.recording.lag import lag
 from beatrix_zenoh.recording.series import (
     AXES,
     Floats,
@@ -30,10 +29,6 @@ from beatrix_zenoh.recording.series import (
 )
 
 HZ = 50
-ANGLES = st.floats(-60, 60).filter(lambda angle: abs(angle) > 5)
-TARGETS = st.lists(st.tuples(ANGLES, ANGLES, ANGLES), min_size=2, max_size=4)
-LAGS = st.floats(-0.2, 0.2)
-FEW = settings(max_examples=25)
 
 
 def movement(targets: list[tuple[float, float, float]], t: Floats) -> Floats:
@@ -57,39 +52,6 @@ def recorded(
     return Recording(t, movement(targets, t - lag_s) + jitter)
 
 
-@pytest.mark.no_cover
-@FEW
-@given(TARGETS, LAGS, st.floats(0, 1 / HZ), st.integers(0, 2**16))
-def test_a_known_lag_is_found_within_two_milliseconds(
-    targets: list[tuple[float, float, float]], lag_s: float, phase_s: float, seed: int
-) -> None:
-    first = recorded(targets, 0.0, 0.0)
-    second = recorded(targets, lag_s, phase_s, noise=0.02, seed=seed)
-    assert lag(first, second) == pytest.approx(lag_s, abs=0.002)
-
-
-@pytest.mark.no_cover
-@FEW
-@given(TARGETS, st.floats(-3, 3))
-def test_a_constant_offset_of_an_arm_is_its_difference(
-    targets: list[tuple[float, float, float]], offset: float
-) -> None:
-    first = recorded(targets, 0.0, 0.0)
-    apart = Recording(first.t, first.angles + np.array([0, offset, 0, 0, 0, 0]))
-    found = {axis.axis: axis for axis in compare(first, apart).axes}
-    middle = found["middle"]
-    assert (middle.largest, middle.rms, middle.at_rest) == pytest.approx((abs(offset),) * 3, abs=1e-6)
-    assert found["short"].largest == pytest.approx(0, abs=1e-9)
-
-
-def test_without_movement_there_is_no_lag() -> None:
-    still = Recording(np.arange(0.0, 5.0, 0.02), np.zeros((250, 6)))
-    found = compare(still, still)
-    assert math.isnan(found.lag_s)
-    assert not found.anything_moved
-    assert why_no_lag(found) == "nothing moved."
-
-
 def test_two_different_movements_have_no_lag() -> None:
     found = compare(recorded([(30.0, 30.0, 30.0)], 0.0, 0.0), recorded([(-30.0, 10.0, -30.0)], 0.0, 0.0))
     assert math.isnan(found.lag_s)
@@ -108,16 +70,6 @@ def shaken(lags_s: Sequence[float], offset: float = 0.0) -> Recording:
         later = t >= begin
         angles[later, :3] = [rest + sign * np.array(turn.at(moment - begin)[0]) for moment in t[later]]
     return Recording(t, angles + np.array([0, offset, 0, 0, 0, 0]))
-
-
-@pytest.mark.no_cover
-@given(st.lists(st.floats(-0.03, 0.03), min_size=3, max_size=5))
-@settings(max_examples=20)
-def test_each_motion_has_its_own_lag(lags_s: list[float]) -> None:
-    found = compare(shaken([0.0] * len(lags_s)), shaken(lags_s))
-    assert [part.lag_s for part in found.moved] == pytest.approx(lags_s, abs=0.001)
-    assert max(axis.rms_after for axis in found.axes) < 0.02
-    assert found.axes[0].rms >= found.axes[0].rms_after - 1e-9
 
 
 def test_the_lag_is_that_of_the_set_points_if_they_were_recorded() -> None:

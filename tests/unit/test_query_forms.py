@@ -18,7 +18,6 @@ from beatrix_zenoh.contract._generated.messages import (
     CommandQuery,
     Detail,
     MotionQuery,
-    MotionReply,
     PoseQuery,
     Reason,
     Vector3,
@@ -147,22 +146,6 @@ def test_the_home_pose_may_be_requested(raw: RawQuery) -> None:
     assert query_forms.read(raw, PoseQuery) == PoseQuery()
 
 
-POSE_FIELDS = ["absolute", "yaw", "pitch", "roll", "speed", "lease", "lead", "source"]
-
-
-@pytest.mark.parametrize(
-    ("payload", "field", "known"),
-    [
-        (b'{"yaw":1,"extra":2}', "extra", POSE_FIELDS),
-        (b'{"yaw":"far"}', "yaw", []),
-        (b'{"yaw":1', "", []),
-        (b"[1,2,3]", "", []),
-    ],
-)
-def test_the_detail_of_a_bad_request_names_the_field(payload: bytes, field: str, known: list[str]) -> None:
-    assert refusal_of(RawQuery(payload, "", ""), PoseQuery).detail == Detail(field=field, known=known)
-
-
 @pytest.mark.parametrize("payload", [b"enabel on", b'{"command":"enabel"}'])
 def test_an_unknown_command_is_refused_with_the_list_of_commands(payload: bytes) -> None:
     refusal = refusal_of(RawQuery(payload, "", ""), CommandQuery)
@@ -172,22 +155,6 @@ def test_an_unknown_command_is_refused_with_the_list_of_commands(payload: bytes)
     assert (refusal.reason, field_of(refusal)) == (Reason.UNKNOWN_COMMAND, "enabel")
     assert refusal.detail is not None
     assert refusal.detail.known[0] == "1 ENABLE"
-
-
-def test_unknown_fields_of_a_reply_are_ignored() -> None:
-    newer = msgpack.packb(
-        {
-            "result": True,
-            "phase": "done",
-            "reason": "OK",
-            "message": "",
-            "motion": 1,
-            "duration": 1.0,
-            "position": {"x": 0.0, "y": 0.0, "z": 0.0},
-            "mood": "good",
-        }
-    )
-    assert codec.decode(newer, MotionReply).result
 
 
 def words(text: bytes, parameters: str = "") -> RawQuery:

@@ -67,18 +67,6 @@ angles = st.one_of(st.floats(-0.1, 0.1), st.floats(-3, 3))
 
 
 @given(st.lists(st.tuples(angles, angles, angles), max_size=40))
-@example([(0.04, 0.0, -0.04)] * 30)
-def test_a_sequence_of_relative_arm_motions_ends_at_the_sum(steps: list[Arms]) -> None:
-    robot, total = Robot(), [0.0, 0.0, 0.0]
-    for step in steps:
-        query = arms(*step)
-        if robot.carry_out(query) is not None:
-            asked = query.position
-            total = [a + b for a, b in zip(total, (asked.x, asked.y, asked.z), strict=True)]
-    assert robot.arms == pytest.approx(total, abs=HALF)
-
-
-@given(st.lists(st.tuples(angles, angles, angles), max_size=40))
 @example([(0.05, 0.0, 0.0)] * 30)
 @example([(0.04, 0.01, -0.04)] * 30)
 def test_a_sequence_of_relative_poses_ends_at_the_arms_of_the_sum(steps: list[Arms]) -> None:
