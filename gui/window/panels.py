@@ -8,7 +8,7 @@ from PyQt5.QtWidgets import QHBoxLayout, QTabWidget, QVBoxLayout, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import ARMS
-from gui.console.state.intents import ALL_ARMS, Page, ShowTab, Tab, Theme
+from gui.console.state.intents import ALL_ARMS, ShowTab, Tab, Theme, WindowPage
 from gui.console.state.views import HistoryRowView, RefusalView, View
 from gui.console.state.world import World
 from gui.console.texts import Texts
@@ -176,8 +176,8 @@ class Panels(QWidget):
         self._refusal = next((refusal for refusal in refusals if refusal is not None), None)
         self._show_notice()
 
-    def _show_page(self, page: Page) -> None:
-        shows_class = page is Page.CLASS
+    def _show_page(self, page: WindowPage) -> None:
+        shows_class = page is WindowPage.CLASS
         if self.class_page.isHidden() == shows_class:
             self.body.setVisible(not shows_class)
             self.class_page.setVisible(shows_class)

@@ -11,13 +11,13 @@ from PyQt5.QtGui import QColor
 from pytestqt.qtbot import QtBot
 
 from gui.console.state.intents import Theme
-from gui.console.state.views import Orientation
+from gui.console.state.views import HeadOrientation
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.head import HeadPad
 
-SIM, HW = Orientation(-60.0, -15.0, 15.0), Orientation(60.0, 15.0, -15.0)
-DOTS = (Orientation(90.0, 0.0, 20.0), Orientation(120.0, 0.0, 25.0))
+SIM, HW = HeadOrientation(-60.0, -15.0, 15.0), HeadOrientation(60.0, 15.0, -15.0)
+DOTS = (HeadOrientation(90.0, 0.0, 20.0), HeadOrientation(120.0, 0.0, 25.0))
 
 
 @pytest.mark.parametrize("theme", Theme)
@@ -29,7 +29,7 @@ def test_on_the_pad_the_simulation_is_a_cross_the_hardware_a_square_and_the_path
     pad.resize(400, 400)
     pad.show_theme(theme)
     shown = example("ready", theme, "en").head
-    pad.show_view(replace(shown, target=Orientation(0.0, 0.0, 0.0), sim=SIM, hw=HW, path=DOTS))
+    pad.show_view(replace(shown, target=HeadOrientation(0.0, 0.0, 0.0), sim=SIM, hw=HW, path=DOTS))
     picture, style = pad.grab().toImage(), style_of(theme)
 
     def shows(at: QPointF, colour: str) -> bool:

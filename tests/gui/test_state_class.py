@@ -13,7 +13,7 @@ from gui_worlds import status, world
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason
 from gui.console.state import intents
 from gui.console.state.actions import Govern, Outcome, SendStop, WatchCameras, WatchClass
-from gui.console.state.intents import GovernClass, Intent, LimitClass, MuteSeat, Page, Stop, TogglePage
+from gui.console.state.intents import GovernClass, Intent, LimitClass, MuteSeat, Stop, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import ClassView, Condition
 from gui.console.state.world import LinkPhase, World
@@ -40,7 +40,7 @@ def test_only_the_teacher_has_the_page() -> None:
     for intent in (TogglePage(), GovernClass(LeaseAction.FREEZE), LimitClass("20")):
         assert state.handle(intent, student) == []
     assert state.view(student).class_page is None
-    assert state.view(student).page is Page.ROBOT
+    assert state.view(student).page is WindowPage.ROBOT
 
 
 def test_a_row_shows_state_driver_queue_rate_and_age() -> None:

@@ -15,7 +15,7 @@ from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import intents
 from gui.console.state.actions import AbortPlan, Outcome, SendPlanNow
 from gui.console.state.intents import Jog
-from gui.console.state.views import Orientation
+from gui.console.state.views import HeadOrientation
 from gui.console.state.world import PlanPhase
 
 
@@ -51,8 +51,8 @@ def test_change_of_an_arm_motion_aims_at_the_end_of_its_path() -> None:
     state = state_after(BOTH, Jog("short", 1))
     now = plan(PlanPhase.LEADING, 1.0, path)
     state.handle(intents.Change(), now)
-    assert state.view(now).head.target == Orientation(1, 2, 3)
-    assert state.view(now).head.path[-1] == Orientation(1, 2, 3)
+    assert state.view(now).head.target == HeadOrientation(1, 2, 3)
+    assert state.view(now).head.path[-1] == HeadOrientation(1, 2, 3)
 
 
 def test_a_motion_during_the_lead_replaces_the_waiting_one() -> None:
@@ -108,6 +108,6 @@ def test_the_target_follows_the_head_until_the_user_aims() -> None:
     state = state_after()
     assert state.view(world()).head.target == state.view(world()).head.sim
     state.handle(intents.AimHead(20, 10, 5), world())
-    assert state.view(world()).head.target == Orientation(20, 10, 5)
+    assert state.view(world()).head.target == HeadOrientation(20, 10, 5)
     state.handle(Jog("short", 1), world())
     assert state.view(world()).head.target == state.view(world()).head.sim, "an old target is not kept"

@@ -40,7 +40,7 @@ from gui.console.state.actions import (
     SendLease,
     SendStop,
 )
-from gui.console.state.intents import ALL_ARMS, Intent, Page, Tab, Theme
+from gui.console.state.intents import ALL_ARMS, Intent, Tab, Theme, WindowPage
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, World
 
@@ -205,7 +205,7 @@ class AnyOrder(RuleBasedStateMachine):
         for action in actions:
             self.check(action, asked)
         if isinstance(intent, intents.Stop | intents.EmergencyStop):
-            everywhere = self.state.view(self.world).page is Page.CLASS
+            everywhere = self.state.view(self.world).page is WindowPage.CLASS
             (action,) = actions
             assert isinstance(action, SendStop)
             emergency = isinstance(intent, intents.EmergencyStop)

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, replace
 
 from gui.console.state import intents
-from gui.console.state.intents import Intent, Page, Tab, Theme
+from gui.console.state.intents import Intent, Tab, Theme, WindowPage
 from gui.console.state.saved import Saved
-from gui.console.state.views import Orientation
+from gui.console.state.views import HeadOrientation
 from gui.console.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 
 
@@ -25,9 +25,9 @@ class Choices:
     hw: bool = False
     cameras: bool = False
     lead_s: float = 2.0
-    page: Page = Page.ROBOT
+    page: WindowPage = WindowPage.ROBOT
     tab: Tab = Tab.HEADS
-    target: Orientation | None = None
+    target: HeadOrientation | None = None
     """target of the head pad; None: the target follows the head"""
 
     @property
@@ -75,7 +75,7 @@ def changed(choices: Choices, intent: Intent) -> Choices | None:
         case intents.SetLanguage(code=code) if code in LANGUAGES:
             new = replace(choices, language=code)
         case intents.AimHead(yaw=yaw, pitch=pitch, roll=roll) if math.isfinite(yaw + pitch + roll):
-            new = replace(choices, target=Orientation(yaw, pitch, roll))
+            new = replace(choices, target=HeadOrientation(yaw, pitch, roll))
         case (
             intents.SetIncrement()
             | intents.SetSpeed()

@@ -16,7 +16,7 @@ from beatrix_zenoh.contract.names import TEACHER
 from gui.console.state import history, pills, refusals
 from gui.console.state.actions import Action, Govern, SendStop, WatchCameras, WatchClass
 from gui.console.state.eyes import wanted
-from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat, Page, TogglePage
+from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat, TogglePage, WindowPage
 from gui.console.state.leases import limit_text
 from gui.console.state.memory import Memory
 from gui.console.state.motions import begin
@@ -36,7 +36,7 @@ def view(memory: Memory, world: World) -> ClassView | None:
         return None
     texts = memory.choices.texts
     limits, rows = _limits(world), table(world, texts)
-    shown = memory.choices.page is Page.CLASS
+    shown = memory.choices.page is WindowPage.CLASS
     toggle = "hide" if shown else "show"
     result, good = _result(memory, texts)
 
@@ -235,7 +235,9 @@ def handle(
         return []
     match intent:
         case TogglePage():
-            return show(memory, Page.ROBOT if memory.choices.page is Page.CLASS else Page.CLASS)
+            return show(
+                memory, WindowPage.ROBOT if memory.choices.page is WindowPage.CLASS else WindowPage.CLASS
+            )
         case GovernClass(action=action, place=place):
             return _send(memory, world, action, () if place is None else (place,))
         case LimitClass(text=text):
@@ -245,12 +247,12 @@ def handle(
             return _send(memory, world, action, (), seat=seat)
 
 
-def show(memory: Memory, page: Page) -> list[Action]:
+def show(memory: Memory, page: WindowPage) -> list[Action]:
     """Choose the page to show; return the actions after which only the data of this page are received."""
     if page is memory.choices.page:
         return []
     memory.choices = replace(memory.choices, page=page)
-    return [WatchClass(page is Page.CLASS), WatchCameras(wanted(memory.choices))]
+    return [WatchClass(page is WindowPage.CLASS), WatchCameras(wanted(memory.choices))]
 
 
 def _limit(memory: Memory, world: World, typed: str) -> list[Action]:

@@ -1,4 +1,4 @@
-"""Commands: calibrate, home, enable, disable, reset, make ready, STOP."""
+"""Buttons and what they do: calibrate, home, enable, disable, reset, make ready, STOP, Record."""
 
 from __future__ import annotations
 
@@ -6,21 +6,35 @@ from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import refusals
 from gui.console.state.actions import (
     Action,
+    BeginRecording,
+    EndRecording,
     Govern,
     Play,
     Ready,
     Send,
     SendCommand,
     SendStop,
+    ViewRecording,
     WriteFile,
 )
-from gui.console.state.intents import EmergencyStop, Intent, MakeReady, Page, Repeat, RunCommand, Stop, Undo
+from gui.console.state.intents import (
+    EmergencyStop,
+    Intent,
+    MakeReady,
+    OpenRecording,
+    Repeat,
+    RunCommand,
+    Stop,
+    ToggleRecording,
+    Undo,
+    WindowPage,
+)
 from gui.console.state.memory import Memory
 from gui.console.state.motions import again, begin, send_arms
 from gui.console.state.poses import last_undo
 from gui.console.state.presence import unreachable
-from gui.console.state.views import ButtonView, CommandsView
-from gui.console.state.world import World
+from gui.console.state.views import ButtonView, CommandsView, RecordView
+from gui.console.state.world import LinkPhase, World
 
 CONTROL, CLASS = "commands", "class"
 
@@ -90,7 +104,7 @@ def handle(
 def stop(memory: Memory, world: World, *, emergency: bool) -> list[Action]:
     """Return the action that stops both robots, or on the page *Class* all robots, even if none is online."""
     memory.mark_dropped()
-    everywhere = memory.choices.page is Page.CLASS
+    everywhere = memory.choices.page is WindowPage.CLASS
     request = SendStop(memory.next_row(), everywhere, emergency)
     return begin(memory, world, request, CLASS if everywhere else CONTROL)
 
@@ -125,3 +139,35 @@ def repeat(memory: Memory, world: World, number: int) -> list[Action]:
     if not isinstance(row.request, WriteFile | Govern) and unreachable(memory, world, sides, row.control):
         return []
     return begin(memory, world, again(memory, row.request), row.control)
+
+
+def recording_view(memory: Memory, world: World) -> RecordView:
+    """Return the Record button, the duration, and the button that opens the recording."""
+    texts, recording = memory.choices.texts, world.recording
+    if recording is not None and recording.running:
+        minutes, seconds = divmod(max(0.0, recording.seconds) // 1, 60.0)
+        tooltip = texts("record.ending_tip" if recording.ending else "record.end_tip")
+        return RecordView(
+            ButtonView(texts("record.end"), tooltip, ToggleRecording(), enabled=not recording.ending),
+            running=True,
+            text=texts("minutes", minutes=minutes, seconds=seconds),
+            open=None,
+        )
+    shown = None
+    if recording is not None:
+        tooltip = texts("record.open_tip", file=str(recording.file))
+        shown = ButtonView(texts("record.open"), tooltip, OpenRecording())
+    possible = world.phase is LinkPhase.ONLINE
+    tooltip = texts("record.begin_tip") if possible else texts("off.no_router")
+    toggle = ButtonView(texts("record.begin"), tooltip, ToggleRecording(), enabled=possible)
+    return RecordView(toggle, running=False, text="", open=shown)
+
+
+def record(world: World, intent: Intent) -> list[Action]:
+    """Return the action that begins, ends or opens a recording; none if it is not possible now."""
+    recording = world.recording
+    if isinstance(intent, OpenRecording):
+        return [] if recording is None or recording.running else [ViewRecording(recording.file)]
+    if recording is None or not recording.running:
+        return [BeginRecording()]
+    return [] if recording.ending else [EndRecording()]

@@ -8,7 +8,7 @@ from beatrix_zenoh.contract._generated.messages import CameraStatus, Status
 from beatrix_zenoh.contract.names import EYES, OUTSIDE, SIDES
 from gui.console.state.actions import Action, WatchCameras
 from gui.console.state.choices import Choices
-from gui.console.state.intents import Intent, Page, SetCameras, ShowTab, Tab
+from gui.console.state.intents import Intent, SetCameras, ShowTab, Tab, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.presence import online
 from gui.console.state.views import EyeView
@@ -22,7 +22,7 @@ TITLES: Final = {"left": "eye.title_left", "right": "eye.title_right", OUTSIDE: 
 
 def wanted(choices: Choices) -> frozenset[tuple[str, str]]:
     """Return the visible pictures; those of the eyes only while Eye cameras is checked."""
-    if choices.page is Page.CLASS:
+    if choices.page is WindowPage.CLASS:
         return frozenset()
     if choices.tab is Tab.HEADS:
         return frozenset({("sim", OUTSIDE)})  # drawn by the simulation, not a camera of the robot

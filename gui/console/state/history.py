@@ -20,7 +20,7 @@ from gui.console.state.actions import (
     SendStop,
     WriteFile,
 )
-from gui.console.state.memory import HistoryCache, Memory, Request, Row
+from gui.console.state.memory import HistoryCache, Memory, Request, RequestRow
 from gui.console.state.presence import troubles
 from gui.console.state.refusals import sentence, side_of
 from gui.console.state.views import HistoryRowView
@@ -76,7 +76,7 @@ def last(memory: Memory, world: World) -> str:
     return texts("last", sides=sides_text(row.sides, texts), **shown)
 
 
-def row_view(row: Row, world: World, texts: Texts) -> HistoryRowView:
+def row_view(row: RequestRow, world: World, texts: Texts) -> HistoryRowView:
     """Return the view of a row of this window."""
     text, good = result(row, texts)
     return HistoryRowView(
@@ -152,7 +152,7 @@ def sides_text(sides: tuple[str, ...], texts: Texts) -> str:
     return texts(f"sides.{sides[0]}") if sides else texts("sides.none")
 
 
-def result(row: Row, texts: Texts) -> tuple[str, bool | None]:
+def result(row: RequestRow, texts: Texts) -> tuple[str, bool | None]:
     """Return the result of a request as text, and whether it succeeded (None: it has not ended)."""
     bad = [outcome for outcome in row.outcomes.values() if not outcome.accepted]
     if bad:
@@ -170,7 +170,7 @@ def result(row: Row, texts: Texts) -> tuple[str, bool | None]:
     return texts("result.accepted_plain"), None
 
 
-def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
+def _bad(row: RequestRow, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
     """Return the cause of a failure as text, and False.
 
     If one robot refuses, the window stops the other robot; that STOP is not the cause.
@@ -194,13 +194,13 @@ def _bad(row: Row, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
     return failure(worst.reason, text, texts, began=began)
 
 
-def _what_of(row: Row, texts: Texts) -> str:
+def _what_of(row: RequestRow, texts: Texts) -> str:
     """Return a request in a few words, with the robot if the request is for one robot."""
     text = what(row, texts)
     return texts("what.of", what=text, side=texts(f"sides.{row.sides[0]}")) if len(row.sides) == 1 else text
 
 
-def what(row: Row, texts: Texts) -> str:
+def what(row: RequestRow, texts: Texts) -> str:
     """Return a request in a few words."""
     request = row.request
     if isinstance(request, Send):

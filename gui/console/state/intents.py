@@ -21,7 +21,7 @@ class Tab(StrEnum):
     PLOTS = "plots"
 
 
-class Page(StrEnum):
+class WindowPage(StrEnum):
     """A page of the window."""
 
     ROBOT = "robot"

@@ -10,7 +10,7 @@ from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import Action, Govern, SendLease
 from gui.console.state.intents import AskLease, DismissNotice
-from gui.console.state.memory import Memory, Notice, Row, Standing
+from gui.console.state.memory import Memory, Notice, RequestRow, Standing
 from gui.console.state.motions import begin
 from gui.console.state.presence import online, silent, unreachable
 from gui.console.state.views import BannerView, ButtonView
@@ -152,4 +152,4 @@ def give_back_all(memory: Memory, world: World) -> list[Action]:
     if not places:
         return []
     request = Govern(memory.next_row(), LeaseAction.GIVE_BACK, places)
-    return memory.add_row(Row(request, CONTROL, world.wall_s, before=None))
+    return memory.add_row(RequestRow(request, CONTROL, world.wall_s, before=None))

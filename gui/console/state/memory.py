@@ -31,7 +31,7 @@ Request = Send | SendCommand | SendLease | Ready | SendStop | Govern | Play | Wr
 
 
 @dataclass(frozen=True)
-class Row:
+class RequestRow:
     """A request of this window, and its outcomes."""
 
     request: Request
@@ -75,7 +75,7 @@ class Row:
         done = {side for side, outcome in self.outcomes.items() if outcome.done}
         return "" in done or (bool(self.sides) and done >= set(self.sides))
 
-    def after(self, outcome: Outcome) -> Row:
+    def after(self, outcome: Outcome) -> RequestRow:
         """Return the row with one more outcome."""
         accepted = self.accepted | {outcome.side} if outcome.accepted else self.accepted
         return replace(self, outcomes={**self.outcomes, outcome.side: outcome}, accepted=accepted)
@@ -122,11 +122,11 @@ class HistoryCache:
 
     context: tuple[object, ...] = ()
     """values that all rows depend on, such as seat, robot and language"""
-    own: dict[int, tuple[Row, HistoryRowView]] = field(default_factory=dict)
+    own: dict[int, tuple[RequestRow, HistoryRowView]] = field(default_factory=dict)
     events: tuple[object, ...] = ()
     foreign: list[tuple[float, HistoryRowView]] = field(default_factory=list)
     """rows of other seats, with the time of each (wall clock, s)"""
-    rows: tuple[Row, ...] = ()
+    rows: tuple[RequestRow, ...] = ()
     views: tuple[HistoryRowView, ...] = ()
 
 
@@ -136,7 +136,7 @@ class Memory:
 
     choices: Choices
     poses: tuple[SavedPose, ...] = ()
-    rows: tuple[Row, ...] = ()
+    rows: tuple[RequestRow, ...] = ()
     """oldest first"""
     numbers: int = 0
     """number of the newest row"""
@@ -158,11 +158,11 @@ class Memory:
         self.numbers += 1
         return self.numbers
 
-    def row(self, number: int) -> Row | None:
+    def row(self, number: int) -> RequestRow | None:
         """Return the row of this number; None if the history no longer contains it."""
         return next((row for row in self.rows if row.number == number), None)
 
-    def add_row(self, row: Row) -> list[Action]:
+    def add_row(self, row: RequestRow) -> list[Action]:
         """Add the newest row, hide the refusal, and return the action of the row."""
         self.rows = (*self.rows, row)[-KEPT:]
         self.refusal = None
@@ -174,7 +174,7 @@ class Memory:
             row if row.ended else replace(row, dropped=True, aborted=aborted) for row in self.rows
         )
 
-    def replace_row(self, changed: Row) -> None:
+    def replace_row(self, changed: RequestRow) -> None:
         """Replace the row of the same number."""
         self.rows = tuple(changed if row.number == changed.number else row for row in self.rows)
 

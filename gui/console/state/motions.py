@@ -9,9 +9,9 @@ from beatrix_zenoh.client.degrees import ArmAngles, motion_query, pose_query
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state.actions import Action, Govern, Play, Send, SendLease
-from gui.console.state.memory import Memory, Refusal, Request, Row
+from gui.console.state.memory import Memory, Refusal, Request, RequestRow
 from gui.console.state.presence import commanded, troubles, unreachable
-from gui.console.state.views import Orientation
+from gui.console.state.views import HeadOrientation
 from gui.console.state.world import World
 
 Query = MotionQuery | PoseQuery
@@ -35,7 +35,7 @@ def send_arms(
     return _send(memory, world, query, control, undoes)
 
 
-def send_head(memory: Memory, world: World, target: Orientation, control: str) -> list[Action]:
+def send_head(memory: Memory, world: World, target: HeadOrientation, control: str) -> list[Action]:
     """Return the action that turns the head to an orientation (deg) at the chosen speed; none if it is refused."""
     speed = memory.choices.speed
 
@@ -81,7 +81,7 @@ def begin(
     if not looks and not isinstance(request, SendLease | Govern):
         # The target of the pad is out of date after another request, so it follows the head again.
         memory.choices = replace(memory.choices, target=None)
-    return memory.add_row(Row(request, control, world.wall_s, _before(world, request), undoes))
+    return memory.add_row(RequestRow(request, control, world.wall_s, _before(world, request), undoes))
 
 
 def _before(world: World, request: Request) -> ArmAngles | None:

@@ -11,7 +11,7 @@ from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import intents
 from gui.console.state.actions import Action, Outcome, Play, Ready, SendCommand, WriteFile
 from gui.console.state.intents import Intent
-from gui.console.state.memory import Memory, Request, Row
+from gui.console.state.memory import Memory, Request, RequestRow
 from gui.console.state.motions import begin, lead_of, send_arms
 from gui.console.state.presence import commanded, unreachable
 from gui.console.state.saved import SavedPose
@@ -146,7 +146,7 @@ def undo(memory: Memory, world: World) -> list[Action]:
     return send_arms(memory, world, found[1], CONTROL, undoes=found[0])
 
 
-def note_accepted(memory: Memory, row: Row, outcome: Outcome) -> None:
+def note_accepted(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
     """Add a motion to the undo list when the first robot accepts it.
 
     Remove it when a robot accepts the motion that undoes it. Angles are counted from home, so a request that may change

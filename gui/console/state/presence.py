@@ -5,7 +5,7 @@ from __future__ import annotations
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, Reading
 from gui.console.state.memory import Memory
-from gui.console.state.views import Orientation
+from gui.console.state.views import HeadOrientation
 from gui.console.state.world import LinkPhase, World
 
 FURTHEST_DEG = 1e4
@@ -41,9 +41,9 @@ def commanded(world: World, sides: tuple[str, ...]) -> ArmAngles | None:
     return None
 
 
-def orientation(head: HeadAngles) -> Orientation:
+def orientation(head: HeadAngles) -> HeadOrientation:
     """Return head angles as an orientation of a view."""
-    return Orientation(*head)
+    return HeadOrientation(*head)
 
 
 def troubles(world: World) -> dict[str, str]:

@@ -23,7 +23,7 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from gui.console.state.actions import DESELECTED, Action, Outcome, Ready, Send, SendCommand, SendLease
 from gui.console.state.intents import AimHead, Intent, SetDestination, SetRelative, TakeAlternative
-from gui.console.state.memory import Memory, Refusal, Row
+from gui.console.state.memory import Memory, Refusal, RequestRow
 from gui.console.state.motions import again, begin
 from gui.console.state.pills import MAKE_READY, NEXT_STEPS, WAIT, next_step_button
 from gui.console.state.presence import unreachable
@@ -68,7 +68,7 @@ def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) 
     return texts.refusal(reason, None)
 
 
-def record(memory: Memory, row: Row, outcome: Outcome) -> None:
+def record(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
     """Store a refusal, to be shown; the end of an accepted motion is shown in the history only.
 
     An alternative shows that it is no end: the robot has accepted earlier goals of a held button.

@@ -1,19 +1,64 @@
-"""Destinations of motions, the preview, and the lead of the simulation."""
+"""The head pad with its target, the destinations of motions, the preview, and the lead of the simulation."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.client.degrees import head_angles
 from beatrix_zenoh.contract._generated.messages import Head, PoseQuery
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from gui.console.state import refusals
 from gui.console.state.actions import AbortPlan, Action, Send, SendPlanNow
-from gui.console.state.intents import Abort, Change, Intent, SendNow
+from gui.console.state.intents import Abort, Change, Intent, SendHead, SendNow
 from gui.console.state.memory import Memory
-from gui.console.state.presence import orientation
-from gui.console.state.views import ButtonView, Orientation, SendingView
+from gui.console.state.presence import orientation, reading
+from gui.console.state.views import ButtonView, HeadOrientation, HeadView, SendingView
 from gui.console.state.world import PlanPhase, PlanProgress, World
 from gui.console.texts import Texts
+
+PAD = "head"
+UPRIGHT = HeadOrientation(0.0, 0.0, 0.0)
+
+
+def head(memory: Memory, world: World) -> HeadView:
+    """Return the pad; limits are those of the robot, or the defaults while they are unknown."""
+    tilt_max, yaw_max = ROBOT.limits.tilt_max, ROBOT.limits.yaw_max
+    if world.limits is not None:
+        tilt_max, yaw_max = math.degrees(world.limits.tilt_max), math.degrees(world.limits.yaw_max)
+    path = world.plan.path if world.plan is not None else None
+    return HeadView(
+        target=target(memory, world),
+        sim=_head(world, "sim"),
+        hw=_head(world, "hw"),
+        tilt_max=tilt_max,
+        yaw_max=yaw_max,
+        path=() if path is None else tuple(orientation(head) for head in path.head),
+        send=_send_button(memory, world),
+        refusal=refusals.at(memory, (PAD,)),
+    )
+
+
+def _head(world: World, side: str) -> HeadOrientation | None:
+    found = reading(world, side)
+    return None if found is None else orientation(found.head)
+
+
+def target(memory: Memory, world: World) -> HeadOrientation:
+    """Return the target of the user, else the head's orientation, so that Send moves nothing, else upright."""
+    if memory.choices.target is not None:
+        return memory.choices.target
+    here = _head(world, (memory.choices.sides or ("sim",))[0]) or UPRIGHT
+    return HeadOrientation(*(round(angle, 1) + 0.0 for angle in (here.yaw, here.pitch, here.roll)))
+
+
+def _send_button(memory: Memory, world: World) -> ButtonView:
+    texts, aim = memory.choices.texts, target(memory, world)
+    if not memory.choices.sides:
+        return ButtonView(texts("head.send"), texts("off.unchecked"), SendHead(), enabled=False)
+    tooltip = texts("head.send_tip", yaw=aim.yaw, pitch=aim.pitch, roll=aim.roll)
+    return ButtonView(texts("head.send"), tooltip, SendHead())
 
 
 def view(memory: Memory, world: World) -> SendingView:
@@ -115,7 +160,7 @@ def _of_both(request: Action) -> bool:
     return isinstance(request, Send) and len(request.sides) > 1
 
 
-def _goal(query: object, path: MotionPath | None) -> Orientation | None:
+def _goal(query: object, path: MotionPath | None) -> HeadOrientation | None:
     if isinstance(query, PoseQuery) and query.absolute:
         return orientation(head_angles(Head(query.yaw, query.pitch, query.roll)))
     return orientation(path.head[-1]) if path is not None and path.head else None

@@ -9,20 +9,18 @@ from gui.console.state import (
     class_page,
     commands,
     eyes,
-    head,
     history,
     intents,
     leases,
     motions,
     pills,
     poses,
-    recording,
     refusals,
     sending,
 )
 from gui.console.state.actions import Action, Connect, Outcome, RunSimulation, Select, Send, WatchCameras
 from gui.console.state.choices import Choices, choices_from
-from gui.console.state.intents import Intent, Page
+from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.presence import unreachable
 from gui.console.state.saved import Saved
@@ -70,14 +68,14 @@ class State:
             robots=tuple(sorted({*world.names, world.robot})),
             robot=world.robot,
             pills=pills.pills(world, texts),
-            head=head.view(memory, world),
+            head=sending.head(memory, world),
             arms=arms.view(memory, world),
             sending=sending.view(memory, world),
             commands=commands.view(memory),
             poses=poses.view(memory, world),
             eyes=eyes.view(memory, world),
             history=history.view(memory, world),
-            record=recording.view(memory, world),
+            record=commands.recording_view(memory, world),
             last=history.last(memory, world),
             stop=commands.stop_button(memory),
             emergency=commands.emergency_button(memory),
@@ -102,7 +100,7 @@ class State:
         There are none if it changes only the window, or if it is refused with a reason in the view.
         """
         memory = self._memory
-        if memory.choices.page is Page.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
+        if memory.choices.page is WindowPage.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
             return []  # ignore their keys here, because their controls are on the other page
         if (chosen := choices.changed(memory.choices, intent)) is not None:
             memory.choices = chosen
@@ -120,7 +118,7 @@ class State:
             case intents.Jog():
                 actions = arms.jog(memory, world, intent)
             case intents.SendHead():
-                actions = motions.send_head(memory, world, head.target(memory, world), head.CONTROL)
+                actions = motions.send_head(memory, world, sending.target(memory, world), sending.PAD)
             case intents.SendNow() | intents.Change() | intents.Abort():
                 actions = sending.handle(memory, world, intent)
             case intents.TakeAlternative():
@@ -128,7 +126,7 @@ class State:
             case intents.Undo():
                 actions = poses.undo(memory, world)
             case intents.ToggleRecording() | intents.OpenRecording():
-                actions = recording.handle(world, intent)
+                actions = commands.record(world, intent)
             case _:
                 actions = self._about_window(intent, world)
         return actions
@@ -164,7 +162,7 @@ class State:
         if name != world.robot:
             memory.undo = ()  # the angles in it belong to the previous robot
             given_back = leases.give_back_all(memory, world)
-        return [*class_page.show(memory, Page.ROBOT), *given_back, Select(name)]
+        return [*class_page.show(memory, WindowPage.ROBOT), *given_back, Select(name)]
 
     def hold(self, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:
         """Add a motion that the face itself sends to the checked robots; return its row, or None if it is refused."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from beatrix_zenoh.client import Place
-from gui.console.state.intents import Intent, Page, Tab, Theme
+from gui.console.state.intents import Intent, Tab, Theme, WindowPage
 
 
 class Condition(StrEnum):
@@ -83,7 +83,7 @@ class RefusalView:
 
 
 @dataclass(frozen=True)
-class Orientation:
+class HeadOrientation:
     """Orientation of a head (deg); left, nose down and right ear down are positive."""
 
     yaw: float
@@ -95,14 +95,14 @@ class Orientation:
 class HeadView:
     """The head pad."""
 
-    target: Orientation
-    sim: Orientation | None
-    hw: Orientation | None
+    target: HeadOrientation
+    sim: HeadOrientation | None
+    hw: HeadOrientation | None
     tilt_max: float
     """limit (deg)"""
     yaw_max: float
     """limit in both directions (deg)"""
-    path: tuple[Orientation, ...]
+    path: tuple[HeadOrientation, ...]
     """the previewed path; empty: none"""
     send: ButtonView
     refusal: RefusalView | None = None
@@ -317,5 +317,5 @@ class View:
     language: str
     class_page: ClassView | None
     """None: this window is not the teacher's"""
-    page: Page = Page.ROBOT
+    page: WindowPage = WindowPage.ROBOT
     tab: Tab = Tab.HEADS

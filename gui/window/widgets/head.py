@@ -20,7 +20,7 @@ from PyQt5.QtGui import (
 from PyQt5.QtWidgets import QBoxLayout, QFrame, QGridLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from gui.console.state.intents import AimHead, Theme
-from gui.console.state.views import HeadView, Orientation
+from gui.console.state.views import HeadOrientation, HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
 from gui.window.widgets.controls import IntentButton, label, set_text
@@ -117,7 +117,7 @@ class HeadPad(QWidget):
     def _disc(self) -> float:
         return self._outer * (1 - RING) - 3
 
-    def tilt_point(self, at: Orientation, tilt_max: float) -> QPointF:
+    def tilt_point(self, at: HeadOrientation, tilt_max: float) -> QPointF:
         """Return the point of pitch and roll (deg) on the disc: nose down is down, right ear down is right."""
         scale = self._disc / (tilt_max * BEYOND)
         x, y = at.roll * scale, at.pitch * scale
@@ -365,7 +365,7 @@ class HeadPanel(QFrame):
         self._show_numbers("hw", view.hw)
         self.send.show_view(view.send)
 
-    def _show_numbers(self, name: str, at: Orientation | None) -> None:
+    def _show_numbers(self, name: str, at: HeadOrientation | None) -> None:
         for axis in AXES:
             if at is None:
                 text = self._texts("unknown")
