@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final, get_args
@@ -11,7 +12,8 @@ import msgspec
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from gui.console.link import Link
-from gui.console.link.link import robots_of
+from gui.console.link.link import SIDES, robots_of
+from gui.console.link.outcomes import done
 from gui.console.state import class_page, intents
 from gui.console.state.actions import Action, Outcome, SendStop
 from gui.console.state.intents import Intent, Tab
@@ -86,6 +88,8 @@ class Face:
         """Whether the boxes of the robots fit to the robots that are online."""
         self._sent: dict[str, bytes] = {}
         self._unread, self._sent_s = 0, 0.0
+        self._stops: deque[int] = deque(maxlen=HISTORY)
+        """Rows of the newest STOPs."""
         self.open(Saved())
 
     def change(self, world: World) -> None:
@@ -125,7 +129,7 @@ class Face:
     def _follow(self, world: World) -> None:
         """Compare leases; ask once for the robots, and check the box of the only robot online."""
         self.state.follow(world)
-        here = [side for side in ("sim", "hw") if online(world, side)]
+        here = [side for side in SIDES if online(world, side)]
         if here and not self._aimed:
             self._aimed = True
             self.state.handle(intents.SetDestination("sim", checked="sim" in here), world)
@@ -173,7 +177,7 @@ class Face:
     def _eyes(self, view: View, world: World) -> dict[str, object]:
         """Return the robot whose pictures the page shows, and why there are none."""
         choices = self.state.choices
-        sides = sorted(("sim", "hw"), key=lambda side: (not online(world, side), side not in choices.sides))
+        sides = sorted(SIDES, key=lambda side: (not online(world, side), side not in choices.sides))
         eye = next(eye for eye in view.eyes if (eye.side, eye.eye) == (sides[0], "left"))
         text = (
             "" if eye.text == choices.texts("eye.waiting") else eye.text
@@ -196,6 +200,8 @@ class Face:
             self._do(action)
 
     def _do(self, action: Action) -> None:
+        if isinstance(action, SendStop):
+            self._stops.append(action.row)
         if self.driver is not None:
             if isinstance(action, SendStop):
                 self.driver.jog.end(stopped=True)
@@ -210,7 +216,10 @@ class Face:
         self.carry_out(intents.Stop())
 
     def report(self, outcome: Outcome) -> None:
-        """Show the outcome of a request."""
+        """Show the outcome of a request; STOP of a side that was never online is done if the other side is known."""
+        known = [side for side in SIDES if self._world.side(side).status is not None]
+        if outcome.row in self._stops and known and outcome.side not in known:
+            outcome = done(outcome.row, outcome.side, "")
         self.state.report(outcome)
 
     def hold(self, hold: Hold) -> None:

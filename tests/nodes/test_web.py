@@ -314,6 +314,8 @@ def test_every_page_can_stop_the_robot(driver: WebSocket, port: int, robot: Robo
             lambda view: view["history"][0]["who"] == "you" and "stop" in view["history"][0]["what"],
             "in its history",
         )
+        row = page.state(lambda view: view["history"][0]["good"] is not None, "an outcome")["history"][0]
+        assert row["good"], row  # although there is no simulation
         until(lambda: not robot.status().moving, "stopped")
     assert robot.status().enabled is (way != "emergency")
     assert abs(robot.positions().head.yaw) > 1.0
