@@ -60,3 +60,18 @@ def test_unreleased_changes_are_one_line_each() -> None:
     lines = unreleased.splitlines()[1:]
     assert len(lines) <= 40
     assert [line for line in lines if len(line) > 200 or not re.match(r"- |### |$", line)] == []
+
+
+def test_prose_has_lines_of_at_most_120_characters() -> None:
+    pages = [
+        path for path in ROOT.rglob("*.md") if not {".venv", "reference"} & set(path.relative_to(ROOT).parts)
+    ]
+    long = []
+    for path in pages:
+        text = re.sub(
+            r"^( *)```.*?^\1```$", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL
+        )
+        prose = (line for line in text.splitlines() if not line.lstrip().startswith(("|", "![", "    ")))
+        long += [f"{path.name}: {line}" for line in prose if len(line) > 120 and path.name != "CHANGELOG.md"]
+    assert len(pages) > 80
+    assert long == []
