@@ -96,7 +96,7 @@ def subscribe_newest(
     # While a thread waits in `subscriber.recv`, the subscriber cannot be undeclared.
     ring = subscriber.handler
 
-    def run() -> None:
+    def receive() -> None:
         while True:
             try:
                 sample = ring.recv()
@@ -107,6 +107,10 @@ def subscribe_newest(
                     handle(Received.of(sample))
             except Exception as error:  # noqa: BLE001 # the next publication must still arrive
                 threads.show_error(error)
+
+    def run() -> None:
+        with OPEN.receiver():
+            receive()
 
     threads.start(run, "newest")
     return subscriber

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import threading
 import weakref
 
 import pytest
@@ -42,3 +43,41 @@ def test_a_session_is_closed_or_its_native_objects_outlive_it(
     del session
     gc.collect()
     assert (remains() is None) is closed
+
+
+def test_the_exit_waits_for_threads_that_receive() -> None:
+    closing, sessions = threading.Event(), at_exit.OpenSessions()
+    ended: list[int] = []
+
+    class Receiving(Session):
+        def close(self) -> None:
+            closing.set()
+
+    def receive() -> None:
+        with sessions.receiver():
+            inside.set()
+            closing.wait(5.0)
+            for number in range(100_000):  # long enough that an exit which does not wait is earlier
+                ended[:] = [number]
+
+    inside, session = threading.Event(), Receiving(Native())
+    sessions.add(session)
+    thread = threading.Thread(target=receive)
+    thread.start()
+    assert inside.wait(5.0)
+    sessions.close()
+    assert ended == [99_999]
+    thread.join(5.0)
+
+
+def test_callbacks_of_a_session_that_was_just_closed_have_time_to_return(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    slept: list[float] = []
+    monkeypatch.setattr("time.sleep", slept.append)
+    sessions, session = at_exit.OpenSessions(), Session(Native())
+    sessions.close()
+    sessions.discard(session)
+    sessions.close()
+    assert slept[0] == 0.0
+    assert 0.0 < slept[1] <= at_exit.CALLBACK_S
