@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final, get_args
@@ -13,7 +12,6 @@ import msgspec
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from gui.console.link import Link
 from gui.console.link.link import SIDES, robots_of
-from gui.console.link.outcomes import done
 from gui.console.state import class_page, intents
 from gui.console.state.actions import Action, Outcome, SendStop
 from gui.console.state.intents import Intent, Tab
@@ -88,8 +86,6 @@ class Face:
         """Whether the boxes of the robots fit to the robots that are online."""
         self._sent: dict[str, bytes] = {}
         self._unread, self._sent_s = 0, 0.0
-        self._stops: deque[int] = deque(maxlen=HISTORY)
-        """Rows of the newest STOPs."""
         self.open(Saved())
 
     def change(self, world: World) -> None:
@@ -200,8 +196,6 @@ class Face:
             self._do(action)
 
     def _do(self, action: Action) -> None:
-        if isinstance(action, SendStop):
-            self._stops.append(action.row)
         if self.driver is not None:
             if isinstance(action, SendStop):
                 self.driver.jog.end(stopped=True)
@@ -216,10 +210,7 @@ class Face:
         self.carry_out(intents.Stop())
 
     def report(self, outcome: Outcome) -> None:
-        """Show the outcome of a request; STOP of a side that was never online is done if the other side is known."""
-        known = [side for side in SIDES if self._world.side(side).status is not None]
-        if outcome.row in self._stops and known and outcome.side not in known:
-            outcome = done(outcome.row, outcome.side, "")
+        """Show the outcome of a request."""
         self.state.report(outcome)
 
     def hold(self, hold: Hold) -> None:

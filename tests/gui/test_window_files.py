@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -21,12 +21,15 @@ Taken = Callable[[], list[Intent]]
 
 
 @pytest.fixture(autouse=True)
-def _poses(window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Save a pose, and create a file and a folder in the working folder."""
+def _poses(window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Save a pose, and create a file and a folder in the working folder; close the dialog afterwards."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "dance.csv").write_text("mine")
     (tmp_path / "inner").mkdir()
     window.handle(SavePose("nod"))
+    yield
+    if window.panels.poses.dialog is not None:
+        window.panels.poses.dialog.close()
 
 
 def opened(qtbot: QtBot, window: Window, button: IntentButton) -> FileDialog:

@@ -17,21 +17,28 @@ Report = Callable[[Outcome], None]
 
 
 def send_stop(sender: StopSender, session: Session, action: SendStop, report: Report) -> None:
-    """Send STOP or EMERGENCY_STOP; report an outcome for each of both robots, or one for all robots at the router."""
+    """Send STOP or EMERGENCY_STOP; report an outcome for each of both robots, or one for all robots at the router.
+
+    A side that was never online is done if the other one is known: STOP was sent to both, and there is nothing to stop.
+    """
     began_s = time.monotonic()
+    sim, hw = session.twin.sim.place, session.twin.hw.place
+    known = [place for place in (sim, hw) if session.monitor.robot(*place).status is not None]
 
     def answered(answers: Answers) -> None:
         failures = {place: answer for place, answer in answers.items() if isinstance(answer, BeatrixError)}
         if action.everywhere:
             report(of_several(action.row, len(answers), failures))
             return
-        for (_, side), answer in answers.items():
-            if isinstance(answer, BeatrixError):
+        for place, answer in answers.items():
+            side = place[1]
+            if known and place not in known and place in failures:
+                report(done(action.row, side, ""))
+            elif isinstance(answer, BeatrixError):
                 report(failed(action.row, side, answer))
             else:
                 report(done(action.row, side, answer.message, time.monotonic() - began_s))
 
-    sim, hw = session.twin.sim.place, session.twin.hw.place
     places = [("*", "*")] if action.everywhere else [hw, sim]
     if action.emergency:
         # The router of a class does not forward EMERGENCY_STOP to simulations of other seats.
