@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final, get_args
 
 import msgspec
@@ -48,8 +48,8 @@ class Driver:
     seat: str
     beat_s: float
     """time of the last heartbeat of the page (monotonic clock, s)"""
-    asked: bool = False
-    """whether the lease was requested"""
+    asked: set[str] = field(default_factory=set)
+    """the sides whose leases were requested, since they came online"""
     stopped: bool = False
     """whether the robot was stopped because the page is silent or hidden"""
 
@@ -123,7 +123,7 @@ class Face:
         self._unread = max(0, self._unread - 1)
 
     def _follow(self, world: World) -> None:
-        """Compare leases; ask once for the robots, and check the box of the only robot online."""
+        """Compare leases; ask for each robot that comes online, and check the box of the only robot online."""
         self.state.follow(world)
         here = [side for side in SIDES if online(world, side)]
         if here and not self._aimed:
@@ -131,10 +131,12 @@ class Face:
             self.state.handle(intents.SetDestination("sim", checked="sim" in here), world)
             self.state.handle(intents.SetDestination("hw", checked="sim" not in here), world)
         driver = self.driver
-        if driver is not None and here and not driver.asked:
-            driver.asked = True
+        if driver is not None:
+            driver.asked &= set(here)
             for side in here:
-                self.carry_out(intents.AskLease(LeaseAction.WAIT, side))
+                if side not in driver.asked:
+                    driver.asked.add(side)
+                    self.carry_out(intents.AskLease(LeaseAction.WAIT, side))
 
     def _parts(self, world: World, robots: tuple[str, ...]) -> dict[str, object]:
         view, driver, texts = self.state.view(world), self.driver, self.state.choices.texts
@@ -147,7 +149,7 @@ class Face:
                 "seat": "" if driver is None else driver.seat,
                 "drives": driver is not None,
                 "over": 0 if driver is None else driver.jog.over,
-                "text": texts("page.watch") if driver is None else texts("page.you", seat=driver.seat),
+                "text": self._role(world, texts),
                 "notice": texts(key, **slots) if key else "",
             },
             "saved": self.state.saved,
@@ -169,6 +171,16 @@ class Face:
             },
             **{name: getattr(view, name) for name in ("last", "stop", "emergency", "language")},
         }
+
+    def _role(self, world: World, texts: Texts) -> str:
+        """Return whether the page watches, waits or drives, in a sentence."""
+        if self.driver is None:
+            return texts("page.watch")
+        seat = self.driver.seat
+        statuses = [status for side in SIDES if (status := world.side(side).status) is not None]
+        waits = any(seat in status.waiting for status in statuses)
+        drives = any(status.lease and status.holder == seat for status in statuses)
+        return texts("page.waits" if waits and not drives else "page.you", seat=seat)
 
     def _eyes(self, view: View, world: World) -> dict[str, object]:
         """Return the robot whose pictures the page shows, and why there are none."""

@@ -107,8 +107,12 @@ class Hub:
         states = self._class.states(self._link.session, time.monotonic()) if shown else ()
         for page in list(self.pages):
             face = page.face
-            world = self._link.world(face.robot) if face.driver is None else face.driver.link.world()
-            face.show(replace(world, robots=states if face.shows_class else ()), robots)
+            try:
+                world = self._link.world(face.robot) if face.driver is None else face.driver.link.world()
+                face.show(replace(world, robots=states if face.shows_class else ()), robots)
+            except Exception as error:  # noqa: BLE001 - a fault of one page must not freeze the others
+                threads.show_error(error)
+                page.close()
 
     def watch(self, page: OpenPage, robot: str) -> None:
         """Show another robot to a page, and end its driver of the former robot."""

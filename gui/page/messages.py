@@ -7,8 +7,11 @@ from typing import Annotated, Final, Literal
 import msgspec
 from msgspec import Meta
 
+from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
+from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import intents
-from gui.console.state.saved import Saved
+from gui.console.state.saved import LEAD_MAX_S, SPEED_MAX, Saved
+from gui.console.texts import LANGUAGES
 
 ROTATIONS: Final = ("yaw", "pitch", "roll")
 
@@ -107,6 +110,12 @@ DRIVING: Final = (
     | intents.PlayPoses
 )
 """Intents of a page that drives. No page may use other ones, for example those that start programs or name files."""
+LEASES: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
+COMMANDS: Final = (Command.ENABLE, Command.CALIBRATE, Command.HOME, Command.RESET)
+NAME_MAX: Final = 64
+"""Longest name of a pose, characters."""
+ANGLE_MAX: Final = 360.0
+"""Largest angle of the target, deg."""
 Request = (
     Open | Drive | Leave | Beat | Hidden | Seen | Hold | Release | ShowClass | StopRobot | intents.Intent
 )
@@ -116,6 +125,29 @@ _DECODER: Final = msgspec.json.Decoder(
 
 
 def read(text: str | bytes) -> Request:
-    """Return the decoded message of a page; raises msgspec.DecodeError."""
+    """Return the decoded message of a page; raises msgspec.DecodeError, also for values that no page sends."""
     request: Request = _DECODER.decode(text)
+    if not _possible(request):
+        raise msgspec.ValidationError(f"no page sends {request}")
     return request
+
+
+def _possible(request: Request) -> bool:
+    """Return whether a page can send this: its buttons and fields have only such values."""
+    possible = getattr(request, "side", "sim") in SIDES
+    match request:
+        case intents.AskLease(action=action):
+            possible &= action in LEASES
+        case intents.RunCommand(command=command, side=side):
+            possible = command in COMMANDS and side in ("", *SIDES)
+        case intents.SetLanguage(code=code):
+            possible = code in LANGUAGES
+        case intents.SetSpeed(degrees_per_s=speed):
+            possible = 0 < speed <= SPEED_MAX
+        case intents.SetLead(seconds=lead_s):
+            possible = 0 <= lead_s <= LEAD_MAX_S
+        case intents.AimHead(yaw=yaw, pitch=pitch, roll=roll):
+            possible = max(abs(yaw), abs(pitch), abs(roll)) <= ANGLE_MAX
+        case intents.SavePose(name=name) | intents.DeletePose(name=name) | intents.GoToPose(name=name):
+            possible = len(name) <= NAME_MAX
+    return possible

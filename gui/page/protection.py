@@ -34,7 +34,8 @@ NO_COOKIE: Final = "This browser is not logged in. Load the control page again."
 
 def chosen_pin() -> str | None:
     """Return the PIN in BEATRIX_WEB_PIN; None if it is not set. Raises WrongUsage if it is too short or too long."""
-    pin = os.environ.get(PIN_VARIABLE)
+    given = os.environ.get(PIN_VARIABLE)
+    pin = None if given is None else given.strip()  # as the typed PIN
     if pin is None or PIN_MIN <= len(pin) <= PIN_MAX:
         return pin
     text = f"The PIN in {PIN_VARIABLE} has {len(pin)} characters: choose {PIN_MIN} to {PIN_MAX}, or unset it to get a new PIN at each start."

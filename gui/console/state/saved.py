@@ -19,6 +19,10 @@ from gui.console.texts import DEFAULT_LANGUAGE, Texts
 FILE: Final = "window.json"
 LONGEST: Final = 1 << 20
 """Largest size of this file (bytes)."""
+SPEED_MAX: Final = 1000.0
+"""Largest speed that is kept (deg/s)."""
+LEAD_MAX_S: Final = 3600.0
+"""Longest lead that is kept (s)."""
 
 
 class SavedPose(msgspec.Struct, frozen=True):
@@ -41,8 +45,8 @@ class Saved(msgspec.Struct, frozen=True):
     theme: Theme = Theme.DARK
     language: str = DEFAULT_LANGUAGE
     increment: Annotated[float, Meta(gt=0, le=360)] = 5.0
-    speed: Annotated[float, Meta(gt=0, le=1000)] = 30.0
-    lead_s: Annotated[float, Meta(ge=0, le=3600)] = 2.0
+    speed: Annotated[float, Meta(gt=0, le=SPEED_MAX)] = 30.0
+    lead_s: Annotated[float, Meta(ge=0, le=LEAD_MAX_S)] = 2.0
     poses: tuple[SavedPose, ...] = ()
 
 
