@@ -191,6 +191,7 @@ def test_the_error_of_a_suspended_program_does_not_name_the_router(
     script.write_text(SUSPENDED, encoding="utf-8")
     program = stage.script(script, stage.endpoint, str(yaw))
     program.expect("moving")
+    until(lambda: node.snapshot.status().moving, "the arms turn")
     program.send(signal.SIGSTOP)
     until(lambda: not node.snapshot.status().moving, "its session is lost, so the robot stops", 10.0)
     threading.Event().wait(more_s)  # the fault itself: the program does not run until the motion is overdue
