@@ -133,14 +133,19 @@ class Child:
 
     def end(self, grace_s: float = END_S) -> None:
         """Send SIGTERM to the process and wait; kill the process after `grace_s` (s)."""
-        self._process.terminate()
-        try:
-            self._process.wait(grace_s)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+        end(self._process, grace_s)
         if self._process.stdin is not None:
             self._process.stdin.close()
+
+
+def end(process: subprocess.Popen[bytes], grace_s: float) -> None:
+    """Send SIGTERM to a process, unless it has ended, and wait; kill the process after `grace_s` (s)."""
+    process.terminate()
+    try:
+        process.wait(grace_s)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 class Supervisor:

@@ -6,6 +6,8 @@ from collections import deque
 from collections.abc import Iterator
 from typing import Final, NamedTuple
 
+from beatrix_zenoh.contract.names import SIDES
+
 GRID_NS: Final = 20_000_000
 """Period of the grid, equal to that of positions at 50 Hz; grid points are whole multiples of it."""
 GAP_NS: Final = 100_000_000
@@ -30,9 +32,7 @@ class Difference:
     """
 
     def __init__(self) -> None:
-        self._samples: dict[str, deque[tuple[int, Angles]]] = {
-            side: deque(maxlen=WAITING) for side in ("sim", "hw")
-        }
+        self._samples: dict[str, deque[tuple[int, Angles]]] = {side: deque(maxlen=WAITING) for side in SIDES}
         self._next_ns = 0
 
     def add(self, side: str, time_ns: int, angles: Angles) -> Iterator[AngleDifference]:

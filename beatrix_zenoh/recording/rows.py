@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from beatrix_zenoh.client.session import Place
+from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.figure import Figure, Quaternion
 
@@ -102,7 +103,7 @@ class RobotSet:
 
     def sides(self, name: str) -> list[Place]:
         """Return the sides of one robot, the simulation first."""
-        return [(name, side) for side in ("sim", "hw") if (name, side) in self.robots]
+        return [(name, side) for side in SIDES if (name, side) in self.robots]
 
 
 class Output(Protocol):

@@ -18,6 +18,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, Self
 
+from beatrix_zenoh import processes
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
 
@@ -200,13 +201,7 @@ class Viewer:
 
     def end(self) -> None:
         """Terminate the viewer, or kill it after END_S. May be called twice."""
-        if self._process.poll() is None:
-            self._process.terminate()
-            try:
-                self._process.wait(END_S)
-            except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait()
+        processes.end(self._process, END_S)
         self._words.close()
 
     def ending(self) -> str:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Final, get_args
 
 import msgspec
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction
+from beatrix_zenoh.contract.names import SIDES
 from gui.console.link import Link
-from gui.console.link.link import SIDES, robots_of
+from gui.console.link.link import robots_of
 from gui.console.state import class_page, intents
 from gui.console.state.actions import Action, Outcome, SendStop
 from gui.console.state.intents import Intent, Tab
@@ -34,7 +36,7 @@ QUIET_S: Final = 0.5
 """Longest time between two views, even if nothing has changed: the page notices that its server is lost."""
 OFFERED: Final = get_args(OWN) + get_args(DRIVING)
 ENCODER: Final = msgspec.json.Encoder(enc_hook=str)  # `str`, because some buttons of the console name a file
-SAVED_KEYS: Final = ("page.", "label.")
+TEXT_KEYS: Final = ("page.", "label.")
 """Beginnings of the keys of the texts that the scripts of the page use."""
 
 
@@ -153,9 +155,7 @@ class Face:
                 "notice": texts(key, **slots) if key else "",
             },
             "saved": self.state.saved,
-            "texts": {
-                name: text for name, text in load(texts.code)[0].items() if name.startswith(SAVED_KEYS)
-            },
+            "texts": _texts_of_page(texts.code),
             "eyes": self._eyes(view, world),
             "class": [{"cells": row.cells, "robot": row.place[0]} for row in rows],
             "banner": _banner(view, world),
@@ -167,9 +167,11 @@ class Face:
             "history": view.history[:HISTORY],
             **{
                 name: getattr(view, name)
-                for name in ("title", "robot", "arms", "sending", "commands", "poses")
+                for name in (
+                    *("title", "robot", "arms", "sending", "commands", "poses"),
+                    *("last", "stop", "emergency", "language"),
+                )
             },
-            **{name: getattr(view, name) for name in ("last", "stop", "emergency", "language")},
         }
 
     def _role(self, world: World, texts: Texts) -> str:
@@ -262,6 +264,15 @@ class Face:
         if self.driver is not None:
             self.driver.jog.end(stopped=True)
             self.driver.link.drop()
+
+
+@cache
+def _texts_of_page(code: str) -> msgspec.Raw:
+    """Return the texts that the scripts of the page use, in one language; encoded once, because views are frequent."""
+    texts, _ = load(code)
+    return msgspec.Raw(
+        ENCODER.encode({name: text for name, text in texts.items() if name.startswith(TEXT_KEYS)})
+    )
 
 
 def _offered(button: ButtonView | None) -> ButtonView | None:

@@ -105,10 +105,12 @@ class Hub:
         robots = self.robots()
         shown = any(page.face.shows_class for page in self.pages)
         states = self._class.states(self._link.session, time.monotonic()) if shown else ()
+        watched = {page.face.robot for page in self.pages if page.face.driver is None}
+        worlds = {robot: self._link.world(robot) for robot in watched}
         for page in list(self.pages):
             face = page.face
             try:
-                world = self._link.world(face.robot) if face.driver is None else face.driver.link.world()
+                world = worlds[face.robot] if face.driver is None else face.driver.link.world()
                 face.show(replace(world, robots=states if face.shows_class else ()), robots)
             except Exception as error:  # noqa: BLE001 - a fault of one page must not freeze the others
                 threads.show_error(error)

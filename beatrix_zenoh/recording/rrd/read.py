@@ -19,7 +19,7 @@ from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Event, Reason
 from beatrix_zenoh.contract.codec import decode_json
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.contract.names import EYES
+from beatrix_zenoh.contract.names import EYES, SIDES
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.rows import NOTES, of_robot
 from beatrix_zenoh.recording.samples import (
@@ -69,7 +69,7 @@ def read(path: Path) -> Recorded:
         root = f"/{name}/{side}"
         # A recorder that was killed just after its start may have written only some of these columns.
         whole = all((f"{root}/{other}", SCALARS) in columns for other in ("commanded", "head"))
-        if side in ("sim", "hw") and what == "arms" and whole:
+        if side in SIDES and what == "arms" and whole:
             robots[name, side] = _samples(columns, root)
     if not robots:
         raise Refused(

@@ -13,6 +13,7 @@ from beatrix_zenoh.client.stopping import StopSender
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
+from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
 from gui.console.link.children import Children, Recordings
 from gui.console.link.connection import Connection, Session
@@ -32,7 +33,6 @@ from gui.console.state.world import LinkPhase, World
 Request = actions.Send | actions.Play | actions.SendCommand | actions.SendLease | actions.Ready
 """Actions that robots of the shown name answer."""
 OnOutcome = Callable[[Outcome], None]
-SIDES = ("sim", "hw")
 CLOSE_S = 2.8
 """Time limit for threads and processes to end; slower threads and processes end by themselves afterwards."""
 

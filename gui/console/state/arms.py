@@ -9,7 +9,7 @@ from beatrix_zenoh.client.degrees import ArmAngles, arm_angles
 from beatrix_zenoh.client.twin_motion import furthest
 from beatrix_zenoh.contract._generated.messages import MotionQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.contract.names import ARMS
+from beatrix_zenoh.contract.names import ARMS, SIDES
 from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import refusals
 from gui.console.state.actions import Action, Send
@@ -46,7 +46,7 @@ def _row(memory: Memory, world: World, arm: str) -> ArmRowView:
     texts = memory.choices.texts
     angles: dict[str, float] = {}
     if arm != ALL_ARMS:
-        for side in ("sim", "hw"):
+        for side in SIDES:
             if (found := reading(world, side)) is not None:
                 angles[side] = getattr(found.arms, arm)
     shown = {side: texts("angle", degrees=angle) for side, angle in angles.items()}

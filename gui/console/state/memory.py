@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
+from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import (
     Action,
     Govern,
@@ -66,7 +67,7 @@ class RequestRow:
             case Ready(side=side) | SendLease(side=side):
                 return (side,)
             case SendStop(everywhere=False):
-                return ("sim", "hw")
+                return SIDES
         return ()
 
     @property

@@ -14,6 +14,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Reason,
     Status,
 )
+from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import intents, leases
 from gui.console.state.intents import ChooseRobot, Intent, Retry, RunCommand, StartSimulation
 from gui.console.state.memory import Memory
@@ -76,7 +77,7 @@ class RobotCondition:
 
 def pills(world: World, texts: Texts) -> tuple[PillView, ...]:
     """Return the states of simulation and hardware."""
-    return tuple(pill(world, side, texts) for side in ("sim", "hw"))
+    return tuple(pill(world, side, texts) for side in SIDES)
 
 
 def pill(world: World, side: str, texts: Texts) -> PillView:
@@ -263,7 +264,7 @@ def details(status: Status, texts: Texts) -> str:
 def banner(memory: Memory, world: World) -> BannerView | None:
     """Return the banner; None if a robot is online, no latch is set, and `leases.banner` has nothing to show."""
     texts = memory.choices.texts
-    latched = tuple(side for side in ("sim", "hw") if _is_latched(world, side))
+    latched = tuple(side for side in SIDES if _is_latched(world, side))
     if latched:
         robots = texts("sides.both" if len(latched) > 1 else f"sides.{latched[0]}")
         return BannerView(

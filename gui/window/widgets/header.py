@@ -16,6 +16,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
+from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.intents import ChooseRobot, SetLanguage, SetTheme, Theme
 from gui.console.state.views import PillView, RecordView, View
 from gui.console.texts import LANGUAGES, Texts
@@ -139,7 +140,7 @@ class Header(QWidget):
         self.robots.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         self.robots.setMinimumWidth(70)
         self.robots.textActivated.connect(lambda name: self.intent.emit(ChooseRobot(name)))
-        self.pills = {side: Pill(side) for side in ("sim", "hw")}
+        self.pills = {side: Pill(side) for side in SIDES}
         self.page = IntentButton()
         self.page.intent.connect(self.intent)
         self.page.hide()
