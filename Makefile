@@ -9,9 +9,9 @@ FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
 # The first Python that starts and is new enough: a name on PATH may be a shim without a Python behind it.
 PYTHON := $(shell for name in python3 python3.14 python3.13 python3.12 python3.11; do \
 	$$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$name && break; done)
-# Four processes keep two cores busy, because their tests often wait for robots. With more processes, robots get too little
-# processor time. A CI computer may be slow, and measures coverage: it runs three.
-PROCESSES := $(if $(CI),3,4)
+# Three processes keep two cores busy, because their tests often wait for robots. With more processes, robots get too
+# little processor time: nodes lose their router. A CI computer may be slow, and measures coverage: it runs two.
+PROCESSES := $(if $(CI),2,3)
 COVERAGE := $(if $(CI),--cov --cov-report=term --cov-fail-under=90)
 SETUP = $(if $(PYTHON),$(PYTHON) tools/setup.py,$(error BEATRIX needs Python 3.11 or newer on PATH. Install one, then try again))
 

@@ -352,7 +352,7 @@ class Seats:
         client.bus.watch_tokens(keys.seat("*", "*"), self._on_token)
 
     def _on_token(self, key: str, alive: bool) -> None:  # noqa: FBT001
-        """RobotRecord on Zenoh's thread that a session of a seat has begun or ended."""
+        """Record on Zenoh's thread that a session of a seat has begun or ended."""
         parts = keys.parse(key)
         if parts is not None and alive:
             if len(self._sessions) < SESSIONS:

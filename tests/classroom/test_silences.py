@@ -103,7 +103,9 @@ NODE = """
 import sys, threading
 from pathlib import Path
 from beatrix_zenoh import account, bus
+from beatrix_zenoh.bus import transport
 from beatrix_zenoh.contract._generated import keys
+transport.COMMON["transport/link/tx/lease"] = 60_000  # the router must not drop it if the computer stands still
 own, kept = account.load(Path(sys.argv[1])), []
 session = bus.connect(own.connect, account=own)
 session.serve(keys.command("bea2", "hw", "*"), kept.append)
