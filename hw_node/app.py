@@ -16,7 +16,16 @@ from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, Ro
 from beatrix_zenoh.terminal.run import run_command
 from hw_node.body import build
 from hw_node.cameras.camera import choices
+from hw_node.microphones.microphones import choose
 from hw_node.port import VIRTUAL
+
+MicrophonesOption = Annotated[
+    str,
+    typer.Option(
+        metavar="SOURCE",
+        help="Source of the sound: `file:PATH` (a WAV file), `tone`, or `off`; on only while a program listens.",
+    ),
+]
 
 
 def hw(
@@ -33,6 +42,7 @@ def hw(
             help="Source of the left or right eye: a path under /dev/v4l/by-path (Linux), a camera's number (Windows, macOS), `pattern`, or `file:PATH`.",
         ),
     ] = None,
+    microphones: MicrophonesOption = "off",
     legacy: Legacy = None,
     robot_file: RobotFile = None,
     log_file: LogFile = None,
@@ -52,6 +62,7 @@ def hw(
     robot = values.load(robot_file)
     words = camera or settings.cameras
     cameras = choices(words) if words else None
+    ears = choose(microphones)
     if port and legacy is not None and Path(port).resolve() == legacy.resolve():
         raise WrongUsage(
             Reason.BAD_VALUE,
@@ -59,7 +70,7 @@ def hw(
         )
     raise typer.Exit(
         serve(
-            lambda: build(port, settings.robot, robot, cameras),
+            lambda: build(port, settings.robot, robot, cameras, ears),
             settings,
             robot=robot,
             legacy=legacy,

@@ -12,6 +12,7 @@ from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node import ArmState, Component, Node
 from hw_node.cameras.camera import PATTERN, Camera, CameraChoice, same_for_both
+from hw_node.microphones.microphones import Microphones, SoundSource
 from hw_node.port import VIRTUAL, SerialPort, find
 
 
@@ -21,9 +22,13 @@ class Hardware:
     side = "hw"
 
     def __init__(
-        self, device: str = "", robot: RobotData = ROBOT, cameras: Sequence[CameraChoice] = ()
+        self,
+        device: str = "",
+        robot: RobotData = ROBOT,
+        cameras: Sequence[CameraChoice] = (),
+        microphones: SoundSource | None = None,
     ) -> None:
-        self._device, self._cameras = device, cameras
+        self._device, self._cameras, self._microphones = device, cameras, microphones
         self._gear = Gear(robot.drive)
 
     def open_port(self) -> Port:
@@ -43,8 +48,10 @@ class Hardware:
         """Do nothing: a person has set the head upright."""
 
     def components(self, node: Node) -> list[Component]:
-        """Return a component for each camera."""
-        return [Camera(node, choice.eye, choice.build()) for choice in self._cameras]
+        """Return a component for each camera, and one for the microphones if there are any."""
+        eyes = [Camera(node, choice.eye, choice.build()) for choice in self._cameras]
+        ears = [] if self._microphones is None else [Microphones(node, self._microphones)]
+        return [*eyes, *ears]
 
     def plant(self) -> PlantStatus | None:
         """Return None: only a simulation has a plant."""
@@ -62,9 +69,13 @@ class VirtualHardware(Hardware):
     """A robot whose firmware runs on a virtual board in real time; by default its eyes show a test picture."""
 
     def __init__(
-        self, name: str, robot: RobotData = ROBOT, cameras: Sequence[CameraChoice] | None = None
+        self,
+        name: str,
+        robot: RobotData = ROBOT,
+        cameras: Sequence[CameraChoice] | None = None,
+        microphones: SoundSource | None = None,
     ) -> None:
-        super().__init__(VIRTUAL, robot, same_for_both(PATTERN) if cameras is None else cameras)
+        super().__init__(VIRTUAL, robot, same_for_both(PATTERN) if cameras is None else cameras, microphones)
         self._board = VirtualBoard(Firmware(boot=1, name=name))
         self._ticker = RealTimeTicker(self._board)
 
@@ -79,12 +90,16 @@ class VirtualHardware(Hardware):
 
 
 def build(
-    device: str, name: str, robot: RobotData = ROBOT, cameras: Sequence[CameraChoice] | None = None
+    device: str,
+    name: str,
+    robot: RobotData = ROBOT,
+    cameras: Sequence[CameraChoice] | None = None,
+    microphones: SoundSource | None = None,
 ) -> Hardware:
     """Create the body for `device`, or for a virtual board, without opening a port.
 
-    `cameras`: None for the default cameras.
+    `cameras`: None for the default cameras. `microphones`: None for none.
     """
     if device == VIRTUAL:
-        return VirtualHardware(name, robot, cameras)
-    return Hardware(device, robot, cameras or ())
+        return VirtualHardware(name, robot, cameras, microphones)
+    return Hardware(device, robot, cameras or (), microphones)

@@ -192,6 +192,28 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
         },
     ),
     (
+        "SoundHeader",
+        {
+            "seq": 70000,
+            "t_mono_ns": 123456789012345,
+            "t_wall_ns": 1700000000123456789,
+            "rate": 48000,
+            "dropped": 960,
+            "source": "device",
+        },
+    ),
+    (
+        "MicrophonesStatus",
+        {
+            "connected": True,
+            "streaming": True,
+            "rate": 48000,
+            "source": "tone",
+            "dropped": 0,
+            "trouble": "",
+        },
+    ),
+    (
         "CameraStatus",
         {
             "eye": "left",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client import subscription
@@ -16,6 +16,9 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Events, Info, Positions, Reason, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.settings import resolve
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.client.sound import Microphones, Sound
 
 
 class RobotBase(ProcessBound, Suggesting):
@@ -102,6 +105,27 @@ class RobotBase(ProcessBound, Suggesting):
         pictures and misses others; see `stream` for arguments and errors.
         """
         return subscription.images(self.client, self.name, self.side, eye, timeout_s=timeout_s)
+
+    @value_method
+    def microphones(self) -> Microphones:
+        """Subscribe to the sound of both microphones, in blocks of 20 ms; they are on only while a client subscribes.
+
+        Reading raises NoAnswer if no block arrives within 5 s. `faults` counts lost, duplicated and late blocks.
+        """
+        from beatrix_zenoh.client.sound import Microphones  # noqa: PLC0415 - numpy would delay every verb
+
+        return Microphones(self.client, self.name, self.side)
+
+    @value_method
+    def listen(self, seconds: float = 2.0) -> Sound:
+        """Listen for this time (s, at most 60), and return what both microphones have heard.
+
+        Raises:
+            NoAnswer: the robot has no microphones or does not answer.
+            WrongUsage: `seconds` is not above 0, or above 60.
+        """
+        with self.microphones() as blocks:
+            return blocks.listen(seconds)
 
     @value_method
     def past_events(self) -> list[Event]:

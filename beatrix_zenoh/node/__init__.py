@@ -7,4 +7,6 @@ from beatrix_zenoh.node.camera import CameraPublisher as CameraPublisher
 from beatrix_zenoh.node.interfaces import ArmState as ArmState
 from beatrix_zenoh.node.interfaces import Component as Component
 from beatrix_zenoh.node.interfaces import StatusFields as StatusFields
+from beatrix_zenoh.node.microphones import MicrophonesPublisher as MicrophonesPublisher
+from beatrix_zenoh.node.microphones import SoundBlock as SoundBlock
 from beatrix_zenoh.node.node import Node as Node

@@ -86,7 +86,7 @@ class CameraPublisher:
         """Whether a client subscribes; take pictures only while this is True."""
         return self._publication is not None and self._publication.subscribed
 
-    def publish(self, frame: CameraFrame) -> None:
+    def publish(self, frame: CameraFrame, /) -> None:
         """Publish a picture, and report that the camera works."""
         if self._publication is None:
             return
@@ -109,6 +109,9 @@ class CameraPublisher:
             )
         # Publish last, so that a client that has the picture reads a status that includes it.
         self._publication.put(frame.jpeg, codec.encode(header))
+
+    def ended(self) -> None:
+        """Do nothing: `streaming` follows from the subscribers."""
 
     def report(self, trouble: str) -> None:
         """Set the fault of the camera, and record a change as an event.

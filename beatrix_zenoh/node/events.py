@@ -34,7 +34,13 @@ BURST: Final = 10
 WINDOW_S: Final = 1.0
 _SEQS: Final = 2**32
 
-_PRINTED: Final = (EventKind.BOARD, EventKind.ROUTER, EventKind.CAMERA, EventKind.WARNING)
+_PRINTED: Final = (
+    EventKind.BOARD,
+    EventKind.ROUTER,
+    EventKind.CAMERA,
+    EventKind.MICROPHONES,
+    EventKind.WARNING,
+)
 """Kinds that are logged as warnings, which the process prints; the others are only written to the log file."""
 
 log = logging.getLogger("beatrix_zenoh.node.events")

@@ -1,37 +1,18 @@
-"""The protocol of cameras, and the timer of sources that are not cameras."""
+"""The format of cameras, and the timer of sources that are not cameras."""
 
 from __future__ import annotations
 
 import time
-from typing import Protocol
 
 from beatrix_zenoh.node import CameraFrame
+from hw_node.sensor import Source
 
 WIDTH, HEIGHT, HZ = 640, 480, 30
 """Format requested from cameras: pixels, and pictures a second."""
 
 
-class FrameSource(Protocol):
-    """A camera or another source of pictures; used by one thread.
-
-    `open` and `next` raise NoAnswer, with a message that says what to do, if there are no pictures.
-    """
-
-    @property
-    def name(self) -> str:
-        """Kind of source, as in `CameraFrame.source`."""
-
-    def trouble(self) -> str:
-        """Return why there can be no picture now, empty if no reason is known; quick, and does not open the source."""
-
-    def open(self) -> None:
-        """Start taking pictures."""
-
-    def next(self, timeout_s: float) -> CameraFrame | None:
-        """Wait for the next picture and return it; None if none arrives within `timeout_s`."""
-
-    def close(self) -> None:
-        """Stop taking pictures; may be called twice, and after `open` has failed."""
+FrameSource = Source[CameraFrame]
+"""A camera or another source of pictures."""
 
 
 class FrameTimer:

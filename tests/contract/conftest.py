@@ -10,6 +10,8 @@ from quick_waits import quick
 from robots import Stage, ready
 
 from beatrix_zenoh import Robot
+from hw_node.body import VirtualHardware
+from hw_node.microphones.stand_ins import Tone
 
 BODIES = ("sim", "in-process", "mega")
 """A simulation; a node of this process with a virtual board; the hardware node with the firmware on a simulated
@@ -32,7 +34,7 @@ def body(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
             stage.mega(path)
             stage.hardware("bea", str(path))
         else:
-            stage.node("bea")
+            stage.node("bea", VirtualHardware("bea", microphones=Tone()))
         yield Body(kind, stage, "bea", "sim" if kind == "sim" else "hw")
 
 

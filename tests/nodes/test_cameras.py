@@ -16,8 +16,8 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import CameraFrame, Component, Node
+from hw_node import sensor
 from hw_node.body import VirtualHardware
-from hw_node.cameras import camera
 from hw_node.cameras.camera import Camera
 
 PICTURE = b"\xff\xd8 picture"
@@ -65,7 +65,7 @@ class HardwareWithOneEye(VirtualHardware):
 
 @pytest.fixture
 def source(monkeypatch: pytest.MonkeyPatch) -> FakeSource:
-    monkeypatch.setattr(camera, "CHECK_S", 0.05)
+    monkeypatch.setattr(sensor, "CHECK_S", 0.05)
     return FakeSource()
 
 
@@ -114,7 +114,7 @@ def test_an_exception_in_a_camera_is_reported_and_does_not_end_the_node(
     with robot.camera("left") as images:
         source.feed.put(KeyError("a mistake"))
         wait_status(
-            robot, lambda _: "The camera failed: 'a mistake'" in trouble(robot), "the mistake is shown"
+            robot, lambda _: "The device failed: 'a mistake'" in trouble(robot), "the mistake is shown"
         )
         robot.look(yaw=5)
         source.feed.put(None)

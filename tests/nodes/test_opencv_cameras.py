@@ -10,8 +10,8 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.node import Component, Node
+from hw_node import sensor
 from hw_node.body import VirtualHardware
-from hw_node.cameras import camera
 from hw_node.cameras.camera import Camera
 from hw_node.cameras.opencv import OpenCvCamera
 
@@ -30,7 +30,7 @@ class HardwareWithOneEye(VirtualHardware):
 def test_an_eye_is_open_while_subscribed_and_returns_after_unplugging(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(camera, "CHECK_S", 0.05)
+    monkeypatch.setattr(sensor, "CHECK_S", 0.05)
     module = FakeOpenCv()
     with Stage() as stage:
         node = Node(

@@ -117,7 +117,7 @@ def test_wrong_usage_with_json_prints_one_json_document(
 
 def test_the_error_for_a_value_without_option_lists_the_options(capsys: pytest.CaptureFixture[str]) -> None:
     assert app.run(["hw", "/dev/ttyACM0"]) == 2
-    assert "--port, --camera, --legacy" in capsys.readouterr().err
+    assert "--port, --camera, --microphones, --legacy" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -221,6 +221,18 @@ KEYS: Final[dict[str, KeyRow]] = {
         "drop",
         "Pictures of one eye, or of a simulated head from outside, `image/jpeg`, published only while a client subscribes. The attachment is in msgpack.",
     ),
+    "microphones": KeyRow(
+        "beatrix/{robot}/{side}/state/microphones",
+        "publication",
+        "int16 samples, with SoundHeader as attachment",
+        "",
+        ("hw", "sim"),
+        "media",
+        "media",
+        "data_low",
+        "drop",
+        "Blocks of 20 ms of sound: 960 frames of two int16 samples, little-endian, left first; `audio/pcm`, published only while a client subscribes. The attachment is in msgpack.",
+    ),
     "target": KeyRow(
         "beatrix/{robot}/sim/scene/target",
         "query",
@@ -450,6 +462,14 @@ def camera(robot: str, side: str, eye: str) -> str:
     Pictures of one eye, or of a simulated head from outside, `image/jpeg`, published only while a client subscribes. The attachment is in msgpack.
     """
     return f"beatrix/{robot}/{side}/state/camera/{eye}"
+
+
+def microphones(robot: str, side: str) -> str:
+    """Return the key `beatrix/{robot}/{side}/state/microphones`.
+
+    Blocks of 20 ms of sound: 960 frames of two int16 samples, little-endian, left first; `audio/pcm`, published only while a client subscribes. The attachment is in msgpack.
+    """
+    return f"beatrix/{robot}/{side}/state/microphones"
 
 
 def target(robot: str) -> str:

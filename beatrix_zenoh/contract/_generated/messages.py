@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "68b1d0e7"
+CONTRACT: Final = "198789d1"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -271,6 +271,8 @@ class EventKind(StrEnum):
     """The router was lost or is connected again."""
     CAMERA = "camera"
     """A camera was lost or found."""
+    MICROPHONES = "microphones"
+    """The microphones were switched on or off, lost or found."""
     WARNING = "warning"
     """A warning for the user."""
     LOG = "log"
@@ -647,6 +649,23 @@ class CameraStatus(Struct, frozen=True, kw_only=True):
     """a sentence: why there are no pictures, and what to do; empty: no fault"""
 
 
+class MicrophonesStatus(Struct, frozen=True, kw_only=True):
+    """The two microphones of the robot."""
+
+    connected: bool
+    """the microphones are connected, or the sound can be computed"""
+    streaming: bool
+    """the microphones are on: a client subscribes, and the node publishes sound"""
+    rate: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    """frames per second [1/s]"""
+    source: Label
+    """source of the sound: `device`, `file`, `tone` or `simulation`"""
+    dropped: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
+    """frames lost before they reached the node, since it started"""
+    trouble: Text = ""
+    """a sentence: why there is no sound, and what to do; empty: no fault"""
+
+
 class Status(Struct, frozen=True, kw_only=True):
     """State of the robot; published once a second, and at once when a field changes, except clocks, rates and the physics."""
 
@@ -694,6 +713,8 @@ class Status(Struct, frozen=True, kw_only=True):
     """the physics; only of a simulation"""
     cameras: list[CameraStatus] = []
     """the cameras; empty: none"""
+    microphones: MicrophonesStatus | None = None
+    """the microphones; missing: none"""
 
 
 class TargetReply(Struct, frozen=True, kw_only=True):
@@ -747,6 +768,23 @@ class FrameHeader(Struct, frozen=True, kw_only=True):
     """height of the picture [px]"""
     source: Label = ""
     """as in CameraStatus"""
+
+
+class SoundHeader(Struct, frozen=True, kw_only=True):
+    """Attachment of a block of sound."""
+
+    seq: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    """counts the blocks since the node started; a gap means lost blocks"""
+    t_mono_ns: int
+    """monotonic clock of the source at the first frame [ns]"""
+    t_wall_ns: int
+    """wall clock of the source at that time, since 1970 [ns]"""
+    rate: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    """frames per second [1/s]"""
+    dropped: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
+    """frames lost before they reached the node, since it started; an increase is a gap before this block"""
+    source: Label = ""
+    """as in MicrophonesStatus"""
 
 
 class Event(Struct, frozen=True, kw_only=True):
@@ -907,6 +945,7 @@ class ProgramInfo(Struct, frozen=True, kw_only=True):
 
 NOT_ON_CHANGE: Final[dict[type[Struct], frozenset[str]]] = {
     CameraStatus: frozenset(["hz"]),
+    MicrophonesStatus: frozenset(["dropped"]),
     Status: frozenset(["t_mono_ns", "t_wall_ns", "plant"]),
 }
 """Fields of Status and its parts whose change alone is not published: clocks, rates, physics."""

@@ -33,7 +33,14 @@ FROM: Final = {
 }
 DIRECTIONS: Final = {"yaw": ("left", "right"), "pitch": ("down", "up"), "roll": ("tilt right", "tilt left")}
 """Words for positive and negative angles of the head."""
-REPORTS: Final = (EventKind.BOARD, EventKind.ROUTER, EventKind.CAMERA, EventKind.WARNING, EventKind.LOG)
+REPORTS: Final = (
+    EventKind.BOARD,
+    EventKind.ROUTER,
+    EventKind.CAMERA,
+    EventKind.MICROPHONES,
+    EventKind.WARNING,
+    EventKind.LOG,
+)
 """Kinds of events that no seat has requested."""
 
 

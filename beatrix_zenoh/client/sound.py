@@ -1,0 +1,273 @@
+"""Sound of a robot's two microphones: blocks in the order in which they were heard, and pieces without gaps."""
+
+from __future__ import annotations
+
+import base64
+import io
+import time
+import wave
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from beatrix_zenoh.bus import Reply
+from beatrix_zenoh.client.degrees import checked_seconds
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.subscription import Arrival, Sample, Subscription
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Reason, SoundHeader
+from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
+
+SILENCE_S: Final = 5.0
+"""Time limit (s) for a block of sound; a device may need seconds for the first one."""
+BLOCKS: Final = 500
+"""Queue length for sound: ten seconds."""
+_FRAME: Final = 4
+"""Bytes of a frame: two int16."""
+_SEQS: Final = 2**32
+_FULL_SCALE: Final = 32768.0
+LONGEST_S: Final = 60.0
+"""Longest piece of sound."""
+_QUIETEST: Final = 1e-6
+"""Root mean square that counts as silence, -120 dB."""
+
+Samples = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class Sound:
+    """A piece of sound from both ears."""
+
+    samples: Samples
+    """shape (frames, 2), left first, from -1 to 1; read-only"""
+    rate: int
+    """frames per second"""
+    t_mono_ns: int
+    """monotonic clock of the robot at the first frame (ns)"""
+    t_wall_ns: int
+    """wall clock of the robot at the first frame, ns since 1970"""
+    seq: int
+    """number of the (first) block; a gap shows lost blocks"""
+    source: str
+    """origin of the sound: `device`, `file`, `tone` or `simulation`"""
+    dropped: int
+    """frames that the robot's device has lost since its node started"""
+    lost: int = 0
+    """frames of `samples` that never arrived, and are zero"""
+
+    @property
+    def t(self) -> float:
+        """Time (s) of the first frame by the robot's monotonic clock, as in positions."""
+        return self.t_mono_ns / 1e9
+
+    @property
+    def seconds(self) -> float:
+        """Duration (s)."""
+        return len(self.samples) / self.rate
+
+    @property
+    def left(self) -> Samples:
+        """Samples of the left ear."""
+        return self.samples[:, 0]
+
+    @property
+    def right(self) -> Samples:
+        """Samples of the right ear."""
+        return self.samples[:, 1]
+
+    @property
+    def level(self) -> tuple[float, float]:
+        """Loudness of the left and the right ear, dB: 0 is a square wave at full scale, -120 is silence."""
+        squares = (
+            np.mean(np.square(self.samples, dtype=np.float64), axis=0) if len(self.samples) else (0.0, 0.0)
+        )
+        left, right = (20 * np.log10(max(_QUIETEST, float(square) ** 0.5)) for square in squares)
+        return float(left), float(right)
+
+    def save(self, path: str | Path) -> None:
+        """Write a WAV file of 16 bits; raises OSError."""
+        Path(path).write_bytes(self._wav())
+
+    def _wav(self) -> bytes:
+        file = io.BytesIO()
+        with wave.open(file, "wb") as out:
+            out.setnchannels(2)
+            out.setsampwidth(2)
+            out.setframerate(self.rate)
+            out.writeframes(
+                np.clip(np.rint(self.samples * _FULL_SCALE), -_FULL_SCALE, _FULL_SCALE - 1)
+                .astype("<i2")
+                .tobytes()
+            )
+        return file.getvalue()
+
+    def __repr__(self) -> str:
+        left, right = self.level
+        lost = f", {self.lost} frames lost" if self.lost else ""
+        return (
+            f"<{self.seconds:.2f} s of sound ({self.source}), left {left:.0f} dB, right {right:.0f} dB{lost}>"
+        )
+
+    def _repr_html_(self) -> str:
+        """Return a player, which a notebook shows."""
+        data = base64.b64encode(self._wav()).decode()
+        return f'<audio controls src="data:audio/wav;base64,{data}"></audio>'
+
+
+@dataclass
+class Faults:
+    """Blocks that a subscription has counted while they were read."""
+
+    lost: int = 0
+    """missing in the sequence numbers: lost by network or router, or by this program, which read too slowly"""
+    duplicated: int = 0
+    """arrived twice; the second one was skipped"""
+    late: int = 0
+    """arrived after a newer block; skipped"""
+    dropped: int = 0
+    """frames, not blocks, that the robot's device has lost"""
+
+    def __str__(self) -> str:
+        counts = f"{self.lost} blocks lost, {self.duplicated} duplicated, {self.late} late"
+        return f"{counts}; {self.dropped} frames dropped by the device"
+
+
+@dataclass
+class BlockOrder:
+    """Finds lost, duplicated and late blocks of one robot by their sequence numbers."""
+
+    faults: Faults = field(default_factory=Faults)
+    _newest: Sound | None = None
+    _seen: list[int] = field(default_factory=list)
+    """the newest sequence numbers, to tell a duplicate of a late block from a late block"""
+
+    def accept(self, block: Sound) -> bool:
+        """Count a block; return whether it is in order, so that the program should hear it."""
+        newest = self._newest
+        step = 1 if newest is None else (block.seq - newest.seq + _SEQS // 2) % _SEQS - _SEQS // 2
+        if newest is not None and step <= 0:
+            if block.seq in self._seen and block.t_mono_ns <= newest.t_mono_ns:
+                self.faults.duplicated += 1
+                return False
+            if block.t_wall_ns <= newest.t_wall_ns:
+                self.faults.late += 1
+                self._remember(block)
+                return False
+            step = 1  # the node was restarted, and counts anew
+            newest, self._seen = None, []
+        self.faults.lost += step - 1
+        if newest is not None:
+            self.faults.dropped += max(0, block.dropped - newest.dropped)
+        self._newest = block
+        self._remember(block)
+        return True
+
+    def _remember(self, block: Sound) -> None:
+        self._seen.append(block.seq)
+        del self._seen[:-BLOCKS]
+
+
+class Microphones(Subscription[Sound]):
+    """Blocks of sound from one robot, in order; `faults` counts what was lost, duplicated or late."""
+
+    def __init__(self, client: Client, robot: str, side: str, *, timeout_s: float | None = SILENCE_S) -> None:
+        """Subscribe, which switches the microphones on; see `Subscription` for `timeout_s` and errors."""
+        key = keys.microphones(robot, side)
+        super().__init__(client, key, sound, timeout_s=timeout_s, length=BLOCKS, bus=client.media)
+        self._order = BlockOrder()
+
+    @property
+    def faults(self) -> Faults:
+        """Lost, duplicated and late blocks up to the newest block that was read."""
+        return replace(self._order.faults)
+
+    def next_arrival(self, timeout_s: float | None = None) -> Arrival[Sound]:
+        """Return the next block in order, with the time of its arrival."""
+        limit_s = self._timeout_s if timeout_s is None else timeout_s
+        deadline_s = None if limit_s is None else time.monotonic() + limit_s
+        while True:
+            left_s = None if deadline_s is None else max(0.0, deadline_s - time.monotonic())
+            arrival = super().next_arrival(left_s)
+            if self._order.accept(arrival.value):
+                return arrival
+
+    def take_arrivals(self, timeout_s: float = 0.0) -> list[Arrival[Sound]]:
+        """Return all unread blocks that are in order, with the times of their arrival."""
+        return [one for one in super().take_arrivals(timeout_s) if self._order.accept(one.value)]
+
+    def listen(self, seconds: float) -> Sound:
+        """Return the next `seconds` of sound as one piece, with zeros in place of lost blocks; see `Sound.lost`.
+
+        Raises:
+            NoAnswer: TIMED_OUT, no block arrived for the time limit of the subscription.
+            WrongUsage: BAD_VALUE, `seconds` is not above 0, or above LONGEST_S.
+        """
+        if checked_seconds("seconds", seconds) > LONGEST_S:
+            text = f"seconds is {seconds:g}: listen returns at most {LONGEST_S:g} s; for longer, iterate over robot.microphones()."
+            raise WrongUsage(Reason.BAD_VALUE, text)
+        first = self.next()
+        wanted = max(1, round(seconds * first.rate))
+        blocks, end_ns = [first], first.t_mono_ns + wanted * 1e9 / first.rate
+        while blocks[-1].t_mono_ns + len(blocks[-1].samples) * 1e9 / first.rate < end_ns - 0.5e9 / first.rate:
+            blocks.append(self.next())
+        return joined(blocks, wanted)
+
+    def _silence(self, timeout_s: float) -> NoAnswer:
+        error = super()._silence(timeout_s)
+        if error.reason is not Reason.TIMED_OUT:
+            return error
+        parts = keys.parse(self._key)
+        name = self._key if parts is None else f"{parts.robot} ({parts.side})"
+        return NoAnswer(
+            Reason.TIMED_OUT,
+            f"{name}: no sound for {timeout_s:g} s. The field `microphones` of the robot's status gives the cause; if it "
+            "is missing, the robot has none: start its node with `beatrix hw --microphones DEVICE`.",
+        )
+
+
+def joined(blocks: list[Sound], wanted: int) -> Sound:
+    """Return `wanted` frames from the first block on, each block at the place of its time, with zeros in the gaps."""
+    first = blocks[0]
+    samples, heard = np.zeros((wanted, 2), np.float32), np.zeros(wanted, bool)
+    at = 0
+    for one in blocks:
+        begin = round((one.t_mono_ns - first.t_mono_ns) * first.rate / 1e9)
+        # The clock of a device is not that of the robot: only a gap of half a block and more is a lost block.
+        at = at if abs(begin - at) < len(one.samples) / 2 else begin
+        part = one.samples[: max(0, wanted - at)]
+        samples[at : at + len(part)], heard[at : at + len(part)] = part, True
+        at += len(one.samples)
+    samples.setflags(write=False)
+    return replace(first, samples=samples, lost=wanted - int(heard.sum()), dropped=blocks[-1].dropped)
+
+
+def sound(client: Client, sample: Sample) -> Sound | None:
+    """Convert a publication to a block; log a warning and return None if it is not sound with a valid header."""
+    received = sample.received
+    answer = Reply(
+        received.key, received.attachment or b"", codec.MSGPACK, error=False, sender=received.session
+    )
+    header = client.read(answer, SoundHeader)
+    if header is None:
+        return None
+    if not received.payload or len(received.payload) % _FRAME or not header.rate:
+        text = f"ignored: {len(received.payload)} bytes at {header.rate} Hz are no sound. Another program publishes on this key: end it."
+        client.report(answer, text)
+        return None
+    samples = np.frombuffer(received.payload, "<i2").reshape(-1, 2).astype(np.float32) / np.float32(
+        _FULL_SCALE
+    )
+    samples.setflags(write=False)
+    return Sound(
+        samples=samples,
+        rate=header.rate,
+        t_mono_ns=header.t_mono_ns,
+        t_wall_ns=header.t_wall_ns,
+        seq=header.seq,
+        source=header.source,
+        dropped=header.dropped,
+    )

@@ -1,0 +1,1 @@
+"""The microphones of a robot: a sound device, a file, or a test tone."""

@@ -1,0 +1,131 @@
+"""Sound without microphones: a test tone, or a WAV file."""
+
+from __future__ import annotations
+
+import time
+import wave
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer
+from beatrix_zenoh.node import SoundBlock
+from beatrix_zenoh.node.microphones import BLOCK, BLOCK_NS, RATE, Samples, to_pcm
+
+TONES_HZ: Final = (500.0, 1000.0)
+"""Frequencies of the test tone in the left and the right ear; a block contains whole periods of both."""
+LOUDNESS: Final = 0.25
+BEHIND: Final = 5
+"""Blocks by which a source may be late; of more the oldest are dropped, so that no burst of old sound follows."""
+
+
+class BlockClock:
+    """The times of blocks at exactly 50 a second, and the number of frames that were dropped after delays."""
+
+    def __init__(self) -> None:
+        self.dropped = 0
+        self._next_ns = 0
+
+    def restart(self) -> None:
+        """Begin the first block now."""
+        self._next_ns = time.monotonic_ns()
+
+    def wait(self, timeout_s: float) -> int | None:
+        """Wait until the next block is complete; return the monotonic time (ns) of its first frame.
+
+        None if it is complete only after `timeout_s`.
+        """
+        left_s = (self._next_ns + BLOCK_NS - time.monotonic_ns()) / 1e9
+        if left_s > timeout_s:
+            time.sleep(timeout_s)
+            return None
+        if left_s > 0:
+            time.sleep(left_s)
+        late = (time.monotonic_ns() - self._next_ns) // BLOCK_NS - 1
+        if late > BEHIND:
+            self.dropped += late * BLOCK
+            self._next_ns += late * BLOCK_NS
+        begin_ns = self._next_ns
+        self._next_ns += BLOCK_NS
+        return begin_ns
+
+
+class Tone:
+    """A test tone of 500 Hz in the left and of 1000 Hz in the right ear."""
+
+    name: Final = "tone"
+
+    def __init__(self) -> None:
+        self._clock = BlockClock()
+        t_s = np.arange(BLOCK)[:, None] / RATE
+        self._block = to_pcm(LOUDNESS * np.sin(2 * np.pi * np.array(TONES_HZ) * t_s))
+
+    def trouble(self) -> str:
+        """Return an empty text: the tone is always available."""
+        return ""
+
+    def open(self) -> None:
+        """Restart the clock."""
+        self._clock.restart()
+
+    def next(self, timeout_s: float) -> SoundBlock | None:
+        """Wait for the next block and return it; None if it is complete after `timeout_s`."""
+        begin_ns = self._clock.wait(timeout_s)
+        if begin_ns is None:
+            return None
+        return SoundBlock(self._block, begin_ns, self.name, self._clock.dropped)
+
+    def close(self) -> None:
+        """Do nothing: there are no resources to free."""
+
+
+class SoundFile:
+    """A WAV file of 16 bits at 48 kHz, repeated; one channel is heard by both ears."""
+
+    name: Final = "file"
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._clock = path, BlockClock()
+        self._samples = np.zeros((0, 2), "<i2")
+        self._at = 0
+
+    def trouble(self) -> str:
+        """Return an error message if the file does not exist, else an empty text."""
+        return "" if self._path.is_file() else f"{self._path} does not exist. Name a WAV file."
+
+    def open(self) -> None:
+        """Read the file, and begin with its first block."""
+        try:
+            self._samples = read(self._path)
+        except (OSError, EOFError, wave.Error, ValueError) as error:
+            text = f"{self._path} cannot be played: {error}. Give a WAV file of 16 bits at {RATE} Hz, mono or stereo."
+            raise NoAnswer(Reason.BAD_VALUE, text) from error
+        self._at = 0
+        self._clock.restart()
+
+    def next(self, timeout_s: float) -> SoundBlock | None:
+        """Wait for the next block and return it; None if it is complete after `timeout_s`."""
+        begin_ns = self._clock.wait(timeout_s)
+        if begin_ns is None:
+            return None
+        rows = (self._at + np.arange(BLOCK)) % len(self._samples)
+        self._at = int(rows[-1] + 1) % len(self._samples)
+        return SoundBlock(self._samples[rows].tobytes(), begin_ns, self.name, self._clock.dropped)
+
+    def close(self) -> None:
+        """Forget the samples."""
+        self._samples = np.zeros((0, 2), "<i2")
+
+
+def read(path: Path) -> Samples:
+    """Return the frames of a WAV file, shape (frames, 2); raises OSError, EOFError, wave.Error or ValueError."""
+    with wave.open(str(path)) as file:
+        channels, width, rate, frames = file.getparams()[:4]
+        if channels not in (1, 2) or width != 2 or rate != RATE:
+            raise ValueError(f"it has {channels} channels of {8 * width} bits at {rate} Hz")
+        if not frames:
+            raise ValueError("it is empty")
+        samples = np.frombuffer(file.readframes(frames), "<i2").reshape(-1, channels)
+    return np.broadcast_to(samples, (len(samples), 2)) if channels == 1 else samples

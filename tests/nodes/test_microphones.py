@@ -1,0 +1,148 @@
+"""Microphones of a node: clients see when they are on, and a lost client or device has a defined outcome."""
+
+from __future__ import annotations
+
+import queue
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from signal import SIGKILL
+
+import pytest
+from robots import Stage, until, wait_status
+
+from beatrix_zenoh import NoAnswer, Robot
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason, Status
+from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.node import SoundBlock
+from hw_node import sensor
+from hw_node.body import VirtualHardware
+
+LISTENER = """
+import sys, time
+from beatrix_zenoh import Robot
+with Robot("bea", "hw", connect=sys.argv[1]) as robot, robot.microphones() as sound:
+    sound.next(10.0)
+    print("ready", flush=True)
+    time.sleep(60)
+"""
+
+
+class FakeDevice:
+    """Microphones that the test controls: blocks come every 20 ms unless the test has put an error into `feed`."""
+
+    name = "device"
+
+    def __init__(self) -> None:
+        self.missing = ""
+        self.opened = self.closed = 0
+        self.feed: queue.SimpleQueue[Exception] = queue.SimpleQueue()
+
+    def trouble(self) -> str:
+        return self.missing
+
+    def open(self) -> None:
+        self.opened += 1
+
+    def next(self, timeout_s: float) -> SoundBlock | None:
+        try:
+            raise self.feed.get(timeout=min(timeout_s, 0.02))
+        except queue.Empty:
+            return SoundBlock(bytes(3840), time.monotonic_ns(), self.name)
+
+    def close(self) -> None:
+        self.closed += 1
+
+
+@pytest.fixture
+def device(monkeypatch: pytest.MonkeyPatch) -> FakeDevice:
+    monkeypatch.setattr(sensor, "CHECK_S", 0.05)
+    return FakeDevice()
+
+
+@pytest.fixture(scope="module")
+def router() -> Iterator[Stage]:
+    with Stage() as stage:
+        yield stage
+
+
+@pytest.fixture
+def robot(router: Stage, device: FakeDevice) -> Iterator[Robot]:
+    node = router.node("bea", VirtualHardware("bea", cameras=(), microphones=device))
+    robot = router.robot("bea", "hw")
+    wait_status(robot, lambda status: status.microphones is not None, "there are microphones")
+    yield robot
+    robot.client.close()
+    node.close()
+
+
+def on(status: Status) -> bool:
+    return status.microphones is not None and status.microphones.streaming
+
+
+def told(robot: Robot) -> list[Event]:
+    return [event for event in robot.past_events() if event.kind is EventKind.MICROPHONES]
+
+
+def test_events_show_when_the_microphones_are_on_and_off(robot: Robot, device: FakeDevice) -> None:
+    assert told(robot) == []
+    robot.listen(0.1)
+    wait_status(robot, lambda status: not on(status), "they are off")
+    first, second = told(robot)
+    assert (first.action, first.message) == ("on", "The microphones are on: a client listens.")
+    assert (second.action, second.message) == ("off", "The microphones are off.")
+    assert device.opened == device.closed == 1
+
+
+def test_the_microphones_are_off_after_the_last_client_has_crashed(
+    robot: Robot, router: Stage, tmp_path: Path
+) -> None:
+    program = tmp_path / "listener.py"
+    program.write_text(LISTENER)
+    process = router.script(program, router.endpoint)
+    process.expect("ready")
+    assert on(robot.status())
+    process.end(SIGKILL)
+    wait_status(robot, lambda status: not on(status), "they are off")
+
+
+def test_a_lost_device_is_reported_and_listened_to_again(robot: Robot, device: FakeDevice) -> None:
+    with robot.microphones() as sound:
+        sound.next()
+        device.feed.put(NoAnswer(Reason.NO_ANSWER, "The microphones are unplugged: plug them in."))
+        until(lambda: len(told(robot)) >= 5, "lost, off, and on again")
+        sound.next()
+    kinds = [(event.action, event.reason) for event in told(robot)[:5]]
+    assert kinds[0] == ("on", Reason.OK)
+    assert sorted(kinds[1:3]) == [("", Reason.FAULT), ("off", Reason.OK)]
+    assert sorted(kinds[3:5]) == [("", Reason.OK), ("on", Reason.OK)]
+
+
+def test_a_missing_device_is_a_warning(robot: Robot, device: FakeDevice) -> None:
+    device.missing = "No microphones: plug them in."
+    wait_status(
+        robot, lambda status: status.microphones is not None and not status.microphones.connected, "missing"
+    )
+    status = robot.status()
+    assert status.microphones is not None
+    assert status.microphones.trouble == device.missing
+    assert f"microphones: {device.missing}" in status.warnings
+
+
+def test_a_robot_without_microphones_says_what_to_do(router: Stage) -> None:
+    node = router.node("ben", VirtualHardware("ben", cameras=()))
+    robot = router.robot("ben", "hw")
+    assert robot.status().microphones is None
+    with (
+        robot.microphones() as sound,
+        pytest.raises(NoAnswer, match="start its node with `beatrix hw --microphones"),
+    ):
+        sound.next(0.1)
+    robot.client.close()
+    node.close()
+
+
+@pytest.mark.parametrize("seconds", [0, -1.0, float("nan"), 61])
+def test_listen_refuses_a_useless_time(robot: Robot, seconds: float) -> None:
+    with pytest.raises(WrongUsage, match="seconds"):
+        robot.listen(seconds)
