@@ -1,0 +1,283 @@
+"""What `check.py` of a lesson uses: call functions of the pupil's program, run it, and require figures.
+
+    def check(attempt: Attempt) -> None:
+        degrees = attempt.call("degrees_per_step")
+        attempt.require("step", abs(degrees - 0.086) < 0.001, value=degrees)
+        seen = attempt.observe()
+        nods = [size for size in swings(seen.pitch, least=2) if size >= 8]
+        attempt.require("nods", len(nods) >= 4, count=len(nods))
+
+The first figure that is not met ends the check. `hints.toml` says what each figure means. The names `function`,
+`returns`, `import`, `runs`, `ends`, `keyboard` and `refused` are figures of every lesson.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+
+from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.lessons import bench
+from beatrix_zenoh.lessons.bench import Bench, Course
+from beatrix_zenoh.lessons.line_child import LineChild, NoReply
+from beatrix_zenoh.lessons.program import Program
+from beatrix_zenoh.lessons.run import Run
+from beatrix_zenoh.lessons.stage import POLL_S, Seen, Stage
+from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
+
+__all__ = ["Attempt", "NotMeasurable", "Seen", "Stage", "Unmet"]
+
+CALL_S = 2.0
+"""Longest processor time (s) of one call of a pupil's function."""
+IMPORT_S = 10.0
+"""Longest processor time (s) of the import of a pupil's file."""
+PATIENCE = 15.0
+"""After this many times its limit without an answer, it is the computer that is slow."""
+TAIL_S = 0.4
+"""Time (s) that is observed after the end of the program."""
+NO_ROUTER = "tcp/127.0.0.1:1"
+"""Functions are called without robots: no router listens on this port."""
+
+
+class Attempt:
+    """One check of one program. Use it in a `with` block, which ends all processes that it has started."""
+
+    def __init__(self, program: Program, *, limit_s: float, stage: Stage | None = None) -> None:
+        """Prepare a check.
+
+        Args:
+            program: the pupil's program.
+            limit_s: longest time of the program with a robot (s).
+            stage: a stage that runs already, to use where it fits; None: each run starts its own.
+        """
+        self._program, self._limit_s, self._given = program, limit_s, stage
+        self._open = ExitStack()
+        self._functions: LineChild | None = None
+        self._file = program.path
+
+    def __enter__(self) -> Self:
+        folder = self._open.enter_context(tempfile.TemporaryDirectory(prefix="beatrix-lesson-"))
+        self._file = self._program.file(Path(folder))
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self._open.close()
+
+    @staticmethod
+    def require(figure: str, met: bool, **values: object) -> None:  # noqa: FBT001 - reads as a sentence
+        """End the check with this figure of hints.toml unless it is met; `values` fill its sentences."""
+        if not met:
+            raise Unmet(figure, **values)
+
+    # -- function -------------------------------------------------------------------------------
+
+    def call(self, function: str, *arguments: object) -> float:
+        """Return the number that a function of the pupil's file returns.
+
+        It runs in a child process without a robot. Arguments are numbers, texts, lists, or arrays.
+        Raises Unmet: `function`, `import`, `runs`, `ends`, or `returns` if it is not a number.
+        """
+        value = self.value(function, *arguments)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise Unmet("returns", function=function, value=_shown(value), wanted="a number")
+        return float(value)
+
+    def call_array(
+        self, function: str, *arguments: object, shape: tuple[int, ...] = (-1,)
+    ) -> npt.NDArray[np.float64]:
+        """As `call`, for a function that returns a list, tuple or array of numbers; -1 is any length."""
+        value = self.value(function, *arguments)
+        try:
+            found = np.array(value, dtype=float)
+        except (TypeError, ValueError):
+            found = np.array(None, dtype=float)
+        fits = found.ndim == len(shape) and all(
+            want in (-1, have) for want, have in zip(shape, found.shape, strict=True)
+        )
+        if not fits or isinstance(value, str):
+            wanted = "a list of numbers" if shape == (-1,) else f"{' x '.join(map(str, shape))} numbers"
+            raise Unmet("returns", function=function, value=_shown(value), wanted=wanted)
+        return found
+
+    def value(self, function: str, *arguments: object) -> object:
+        """As `call`, for a function that returns anything that JSON can hold."""
+        child = self._child()
+        request = {"function": function, "arguments": [_plain(one) for one in arguments], "limit_s": CALL_S}
+        try:
+            reply = child.ask(request, PATIENCE * CALL_S)
+        except NoReply:
+            raise busy(f"Your function {function} did not answer.") from None
+        if "missing" in reply:
+            found = reply["missing"]
+            names = ", ".join(map(str, found)) if isinstance(found, list) and found else "none"
+            raise Unmet("function", function=function, names=names)
+        if "limit" in reply:
+            raise Unmet("ends", what=f"Your function {function}", limit=CALL_S)
+        if "error" in reply:
+            given = ", ".join(str(one) for one in arguments)
+            where = f" in {function}({given}){self._where(reply)}" if len(given) < 60 else self._where(reply)
+            raise Unmet("runs", error=reply["error"], where=where)
+        if "odd" in reply:
+            raise Unmet("returns", function=function, value=reply["odd"], wanted="numbers")
+        return reply["value"]
+
+    def _child(self) -> LineChild:
+        """Return the child process that has imported the pupil's file."""
+        if self._functions is None:
+            words = ("-m", "beatrix_zenoh.lessons.function_child", str(self._file), str(IMPORT_S))
+            environment = {"BEATRIX_CONNECT": NO_ROUTER, "BEATRIX_ACCOUNT": "", "MPLBACKEND": "Agg"}
+            child = LineChild(words, environment, folder=self._program.path.parent)
+            self._open.callback(child.close)
+            try:
+                reply = child.reply(PATIENCE * IMPORT_S)
+            except NoReply:
+                raise busy("Your file was not read in time.") from None
+            if "limit" in reply:
+                raise Unmet("ends", what="Your file, when it is imported,", limit=IMPORT_S)
+            if "error" in reply:
+                figure = "import" if NO_ROUTER in str(reply["error"]) else "runs"
+                raise Unmet(figure, error=reply["error"], where=self._where(reply))
+            self._functions = child
+        return self._functions
+
+    def _where(self, reply: dict[str, object]) -> str:
+        line = reply.get("line")
+        return f" ({self._program.place(line)})" if isinstance(line, int) and line else ""
+
+    # -- bench ----------------------------------------------------------------------------------
+
+    def bench(
+        self,
+        function: str,
+        *,
+        seconds: float,
+        course: Course | None = None,
+        delay_s: float = 0.0,
+        result: bench.Result = "angle",
+        speed: float | None = None,
+    ) -> Bench:
+        """Return what the head does when a function of the pupil drives it, 50 times a second in virtual time.
+
+        The firmware and the physics are those of the simulation, many times faster than in reality.
+
+        Args:
+            function: without `course` it is called as `function(t)`, t in s; with one as `function(error, dt)`, error
+                (deg) being the course minus the yaw, both `delay_s` ago, as a camera sees them, and dt = 0.02 s.
+            seconds: duration (s).
+            course: yaw (deg) to follow at the time t (s).
+            delay_s: age (s) of the error.
+            result: what the function returns: `angle`, the yaw to look at, or (yaw, pitch, roll); `turn`, a yaw to add
+                to the last one (deg); `rate`, a speed of yaw (deg/s).
+            speed: of the motions (deg/s); by default that of `look`.
+
+        Raises Unmet as `call`, and `refused` for a target that the robot refuses.
+        """
+        plant = bench.start(speed)
+        try:
+            drive = bench.Drive(lambda *arguments: self.value(function, *arguments), function, result)
+            return bench.run(plant, drive, seconds, course, delay_s)
+        finally:
+            plant.close()
+
+    # -- observed -------------------------------------------------------------------------------
+
+    def observe(
+        self,
+        *,
+        target: tuple[float, float, float] | None = None,
+        path: str = "still",
+        robots: Sequence[str] = ("bea",),
+        seconds: float | None = None,
+        during: Callable[[Stage], None] | None = None,
+    ) -> Seen:
+        """Run the program against simulations of its own, and return what the (first) robot did.
+
+        Args:
+            target: place of the person (m); None: its usual place.
+            path: `still`, `sway` or `circle`: the path of the person.
+            robots: names of the simulations; BEATRIX_ROBOT is the first.
+            seconds: end the program after this time (s), as Ctrl-C does; None: it must end by itself.
+            during: is called once the program runs, with the stage: it may read and move the robots as another seat,
+                and wait; its exceptions end the check.
+
+        Raises:
+            Unmet: `runs` if the program ends with an error, `ends` if it does not end, `keyboard` if it reads from the
+                keyboard, or what `during` raises.
+            NotMeasurable: this computer was too busy.
+        """
+        return self.observe_all(target=target, path=path, robots=robots, seconds=seconds, during=during)[
+            robots[0]
+        ]
+
+    def observe_all(
+        self,
+        *,
+        target: tuple[float, float, float] | None = None,
+        path: str = "still",
+        robots: Sequence[str] = ("bea",),
+        seconds: float | None = None,
+        during: Callable[[Stage], None] | None = None,
+    ) -> dict[str, Seen]:
+        """As `observe`; return what each robot did, by name."""
+        with ExitStack() as running:
+            stage = self._given
+            if stage is not None and (stage.names, stage.path) == (tuple(robots), path):
+                stage.tidy()
+            else:
+                stage = running.enter_context(Stage(robots, path))
+            if target is not None:
+                for watch in stage.watches.values():
+                    watch.robot.move_target(*target)
+            for watch in stage.watches.values():
+                watch.begin()
+            environment = {
+                "BEATRIX_CONNECT": stage.endpoint,
+                "BEATRIX_ROBOT": robots[0],
+                "BEATRIX_WHO": "pupil",
+            }
+            run = Run(self._file, self._program, environment)
+            running.callback(run.close)
+            if during is not None:
+                try:
+                    during(stage)
+                except (Unmet, BeatrixError):
+                    if not run.running:
+                        run.check()  # the program's own error is the cause
+                    raise
+            self._wait(run, stage, seconds)
+            return {name: watch.end(run.began_ns, run.output) for name, watch in stage.watches.items()}
+
+    def _wait(self, run: Run, stage: Stage, seconds: float | None) -> None:
+        """Wait for the end of the program, or end it after `seconds`, and keep what the robots publish meanwhile."""
+        limit_s = self._limit_s if seconds is None else seconds
+        while run.running and run.seconds < limit_s:
+            _watch(stage, POLL_S)
+        if run.running:
+            if seconds is None:
+                raise Unmet("ends", what="Your program", limit=limit_s)
+        else:
+            run.check()
+            _watch(stage, TAIL_S)
+
+
+def _watch(stage: Stage, seconds: float) -> None:
+    time.sleep(seconds)
+    for watch in stage.watches.values():
+        watch.take()
+
+
+def _plain(argument: object) -> object:
+    return argument.tolist() if isinstance(argument, np.ndarray | np.generic) else argument
+
+
+def _shown(value: object) -> str:
+    """Return a value as a pupil knows it, at most 60 characters of it."""
+    text = "nothing (None): is a `return` missing?" if value is None else repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."

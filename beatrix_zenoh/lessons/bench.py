@@ -1,0 +1,144 @@
+"""A bench: the pupil's function drives firmware and plant in virtual time, which a child process runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import metadata
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lessons.line_child import LineChild, NoReply
+from beatrix_zenoh.lessons.unmet import Unmet, busy
+
+TICK_S = 0.02
+"""Time between two calls of the function (s): TICK_MS of sim_node/bench.py."""
+ANSWER_S = 60.0
+"""Longest time of an answer of the bench (s), its start included."""
+
+Course = Callable[[float], float]
+Result = Literal["angle", "turn", "rate"]
+Curve = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What the head did on the bench: times (s), angles (deg), speeds (deg/s), a row for each tick of 20 ms."""
+
+    t: Curve
+    head: Curve
+    """shape (n, 3): yaw, pitch, roll"""
+    arms: Curve
+    """shape (n, 3): short, middle, long"""
+    speed: Curve
+    """of the arms, shape (n, 3)"""
+    commanded: Curve
+    """the firmware's set point of the arms, shape (n, 3)"""
+    asked: Curve
+    """the targets that the function gave, shape (n, 3): yaw, pitch, roll"""
+    course: Curve
+    """the yaw to follow at these times; zeros without a course"""
+
+    @property
+    def yaw(self) -> Curve:
+        """Yaw of the head (deg)."""
+        return self.head[:, 0]
+
+    @property
+    def pitch(self) -> Curve:
+        """Pitch of the head (deg)."""
+        return self.head[:, 1]
+
+    @property
+    def roll(self) -> Curve:
+        """Roll of the head (deg)."""
+        return self.head[:, 2]
+
+
+class Drive:
+    """Calls the pupil's function, and turns what it returns into the next target."""
+
+    def __init__(self, call: Callable[..., object], name: str, result: Result) -> None:
+        self._call, self._name, self._result = call, name, result
+        self._yaw = 0.0
+
+    def target(self, *arguments: float) -> list[float]:
+        """Return yaw, pitch, roll (deg); raises Unmet (`returns`) if the function returns anything else."""
+        value = self._call(*arguments)
+        try:
+            found = np.atleast_1d(np.array(value, dtype=float))
+        except (TypeError, ValueError):
+            found = np.array([])
+        fits = found.shape == (1,) or (found.shape == (3,) and self._result == "angle")
+        if isinstance(value, str) or not fits or not np.isfinite(found).all():
+            wanted = "a number, or yaw, pitch, roll" if self._result == "angle" else "a number"
+            shown = "nothing (None): is a `return` missing?" if value is None else repr(value)[:60]
+            raise Unmet("returns", function=self._name, value=shown, wanted=wanted)
+        numbers: list[float] = found.tolist()
+        if len(numbers) == 3:
+            return numbers
+        moves = {"angle": numbers[0] - self._yaw, "turn": numbers[0], "rate": numbers[0] * TICK_S}
+        self._yaw += moves[self._result]
+        return [self._yaw, 0.0, 0.0]
+
+
+def start(speed: float | None) -> LineChild:
+    """Start the process of the bench; raises Refused if the simulation is not installed."""
+    found = [entry for entry in metadata.entry_points(group="beatrix.processes") if entry.name == "bench"]
+    module = found[0].module if found else "sim_node.bench"
+    child = LineChild(("-m", module))
+    try:
+        child.ask({"speed": speed}, ANSWER_S)
+    except NoReply:
+        child.close()
+        raise Refused(
+            Reason.BAD_VALUE,
+            'The bench did not start. Run `pip install ".[sim]"` in the folder of BEATRIX, and check again.',
+        ) from None
+    except BaseException:
+        child.close()
+        raise
+    return child
+
+
+def run(plant: LineChild, drive: Drive, seconds: float, course: Course | None, delay_s: float) -> Bench:
+    """Drive the bench for some time (s); see `Attempt.bench`."""
+    ticks, late = round(seconds / TICK_S), round(delay_s / TICK_S)
+    states: list[dict[str, list[float]]] = []
+    asked: list[list[float]] = []
+    for tick in range(ticks):
+        t = tick * TICK_S
+        if course is None:
+            target = drive.target(t)
+        else:
+            back = (
+                tick - late
+            )  # states[back - 1] is the state at this time; before the start the head was home
+            yaw = states[back - 1]["head"][0] if back > 0 else 0.0
+            target = drive.target(course(max(0, back) * TICK_S) - yaw, TICK_S)
+        states.append(_tick(plant, target, t))
+        asked.append(target)
+    t_end = np.array([(tick + 1) * TICK_S for tick in range(ticks)])
+    return Bench(
+        t_end,
+        asked=np.array(asked),
+        course=np.array([0.0 if course is None else course(t) for t in t_end.tolist()]),
+        **{
+            name: np.array([state[name] for state in states])
+            for name in ("head", "arms", "speed", "commanded")
+        },
+    )
+
+
+def _tick(plant: LineChild, target: list[float], t: float) -> dict[str, list[float]]:
+    try:
+        answer = plant.ask({"head": target}, ANSWER_S)
+    except NoReply:
+        raise busy("The bench did not answer.") from None
+    if "refused" in answer:
+        raise Unmet("refused", message=answer["refused"], t=t)
+    return {name: list(map(float, value)) for name, value in answer.items() if isinstance(value, list)}

@@ -1,0 +1,69 @@
+"""Check one program of one lesson, and say what came of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.lessons.attempt import Attempt
+from beatrix_zenoh.lessons.lesson import Lesson
+from beatrix_zenoh.lessons.program import Program
+from beatrix_zenoh.lessons.stage import Stage
+from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet
+
+
+class Result(Enum):
+    """What came of a check; the values are its exit codes."""
+
+    PASSED = 0
+    NOT_YET = 1
+    NOT_MEASURABLE = 4
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The result of a check, and what to say about it."""
+
+    result: Result
+    figure: str = ""
+    """the first figure that is not met"""
+    asked: str = ""
+    found: str = ""
+    means: str = ""
+    """what that means; or why nothing was measured"""
+    hint: int = 0
+    """number of the hint that helps; 0: none"""
+    values: dict[str, object] = field(default_factory=dict)
+    """the values behind the sentences"""
+
+
+def check(lesson: Lesson, program: Program, stage: Stage | None = None) -> Verdict:
+    """Check a program; `stage` is one to use where it fits. Raises Refused if BEATRIX itself is not usable."""
+    try:
+        with Attempt(program, limit_s=lesson.about.limit_s, stage=stage) as attempt:
+            lesson.check()(attempt)
+    except Unmet as unmet:
+        return verdict(lesson, unmet)
+    except NotMeasurable as why:
+        return Verdict(Result.NOT_MEASURABLE, means=str(why))
+    except BeatrixError as error:
+        return Verdict(Result.NOT_MEASURABLE, means=f"The check itself could not go on. {error}")
+    return Verdict(Result.PASSED)
+
+
+def verdict(lesson: Lesson, unmet: Unmet) -> Verdict:
+    """Return what to say about a figure that is not met."""
+    figure = lesson.figure(unmet.figure)
+    values = {
+        name: value.tolist() if hasattr(value, "tolist") else value for name, value in unmet.values.items()
+    }
+    return Verdict(
+        Result.NOT_YET,
+        unmet.figure,
+        asked=figure.asked.format(**values),
+        found=figure.found.format(**values),
+        means=figure.means.format(**values),
+        hint=figure.hint,
+        values=values,
+    )

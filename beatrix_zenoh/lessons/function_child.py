@@ -1,0 +1,134 @@
+"""The child process of a check that calls functions of a pupil's file: one request and one answer a line.
+
+`python -m beatrix_zenoh.lessons.function_child FILE`. The file is imported, not run: `__name__` is not "__main__".
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import json
+import os
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import IO
+
+SLOWER = 10.0
+"""A call may take this many times its limit on a busy computer, as long as it does not use the processor."""
+LOOK_S = 0.05
+ODD = 60
+"""Longest text of a value that an answer quotes."""
+
+Reply = dict[str, object]
+
+
+def main(words: list[str]) -> int:
+    """Answer requests of the parent until it closes the pipe."""
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what the pupil prints is no answer
+    path = Path(words[0])
+    sys.path.insert(0, str(path.parent))
+    with limited(float(words[1]), answers):
+        module, failure = load(path)
+    write(answers, failure or {"value": None})
+    if module is None:
+        return 1
+    for line in sys.stdin:
+        request = json.loads(line)
+        with limited(request["limit_s"], answers):
+            found = call(module, path, request["function"], request["arguments"])
+        write(answers, found)
+    return 0
+
+
+def load(path: Path) -> tuple[ModuleType | None, Reply | None]:
+    """Import the file; return the module, or the error as an answer."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except BaseException as error:  # noqa: BLE001 - the pupil's code may raise any, SystemExit included
+        return None, failed(error, path)
+    return module, None
+
+
+def call(module: ModuleType, path: Path, name: str, arguments: list[object]) -> Reply:
+    """Return the answer with the value of a function, or with the error."""
+    function: Callable[..., object] | None = getattr(module, name, None)
+    if not callable(function):
+        own = [
+            key for key, value in vars(module).items() if getattr(value, "__module__", "") == module.__name__
+        ]
+        return {"missing": own}
+    try:
+        value = function(*arguments)
+    except BaseException as error:  # noqa: BLE001 - as in `load`
+        return failed(error, path)
+    try:
+        return {"value": plain(value)}
+    except TypeError:
+        return {"odd": repr(value)[:ODD]}
+
+
+def plain(value: object) -> object:
+    """Return numbers, texts, lists and arrays of numpy as values of JSON; raises TypeError for anything else."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(one) for one in value]
+    if isinstance(value, dict):
+        return {str(key): plain(one) for key, one in value.items()}
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    raise TypeError
+
+
+def failed(error: BaseException, path: Path) -> Reply:
+    """Return the last line of the traceback, and the number of the last line of the pupil's file in it."""
+    if isinstance(error, SyntaxError):
+        line = error.lineno
+    else:
+        lines = [
+            frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
+        ]
+        line = lines[-1] if lines else None
+    return {"error": f"{type(error).__name__}: {error}", "line": line or 0}
+
+
+@contextlib.contextmanager
+def limited(limit_s: float, answers: IO[str]) -> Iterator[None]:
+    """End this process, after an answer, if the block uses the processor for longer than `limit_s` (s)."""
+    done = threading.Event()
+    began_s, began_cpu_s = time.monotonic(), time.process_time()
+
+    def watch() -> None:
+        while not done.wait(LOOK_S):
+            used_s = time.process_time() - began_cpu_s
+            if used_s > limit_s or time.monotonic() - began_s > SLOWER * limit_s:
+                write(answers, {"limit": limit_s})
+                os._exit(1)
+
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        done.set()
+        watcher.join()
+
+
+def write(answers: IO[str], answer: Reply) -> None:
+    """Write an answer as one line."""
+    answers.write(json.dumps(answer) + "\n")
+    answers.flush()
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,137 @@
+"""A lesson is a folder of `library/`: its texts, its programs, its check, and what it says about each figure."""
+
+from __future__ import annotations
+
+import importlib.util
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeVar
+
+import msgspec
+
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.lessons.attempt import Attempt
+
+T = TypeVar("T", bound=msgspec.Struct)
+LIBRARY = Path(__file__).parent / "library"
+ENGLISH = "en"
+GENERAL = "figures"
+"""Name of the file, beside the lessons, with the figures that every lesson has."""
+
+
+class Figure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What is said when a figure is not met; braces name values that the check reports, as in `{count}`."""
+
+    asked: str
+    found: str
+    means: str
+    hint: Annotated[int, msgspec.Meta(ge=0, le=3)] = 0
+    """number of the hint that helps; 0: none"""
+
+
+class _Texts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The contents of `hints.toml`."""
+
+    hints: list[str] = []
+    figures: dict[str, Figure] = {}
+
+
+class About(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The contents of `lesson.toml`."""
+
+    title: str
+    level: str
+    """`S` school from 14, `U` university, `S/U` both"""
+    minutes: int
+    goal: str
+    """one sentence for the pupil"""
+    limit_s: float
+    """longest time of the pupil's program (s) in a check"""
+    version: int = 1
+    needs: list[str] = []
+    title_de: str = ""
+    goal_de: str = ""
+
+
+class Lesson:
+    """A lesson; `language` chooses the texts, and English is used where there is no translation.
+
+    Raises Refused (BAD_VALUE) if a file of the folder is missing or invalid.
+    """
+
+    def __init__(self, folder: Path, language: str = ENGLISH) -> None:
+        self.folder, self.language = folder, language
+        self.name = folder.name
+        self.number = int(folder.name.split("-")[0])
+        self.about = _read(folder / "lesson.toml", About)
+        self._texts = _read(self._translated(folder / "hints.toml"), _Texts)
+
+    @property
+    def title(self) -> str:
+        """The title in the language of this lesson."""
+        return (self.about.title_de if self.language == "de" else "") or self.about.title
+
+    @property
+    def goal(self) -> str:
+        """What the pupil has to reach, in one sentence."""
+        return (self.about.goal_de if self.language == "de" else "") or self.about.goal
+
+    @property
+    def page(self) -> Path:
+        """The page for the pupil."""
+        return self._translated(self.folder / "lesson.md")
+
+    @property
+    def hints(self) -> list[str]:
+        """The hints, the first to give first."""
+        return self._texts.hints
+
+    def figure(self, name: str) -> Figure:
+        """Return what to say about a figure: of this lesson, or of every lesson."""
+        if name in self._texts.figures:
+            return self._texts.figures[name]
+        return _read(self._translated(LIBRARY / f"{GENERAL}.toml"), _Texts).figures[name]
+
+    def check(self) -> Callable[[Attempt], None]:
+        """Return the function `check` of check.py."""
+        path = self.folder / "check.py"
+        spec = importlib.util.spec_from_file_location(f"check of lesson {self.name}", path)
+        if spec is None or spec.loader is None:
+            raise Refused(Reason.BAD_VALUE, f"{path} cannot be read: install BEATRIX again.")
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        check: Callable[[Attempt], None] = module.check
+        return check
+
+    def _translated(self, path: Path) -> Path:
+        translated = path.with_name(f"{path.stem}.{self.language}{path.suffix}")
+        return translated if translated.is_file() else path
+
+
+def lessons(language: str = ENGLISH) -> list[Lesson]:
+    """Return all lessons in their order."""
+    return [Lesson(path.parent, language) for path in sorted(LIBRARY.glob("*/lesson.toml"))]
+
+
+def find(number: int, language: str = ENGLISH) -> Lesson:
+    """Return a lesson by its number; raises Refused (BAD_VALUE) if there is none."""
+    for path in LIBRARY.glob(f"{number:02d}-*/lesson.toml"):
+        return Lesson(path.parent, language)
+    numbers = ", ".join(
+        str(int(path.parent.name.split("-")[0])) for path in sorted(LIBRARY.glob("*/lesson.toml"))
+    )
+    raise Refused(
+        Reason.BAD_VALUE,
+        f"There is no lesson {number}: choose one of {numbers}. `beatrix lesson list` shows them.",
+    )
+
+
+def _read(path: Path, kind: type[T]) -> T:
+    try:
+        return msgspec.convert(tomllib.loads(path.read_text(encoding="utf-8")), kind)
+    except (OSError, ValueError, msgspec.ValidationError) as error:
+        raise Refused(Reason.BAD_VALUE, f"{path} cannot be used: {error}.") from error

@@ -1,0 +1,63 @@
+"""Measures that several lessons share: swings, rates and errors of sampled curves."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+Curve = npt.NDArray[np.float64]
+"""Samples of a quantity, shape (n,)."""
+
+
+def swings(values: Curve, least: float) -> list[float]:
+    """Return the sizes of the movements between turning points, in order, those below `least` left out.
+
+    A nod that goes down and up again is two swings. A curve that turns back by less than `least` does not turn.
+    """
+    if not len(values):
+        return []
+    found: list[float] = []
+    low = high = begin = end = float(values[0])
+    direction = 0
+    for value in values.tolist():
+        if direction == 0:
+            low, high = min(low, value), max(high, value)
+            if high - low >= least:
+                direction = 1 if value == high else -1
+                begin, end = (low, high) if direction > 0 else (high, low)
+        elif direction * (value - end) >= 0:
+            end = value
+        elif abs(value - end) >= least:
+            found.append(abs(end - begin))
+            begin, end, direction = end, value, -direction
+    if direction:
+        found.append(abs(end - begin))
+    return found
+
+
+def rate(t: Curve, values: Curve) -> Curve:
+    """Return the rate of change of sampled values (per second) at the times `t` (s)."""
+    found: Curve = np.gradient(values, t)
+    return found
+
+
+def at(t: Curve, values: Curve, times: npt.ArrayLike) -> Curve:
+    """Return the values at other times, by linear interpolation."""
+    found: Curve = np.interp(np.asarray(times, dtype=float), t, values)
+    return found
+
+
+def rms(values: npt.ArrayLike) -> float:
+    """Return the root of the mean square."""
+    return float(np.sqrt(np.mean(np.square(np.asarray(values, dtype=float)))))
+
+
+def rests(t: Curve, values: Curve, *, speed: float = 1.0, longer_s: float = 0.3) -> list[tuple[float, float]]:
+    """Return begin and end (s) of each time in which the values change by less than `speed` per second.
+
+    Shorter ones than `longer_s` are left out.
+    """
+    slow = np.abs(rate(t, values)) < speed if len(t) > 1 else np.zeros(len(t), dtype=bool)
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], slow.astype(int), [0]))))
+    pairs = zip(edges[::2], edges[1::2] - 1, strict=True)
+    return [(float(t[i]), float(t[j])) for i, j in pairs if t[j] - t[i] >= longer_s]

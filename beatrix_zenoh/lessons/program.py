@@ -1,0 +1,71 @@
+"""A pupil's program: a Python file, or the code cells of a notebook."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from beatrix_zenoh import files
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
+
+LONGEST = 4_000_000
+"""Largest file (bytes): a notebook contains its pictures."""
+MAGIC = re.compile(r"^(\s*)[%!?]", re.MULTILINE)
+"""Beginning of a line that only notebooks understand, for example `%matplotlib inline`."""
+CELL = "# %%"
+
+
+@dataclass(frozen=True)
+class Program:
+    """A program as it is checked."""
+
+    path: Path
+    """the file that the pupil has written"""
+    text: str
+    """the program; of a notebook the code cells, one after the other"""
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the text, by which a program that has passed is recognised."""
+        return hashlib.sha256(self.text.encode()).hexdigest()
+
+    def file(self, folder: Path) -> Path:
+        """Return a file that Python can run: the pupil's own, or one written into `folder` for a notebook."""
+        if self.path.suffix != ".ipynb":
+            return self.path
+        path = folder / f"{self.path.stem}.py"
+        path.write_text(self.text, encoding="utf-8")
+        return path
+
+    def place(self, line: int) -> str:
+        """Return where a line of the program is, for the pupil: `line 12`, or `cell 3, line 2`."""
+        if self.path.suffix != ".ipynb":
+            return f"line {line}"
+        before = self.text.splitlines()[:line]
+        starts = [number for number, written in enumerate(before, start=1) if written == CELL]
+        return f"cell {len(starts)}, line {line - starts[-1]}" if starts else f"line {line}"
+
+
+def read(path: Path) -> Program:
+    """Read a program; raises Refused (BAD_VALUE) if that is not possible."""
+    try:
+        text = files.text(path, LONGEST, "Python")
+        return Program(path, cells(text) if path.suffix == ".ipynb" else text)
+    except OSError as error:
+        raise Refused(
+            Reason.BAD_VALUE, f"{path} cannot be read: {error.strerror}. `beatrix lesson start` makes it."
+        ) from error
+    except (ValueError, KeyError, TypeError) as error:
+        raise Refused(
+            Reason.BAD_VALUE, f"{path} is not a notebook: {error}. Save it in Jupyter again."
+        ) from error
+
+
+def cells(notebook: str) -> str:
+    """Return the code cells of a notebook as a program; lines for the notebook itself become comments."""
+    code = ["".join(cell["source"]) for cell in json.loads(notebook)["cells"] if cell["cell_type"] == "code"]
+    return "\n".join(f"{CELL}\n{text}" for text in (MAGIC.sub(r"\1pass  # ", text) for text in code)) + "\n"

@@ -1,0 +1,105 @@
+"""Run a pupil's program as a child process, and end it in time."""
+
+from __future__ import annotations
+
+import collections
+import contextlib
+import os
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+from beatrix_zenoh import processes, threads
+from beatrix_zenoh.lessons.program import Program
+from beatrix_zenoh.lessons.unmet import Unmet
+
+LINES = 200
+"""Number of last output lines that are kept: a program may print without end."""
+END_S = 2.0
+"""Time (s) in which a program may end itself after Ctrl-C."""
+FRAME = re.compile(r'^  File "(?P<file>.+)", line (?P<line>\d+)')
+PREFIX = re.compile(r"^[\w.]+\.(?=\w+(:|$))")
+"""The module of an exception's name, as in `beatrix_zenoh.contract.errors.Refused`."""
+
+
+class Run:
+    """A program that runs; its output is read all the time, so that it never waits for a reader."""
+
+    def __init__(self, file: Path, program: Program, environment: Mapping[str, str]) -> None:
+        """Start it; `file` is what Python runs, `program` what the pupil has written."""
+        self._file, self._program = file, program
+        self._output: collections.deque[str] = collections.deque(maxlen=LINES)
+        self._process = subprocess.Popen(
+            [sys.executable, str(file)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            cwd=program.path.parent,
+            env=os.environ
+            | {
+                "PYTHONUNBUFFERED": "1",
+                "PYTHONIOENCODING": "utf-8",
+                "PYTHONPATH": str(program.path.parent),
+                "MPLBACKEND": "Agg",  # `plt.show()` would wait for a window
+                "BEATRIX_ACCOUNT": "",  # the router of a check has no accounts
+            }
+            | dict(environment),
+            process_group=None if sys.platform == "win32" else 0,
+            creationflags=processes.NEW_GROUP,
+        )
+        self._reader = threads.start(self._read, "output-of-program")
+        self.began_ns = time.monotonic_ns()
+
+    def _read(self) -> None:
+        output = self._process.stdout
+        assert output is not None
+        for line in output:
+            self._output.append(line.decode("utf-8", "replace").rstrip("\r\n"))
+
+    @property
+    def output(self) -> list[str]:
+        """The last lines that the program has printed."""
+        return list(self._output)
+
+    @property
+    def running(self) -> bool:
+        """Whether the program has not ended yet."""
+        return self._process.poll() is None
+
+    @property
+    def seconds(self) -> float:
+        """Time since the start (s)."""
+        return (time.monotonic_ns() - self.began_ns) / 1e9
+
+    def check(self) -> None:
+        """Raise Unmet (`runs`) if the program has ended with an error."""
+        if self._process.poll() == 0:
+            return
+        self._reader.join(END_S)
+        lines = [line for line in self._output if line.strip()]
+        if lines and lines[-1].startswith("EOFError"):
+            raise Unmet("keyboard", where=self._where())
+        error = PREFIX.sub("", lines[-1]) if lines else f"exit code {self._process.returncode}"
+        raise Unmet("runs", error=error, where=self._where())
+
+    def _where(self) -> str:
+        """Return the place in the pupil's program that the last traceback names."""
+        frames = [match for line in self._output if (match := FRAME.match(line))]
+        own = [int(match["line"]) for match in frames if Path(match["file"]) == self._file]
+        return f" ({self._program.place(own[-1])})" if own else ""
+
+    def close(self) -> None:
+        """End the program, first as Ctrl-C does, so that it can bring its robot to rest."""
+        if self.running and sys.platform != "win32":
+            self._process.send_signal(2)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(END_S)
+        if self.running:
+            self._process.kill()
+        self._process.wait()
+        self._reader.join(END_S)
+        if self._process.stdout is not None:
+            self._process.stdout.close()

@@ -1,0 +1,199 @@
+"""The stage of an observed check: a router and simulations of its own, on free ports, and what they publish."""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+
+from beatrix_zenoh.client import subscription
+from beatrix_zenoh.client.degrees import reading
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.subscription import Subscription
+from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
+from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.lessons.unmet import busy
+from beatrix_zenoh.processes import Supervisor
+from beatrix_zenoh.settings import Settings
+
+START_S = 90.0
+"""Longest start of the simulations (s); a computer that needs longer is too busy."""
+ANSWER_S = 10.0
+GAP_S = 0.1
+"""Longest gap between two positions (s) of a run that counts."""
+SLOWEST = 0.9
+"""Smallest real-time factor of a run that counts."""
+POLL_S = 0.02
+SEAT = "check"
+"""Seat of the check itself."""
+
+Curve = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What one robot published during a run: times (s) from the program's start, angles in degrees."""
+
+    t: Curve
+    head: Curve
+    """shape (n, 3): yaw, pitch, roll"""
+    arms: Curve
+    """shape (n, 3): short, middle, long"""
+    commanded: Curve
+    """set point of the arms, shape (n, 3)"""
+    speed: Curve
+    """of the arms (deg/s), shape (n, 3)"""
+    events: list[Event]
+    """requests and their outcomes, in their order"""
+    event_times: Curve
+    """of `events`"""
+    output: list[str] = field(default_factory=list)
+    """the last lines that the program has printed"""
+
+    @property
+    def yaw(self) -> Curve:
+        """Yaw of the head (deg)."""
+        return self.head[:, 0]
+
+    @property
+    def pitch(self) -> Curve:
+        """Pitch of the head (deg)."""
+        return self.head[:, 1]
+
+    @property
+    def roll(self) -> Curve:
+        """Roll of the head (deg)."""
+        return self.head[:, 2]
+
+    @property
+    def short(self) -> Curve:
+        """Angle of the short arm (deg)."""
+        return self.arms[:, 0]
+
+    @property
+    def middle(self) -> Curve:
+        """Angle of the middle arm (deg)."""
+        return self.arms[:, 1]
+
+    @property
+    def long(self) -> Curve:
+        """Angle of the long arm (deg)."""
+        return self.arms[:, 2]
+
+
+class Watch:
+    """Everything that one robot publishes, from now on."""
+
+    def __init__(self, client: Client, robot: str) -> None:
+        self.robot = Robot(robot, "sim", client=client, timeout_s=ANSWER_S)
+        self._positions: Subscription[Positions] = subscription.positions(client, robot, "sim")
+        self._status: Subscription[Status] = subscription.status(client, robot, "sim")
+        self._events: Subscription[Event] = subscription.events(client, robot, "sim")
+        self._seen: list[Positions] = []
+        self._factors: list[float] = []
+        self._happened: list[Event] = []
+
+    def take(self) -> None:
+        """Keep what has arrived since the last call."""
+        self._seen += self._positions.take()
+        self._happened += self._events.take()
+        self._factors += [status.plant.real_time_factor for status in self._status.take() if status.plant]
+
+    def begin(self) -> None:
+        """Forget what has been seen so far."""
+        self.take()
+        self._seen, self._factors, self._happened = [], [], []
+
+    def end(self, began_ns: int, output: list[str]) -> Seen:
+        """Return what was seen since `begin`; times count from `began_ns` (monotonic clock).
+
+        Raises NotMeasurable if this computer was too busy for its figures to mean anything.
+        """
+        self.take()
+        seen = [positions for positions in self._seen if positions.t_mono_ns >= began_ns]
+        t = (np.array([positions.t_mono_ns for positions in seen], dtype=float) - began_ns) / 1e9
+        if len(t) < 2:
+            raise busy("The simulation has published no positions.")
+        gap = float(np.diff(t).max())
+        if gap > GAP_S:
+            raise busy(f"For {gap * 1000:.0f} ms there was no position; {GAP_S * 1000:.0f} ms are allowed.")
+        if self._factors and min(self._factors) < SLOWEST:
+            raise busy(f"The simulation ran at {min(self._factors):.2f} times the speed of reality.")
+        readings = [reading(positions) for positions in seen]
+        happened = [event for event in self._happened if event.t_mono_ns >= began_ns]
+        return Seen(
+            t,
+            head=np.array([one.head for one in readings]),
+            arms=np.array([one.arms for one in readings]),
+            commanded=np.array([one.commanded for one in readings]),
+            speed=np.array([one.velocity for one in readings]),
+            events=happened,
+            event_times=(np.array([event.t_mono_ns for event in happened], dtype=float) - began_ns) / 1e9,
+            output=output,
+        )
+
+
+class Stage:
+    """A router, simulations that are ready, and a client that watches them; a `with` block ends them."""
+
+    def __init__(self, robots: Sequence[str] = ("bea",), path: str = "still") -> None:
+        """Describe the stage: names of its robots, and the path of the person in front of them."""
+        self.names, self.path = tuple(robots), path
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            self.endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
+        self.watches: dict[str, Watch] = {}
+        self._running = ExitStack()
+
+    def __enter__(self) -> Self:
+        with ExitStack() as starting:
+            supervisor = starting.enter_context(Supervisor())
+            supervisor.start("router", "router", "--listen", self.endpoint)
+            self._wait(supervisor)
+            for name in self.names:
+                words = ("--name", name, "--connect", self.endpoint, "--ready", "--target", self.path)
+                supervisor.start(name, "sim", *words)
+            self._wait(supervisor)
+            client = starting.enter_context(Client(Settings(self.names[0], self.endpoint, SEAT)))
+            self.watches = {name: Watch(client, name) for name in self.names}
+            self._running = starting.pop_all()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._running.__exit__(kind, error, trace)
+
+    @staticmethod
+    def _wait(supervisor: Supervisor) -> None:
+        """Wait until all are ready; raises NotMeasurable after START_S, and Refused if one of them has ended."""
+        deadline_s = time.monotonic() + START_S
+        while not all(child.ready for child in supervisor.children):
+            supervisor.check()
+            if time.monotonic() > deadline_s:
+                raise busy(f"The simulation was not ready within {START_S:.0f} s.")
+            time.sleep(POLL_S)
+
+    def robot(self, name: str = "", who: str = SEAT) -> Robot:
+        """Return a robot of the stage for another seat; its session ends with the stage."""
+        name = name or self.names[0]
+        return self._running.enter_context(
+            Robot(name, "sim", connect=self.endpoint, who=who, timeout_s=ANSWER_S)
+        )
+
+    def tidy(self) -> None:
+        """Bring the robots home, for the next run; raises NotMeasurable if that is not possible."""
+        for watch in self.watches.values():
+            try:
+                watch.robot.stop()
+                watch.robot.make_ready()
+                watch.robot.home()
+            except BeatrixError as error:
+                raise busy(f"The simulation did not go home: {error}") from error
