@@ -7,6 +7,7 @@ import struct
 
 from contract import Contract
 from golden_bytes import cobs, crc16, msgpack, payload
+from media_examples import MEDIA
 
 POSE: dict[str, object] = {
     "absolute": True,
@@ -181,52 +182,6 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
         },
     ),
     (
-        "FrameHeader",
-        {
-            "seq": 70000,
-            "t_mono_ns": 123456789012345,
-            "t_wall_ns": 1700000000123456789,
-            "width": 640,
-            "height": 480,
-            "source": "pattern",
-        },
-    ),
-    (
-        "SoundHeader",
-        {
-            "seq": 70000,
-            "t_mono_ns": 123456789012345,
-            "t_wall_ns": 1700000000123456789,
-            "rate": 48000,
-            "dropped": 960,
-            "source": "device",
-        },
-    ),
-    (
-        "MicrophonesStatus",
-        {
-            "connected": True,
-            "streaming": True,
-            "rate": 48000,
-            "source": "tone",
-            "dropped": 0,
-            "trouble": "",
-        },
-    ),
-    (
-        "CameraStatus",
-        {
-            "eye": "left",
-            "connected": True,
-            "streaming": True,
-            "hz": 29.5,
-            "width": 640,
-            "height": 480,
-            "source": "v4l2",
-            "trouble": "",
-        },
-    ),
-    (
         "Positions",
         {
             "seq": 4294967295,
@@ -265,6 +220,7 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "asks": ["beatrix/bea/hw/cmd/ana/pose", "beatrix/*/*/stop"],
         },
     ),
+    *MEDIA,
 ]
 
 FRAMES: list[tuple[str, int, dict[str, object]]] = [

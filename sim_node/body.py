@@ -13,12 +13,15 @@ from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.node import ArmState, Component, Node
+from sim_node.ears import SimulatedMicrophones
 from sim_node.eyes import Eyes
 from sim_node.following.handler import FollowHandler
+from sim_node.hearing import Hearing, hearing
 from sim_node.model import TIMESTEP_MS
 from sim_node.painter import SceneState
 from sim_node.plant import Plant
 from sim_node.preview import Preview, PreviewHandler, simulate_motion
+from sim_node.sound_queries import SoundHandler, SoundSource
 from sim_node.target import PersonTarget, TargetHandler, TargetPath
 from sim_node.viewer import SceneViewer, ViewerFeed
 
@@ -122,6 +125,7 @@ class Simulation:
         """
         self._robot, self._eyes_hz, self._viewer, self._follow = robot, eyes_hz, viewer, follow
         self._target = PersonTarget(target, time.monotonic())
+        self._sound = SoundSource(lambda: self._target.place(time.monotonic()), time.monotonic)
         self._plant = Plant(robot)
         self._firmware = Firmware(boot=1, name=name)
         self._board = VirtualBoard(self._firmware)
@@ -188,11 +192,13 @@ class Simulation:
             self._plant.straighten()
 
     def components(self, node: Node) -> list[Component]:
-        """Return the components that only a simulation has: previews, following, the person, rendered eyes, and the viewer."""
+        """Return the components that only a simulation has: previews, following, the person, eyes, ears, and the viewer."""
         parts: list[Component] = [
             PreviewHandler(node.name, node.controller, self.preview),
             FollowHandler(node.requests, node.controller, node.snapshot, at_start=self._follow),
             TargetHandler(node.name, self._target, time.monotonic),
+            SoundHandler(node.name, self._sound),
+            SimulatedMicrophones(node, self._robot, self.hearing, self._sound.playing),
         ]
         if self._eyes_hz > 0:
             parts.append(Eyes(node, self._robot, self._eyes_hz, self.scene_state, lambda: self._clock.late))
@@ -205,6 +211,12 @@ class Simulation:
         with self._lock:
             reached_s, posture = self._clock.reached_s, self._plant.posture()
         return SceneState(round(reached_s * 1e9), posture, self._target.place(reached_s))
+
+    def hearing(self) -> Hearing:
+        """Return ears, arms and the source of sound at the last step of the physics."""
+        with self._lock:
+            reached_s, head, arms = self._clock.reached_s, self._plant.rotation(), self._plant.arms()
+        return hearing(head, arms, self._sound.place(self._target.place(reached_s)), self._robot)
 
     def preview(self, move: Move | MoveStraight) -> Preview:
         """Carry out the motion on a copy of firmware and plant, and return its samples."""

@@ -37,6 +37,12 @@ class Incoming:
         )
 
     @property
+    def attachment(self) -> bytes:
+        """The attachment; empty if there is none. Read it before `finish`."""
+        attachment = self._query.attachment
+        return b"" if attachment is None else attachment.to_bytes()
+
+    @property
     def session(self) -> str:
         """Id of the client's session; empty if the query has no source info."""
         source = self._query.source_info

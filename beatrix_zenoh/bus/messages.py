@@ -61,6 +61,7 @@ class MessageSession(RenewableSession):
         encoding: str | None = None,
         priority: str | None = None,
         timeout_s: float = QUERY_S,
+        attachment: bytes | None = None,
     ) -> Query:
         """Send a query and return it; the caller reads its replies one by one and closes it.
 
@@ -72,7 +73,9 @@ class MessageSession(RenewableSession):
         plain, _, parameters = key.partition("?")
         if parameters != HEALTH:
             self._ask(plain)
-        return self.use(lambda session: Query(session, key, payload, encoding, priority, timeout_s))
+        return self.use(
+            lambda session: Query(session, key, payload, encoding, priority, timeout_s, attachment)
+        )
 
     def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
         """Pass queries on `key` to `handle`, which runs on Zenoh's thread and must return at once."""

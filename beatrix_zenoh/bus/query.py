@@ -70,6 +70,7 @@ class Query:
         encoding: str | None,
         priority: str | None = None,
         timeout_s: float = QUERY_S,
+        attachment: bytes | None = None,
     ) -> None:
         self._inbox: queue.SimpleQueue[Reply | None] = queue.SimpleQueue()
         self._cancel = zenoh.CancellationToken()
@@ -80,6 +81,7 @@ class Query:
             Callback(self._receive, drop=self._end, indirect=False),
             payload=payload,
             encoding=encoding,
+            attachment=attachment,
             target=zenoh.QueryTarget.ALL,
             consolidation=zenoh.ConsolidationMode.NONE,
             priority=priority_of(key, priority),

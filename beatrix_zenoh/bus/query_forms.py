@@ -21,6 +21,7 @@ from beatrix_zenoh.contract._generated.messages import (
     NoteQuery,
     PoseQuery,
     Reason,
+    SoundQuery,
     TargetQuery,
 )
 from beatrix_zenoh.contract.errors import QUOTED, Refused, quoted
@@ -36,6 +37,7 @@ SPEEDS: Final = tuple(f"speed_{axis}" for axis in AXES)
 OTHER_FORMS: Final[dict[type[msgspec.Struct], str]] = {
     FollowQuery: 'Send `on` or `off`, parameters `?follow=true`, JSON {"follow":true} or msgpack.',
     NoteQuery: 'Send the text, parameters `?text=trial%203`, JSON {"text":"trial 3"} or msgpack.',
+    SoundQuery: 'Send words `noise 3` (a sound and its seconds) or `x y z`, parameters `?play=noise;x=1.0;y=0.5;z=0.1`, JSON {"play":"noise"} or msgpack; m, s.',
     TargetQuery: 'Send words `x y z`, parameters `?x=1.1;y=0.3;z=0.2`, JSON {"x":1.1,"y":0.3,"z":0.2} or msgpack; m.',
 }
 """Forms of requests that name no angle of the arms or the head."""
@@ -190,6 +192,8 @@ def _names_of(count: int, kind: type[msgspec.Struct]) -> tuple[str, ...] | None:
         return {1: ("action",), 2: ("action", "speed")}.get(count)
     if kind is FollowQuery:
         return ("follow",) if count == 1 else None
+    if kind is SoundQuery:
+        return {1: ("play",), 2: ("play", "seconds"), 3: AXES}.get(count)
     if kind is TargetQuery:
         return AXES if count == len(AXES) else None
     angles = AXES if kind is MotionQuery else ANGLES

@@ -131,7 +131,7 @@ def account_grant(name: str, drives: tuple[str, ...] = ()) -> Grant:
     return Grant(
         name,
         puts=(state, keys.arm_target(name, ANY, ANY), keys.target(name), *stops),
-        queries=(_commands(name, name), keys.target(name), *READS, *stops, *drives),
+        queries=(_commands(name, name), *_scenes(name), *READS, *stops, *drives),
         serves=(f"{ROOT}/{name}/**", keys.program(name, ANY)),
         subscribes=EVERYTHING[:1],
         tokens=tuple(token for key in TOKENS for token in _own_tokens(key, name)),
@@ -144,7 +144,7 @@ def student_grant(seat: str, robots: tuple[str, ...]) -> Grant:
 
     A student may also record, and send notes to all recordings under this seat.
     """
-    scenes = tuple(keys.target(robot) for robot in robots)
+    scenes = tuple(key for robot in robots for key in _scenes(robot))
     notes = keys.note(seat, ANY)
     own = account_grant(seat, (*(_commands(robot, seat) for robot in robots), *scenes, notes))
     return replace(own, serves=(*own.serves, keys.note(ANY, ANY)))
@@ -158,6 +158,11 @@ def teacher_grant() -> Grant:
 def _commands(robot: str, seat: str) -> str:
     """Return the key expression of all requests of one seat to both robots of a name."""
     return keys.command(robot, ANY, seat).rpartition("/")[0] + "/**"
+
+
+def _scenes(robot: str) -> tuple[str, ...]:
+    """Return the keys that change the scene of a simulation."""
+    return keys.target(robot), keys.sound(robot)
 
 
 def _own_tokens(key: str, name: str) -> list[str]:

@@ -237,8 +237,10 @@ class Request:
         request: msgspec.Struct | None,
         lasts_s: float,
         priority: str | None = None,
+        attachment: bytes | None = None,
     ) -> None:
         """Send the query, by default with the priority of its key; replies are received for `lasts_s` and 2 s more."""
+        self._attachment = attachment
         self._client, self._place, self._key, self._priority = client, place, key, priority
         self._payload = None if request is None else codec.encode(request)
         self._lasts_s = lasts_s + LATE_S
@@ -247,7 +249,9 @@ class Request:
         self._query = self._ask()
 
     def _ask(self) -> Query:
-        return self._client.bus.query(self._key, self._payload, codec.MSGPACK, self._priority, self._lasts_s)
+        return self._client.bus.query(
+            self._key, self._payload, codec.MSGPACK, self._priority, self._lasts_s, self._attachment
+        )
 
     def next(self, kind: type[M], timeout_s: float) -> M:
         """Return the robot's next reply; wait for it up to `timeout_s` (s).
@@ -350,7 +354,13 @@ class GroupRequest(Generic[M]):
 
 
 def ask(
-    client: Client, place: Place, key: str, request: msgspec.Struct | None, kind: type[M], timeout_s: float
+    client: Client,
+    place: Place,
+    key: str,
+    request: msgspec.Struct | None,
+    kind: type[M],
+    timeout_s: float,
+    attachment: bytes | None = None,
 ) -> M:
     """Query one robot and return its reply.
 
@@ -358,7 +368,7 @@ def ask(
         NoAnswer: the reason that `silence` finds; if the robot is not online, the message names those that are.
         WrongUsage: SHUTDOWN, the client was closed.
     """
-    query = Request(client, place, key, request, timeout_s)
+    query = Request(client, place, key, request, timeout_s, attachment=attachment)
     try:
         return query.next(kind, timeout_s)
     finally:

@@ -19,7 +19,7 @@ from beatrix_zenoh.client.degrees import (
 from beatrix_zenoh.client.lease import Lease
 from beatrix_zenoh.client.motion import MARGIN_S, Motion
 from beatrix_zenoh.client.request import Request, ask
-from beatrix_zenoh.client.robot_base import RobotBase
+from beatrix_zenoh.client.room_sound import RoomSound
 from beatrix_zenoh.client.slips import value_method
 from beatrix_zenoh.client.stopping import SentStop, publish_stop
 from beatrix_zenoh.contract import refusals
@@ -47,7 +47,7 @@ SLOWEST_LIMIT = math.radians(SLOWEST_LIMIT_DEG)
 SLOWEST_DEFAULT = math.radians(ALLOWED["limits"]["speed_default"].low)
 
 
-class Robot(RobotBase):
+class Robot(RoomSound):
     """One robot: `Robot("bea1", side="sim")`. Use it in a `with` block, or close it.
 
     Args:

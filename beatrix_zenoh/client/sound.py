@@ -26,6 +26,9 @@ SILENCE_S: Final = 5.0
 """Time limit (s) for a block of sound; a device may need seconds for the first one."""
 BLOCKS: Final = 500
 """Queue length for sound: ten seconds."""
+SENT_S, SENT_HZ = 10.0, 48_000
+"""Longest sound (s) that one message to a simulation can hold, and its rate."""
+_SAMPLE: Final = 2
 _FRAME: Final = 4
 """Bytes of a frame: two int16."""
 _SEQS: Final = 2**32
@@ -227,6 +230,27 @@ class Microphones(Subscription[Sound]):
             f"{name}: no sound for {timeout_s:g} s. The field `microphones` of the robot's status gives the cause; if it "
             "is missing, the robot has none: start its node with `beatrix hw --microphones DEVICE`.",
         )
+
+
+def mono(path: Path) -> bytes:
+    """Return the sound of a WAV file as the attachment of `samples`: mono, int16, at 48 kHz.
+
+    Raises:
+        WrongUsage: BAD_VALUE, the file cannot be read, has another format, or is too long.
+    """
+    try:
+        with wave.open(str(path)) as file:
+            channels, width, rate, frames = file.getparams()[:4]
+            data = file.readframes(frames)
+    except (OSError, EOFError, wave.Error) as error:
+        raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read as a WAV file: {error}.") from error
+    if width != _SAMPLE or not frames or frames > SENT_S * rate:
+        text = f"{path} has {8 * width} bits and lasts {frames / rate:.1f} s: give a WAV file of 16 bits, at most {SENT_S:g} s."
+        raise WrongUsage(Reason.BAD_VALUE, text)
+    one = np.frombuffer(data, "<i2").reshape(-1, channels).mean(axis=1)
+    at = np.arange(round(frames * SENT_HZ / rate)) * (rate / SENT_HZ)
+    samples: npt.NDArray[np.int16] = np.rint(np.interp(at, np.arange(frames), one)).astype("<i2")
+    return samples.tobytes()
 
 
 def joined(blocks: list[Sound], wanted: int) -> Sound:

@@ -29,6 +29,8 @@ BLOCK: Final = 960
 BLOCK_NS: Final = BLOCK * 1_000_000_000 // RATE
 FULL_SCALE: Final = 32768
 TITLE: Final = "microphones"
+BEHIND: Final = 5
+"""Blocks by which a source may be late; of more the oldest are dropped, so that no burst of old sound follows."""
 _SEQS: Final = 2**32
 
 Samples = npt.NDArray[np.floating]
@@ -52,6 +54,37 @@ class SoundBlock:
 def to_pcm(samples: Samples) -> bytes:
     """Return samples as 16-bit integers; what is louder than full scale is cut off, as in a real converter."""
     return np.clip(np.rint(samples * FULL_SCALE), -FULL_SCALE, FULL_SCALE - 1).astype("<i2").tobytes()
+
+
+class BlockClock:
+    """The times of blocks at exactly 50 a second, and the number of frames that were dropped after delays."""
+
+    def __init__(self) -> None:
+        self.dropped = 0
+        self._next_ns = 0
+
+    def restart(self) -> None:
+        """Begin the first block now."""
+        self._next_ns = time.monotonic_ns()
+
+    def wait(self, timeout_s: float) -> int | None:
+        """Wait until the next block is complete; return the monotonic time (ns) of its first frame.
+
+        None if it is complete only after `timeout_s`.
+        """
+        left_s = (self._next_ns + BLOCK_NS - time.monotonic_ns()) / 1e9
+        if left_s > timeout_s:
+            time.sleep(timeout_s)
+            return None
+        if left_s > 0:
+            time.sleep(left_s)
+        late = (time.monotonic_ns() - self._next_ns) // BLOCK_NS - 1
+        if late > BEHIND:
+            self.dropped += late * BLOCK
+            self._next_ns += late * BLOCK_NS
+        begin_ns = self._next_ns
+        self._next_ns += BLOCK_NS
+        return begin_ns
 
 
 class MicrophonesPublisher:

@@ -2,54 +2,21 @@
 
 from __future__ import annotations
 
-import time
 import wave
 from pathlib import Path
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import SoundBlock
-from beatrix_zenoh.node.microphones import BLOCK, BLOCK_NS, RATE, Samples, to_pcm
+from beatrix_zenoh.node.microphones import BLOCK, RATE, BlockClock, to_pcm
 
 TONES_HZ: Final = (500.0, 1000.0)
 """Frequencies of the test tone in the left and the right ear; a block contains whole periods of both."""
 LOUDNESS: Final = 0.25
-BEHIND: Final = 5
-"""Blocks by which a source may be late; of more the oldest are dropped, so that no burst of old sound follows."""
-
-
-class BlockClock:
-    """The times of blocks at exactly 50 a second, and the number of frames that were dropped after delays."""
-
-    def __init__(self) -> None:
-        self.dropped = 0
-        self._next_ns = 0
-
-    def restart(self) -> None:
-        """Begin the first block now."""
-        self._next_ns = time.monotonic_ns()
-
-    def wait(self, timeout_s: float) -> int | None:
-        """Wait until the next block is complete; return the monotonic time (ns) of its first frame.
-
-        None if it is complete only after `timeout_s`.
-        """
-        left_s = (self._next_ns + BLOCK_NS - time.monotonic_ns()) / 1e9
-        if left_s > timeout_s:
-            time.sleep(timeout_s)
-            return None
-        if left_s > 0:
-            time.sleep(left_s)
-        late = (time.monotonic_ns() - self._next_ns) // BLOCK_NS - 1
-        if late > BEHIND:
-            self.dropped += late * BLOCK
-            self._next_ns += late * BLOCK_NS
-        begin_ns = self._next_ns
-        self._next_ns += BLOCK_NS
-        return begin_ns
 
 
 class Tone:
@@ -119,7 +86,7 @@ class SoundFile:
         self._samples = np.zeros((0, 2), "<i2")
 
 
-def read(path: Path) -> Samples:
+def read(path: Path) -> npt.NDArray[np.int16]:
     """Return the frames of a WAV file, shape (frames, 2); raises OSError, EOFError, wave.Error or ValueError."""
     with wave.open(str(path)) as file:
         channels, width, rate, frames = file.getparams()[:4]

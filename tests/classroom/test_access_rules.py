@@ -39,6 +39,7 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
                 Answering(session, key)
             if side == SIM:
                 Answering(session, keys.target(robot))
+                Answering(session, keys.sound(robot))
                 Answering(session, keys.follow(robot, "*"))
             session.declare_token(keys.alive(robot, side))
             settled(session)
@@ -134,12 +135,14 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", asks, keys.motion("bea1", SIM, "ana"), True),
     ("ana", asks, keys.motion("ana", SIM, "ana"), True),
     ("ana", asks, keys.target("bea1"), True),
+    ("ana", asks, keys.sound("bea1"), True),
     ("ana", asks, keys.command("bea1", HW, "ben"), False),
     ("ana", asks, keys.command("bea1", HW, "teacher"), False),
     ("ana", asks, keys.command("bea1", HW, ANY), False),
     ("ana", asks, keys.command(ANY, ANY, "ana"), False),
     ("ana", asks, keys.motion("ben", SIM, "ana"), False),
     ("ana", asks, keys.target("ben"), False),
+    ("ana", asks, keys.sound("ben"), False),
     ("ana", puts, keys.arm_target("bea1", HW, "short"), False),
     ("ana", puts, keys.arm_target("ana", SIM, "short"), True),
     # on its own robot, too, an account acts under its own seat only
@@ -154,6 +157,7 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", asks, "beatrix/ana/**", False),
     ("ana", asks, "beatrix/ana/sim/cmd/**", False),
     ("ana", asks, keys.target("ana"), True),
+    ("ana", asks, keys.sound("ana"), True),
     ("ana", asks, keys.stop("ana", SIM, "teacher"), False),
     ("ana", puts, keys.stop("ana", SIM, "teacher"), False),
     ("ana", puts, keys.stop_unsigned("ana", SIM), False),

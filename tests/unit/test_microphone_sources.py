@@ -10,9 +10,9 @@ import pytest
 
 from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.node.microphones import BLOCK, BLOCK_NS, RATE
+from beatrix_zenoh.node.microphones import BEHIND, BLOCK, BLOCK_NS, RATE, BlockClock
 from hw_node.microphones.microphones import SoundSource, choose
-from hw_node.microphones.stand_ins import BEHIND, BlockClock, SoundFile, Tone
+from hw_node.microphones.stand_ins import SoundFile, Tone
 
 
 def written(path: Path, samples: list[list[int]], *, rate: int = RATE, width: int = 2) -> Path:

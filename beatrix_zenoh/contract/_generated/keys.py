@@ -245,6 +245,18 @@ KEYS: Final[dict[str, KeyRow]] = {
         "drop",
         "Move the person that the simulated eyes see; an empty query returns the person's place. Open to every client: no arm moves.",
     ),
+    "sound": KeyRow(
+        "beatrix/{robot}/sim/scene/sound",
+        "query",
+        "SoundQuery",
+        "SoundReply",
+        ("sim",),
+        "queries",
+        "",
+        "data",
+        "drop",
+        "Play a sound in the simulated room, or place its source; an empty query returns what plays where. The attachment of `samples` is mono sound, int16, little-endian, 48 000 per second. Open to every client: no arm moves.",
+    ),
     "arm_target": KeyRow(
         "beatrix/{robot}/{side}/arm/{arm}/target",
         "put",
@@ -478,6 +490,14 @@ def target(robot: str) -> str:
     Move the person that the simulated eyes see; an empty query returns the person's place. Open to every client: no arm moves.
     """
     return f"beatrix/{robot}/sim/scene/target"
+
+
+def sound(robot: str) -> str:
+    """Return the key `beatrix/{robot}/sim/scene/sound`.
+
+    Play a sound in the simulated room, or place its source; an empty query returns what plays where. The attachment of `samples` is mono sound, int16, little-endian, 48 000 per second. Open to every client: no arm moves.
+    """
+    return f"beatrix/{robot}/sim/scene/sound"
 
 
 def arm_target(robot: str, side: str, arm: str) -> str:

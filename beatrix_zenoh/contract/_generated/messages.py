@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "198789d1"
+CONTRACT: Final = "46e1cf57"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -410,6 +410,23 @@ class TargetQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     """above the neck's centre [m]"""
 
 
+class SoundQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What to hear in the simulated room, and from where. Without x, y, z and mouth the source stays where it is, without play what plays goes on."""
+
+    play: Label = ""
+    """`clap`, `voice`, `noise`, `samples` (the attachment) or `silence`"""
+    seconds: Float32 = 0.0
+    """how long, at most 60; a shorter sound is repeated. 0: 3 s, and samples once [s]"""
+    x: Float32 | None = None
+    """the source, forward of the neck's centre; with y and z [m]"""
+    y: Float32 | None = None
+    """left of the neck's centre [m]"""
+    z: Float32 | None = None
+    """above the neck's centre [m]"""
+    mouth: bool = False
+    """true: the source is the mouth of the person, as at the start, and moves with it"""
+
+
 class NoteQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Put a note into a recording."""
 
@@ -732,6 +749,31 @@ class TargetReply(Struct, frozen=True, kw_only=True):
     """left of the neck's centre [m]"""
     z: Float32
     """above the neck's centre [m]"""
+    detail: Detail | None = None
+    """the refusal as data"""
+
+
+class SoundReply(Struct, frozen=True, kw_only=True):
+    """What plays in the simulated room, and where."""
+
+    result: bool
+    """true: the request was carried out, or the query was empty"""
+    reason: Reason
+    """OK, or the reason of the refusal"""
+    message: Text
+    """the reason as a sentence, with the values that would be accepted"""
+    play: Label
+    """what plays, as in SoundQuery; `silence`: nothing"""
+    seconds: Float32
+    """how much longer it plays [s]"""
+    x: Float32
+    """the source, forward of the neck's centre [m]"""
+    y: Float32
+    """left of the neck's centre [m]"""
+    z: Float32
+    """above the neck's centre [m]"""
+    mouth: bool
+    """true: the source is the mouth of the person"""
     detail: Detail | None = None
     """the refusal as data"""
 

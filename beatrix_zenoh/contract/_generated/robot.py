@@ -129,6 +129,8 @@ class SizesData(Struct, frozen=True, forbid_unknown_fields=True):
     """distance of the cameras from the vertical axis [m]; open"""
     eye_up: float = 0.018
     """height of the cameras above the head's centre of mass [m]; open"""
+    ear_baseline: float = 0.15
+    """distance between the two microphones, which are at the height of the head's centre of mass, on the axis y of the head [m]; open"""
 
 
 class ColoursData(Struct, frozen=True, forbid_unknown_fields=True):

@@ -1,0 +1,199 @@
+"""What two ears on a turning head hear of one source: delay, distance, head shadow, noise, and the stepper motors.
+
+Pure calculations on blocks of sound; no clock, no thread, no room echo.
+
+The delay of a block changes linearly from its first to its last frame, and a block begins where the last one ended, so
+that nothing clicks while head or source move. Sound between two samples is computed with a windowed sinc.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, RobotData
+from beatrix_zenoh.motion.gear import Arms, Gear
+from beatrix_zenoh.motion.rotation import Rotation
+from beatrix_zenoh.node.microphones import BLOCK, RATE
+from sim_node.shapes import Point, Vector
+
+SOUND: Final = 343.0
+"""Speed of sound (m/s) at 20 degrees Celsius."""
+NEAREST: Final = 0.1
+"""Distance (m) below which a source becomes no louder."""
+NOISE: Final = 0.001
+"""Root mean square of the noise of a microphone; independent in both ears."""
+SHADOW: Final = 0.85
+"""Largest part of the high frequencies that the head takes away: from the ear on the far side, 16 dB."""
+SHADOW_HZ: Final = 2000.0
+"""Corner frequency of the head shadow."""
+MOTOR: Final = 0.008
+"""Amplitude of the sound of a motor at MOTOR_HZ; both ears hear it equally, because the motors are below the neck."""
+MOTOR_HZ: Final = 350.0
+"""Microsteps per second of an arm at 30 deg/s, the default speed."""
+STILL_HZ: Final = 10.0
+"""Below this many microsteps per second an arm only settles: its motor makes no steps."""
+HARMONICS: Final = 6
+TAPS: Final = 16
+PHASES: Final = 512
+_REACH: Final = 20
+"""Frames over which the kernel of the head shadow extends to either side."""
+
+Signal = Callable[[int, int], Vector]
+"""Samples of a source: number of the first one, and how many; emitted at RATE, number 0 at the start of the sound."""
+
+
+def _sincs() -> npt.NDArray[np.float32]:
+    """Return the kernels for PHASES + 1 delays between two samples, shape (PHASES + 1, TAPS), each of sum 1."""
+    at = np.arange(TAPS) - (TAPS // 2 - 1) - np.linspace(0, 1, PHASES + 1)[:, None]
+    kernels: Vector = np.sinc(at) * np.cos(np.pi * at / (TAPS + 1)) ** 2
+    kernels /= kernels.sum(axis=1, keepdims=True)
+    return kernels.astype(np.float32)
+
+
+def _shadow() -> Vector:
+    """Return a one-pole low-pass, forwards and backwards: it has no delay of its own, which would move the source."""
+    pole = math.exp(-math.tau * SHADOW_HZ / RATE)
+    kernel: Vector = pole ** np.abs(np.arange(-_REACH, _REACH + 1))
+    kernel /= kernel.sum()
+    return kernel
+
+
+def _stepper() -> Vector:
+    """Return one period of the tone of a motor, one for each microstep."""
+    at = np.arange(1024) / 1024
+    tone: Vector = sum((np.sin(math.tau * k * at) / k for k in range(1, HARMONICS + 1)), start=np.zeros(1024))
+    return tone
+
+
+SINCS: Final = _sincs()
+STEPPER: Final = _stepper()
+SHADE: Final = _shadow()
+
+
+@dataclass(frozen=True)
+class Hearing:
+    """Ears, source and arms at one time."""
+
+    ears: tuple[Point, Point]
+    """places (m) of the left and the right ear"""
+    axis: Point
+    """direction from the right to the left ear, length 1"""
+    source: Point
+    """place (m) of the source"""
+    arms: Arms
+    """angles (rad)"""
+
+    def distances(self) -> tuple[float, float]:
+        """Return the distances (m) of the source from the left and the right ear."""
+        left, right = (math.dist(ear, self.source) for ear in self.ears)
+        return left, right
+
+    def shadows(self) -> tuple[float, float]:
+        """Return the strength of the head shadow for both ears: 0 for a source on their side, SHADOW for the other."""
+        towards = []
+        for side, ear in zip((1, -1), self.ears, strict=True):
+            way = [one - other for one, other in zip(self.source, ear, strict=True)]
+            cosine = (
+                side * sum(a * b for a, b in zip(way, self.axis, strict=True)) / (math.hypot(*way) or 1.0)
+            )
+            towards.append(SHADOW * ((1 - cosine) / 2) ** 2)
+        return towards[0], towards[1]
+
+
+def hearing(head: Rotation, arms: Arms, source: Point, robot: RobotData = ROBOT) -> Hearing:
+    """Return ears, source and arms for a head of this orientation (rows of its matrix)."""
+    half, up = SIZES.ear_baseline / 2, robot.head.centre_height
+    x, y, z = head
+    left = x[1] * half + x[2] * up, y[1] * half + y[2] * up, z[1] * half + z[2] * up
+    right = x[2] * up - x[1] * half, y[2] * up - y[1] * half, z[2] * up - z[1] * half
+    return Hearing((left, right), (x[1], y[1], z[1]), source, arms)
+
+
+class Ears:
+    """Computes block after block; remembers only where the last one ended."""
+
+    def __init__(self, robot: RobotData = ROBOT, *, noise: float = NOISE, seed: int | None = None) -> None:
+        """Store the arguments.
+
+        Args:
+            robot: values of the robot.
+            noise: root mean square of the microphones' noise.
+            seed: makes the noise repeatable.
+        """
+        self._steps_per_turn, self._noise = Gear(robot.drive).steps_per_turn, noise
+        self._random = np.random.default_rng(seed)
+        self._last: Hearing | None = None
+        self._rates: Vector = np.zeros(3)
+        self._phases: Vector = np.zeros(3)
+
+    def restart(self) -> None:
+        """Forget where the last block ended, after a pause."""
+        self._last, self._rates = None, np.zeros(3)
+
+    def block(self, now: Hearing, signal: Signal | None, began: float) -> Vector:
+        """Return the next BLOCK frames, shape (BLOCK, 2), which end with `now`.
+
+        `signal` is the sound of the source, None for silence; `began` is the number of the sample (may be a fraction)
+        that the source emits at the first frame.
+        """
+        last, self._last = self._last or now, now
+        heard: Vector = self._noise * self._random.standard_normal((BLOCK, 2))
+        if signal is not None:
+            distances, shadows = (last.distances(), now.distances()), (last.shadows(), now.shadows())
+            for ear in (0, 1):
+                far = distances[0][ear], distances[1][ear]
+                heard[:, ear] += heard_by(signal, began, far, (shadows[0][ear], shadows[1][ear]))
+        heard += self._motors(last, now)[:, None]
+        return heard
+
+    def _motors(self, last: Hearing, now: Hearing) -> Vector:
+        """Return the sound of the motors: a tone with the frequency of each motor's steps, and the rattle of gears."""
+        steps = np.abs(np.subtract(now.arms, last.arms)) * (self._steps_per_turn / math.tau)
+        rates = steps * (RATE / BLOCK)
+        before, self._rates = self._rates, np.where(rates < STILL_HZ, 0.0, rates)
+        if not before.any() and not self._rates.any():
+            return np.zeros(BLOCK)
+        at = np.arange(1, BLOCK + 1) / BLOCK
+        loud = MOTOR * np.sqrt(ramp(before, self._rates, at) / MOTOR_HZ)
+        turns = self._phases + steps * at[:, None]
+        self._phases = turns[-1] % 1.0
+        tones = STEPPER.take((turns * len(STEPPER)).astype(np.int64), mode="wrap")
+        rattle = self._random.standard_normal(BLOCK) * np.sqrt(np.square(loud).sum(axis=1)) / 3
+        motors: Vector = (loud * tones).sum(axis=1) + rattle
+        return motors
+
+
+def ramp(before: Vector, after: Vector, at: Vector) -> Vector:
+    """Return the values between two points at the times `at` (0 to 1), shape (times, values)."""
+    between: Vector = before + (after - before) * at[:, None]
+    return between
+
+
+def heard_by(
+    signal: Signal, began: float, distances: tuple[float, float], shadows: tuple[float, float]
+) -> Vector:
+    """Return what one ear hears in a block; distances (m) and shadows are those at its begin and its end."""
+    at = np.arange(BLOCK) / BLOCK
+    away = distances[0] + (distances[1] - distances[0]) * at
+    places = began + np.arange(BLOCK) - away * (RATE / SOUND)
+    whole = np.floor(places).astype(np.int64)
+    first, last = int(whole.min()) - TAPS // 2 + 1, int(whole.max()) + TAPS // 2
+    emitted = signal(first - _REACH, last - first + 1 + 2 * _REACH)
+    shaded = np.convolve(emitted, SHADE, "valid")
+    clear = emitted[_REACH:-_REACH]
+    strength = shadows[0] + (shadows[1] - shadows[0]) * np.linspace(0, 1, len(clear))
+    mixed = (clear + strength * (shaded - clear)).astype(np.float32)
+    phases = np.rint((places - whole) * PHASES).astype(np.int64)
+    heard: Vector
+    if phases[0] == phases[-1] and whole[-1] - whole[0] == BLOCK - 1:  # at rest one kernel serves all frames
+        heard = np.correlate(mixed, SINCS[phases[0]], "valid")
+    else:
+        rows = np.lib.stride_tricks.sliding_window_view(mixed, TAPS)[whole - TAPS // 2 + 1 - first]
+        heard = np.einsum("ij,ij->i", rows, SINCS.take(phases, axis=0))
+    return heard / np.maximum(away, NEAREST)

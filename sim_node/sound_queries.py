@@ -1,0 +1,210 @@
+"""The source of sound in the simulated room: what it plays, where it is, and the queries that change it."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from beatrix_zenoh.bus import Incoming, Sessions, query_forms
+from beatrix_zenoh.bus.query_forms import RawQuery
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Detail, Reason, SoundQuery, SoundReply
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, quoted
+from beatrix_zenoh.contract.refusals import bad_field
+from beatrix_zenoh.node import Component
+from beatrix_zenoh.node.microphones import FULL_SCALE, RATE
+from sim_node.shapes import Point
+from sim_node.sounds import GENERATORS, Playing, Samples, generated
+from sim_node.target import BOUNDS
+
+SILENCE, SAMPLES = "silence", "samples"
+NAMES: Final = (*GENERATORS, SAMPLES, SILENCE)
+SECONDS: Final = 3.0
+"""Duration if a query gives none."""
+SECONDS_MAX: Final = 60.0
+SAMPLES_MAX_S: Final = 10.0
+"""Longest sound of a client; one Zenoh message must hold it."""
+NEAREST: Final = 0.3
+"""Smallest allowed distance (m) of a source from the neck's centre: outside the head."""
+MOUTH_BELOW_EYES: Final = 0.079
+"""Height (m) of the person's eyes above the mouth, as in the model of the room."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """What is heard, and from where."""
+
+    place: Point | None = None
+    """m; None: from the mouth of the person"""
+    playing: Playing | None = None
+
+
+class SoundSource:
+    """The source of sound of a room; any thread may read and change it."""
+
+    def __init__(self, person: Callable[[], Point], clock_s: Callable[[], float]) -> None:
+        """Store the arguments.
+
+        Args:
+            person: returns the place (m) of the person's eyes.
+            clock_s: the monotonic clock (s).
+        """
+        self._person, self._clock_s = person, clock_s
+        self._lock = threading.Lock()
+        self._source = Source()
+
+    def place(self, eyes: Point) -> Point:
+        """Return the place (m) of the source while the person's eyes are at `eyes`."""
+        placed = self._source.place
+        return (eyes[0], eyes[1], eyes[2] - MOUTH_BELOW_EYES) if placed is None else placed
+
+    def playing(self) -> Playing | None:
+        """Return the sound that plays; None: silence.
+
+        A sound that has ended stays for a short time, because it is still on its way to the ears.
+        """
+        playing = self._source.playing
+        heard = playing is not None and self._clock_s() < playing.began_s + playing.seconds + 0.1
+        return playing if heard else None
+
+    def change(self, query: SoundQuery, samples: Samples | None) -> None:
+        """Carry out a query, as a whole or, if it is refused, not at all.
+
+        Raises:
+            Refused: BAD_VALUE.
+        """
+        with self._lock:
+            source = self._source
+            if (place := place_of(query)) is not None or query.mouth:
+                source = replace(source, place=place)
+            if query.play or query.seconds:
+                source = replace(source, playing=self._play(query, samples))
+            self._source = source
+
+    def _play(self, query: SoundQuery, samples: Samples | None) -> Playing | None:
+        if query.play not in NAMES:
+            text = f"There is no sound {quoted(query.play)}. Choose one of {', '.join(NAMES)}."
+            raise bad_field("play", text, NAMES)
+        if not 0 <= query.seconds <= SECONDS_MAX:
+            text = f"A sound cannot last {query.seconds:g} s; more than 0 and at most {SECONDS_MAX:g} s are allowed."
+            detail = Detail(field="seconds", value=query.seconds, low=0.0, high=SECONDS_MAX, unit="s")
+            raise Refused(Reason.BAD_VALUE, text, detail)
+        if query.play == SILENCE:
+            return None
+        seconds = query.seconds or SECONDS
+        if query.play == SAMPLES:
+            if samples is None:
+                text = f"Sound of your own is the attachment of the query: int16, mono, {RATE} Hz, at most {SAMPLES_MAX_S:g} s."
+                raise bad_field("play", text)
+            seconds = query.seconds or len(samples) / RATE
+        else:
+            samples = generated(query.play)
+        return Playing(query.play, self._clock_s(), seconds, samples)
+
+    def reply(self, refusal: BeatrixError | None) -> SoundReply:
+        """Return what plays where, and the refusal if there is one."""
+        now_s, source = self._clock_s(), self._source
+        playing = source.playing
+        left_s = 0.0 if playing is None else playing.left_s(now_s)
+        x, y, z = self.place(self._person())
+        return SoundReply(
+            result=refusal is None,
+            reason=Reason.OK if refusal is None else refusal.reason,
+            message="" if refusal is None else refusal.message,
+            play=playing.name if playing is not None and left_s > 0 else SILENCE,
+            seconds=left_s,
+            x=x,
+            y=y,
+            z=z,
+            mouth=source.place is None,
+            detail=None if refusal is None else refusal.detail,
+        )
+
+
+def place_of(query: SoundQuery) -> Point | None:
+    """Return the place (m) in a query, None if there is none; raises Refused (BAD_VALUE)."""
+    given = {"x": query.x, "y": query.y, "z": query.z}
+    found = {name: value for name, value in given.items() if value is not None}
+    if not found:
+        return None
+    if query.mouth:
+        raise bad_field(
+            "mouth", "The source is either at x, y, z or in the person's mouth: give one of both."
+        )
+    for name, (low, high) in BOUNDS.items():
+        if name not in found:
+            raise bad_field(name, f"A place needs x, y and z; {name} is missing.", tuple(given))
+        if not low <= found[name] <= high:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"The sound cannot come from {name} = {found[name]:.2f} m; the room allows {low:.1f} to {high:.1f} m.",
+                Detail(field=name, value=found[name], low=low, high=high, unit="m"),
+            )
+    place = found["x"], found["y"], found["z"]
+    away = math.hypot(*place)
+    if away < NEAREST:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"The sound would come from inside the head, {away:.2f} m from the neck's centre; at least {NEAREST:.2f} m "
+            "is allowed.",
+            Detail(field="x", value=away, low=NEAREST, unit="m"),
+        )
+    return place
+
+
+def samples_of(attachment: bytes) -> Samples | None:
+    """Return the samples of an attachment, from -1 to 1; None if there is none. Raises Refused (BAD_VALUE)."""
+    if not attachment:
+        return None
+    if len(attachment) % 2 or len(attachment) > 2 * SAMPLES_MAX_S * RATE:
+        text = f"{len(attachment)} bytes are no sound of int16 samples of at most {SAMPLES_MAX_S:g} s at {RATE} Hz."
+        raise bad_field("play", text)
+    return np.frombuffer(attachment, "<i2").astype(np.float32) / np.float32(FULL_SCALE)
+
+
+class SoundHandler(Component):
+    """Answers queries that play sounds and place their source, on its own thread."""
+
+    def __init__(self, name: str, source: SoundSource) -> None:
+        self._key, self._source = keys.sound(name), source
+        self._worker: ThreadPoolExecutor | None = None
+
+    def start(self, sessions: Sessions) -> None:
+        self._worker = ThreadPoolExecutor(1, "beatrix-sound")
+        self._worker.submit(lambda: None).result()
+        sessions.serve(self._key, self._query)
+
+    def _query(self, incoming: Incoming) -> None:
+        """Pass a query to the worker; called on a Zenoh thread."""
+        try:
+            if self._worker is not None:
+                self._worker.submit(self._answer, incoming)
+        except RuntimeError:  # the worker is shut down: answer here
+            self._answer(incoming)
+
+    def _answer(self, incoming: Incoming) -> None:
+        answer = reply(self._source, incoming.raw, incoming.attachment)
+        incoming.reply(self._key, *incoming.raw.answer(answer))
+        incoming.finish()
+
+    def close(self) -> None:
+        """Answer the waiting queries, and end the thread."""
+        if self._worker is not None:
+            self._worker.shutdown()
+
+
+def reply(source: SoundSource, raw: RawQuery, attachment: bytes) -> SoundReply:
+    """Carry out the query if there is one, and return what plays where."""
+    refusal: BeatrixError | None = None
+    if raw.payload or raw.parameters:
+        try:
+            source.change(query_forms.read(raw, SoundQuery), samples_of(attachment))
+        except BeatrixError as error:
+            refusal = error
+    return source.reply(refusal)
