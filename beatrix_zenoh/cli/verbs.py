@@ -51,6 +51,7 @@ VERBS = {
     "flash": "cli.serving",
     "classroom": "classroom.verbs",
     "join": "classroom.verbs",
+    "lesson": "lessons.verbs",
 }
 """Each verb and its module in beatrix_zenoh, in the order of the help text."""
 PASS_THROUGH = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
@@ -103,5 +104,9 @@ def application(words: Sequence[str]) -> typer.Typer:
 
     for name in words[:1] if words and words[0] in VERBS else VERBS:
         module = importlib.import_module(f"beatrix_zenoh.{VERBS[name]}")
-        app.command(name, context_settings=SETTINGS.get(name))(getattr(module, name))
+        verb = getattr(module, name)
+        if isinstance(verb, typer.Typer):
+            app.add_typer(verb)
+        else:
+            app.command(name, context_settings=SETTINGS.get(name))(verb)
     return app

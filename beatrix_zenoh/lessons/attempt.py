@@ -49,15 +49,18 @@ NO_ROUTER = "tcp/127.0.0.1:1"
 class Attempt:
     """One check of one program. Use it in a `with` block, which ends all processes that it has started."""
 
-    def __init__(self, program: Program, *, limit_s: float, stage: Stage | None = None) -> None:
+    def __init__(
+        self, program: Program, *, limit_s: float, stage: Stage | None = None, keep: Path | None = None
+    ) -> None:
         """Prepare a check.
 
         Args:
             program: the pupil's program.
             limit_s: longest time of the program with a robot (s).
             stage: a stage that runs already, to use where it fits; None: each run starts its own.
+            keep: record the robots of a run to this file, which is overwritten; None: record nothing.
         """
-        self._program, self._limit_s, self._given = program, limit_s, stage
+        self._program, self._limit_s, self._given, self._keep = program, limit_s, stage, keep
         self._open = ExitStack()
         self._functions: LineChild | None = None
         self._file = program.path
@@ -235,6 +238,8 @@ class Attempt:
             if target is not None:
                 for watch in stage.watches.values():
                     watch.robot.move_target(*target)
+            if self._keep is not None:
+                running.enter_context(stage.recorded(self._keep))
             for watch in stage.watches.values():
                 watch.begin()
             environment = {

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
+from pathlib import Path
 
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons.attempt import Attempt
 from beatrix_zenoh.lessons.lesson import Lesson
 from beatrix_zenoh.lessons.program import Program
+from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet
 
@@ -38,10 +40,19 @@ class Verdict:
     """the values behind the sentences"""
 
 
-def check(lesson: Lesson, program: Program, stage: Stage | None = None) -> Verdict:
-    """Check a program; `stage` is one to use where it fits. Raises Refused if BEATRIX itself is not usable."""
+def check(
+    lesson: Lesson, program: Program, *, stage: Stage | None = None, keep: Path | None = None
+) -> Verdict:
+    """Check a program.
+
+    Args:
+        lesson: the lesson, in the pupil's language.
+        program: the pupil's program.
+        stage: a stage that runs already, to use where it fits.
+        keep: record the robots of an observed run to this file, which is overwritten.
+    """
     try:
-        with Attempt(program, limit_s=lesson.about.limit_s, stage=stage) as attempt:
+        with Attempt(program, limit_s=lesson.about.limit_s, stage=stage, keep=keep) as attempt:
             lesson.check()(attempt)
     except Unmet as unmet:
         return verdict(lesson, unmet)
@@ -50,6 +61,18 @@ def check(lesson: Lesson, program: Program, stage: Stage | None = None) -> Verdi
     except BeatrixError as error:
         return Verdict(Result.NOT_MEASURABLE, means=f"The check itself could not go on. {error}")
     return Verdict(Result.PASSED)
+
+
+def count(record: Record, verdict: Verdict, program: Program) -> None:
+    """Add a verdict to the record of a lesson; a computer that was too busy is no try."""
+    if verdict.result is Result.NOT_MEASURABLE:
+        return
+    record.tries += 1
+    record.stuck = record.stuck + 1 if verdict.figure and verdict.figure == record.figure else 1
+    record.figure = verdict.figure
+    if verdict.result is Result.PASSED:
+        record.stuck = 0
+        record.passed = [one for one in record.passed if one != program.sha256] + [program.sha256]
 
 
 def verdict(lesson: Lesson, unmet: Unmet) -> Verdict:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import socket
 import time
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import TracebackType
 from typing import Self
 
@@ -151,10 +152,13 @@ class Stage:
             self.endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
         self.watches: dict[str, Watch] = {}
         self._running = ExitStack()
+        self._supervisor = Supervisor()
+        self._person = (0.0, 0.0, 0.0)
+        """place of the person (m) at the start"""
 
     def __enter__(self) -> Self:
         with ExitStack() as starting:
-            supervisor = starting.enter_context(Supervisor())
+            supervisor = starting.enter_context(self._supervisor)
             supervisor.start("router", "router", "--listen", self.endpoint)
             self._wait(supervisor)
             for name in self.names:
@@ -163,6 +167,8 @@ class Stage:
             self._wait(supervisor)
             client = starting.enter_context(Client(Settings(self.names[0], self.endpoint, SEAT)))
             self.watches = {name: Watch(client, name) for name in self.names}
+            person = self.watches[self.names[0]].robot.target()
+            self._person = person.x, person.y, person.z
             self._running = starting.pop_all()
         return self
 
@@ -188,12 +194,28 @@ class Stage:
             Robot(name, "sim", connect=self.endpoint, who=who, timeout_s=ANSWER_S)
         )
 
+    @contextmanager
+    def recorded(self, path: Path) -> Iterator[None]:
+        """Record the robots to a file during a block; an older file is deleted."""
+        path.unlink(missing_ok=True)
+        recorder = self._supervisor.start("recorder", "record", str(path), "--connect", self.endpoint)
+        self._wait(self._supervisor)
+        try:
+            yield
+        finally:
+            self._supervisor.finish(recorder)
+
     def tidy(self) -> None:
-        """Bring the robots home, for the next run; raises NotMeasurable if that is not possible."""
+        """Bring robots and person back to where they were at the start; raises NotMeasurable if that fails."""
+        deadline_s = time.monotonic() + ANSWER_S
         for watch in self.watches.values():
-            try:
-                watch.robot.stop()
-                watch.robot.make_ready()
-                watch.robot.home()
-            except BeatrixError as error:
-                raise busy(f"The simulation did not go home: {error}") from error
+            while True:
+                try:
+                    watch.robot.make_ready()
+                    watch.robot.home()
+                    watch.robot.move_target(*self._person)
+                    break
+                except BeatrixError as error:  # the last program may still hold the robot for a moment
+                    if time.monotonic() > deadline_s:
+                        raise busy(f"The simulation did not go home: {error}") from error
+                    time.sleep(POLL_S)

@@ -91,8 +91,12 @@ def _check_repeated_options(command: object, words: Sequence[str]) -> None:
 
 
 def _options(command: object, words: Sequence[str]) -> list[TyperOption]:
-    """Return the options of the verb."""
-    verb = getattr(command, "commands", {}).get(words[0] if words else "", command)
+    """Return the options of the verb, which may be one of a group (`lesson check`)."""
+    verb = command
+    for word in words:
+        if word not in (inner := getattr(verb, "commands", {})):
+            break
+        verb = inner[word]
     return [parameter for parameter in getattr(verb, "params", ()) if isinstance(parameter, TyperOption)]
 
 

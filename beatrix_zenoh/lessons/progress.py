@@ -1,0 +1,89 @@
+"""What a pupil has done so far: one small file, `progress.json` in the folder `lessons` of the pupil."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+
+from beatrix_zenoh import files
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lessons.lesson import ENGLISH
+
+FOLDER, FILE = "lessons", "progress.json"
+LONGEST = 256 * 1024
+"""Largest size of this file (bytes)."""
+
+
+class Record(msgspec.Struct, forbid_unknown_fields=True):
+    """One lesson."""
+
+    version: int = 1
+    """version of the lesson"""
+    tries: int = 0
+    """checks that have judged the program"""
+    hints: list[int] = []
+    """numbers of the hints that were shown"""
+    figure: str = ""
+    """first figure that the last check has found unmet; empty: none"""
+    stuck: int = 0
+    """checks in a row that have ended at this figure"""
+    passed: list[str] = []
+    """SHA-256 of each program that has passed, the newest last"""
+
+
+class Progress(msgspec.Struct, forbid_unknown_fields=True):
+    """All lessons by name."""
+
+    language: str = ENGLISH
+    lessons: dict[str, Record] = {}
+
+
+class Workspace:
+    """The folder `lessons`, with a folder for each lesson that was started; it need not exist.
+
+    Raises Refused (BAD_VALUE) if progress.json cannot be read.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._path = folder / FILE
+        try:
+            text = files.content(self._path, LONGEST, "JSON") if self._path.exists() else b"{}"
+            self.progress = msgspec.json.decode(text, type=Progress)
+        except (OSError, ValueError) as error:
+            raise Refused(
+                Reason.BAD_VALUE, f"{self._path} cannot be read: {error}. Delete it; your programs stay."
+            ) from error
+
+    def record(self, lesson: str) -> Record:
+        """Return the record of a lesson, an empty one if there is none yet."""
+        return self.progress.lessons.setdefault(lesson, Record())
+
+    def programs(self, lesson: str) -> list[Path]:
+        """Return the pupil's files of a lesson, the one that was saved last first."""
+        found = [self.folder / lesson / name for name in ("start.py", "start.ipynb")]
+        return sorted((path for path in found if path.is_file()), key=lambda path: -path.stat().st_mtime)
+
+    def save(self) -> None:
+        """Write progress.json; raises Refused (BAD_VALUE) if that is not possible."""
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            with files.replace_when_complete(self._path) as unfinished:
+                unfinished.write_bytes(msgspec.json.format(msgspec.json.encode(self.progress)))
+        except OSError as error:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"{self._path} cannot be written: {error.strerror or error}. Check its folder.",
+            ) from error
+
+
+def workspace(folder: Path) -> Workspace:
+    """Return the folder `lessons` that belongs to a working folder: the one it is in, one inside it, or a new one."""
+    for place in (folder, *folder.parents):
+        if (place / FILE).is_file() and place.name == FOLDER:
+            return Workspace(place)
+        if (place / FOLDER / FILE).is_file():
+            return Workspace(place / FOLDER)
+    return Workspace(folder / FOLDER)

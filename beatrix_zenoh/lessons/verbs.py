@@ -1,0 +1,312 @@
+"""`beatrix lesson`: start a lesson, check the program, get a hint."""
+
+from __future__ import annotations
+
+import shutil
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.output import columns, note, print_json, say
+from beatrix_zenoh.terminal.options import Json
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.lessons.checking import Verdict
+    from beatrix_zenoh.lessons.lesson import Lesson
+    from beatrix_zenoh.lessons.progress import Record, Workspace
+
+LABELS = {
+    "en": ("Passed: {title}.", "Not yet: {title} (try {tries}).", "asked", "found", "Hint"),
+    "de": (
+        "Bestanden: {title}.",
+        "Noch nicht: {title} (Versuch {tries}).",
+        "verlangt",
+        "gefunden",
+        "Hinweis",
+    ),
+}
+HEADS = ("lesson", "title", "minutes", "level", "needs", "state")
+LESSON = "`beatrix lesson"
+WIDTH = 100
+"""Length of a line of a hint (characters)."""
+
+lesson = typer.Typer(
+    name="lesson",
+    help="Learn with the robot. Begin with `beatrix lesson list`.",
+    no_args_is_help=True,
+)
+
+
+class Language(StrEnum):
+    """Languages of lessons."""
+
+    ENGLISH = "en"
+    GERMAN = "de"
+
+
+Number = Annotated[int, typer.Argument(metavar="N", min=1, help="Number of the lesson.")]
+
+
+def _shown(path: Path) -> Path:
+    """Return a path as a pupil types it: from the working folder, if it is inside."""
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+
+
+def _workspace() -> Workspace:
+    from beatrix_zenoh.lessons import progress
+
+    return progress.workspace(Path.cwd())
+
+
+def _find(number: int, workspace: Workspace) -> Lesson:
+    from beatrix_zenoh.lessons.lesson import find
+
+    return find(number, workspace.progress.language)
+
+
+@lesson.command("list")
+def list_lessons(as_json: Json = False) -> None:
+    """List the lessons: S is for schools (from 14 years), U for universities."""
+    from beatrix_zenoh.lessons.lesson import lessons
+
+    workspace = _workspace()
+    found = lessons(workspace.progress.language)
+    states = [_state(workspace.progress.lessons.get(one.name)) for one in found]
+    if as_json:
+        rows = [
+            {
+                "number": one.number,
+                "name": one.name,
+                "title": one.title,
+                "minutes": one.about.minutes,
+                "level": one.about.level,
+                "needs": one.about.needs,
+                "state": state,
+            }
+            for one, state in zip(found, states, strict=True)
+        ]
+        print_json({"result": True, "lessons": rows})
+        return
+    say(
+        columns(
+            HEADS,
+            [
+                (
+                    str(one.number),
+                    one.title,
+                    str(one.about.minutes),
+                    one.about.level,
+                    ", ".join(one.about.needs) or "-",
+                    state,
+                )
+                for one, state in zip(found, states, strict=True)
+            ],
+        )
+    )
+
+
+def _state(record: Record | None) -> str:
+    if record is None:
+        return "-"
+    if record.passed:
+        return "passed"
+    return f"tried {record.tries} x" if record.tries else "started"
+
+
+@lesson.command()
+def start(
+    number: Number,
+    notebook: Annotated[
+        bool, typer.Option("--notebook", help="Write a Jupyter notebook instead of a Python file.")
+    ] = False,
+    language: Annotated[
+        Language | None,
+        typer.Option(help="Language of pages, hints and checks from now on, where a lesson has it."),
+    ] = None,
+) -> None:
+    """Copy the page and the program of a lesson to the folder `lessons`. Existing files are never overwritten."""
+    workspace = _workspace()
+    if language is not None:
+        workspace.progress.language = language.value
+    found = _find(number, workspace)
+    folder = workspace.folder / found.name
+    suffix = ".ipynb" if notebook else ".py"
+    program = folder / f"start{suffix}"
+    if program.exists():
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"{_shown(program)} exists and is not overwritten. {LESSON} check {number}` checks it; "
+            f"{LESSON} reset {number}` gives you a fresh one, and keeps this one.",
+        )
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(found.page, folder / "lesson.md")
+    for extra in sorted((found.folder / "files").glob("*")):
+        if not (folder / extra.name).exists():
+            shutil.copyfile(extra, folder / extra.name)
+    _write_program(found, program)
+    workspace.record(found.name).version = found.about.version
+    workspace.save()
+    say(f"Lesson {number}: {found.title} ({found.about.minutes} minutes)")
+    say(f"  {found.goal}")
+    say(f"  read     {_shown(folder / 'lesson.md')}")
+    say(f"  change   {_shown(program)}")
+    say(f"  check    beatrix lesson check {number}")
+
+
+def _write_program(found: Lesson, path: Path) -> None:
+    from beatrix_zenoh.lessons.notebook import notebook
+
+    text = (found.folder / "start.py").read_text(encoding="utf-8")
+    path.write_text(notebook(text) if path.suffix == ".ipynb" else text, encoding="utf-8")
+
+
+@lesson.command()
+def check(
+    number: Annotated[
+        int | None,
+        typer.Argument(
+            metavar="[N]", min=1, help="Number of the lesson; default: the one whose program was saved last."
+        ),
+    ] = None,
+    keep: Annotated[
+        bool, typer.Option("--keep", help="Record the simulated robot to check.rrd in the lesson's folder.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Check your program with simulations of its own. No robot is moved.
+
+    Exit codes: 0 passed, 1 not yet, 4 this computer was too busy to measure.
+    """
+    from beatrix_zenoh.lessons import checking
+    from beatrix_zenoh.lessons import program as programs
+    from beatrix_zenoh.shutdown import signals_interrupt
+
+    workspace = _workspace()
+    found, path = _program(number, workspace)
+    program = programs.read(path)
+    note(f"Checking {_shown(path)} …")
+    with signals_interrupt():
+        verdict = checking.check(found, program, keep=path.with_name("check.rrd") if keep else None)
+    record = workspace.record(found.name)
+    checking.count(record, verdict, program)
+    workspace.save()
+    if as_json:
+        print_json(_document(found, verdict, record))
+    else:
+        _print(found, verdict, record)
+    if verdict.result.value:
+        raise typer.Exit(verdict.result.value)
+
+
+def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:
+    """Return a lesson that was started, and the pupil's program; raises Refused if there is none."""
+    from beatrix_zenoh.lessons.lesson import lessons
+
+    if number is not None:
+        found = _find(number, workspace)
+        paths = workspace.programs(found.name)
+        if not paths:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"{_shown(workspace.folder / found.name)} has no program. Start the lesson: {LESSON} start {number}`.",
+            )
+        return found, paths[0]
+    started = [
+        (path, one) for one in lessons(workspace.progress.language) for path in workspace.programs(one.name)
+    ]
+    if not started:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"{_shown(workspace.folder)} has no lesson yet. Start one: {LESSON} start 1`. {LESSON} list` shows all.",
+        )
+    path, found = max(started, key=lambda pair: pair[0].stat().st_mtime)
+    return found, path
+
+
+def _document(found: Lesson, verdict: Verdict, record: Record) -> dict[str, object]:
+    from beatrix_zenoh.lessons.checking import Result
+
+    return {
+        "result": verdict.result is Result.PASSED,
+        "lesson": found.name,
+        "outcome": verdict.result.name.lower(),
+        "figure": verdict.figure,
+        "asked": verdict.asked,
+        "found": verdict.found,
+        "message": verdict.means,
+        "hint": verdict.hint,
+        "values": verdict.values,
+        "tries": record.tries,
+    }
+
+
+def _print(found: Lesson, verdict: Verdict, record: Record) -> None:
+    from beatrix_zenoh.lessons.checking import Result
+
+    passed, not_yet, asked, wrong, hint = LABELS[found.language]
+    if verdict.result is Result.PASSED:
+        say(passed.format(title=found.title))
+        return
+    if verdict.result is Result.NOT_MEASURABLE:
+        say(verdict.means)
+        return
+    say(not_yet.format(title=found.title, tries=record.tries))
+    width = max(len(asked), len(wrong))
+    say(f"  {asked:<{width}}  {verdict.asked}")
+    say(f"  {wrong:<{width}}  {verdict.found}")
+    say(f"  {verdict.means}")
+    if verdict.hint:
+        say(f"  {hint}: beatrix lesson hint {found.number}")
+
+
+@lesson.command()
+def hint(number: Number) -> None:
+    """Print a hint: the one that helps with what the last check has found, then the others."""
+    workspace = _workspace()
+    found = _find(number, workspace)
+    record = workspace.record(found.name)
+    wanted = [found.figure(record.figure).hint] if record.figure else []
+    order = [one for one in (*wanted, *range(1, len(found.hints) + 1)) if 0 < one <= len(found.hints)]
+    fresh = [one for one in order if one not in record.hints]
+    chosen = (fresh or order)[0]
+    if fresh:
+        record.hints.append(chosen)
+        workspace.save()
+    say(
+        f"{LABELS[found.language][4]} {chosen}/{len(found.hints)}: {' '.join(found.hints[chosen - 1].split())}"
+    )
+
+
+@lesson.command()
+def reset(number: Number) -> None:
+    """Write a fresh start file; the old one becomes start-1.py, start-2.py and so on."""
+    workspace = _workspace()
+    found, path = _program(number, workspace)
+    kept = next(
+        place
+        for i in range(1, 1_000_000)
+        if not (place := path.with_name(f"{path.stem}-{i}{path.suffix}")).exists()
+    )
+    path.rename(kept)
+    _write_program(found, path)
+    say(f"{_shown(path)} is as at the beginning. The old one is {_shown(kept)}.")
+
+
+@lesson.command()
+def solution(
+    number: Number,
+    show: Annotated[bool, typer.Option("--show", help="Also before your program has passed.")] = False,
+) -> None:
+    """Print a solution, once your program has passed."""
+    workspace = _workspace()
+    found = _find(number, workspace)
+    if not workspace.record(found.name).passed and not show:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"Your program has not passed yet. {LESSON} hint {number}` helps; --show prints the solution anyway.",
+        )
+    say((found.folder / "solution.py").read_text(encoding="utf-8"))

@@ -1,0 +1,182 @@
+"""`beatrix lesson`: the folders of a pupil, checks, hints, resets and solutions, with a lesson that needs no robot."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+from shell import beatrix
+
+from beatrix_zenoh.lessons import lesson, program, progress
+from beatrix_zenoh.lessons.notebook import notebook
+
+FILES = {
+    "lesson.toml": 'title = "Double"\ntitle_de = "Doppelt"\nlevel = "S"\nminutes = 5\ngoal = "Double it."\nlimit_s = 5\n',
+    "lesson.md": "# Double\n",
+    "lesson.de.md": "# Doppelt\n",
+    "start.py": '"""Double."""\n\n# %% Double\ndef double(x):\n    return x\n',
+    "solution.py": "def double(x):\n    return 2 * x\n",
+    "check.py": "def check(attempt):\n    found = attempt.call('double', 3)\n    attempt.require('six', found == 6, value=found)\n",
+    "hints.toml": 'hints = ["One.", "Two.", "Three."]\n[figures.six]\nasked = "6 of 3"\nfound = "{value:g}"\nmeans = "Add it."\nhint = 2\n',
+}
+START, NOTEBOOK = Path("lessons/01-double/start.py"), Path("lessons/01-double/start.ipynb")
+
+
+@pytest.fixture(autouse=True)
+def pupil(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A pupil in an empty folder, with one lesson to choose."""
+    library = tmp_path / "library"
+    (library / "01-double").mkdir(parents=True)
+    for name, text in FILES.items():
+        (library / "01-double" / name).write_text(text)
+    for path in lesson.LIBRARY.glob("figures*.toml"):
+        (library / path.name).write_bytes(path.read_bytes())
+    monkeypatch.setattr(lesson, "LIBRARY", library)
+    (tmp_path / "pupil").mkdir()
+    monkeypatch.chdir(tmp_path / "pupil")
+    return tmp_path / "pupil"
+
+
+def good(*words: str) -> str:
+    done = beatrix("lesson", *words)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def refused(*words: str) -> str:
+    done = beatrix("lesson", *words)
+    assert done.returncode == 1, done.stdout + done.stderr
+    return done.stderr
+
+
+def checked(*words: str) -> subprocess.CompletedProcess[str]:
+    return beatrix("lesson", "check", *words)
+
+
+def test_a_pupil_starts_fails_reads_the_hint_and_passes() -> None:
+    text = good("start", "1")
+    assert "Double it." in text
+    assert str(START) in text
+    done = checked()
+    assert done.returncode == 1
+    assert [line.split() for line in done.stdout.splitlines()[1:4]] == [
+        ["asked", "6", "of", "3"],
+        ["found", "3"],
+        ["Add", "it."],
+    ]
+    assert "Hint 2/3: Two." in good("hint", "1")
+    assert "Hint 1/3: One." in good("hint", "1")
+    START.write_text(FILES["solution.py"])
+    assert checked("1").stdout == "Passed: Double.\n"
+    assert "2 * x" in good("solution", "1")
+    record = progress.workspace(Path.cwd()).record("01-double")
+    assert (record.tries, record.hints, record.figure) == (2, [2, 1], "")
+    assert record.passed == [program.read(START).sha256]
+
+
+def test_a_start_is_never_overwritten(pupil: Path) -> None:
+    good("start", "1")
+    START.write_text("mine")
+    assert "lesson reset 1" in refused("start", "1")
+    assert START.read_text() == "mine"
+    good("reset", "1")
+    assert START.read_text() == FILES["start.py"]
+    assert (pupil / "lessons/01-double/start-1.py").read_text() == "mine"
+
+
+def test_the_solution_is_shown_before_a_pass_on_request_only() -> None:
+    assert "--show" in refused("solution", "1")
+    assert "2 * x" in good("solution", "1", "--show")
+
+
+@pytest.mark.parametrize("words", [("check",), ("check", "1"), ("reset", "1")])
+def test_a_lesson_must_be_started(words: tuple[str, ...]) -> None:
+    assert "lesson start 1" in refused(*words)
+
+
+def test_an_unknown_lesson_is_refused_with_those_that_exist() -> None:
+    assert "choose one of 1" in refused("start", "7")
+
+
+def test_german_is_chosen_once() -> None:
+    assert "Doppelt" in good("start", "1", "--language", "de")
+    assert START.with_name("lesson.md").read_text() == "# Doppelt\n"
+    assert checked("1").stdout.splitlines()[0] == "Noch nicht: Doppelt (Versuch 1)."
+
+
+def test_a_notebook_is_checked_like_a_program() -> None:
+    good("start", "1", "--notebook")
+    made = json.loads(NOTEBOOK.read_text())
+    assert [(cell["cell_type"], "".join(cell["source"])) for cell in made["cells"]] == [
+        ("markdown", "# Double."),
+        ("markdown", "## Double"),
+        ("code", "def double(x):\n    return x"),
+    ]
+    made["cells"][-1]["source"] = ["%matplotlib inline\n", "def double(x):\n", "    return 2 * x\n"]
+    NOTEBOOK.write_text(json.dumps(made))
+    assert checked("1").returncode == 0
+
+
+def test_an_error_in_a_notebook_names_its_cell() -> None:
+    good("start", "1", "--notebook")
+    made = json.loads(notebook("a = 1\n# %% Next\nb = 2\nc = undefined\n"))
+    NOTEBOOK.write_text(json.dumps(made))
+    assert "NameError: name 'undefined' is not defined (cell 2, line 2)" in checked("1").stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "figure"),
+    [
+        ("def double(x):\n    pass\n", "returns"),
+        ("def double(x):\n    return 'six'\n", "returns"),
+        ("def twice(x):\n    return 2 * x\n", "function"),
+        ("def double(x)\n    return x\n", "runs"),
+        ("def double(x):\n    return x / 0\n", "runs"),
+        ("def double(x):\n    raise SystemExit\n", "runs"),
+        ("from beatrix_zenoh import Robot\nRobot().home()\n", "import"),
+    ],
+)
+def test_errors_of_a_function_are_figures_of_every_lesson(text: str, figure: str) -> None:
+    good("start", "1")
+    START.write_text(text)
+    document = json.loads(checked("1", "--json").stdout)
+    assert document["figure"] == figure
+    assert "{" not in document["asked"] + document["found"] + document["message"]
+    assert "Traceback" not in document["found"]
+
+
+def test_an_endless_function_ends_the_check(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("beatrix_zenoh.lessons.attempt.CALL_S", 0.2)
+    good("start", "1")
+    START.write_text("def double(x):\n    while True:\n        pass\n")
+    assert json.loads(checked("1", "--json").stdout)["figure"] == "ends"
+
+
+def test_tries_at_one_figure_are_counted() -> None:
+    good("start", "1")
+    for _ in range(3):
+        checked("1")
+    record = progress.workspace(Path.cwd()).record("01-double")
+    assert (record.tries, record.figure, record.stuck) == (3, "six", 3)
+
+
+def test_the_folder_is_found_from_inside(monkeypatch: pytest.MonkeyPatch) -> None:
+    good("start", "1")
+    monkeypatch.chdir("lessons/01-double")
+    assert checked().returncode == 1
+
+
+def test_the_list_has_states() -> None:
+    assert json.loads(good("list", "--json"))["lessons"][0]["state"] == "-"
+    good("start", "1")
+    assert "started" in good("list")
+    checked("1")
+    assert "tried 1 x" in good("list")
+
+
+def test_a_broken_progress_file_is_refused_with_advice() -> None:
+    good("start", "1")
+    Path("lessons/progress.json").write_text("{")
+    assert "Delete it; your programs stay." in refused("list")
