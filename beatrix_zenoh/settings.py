@@ -18,18 +18,20 @@ FILE = "beatrix.toml"
 LONGEST = 64 * 1024
 """Largest size of this file (bytes)."""
 CAMERAS = {eye: f"camera_{eye}" for eye in names.EYES}
-FIELDS = ("robot", "connect", "who", "account", *CAMERAS.values())
+FIELDS = ("robot", "connect", "who", "account", *CAMERAS.values(), "microphones")
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Robot name, router endpoint, seat, cameras of a robot, and account."""
+    """Robot name, router endpoint, seat, cameras and microphones of a robot, and account."""
 
     robot: str
     connect: str
     who: str
     cameras: tuple[str, ...] = ()
     """`EYE=SOURCE`, as for `beatrix hw --camera`"""
+    microphones: str = ""
+    """source, as for `beatrix hw --microphones`; empty: none"""
     account: Account | None = None
     """name and credentials for the router of a class; None: no account"""
 
@@ -88,6 +90,7 @@ def resolve_valid(
             "who", own.check_seat if own else names.check_seat, own.name if own else names.default_seat()
         ),
         cameras=tuple(f"{eye}={source}" for eye, source in cameras.items() if source),
+        microphones=value("microphones", str, ""),
         account=own,
     )
     return settings, errors

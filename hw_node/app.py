@@ -20,10 +20,10 @@ from hw_node.microphones.microphones import choose
 from hw_node.port import VIRTUAL
 
 MicrophonesOption = Annotated[
-    str,
+    str | None,
     typer.Option(
         metavar="SOURCE",
-        help="Source of the sound: `file:PATH` (a WAV file), `tone`, or `off`; on only while a program listens.",
+        help="The microphones: a part of the name of a sound device, or its number, `file:PATH` (a WAV file), `tone`, or `off`; on only while a program listens.",
     ),
 ]
 
@@ -42,7 +42,7 @@ def hw(
             help="Source of the left or right eye: a path under /dev/v4l/by-path (Linux), a camera's number (Windows, macOS), `pattern`, or `file:PATH`.",
         ),
     ] = None,
-    microphones: MicrophonesOption = "off",
+    microphones: MicrophonesOption = None,
     legacy: Legacy = None,
     robot_file: RobotFile = None,
     log_file: LogFile = None,
@@ -52,7 +52,8 @@ def hw(
     """Serve a real robot, or a virtual board. Ends with Ctrl-C; reconnects board and cameras after they were unplugged.
 
     --camera selects the camera of each eye; the default is camera_left and camera_right in beatrix.toml. If neither
-    names a camera, the eyes of a virtual board show a test picture.
+    names a camera, the eyes of a virtual board show a test picture. --microphones is `microphones` in beatrix.toml, by
+    default off.
     """
     if port == VIRTUAL.rstrip(":"):
         raise WrongUsage(
@@ -62,7 +63,7 @@ def hw(
     robot = values.load(robot_file)
     words = camera or settings.cameras
     cameras = choices(words) if words else None
-    ears = choose(microphones)
+    ears = choose(settings.microphones if microphones is None else microphones)
     if port and legacy is not None and Path(port).resolve() == legacy.resolve():
         raise WrongUsage(
             Reason.BAD_VALUE,

@@ -49,7 +49,13 @@ def choose(word: str) -> SoundSource | None:
         if trouble := source.trouble():
             raise wrong(word, trouble)
         return source
-    raise wrong(word, f"Choose `{TONE}` (a test tone), `{FILE}PATH` (a WAV file) or `{OFF}`.")
+    from hw_node.microphones import device  # noqa: PLC0415 - an extra
+
+    try:
+        return device.DeviceMicrophones(word, device.library())
+    except WrongUsage as error:
+        text = f"{error.message} Without it, `{TONE}` is a test tone, `{FILE}PATH` a WAV file, and `{OFF}` means none."
+        raise wrong(word, text) from error
 
 
 def wrong(word: str, text: str) -> WrongUsage:

@@ -38,6 +38,16 @@ def test_cameras_are_read_from_file_or_environment(tmp_path: Path, monkeypatch: 
     assert resolve().cameras[0] == "left=file:clip.avi"
 
 
+def test_microphones_are_off_unless_file_or_environment_name_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert resolve().microphones == ""
+    (tmp_path / "beatrix.toml").write_text('microphones = "USB Audio"\n')
+    assert resolve().microphones == "USB Audio"
+    monkeypatch.setenv("BEATRIX_MICROPHONES", "tone")
+    assert resolve().microphones == "tone"
+
+
 def test_the_default_name_consists_of_user_and_host() -> None:
     assert names.PATTERN.fullmatch(resolve().robot)
     assert "-" in names.default_robot()

@@ -1,0 +1,277 @@
+"""Microphones on a sound device, with a fake PortAudio: which device, the times of blocks, losses, refusals."""
+
+from __future__ import annotations
+
+import sys
+import time
+import types
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from beatrix_zenoh import NoAnswer
+from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.node import SoundBlock
+from beatrix_zenoh.node.microphones import BEHIND, BLOCK, BLOCK_NS
+from hw_node.microphones.device import Callback, Device, DeviceMicrophones
+from hw_node.microphones.microphones import choose
+
+
+class FakeError(Exception):
+    """In place of PortAudioError."""
+
+
+@dataclass
+class Times:
+    """Times of a block by the clock of the device (s)."""
+
+    inputBufferAdcTime: float  # noqa: N815
+    currentTime: float  # noqa: N815
+
+
+@dataclass
+class Flags:
+    """What has gone wrong before a block."""
+
+    input_overflow: bool = False
+
+
+class FakeStream:
+    """A stream whose blocks the test delivers."""
+
+    def __init__(self, callback: Callback) -> None:
+        self.callback, self.started, self.closed = callback, False, 0
+
+    def start(self) -> None:
+        self.started = True
+
+    def close(self) -> None:
+        self.closed += 1
+
+
+class FakeSound:
+    """A replacement for the module `sounddevice`, which lists devices only when it is initialized."""
+
+    PortAudioError: type[Exception] = FakeError
+
+    def __init__(self, *names: str) -> None:
+        self.plugged = [{"name": name, "max_input_channels": 2} for name in names]
+        self.known: list[dict[str, object]] = []
+        self.refuses = ""
+        self.asked: tuple[object, ...] = ()
+        self.streams: list[FakeStream] = []
+        self._initialize()
+
+    def _initialize(self) -> None:
+        self.known = [{"name": "Speaker", "max_input_channels": 0}, *self.plugged]
+
+    def _terminate(self) -> None:
+        self.known = []
+
+    def query_devices(self) -> Sequence[Device]:
+        return self.known
+
+    def RawInputStream(  # noqa: N802
+        self,
+        samplerate: float,
+        blocksize: int,
+        device: int,
+        channels: int,
+        dtype: str,
+        *,
+        callback: Callback,
+    ) -> FakeStream:
+        self.asked = (samplerate, blocksize, device, channels, dtype)
+        if self.refuses:
+            raise FakeError(self.refuses)
+        self.streams.append(FakeStream(callback))
+        return self.streams[-1]
+
+
+class Listening:
+    """Open microphones, a clock, and the blocks of the test."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.now_ns = 10**12
+        monkeypatch.setattr(time, "monotonic_ns", lambda: self.now_ns)
+        self.sound = FakeSound("USB Audio")
+        self.microphones = DeviceMicrophones("usb", self.sound)
+        self.microphones.open()
+
+    def deliver(
+        self, begin_ns: int, *, overflow: bool = False, timed: bool = True, age_ns: int = BLOCK_NS
+    ) -> None:
+        """Deliver a block whose first frame was heard at `begin_ns`."""
+        self.now_ns = begin_ns + age_ns
+        times = Times(100.0 - age_ns / 1e9, 100.0) if timed else Times(0.0, 0.0)
+        data = np.full((BLOCK, 2), 7, "<i2").tobytes()
+        self.sound.streams[-1].callback(data, BLOCK, times, Flags(overflow))
+
+    def blocks(self) -> list[SoundBlock]:
+        found = []
+        while (block := self.microphones.next(0.0)) is not None:
+            found.append(block)
+        return found
+
+
+@pytest.fixture
+def listening(monkeypatch: pytest.MonkeyPatch) -> Listening:
+    return Listening(monkeypatch)
+
+
+# -- which device ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("word", "number"),
+    [("usb audio: left", 1), ("USB AUDIO", 3), ("webcam", 2), ("2", 2), ("Webcam", 2)],
+)
+def test_a_device_is_named_by_a_part_of_its_name_or_its_number(word: str, number: int) -> None:
+    sound = FakeSound("USB Audio: left", "Webcam", "USB Audio")
+    microphones = DeviceMicrophones(word, sound)
+    assert microphones.trouble() == ""
+    microphones.open()
+    assert sound.asked == (48_000, 960, number, 2, "int16")
+    assert sound.streams[0].started
+
+
+@pytest.mark.parametrize(
+    ("word", "teaches"),
+    [
+        ("usb", "is the name of several microphones. Devices with two channels: 1 USB one; 2 USB two."),
+        ("Webcam", "is no microphone. Devices with two channels: 1 USB one; 2 USB two."),
+        ("0", "is no microphone."),
+        ("9", "is no microphone."),
+        ("Mono", "is no microphone."),
+    ],
+)
+def test_another_name_is_refused_with_the_devices(word: str, teaches: str) -> None:
+    sound = FakeSound("USB one", "USB two")
+    sound.plugged.append({"name": "Mono", "max_input_channels": 1})
+    microphones = DeviceMicrophones(word, sound)
+    assert teaches in microphones.trouble()
+    with pytest.raises(NoAnswer, match=r"microphones?\."):
+        microphones.open()
+    microphones.close()
+
+
+def test_a_device_that_is_plugged_in_later_is_found() -> None:
+    sound = FakeSound()
+    microphones = DeviceMicrophones("usb", sound)
+    assert "No device with two channels is plugged in." in microphones.trouble()
+    sound.plugged.append({"name": "USB Audio", "max_input_channels": 2})
+    assert microphones.trouble() == ""
+    sound.plugged.clear()
+    sound._initialize()
+    assert microphones.trouble() != ""
+
+
+def test_a_device_that_cannot_be_opened_is_refused_with_the_cause() -> None:
+    sound = FakeSound("USB Audio")
+    sound.refuses = "Invalid sample rate"
+    microphones = DeviceMicrophones("usb", sound)
+    with pytest.raises(NoAnswer, match="two channels at 48000 Hz: Invalid sample rate"):
+        microphones.open()
+    microphones.close()
+
+
+# -- blocks ----------------------------------------------------------------------------------------
+
+
+def test_blocks_have_the_time_of_their_first_frame_without_the_jitter_of_the_driver(
+    listening: Listening,
+) -> None:
+    begin_ns = 10**12
+    for i, jitter_ns in enumerate((0, 3_000_000, -2_000_000, 4_000_000, 0)):
+        listening.deliver(begin_ns + i * BLOCK_NS + jitter_ns)
+    blocks = listening.blocks()
+    assert blocks[0].t_mono_ns == begin_ns
+    errors = [block.t_mono_ns - begin_ns - i * BLOCK_NS for i, block in enumerate(blocks)]
+    assert max(map(abs, errors)) < 200_000
+    assert {block.dropped for block in blocks} == {0}
+    assert blocks[0].samples == np.full(2 * BLOCK, 7, "<i2").tobytes()
+
+
+def test_the_clock_of_the_device_is_followed(listening: Listening) -> None:
+    """A device that is 100 ppm fast: after 100 s the time is still right within a millisecond."""
+    begin_ns, period_ns = 10**12, round(BLOCK_NS * 1.0001)
+    for i in range(5000):
+        listening.deliver(begin_ns + i * period_ns)
+        (block,) = listening.blocks()
+        assert abs(block.t_mono_ns - begin_ns - i * period_ns) < 1_000_000
+        assert block.dropped == 0
+
+
+def test_without_times_of_the_driver_a_block_ends_when_it_arrives(listening: Listening) -> None:
+    listening.deliver(10**12, timed=False)
+    (block,) = listening.blocks()
+    assert block.t_mono_ns == 10**12
+
+
+@pytest.mark.parametrize("overflow", [False, True])
+def test_a_gap_is_counted_in_frames(listening: Listening, overflow: bool) -> None:
+    listening.deliver(10**12)
+    listening.deliver(10**12 + 4 * BLOCK_NS, overflow=overflow)
+    listening.deliver(10**12 + 5 * BLOCK_NS)
+    blocks = listening.blocks()
+    assert [block.dropped for block in blocks] == [0, 3 * BLOCK, 3 * BLOCK]
+    assert [block.t_mono_ns for block in blocks] == [10**12 + i * BLOCK_NS for i in (0, 4, 5)]
+
+
+def test_an_overflow_without_a_gap_is_counted_too(listening: Listening) -> None:
+    listening.deliver(10**12)
+    listening.deliver(10**12 + BLOCK_NS, overflow=True)
+    assert [block.dropped for block in listening.blocks()] == [0, 1]
+
+
+def test_blocks_that_nobody_takes_are_dropped_and_counted(listening: Listening) -> None:
+    for i in range(20):
+        listening.deliver(10**12 + i * BLOCK_NS)
+    blocks = listening.blocks()
+    assert len(blocks) == BEHIND + 1
+    assert blocks[-1].dropped == (20 - BEHIND - 1) * BLOCK
+    assert blocks[-1].t_mono_ns == 10**12 + 19 * BLOCK_NS
+
+
+def test_a_silent_device_is_waited_for_only_as_long_as_asked(listening: Listening) -> None:
+    assert listening.microphones.next(0.01) is None
+    listening.microphones.close()
+    listening.microphones.close()
+    assert listening.sound.streams[0].closed == 1
+
+
+# -- what to install -------------------------------------------------------------------------------
+
+
+def test_without_sounddevice_the_refusal_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "sounddevice", None)
+    with pytest.raises(
+        WrongUsage, match=r'--microphones \'USB\': .*pip install "\.\[sound\]".*`tone` is a test tone'
+    ):
+        choose("USB")
+
+
+def test_without_portaudio_the_refusal_names_the_package_of_the_system(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Missing:
+        """Finds a `sounddevice` that fails as it does without its system library."""
+
+        @staticmethod
+        def find_spec(name: str, *_: object) -> None:
+            if name == "sounddevice":
+                raise OSError("PortAudio library not found")
+
+    monkeypatch.delitem(sys.modules, "sounddevice", raising=False)
+    monkeypatch.setattr(sys, "meta_path", [Missing, *sys.meta_path])
+    monkeypatch.setattr(sys, "platform", "linux")
+    with pytest.raises(WrongUsage, match="sudo apt install libportaudio2"):
+        choose("USB")
+
+
+def test_any_other_value_names_a_device(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "sounddevice", types.SimpleNamespace(query_devices=list))
+    chosen = choose("USB Audio")
+    assert isinstance(chosen, DeviceMicrophones)
