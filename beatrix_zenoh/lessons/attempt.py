@@ -199,6 +199,7 @@ class Attempt:
         robots: Sequence[str] = ("bea",),
         seconds: float | None = None,
         during: Callable[[Stage], None] | None = None,
+        robot_file: Path | None = None,
     ) -> Seen:
         """Run the program against simulations of its own, and return what the (first) robot did.
 
@@ -209,15 +210,17 @@ class Attempt:
             seconds: end the program after this time (s), as Ctrl-C does; None: it must end by itself.
             during: is called once the program runs, with the stage: it may read and move the robots as another seat,
                 and wait; its exceptions end the check.
+            robot_file: values of another robot, as for `beatrix sim --robot-file`.
 
         Raises:
             Unmet: `runs` if the program ends with an error, `ends` if it does not end, `keyboard` if it reads from the
                 keyboard, or what `during` raises.
             NotMeasurable: this computer was too busy.
         """
-        return self.observe_all(target=target, path=path, robots=robots, seconds=seconds, during=during)[
-            robots[0]
-        ]
+        seen = self.observe_all(
+            target=target, path=path, robots=robots, seconds=seconds, during=during, robot_file=robot_file
+        )
+        return seen[robots[0]]
 
     def observe_all(
         self,
@@ -227,14 +230,16 @@ class Attempt:
         robots: Sequence[str] = ("bea",),
         seconds: float | None = None,
         during: Callable[[Stage], None] | None = None,
+        robot_file: Path | None = None,
     ) -> dict[str, Seen]:
         """As `observe`; return what each robot did, by name."""
         with ExitStack() as running:
             stage = self._given
-            if stage is not None and (stage.names, stage.path) == (tuple(robots), path):
+            wanted = (tuple(robots), path, robot_file)
+            if stage is not None and (stage.names, stage.path, stage.robot_file) == wanted:
                 stage.tidy()
             else:
-                stage = running.enter_context(Stage(robots, path))
+                stage = running.enter_context(Stage(robots, path, robot_file))
             if target is not None:
                 for watch in stage.watches.values():
                     watch.robot.move_target(*target)

@@ -145,9 +145,11 @@ class Watch:
 class Stage:
     """A router, simulations that are ready, and a client that watches them; a `with` block ends them."""
 
-    def __init__(self, robots: Sequence[str] = ("bea",), path: str = "still") -> None:
-        """Describe the stage: names of its robots, and the path of the person in front of them."""
-        self.names, self.path = tuple(robots), path
+    def __init__(
+        self, robots: Sequence[str] = ("bea",), path: str = "still", robot_file: Path | None = None
+    ) -> None:
+        """Describe the stage: names of its robots, path of the person in front of them, values of other robots."""
+        self.names, self.path, self.robot_file = tuple(robots), path, robot_file
         with socket.create_server(("127.0.0.1", 0)) as free:
             self.endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
         self.watches: dict[str, Watch] = {}
@@ -163,7 +165,8 @@ class Stage:
             self._wait(supervisor)
             for name in self.names:
                 words = ("--name", name, "--connect", self.endpoint, "--ready", "--target", self.path)
-                supervisor.start(name, "sim", *words)
+                values = ("--robot-file", str(self.robot_file)) if self.robot_file else ()
+                supervisor.start(name, "sim", *words, *values)
             self._wait(supervisor)
             client = starting.enter_context(Client(Settings(self.names[0], self.endpoint, SEAT)))
             self.watches = {name: Watch(client, name) for name in self.names}

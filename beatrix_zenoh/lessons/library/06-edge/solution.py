@@ -1,0 +1,70 @@
+"""Lesson 6: the edge of what the head can reach. All angles are in degrees."""
+
+# %% Given: the arms for a pitch, and pitch and roll of a head that leans somewhere
+import math
+
+from beatrix_zenoh import Refused, Twin
+from beatrix_zenoh.motion.kinematics import Neck
+
+NECK = Neck()
+DIRECTIONS = (30, 90, 150, 210, 270, 330)
+
+
+def arms(pitch):
+    """Return the angles of short, middle and long for a pitch; your functions of lesson 5 do the same."""
+    return [math.degrees(arm) for arm in NECK.inverse(0.0, math.radians(pitch), 0.0)]
+
+
+def lean(tilt, direction):
+    """Return pitch and roll of a head that leans by `tilt`. Lowest is: 0 the nose, 90 the right ear, 270 the left ear."""
+    down, way = math.sin(math.radians(tilt)), math.radians(direction)
+    pitch = math.asin(down * math.cos(way))
+    return math.degrees(pitch), math.degrees(math.atan2(down * math.sin(way), math.cos(math.radians(tilt))))
+
+
+# %% Task 1: how fast must the fastest arm be?
+def speed_ratio(pitch):
+    """Return the speed of the fastest arm (deg/s) if the head pitches with 1 deg/s just at this pitch."""
+    small = 1e-4
+    before, after = arms(pitch - small), arms(pitch + small)
+    return max(abs(b - a) for a, b in zip(before, after, strict=True)) / (2 * small)
+
+
+# %% Task 2: how far can the head lean? The preview answers, and nothing moves
+def allowed(twin, tilt, direction):
+    """Return whether the robot would go there."""
+    pitch, roll = lean(tilt, direction)
+    try:
+        twin.preview(pitch=pitch, roll=roll, speed=90)
+    except Refused:
+        return False
+    return True
+
+
+def edge(twin, direction):
+    """Return the largest tilt that the robot allows in this direction, within 0.5 deg, and never too large."""
+    low, high = 0.0, 90.0
+    while high - low > 0.25:
+        middle = (low + high) / 2
+        if allowed(twin, middle, direction):
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+# %% Go to the edge in every direction, and home between
+def main():
+    """Find the edge, then lean half a degree less."""
+    with Twin() as twin:  # a simulation is enough: twin.sim
+        twin.sim.make_ready()
+        for direction in DIRECTIONS:
+            tilt = edge(twin, direction)
+            print(f"direction {direction}: up to {tilt:.1f} degrees")
+            pitch, roll = lean(tilt - 0.5, direction)
+            twin.sim.look(pitch=pitch, roll=roll, speed=90)
+            twin.sim.look(speed=90)
+
+
+if __name__ == "__main__":
+    main()
