@@ -1,0 +1,91 @@
+"""Check of lesson 9."""
+
+import math
+import time
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import simplejpeg
+
+from beatrix_zenoh.lessons.attempt import Attempt, Stage, Unmet
+from beatrix_zenoh.lessons.bench import Bench, Course
+from beatrix_zenoh.lessons.measures import at, rms
+from beatrix_zenoh.lessons.unmet import busy
+
+PICTURES = Path(__file__).parent / "pictures"
+NOBODY = "nobody"
+DELAY_S = 0.06
+"""Age of an error: of a picture from its exposure to its use."""
+JUMP = 20.0
+WAIT_S = 4.0
+"""Before the jump, so that sums that a controller keeps are forgotten."""
+LIVE_S = 16.0
+SLOWEST = 5.0
+"""Pictures a second that a check with pictures needs."""
+
+
+def check(attempt: Attempt) -> None:
+    bearings(attempt)
+    begun = run(attempt, lambda _t: JUMP, 0.6)
+    attempt.require("towards", begun.yaw[-1] > 0.5, yaw=begun.yaw[-1])
+    jump = run(attempt, lambda t: 0.0 if t < WAIT_S else JUMP, WAIT_S + 5)
+    over = (jump.yaw.max() / JUMP - 1) * 100
+    attempt.require("overshoot", over < 10, over=over)
+    left = np.abs(jump.yaw - JUMP)[jump.t > WAIT_S + 3].max()
+    attempt.require("arrives", left < 1, left=left)
+    walk = run(attempt, lambda t: 40 * math.sin(math.tau * t / 12), 24)
+    off = rms((walk.course - walk.yaw)[walk.t > 12])
+    attempt.require("follows", off < 2.5, off=off)
+    live(attempt)
+
+
+def bearings(attempt: Attempt) -> None:
+    known = tomllib.loads((PICTURES / "bearings.toml").read_text(encoding="utf-8"))
+    for name, bearing in known.items():
+        file = PICTURES / f"{name}.jpg"
+        found = attempt.value("bearing", simplejpeg.decode_jpeg(file.read_bytes()))
+        if bearing == NOBODY:
+            attempt.require("nobody", found is None or str(found) == "nan", found=found, file=file)
+            continue
+        attempt.require("missed", found is not None, file=file, bearing=bearing)
+        if isinstance(found, bool) or not isinstance(found, int | float):
+            raise Unmet("returns", function="bearing", value=repr(found)[:60], wanted="an angle in degrees")
+        values = {"found": found, "bearing": bearing, "file": file}
+        attempt.require("sign", abs(bearing) < 5 or abs(found + bearing) > 2, **values)
+        attempt.require("bearing", abs(found - bearing) <= 1, **values)
+
+
+def run(attempt: Attempt, course: Course, seconds: float) -> Bench:
+    try:
+        return attempt.bench("step", course=course, seconds=seconds, delay_s=DELAY_S, result="rate")
+    except Unmet as unmet:
+        if unmet.figure == "refused":
+            raise Unmet("swings", **unmet.values) from None
+        raise
+
+
+def live(attempt: Attempt) -> None:
+    places: list[tuple[float, float]] = []
+    rates: list[float] = []
+
+    def during(stage: Stage) -> None:
+        robot = stage.robot()
+        begin = time.monotonic()
+        with robot.camera("left") as pictures:
+            number = 0
+            while (now := time.monotonic() - begin) < LIVE_S:
+                place = robot.target()
+                places.append((now, math.degrees(math.atan2(place.y, place.x))))
+                drawn = len(pictures.take())
+                number += drawn if now > 4 else 0
+                time.sleep(0.1)
+        rates.append(number / (LIVE_S - 4))
+
+    seen = attempt.observe(path="sway", seconds=LIVE_S + 0.5, during=during)
+    if rates[0] < SLOWEST:
+        raise busy(f"It drew {rates[0]:.1f} pictures a second; {SLOWEST:.0f} are needed.")
+    times, person = np.array(places).T
+    counts = (seen.t > 6) & (seen.t < LIVE_S)
+    off = rms(at(times, person, seen.t[counts]) - seen.yaw[counts])
+    attempt.require("face", off < 6, off=off)
