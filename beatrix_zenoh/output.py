@@ -9,8 +9,8 @@ import msgspec
 
 from beatrix_zenoh.contract._generated.messages import Reason
 
-FAILED, USAGE, INTERRUPTED, UNREAD = 1, 2, 130, 141
-"""Exit codes; 0 means success. Shells use 130 for Ctrl-C, and 141 if the reader has closed the pipe."""
+FAILED, USAGE, UNREAD = 1, 2, 141
+"""Exit codes; 0 means success, shutdown.INTERRUPTED Ctrl-C. Shells use 141 if the reader has closed the pipe."""
 CODES = {
     Reason.NO_ROUTER: 3,
     Reason.TIMED_OUT: 4,

@@ -22,9 +22,9 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
-from beatrix_zenoh.output import CODES, FAILED, INTERRUPTED, USAGE, note
+from beatrix_zenoh.output import CODES, FAILED, USAGE, note
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
-from beatrix_zenoh.shutdown import Shutdown, signals_ignored
+from beatrix_zenoh.shutdown import INTERRUPTED, Shutdown, signals_ignored
 
 READY_S = 20.0
 """Time (s) after which a start is reported as slow; a busy computer that imports MuJoCo may need all of it."""

@@ -14,6 +14,8 @@ from beatrix_zenoh import hiding
 
 FAULT = 70
 """Exit code after an exception that no code handles (EX_SOFTWARE of sysexits.h), unlike that of a refusal."""
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as shells use it."""
 SIGNALS = [
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK") if hasattr(signal, name)
 ]
@@ -102,6 +104,16 @@ def _handled(handler: Callable[[int, FrameType | None], None] | signal.Handlers)
             signal.signal(number, previous)
 
 
+def interrupted(error: BaseException) -> bool:
+    """Return whether Ctrl-C has caused this error: libraries in C turn it into an ImportError while they are loaded."""
+    known: BaseException | None = error
+    while known is not None:
+        if isinstance(known, KeyboardInterrupt):
+            return True
+        known = known.__cause__ or known.__context__
+    return False
+
+
 def process(work: Callable[[], int]) -> None:
     """Run `work`, the whole task of this process; raise SystemExit with its exit code.
 
@@ -111,10 +123,12 @@ def process(work: Callable[[], int]) -> None:
         code = work()
         ignore_signals()  # so that a signal cannot change the exit code now that the work is done
     except KeyboardInterrupt:
-        code = 130  # the exit code that shells use for Ctrl-C
+        code = INTERRUPTED
     except Exception as error:  # noqa: BLE001 - prints the traceback, as Python would before it ends with exit code 1
         code = 1
-        if why := hiding.cause(error):
+        if interrupted(error):
+            code = INTERRUPTED
+        elif why := hiding.cause(error):
             sys.stderr.write(f"{why}\n")
         else:
             traceback.print_exc()

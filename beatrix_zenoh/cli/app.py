@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from beatrix_zenoh.shutdown import process
+from beatrix_zenoh.shutdown import INTERRUPTED, interrupted, process
 
 
 def main() -> None:
@@ -20,6 +20,8 @@ def run(words: list[str]) -> int:
 
         app = application(words)
     except (ImportError, AttributeError) as error:
+        if interrupted(error):
+            return INTERRUPTED
         from beatrix_zenoh import hiding
 
         lacking = (

@@ -82,9 +82,15 @@ def demo(
                     note("The robots run until the window is closed.")
                 watch(supervisor, shutdown, last)
         else:
-            note("\nTo drive both robots yourself: beatrix up --hw virtual: --gui")
+            note(f"\nTo drive both robots yourself: {JOIN([beatrix()])} up --hw virtual: --gui")
     if not good:
         raise typer.Exit(FAILED)
+
+
+def beatrix() -> str:
+    """Return how to start `beatrix` in a terminal: its path if the shell does not find it, as after `make demo`."""
+    mine = Path(sys.executable).with_name("beatrix")
+    return str(mine) if shutil.which("beatrix") is None and mine.exists() else "beatrix"
 
 
 def make_folder(out: Path) -> None:

@@ -20,7 +20,7 @@ from typing import Final, Self
 
 from beatrix_zenoh import processes
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import NoAnswer, Refused
+from beatrix_zenoh.contract.errors import NoAnswer, Refused, WrongUsage
 
 HOST: Final = "127.0.0.1"
 """The viewer accepts data and commands from every program, so other computers must not reach its port."""
@@ -90,8 +90,18 @@ def verify(path: Path) -> str:
     return "" if done.returncode == 0 else (done.stderr.strip() or "it could not be read").splitlines()[0]
 
 
+def check_exists(path: Path) -> None:
+    """Raise WrongUsage if there is no such file; the message names the recordings of its folder."""
+    if path.is_file():
+        return
+    beside = sorted(str(other) for other in path.parent.glob("*.rrd"))
+    there = f"The recordings there: {', '.join(beside)}." if beside else "`beatrix record` writes recordings."
+    raise WrongUsage(Reason.BAD_VALUE, f"{path}: there is no such file. {there}")
+
+
 def check_recording(path: Path) -> None:
-    """Raise Refused (BAD_VALUE) for a file that cannot be read or does not begin as a recording does."""
+    """Raise WrongUsage for a missing file, Refused (BAD_VALUE) for one that does not begin as a recording does."""
+    check_exists(path)
     try:
         with path.open("rb") as file:
             begin = file.read(len(MAGIC))

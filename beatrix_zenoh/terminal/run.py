@@ -17,7 +17,6 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.output import (
     FAILED,
-    INTERRUPTED,
     STDOUT,
     UNREAD,
     USAGE,
@@ -25,6 +24,7 @@ from beatrix_zenoh.output import (
     note,
     print_failure,
 )
+from beatrix_zenoh.shutdown import INTERRUPTED
 
 EXTRA_ARGUMENT = "Got unexpected extra argument"
 """The beginning of typer's message about a word without an option."""

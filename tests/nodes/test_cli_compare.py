@@ -91,7 +91,9 @@ def test_signals_end_a_recording_of_a_motion_with_its_summary(
     [
         (("replay", "none.csv"), 2, "none.csv cannot be read"),
         (("replay", "none.csv", "--lead", "1"), 2, "--on both"),
-        (("compare", "none.rrd"), 1, "none.rrd: there is no such file"),
+        (("compare", "none.rrd"), 2, "none.rrd: there is no such file"),
+        (("replay", "none.rrd"), 2, "none.rrd: there is no such file"),
+        (("view", "none.rrd"), 2, "none.rrd: there is no such file"),
         (("compare", "--max-rms", "-1"), 2, "give a number, 0 or more"),
         (("record", "--motion", "mine.rrd"), 2, "must end with .csv"),
         (("record", "mine.rrd", "--on", "hw"), 2, "--on needs --motion"),

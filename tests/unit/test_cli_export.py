@@ -95,7 +95,7 @@ def test_the_pauses_between_files_are_named(
         (["lesson.rrd", "new.csv", "--from", "1.001", "--to", "1.002"], 1, "no samples are in this part"),
         (["lesson.rrd", "new.csv", "--name", "cleo"], 1, "contains ada, bob, and not cleo"),
         (["lesson.rrd", "missing/new.csv"], 1, "cannot be written: No such file"),
-        (["missing.rrd", "new.csv"], 1, "there is no such file"),
+        (["missing.rrd", "new.csv"], 2, "there is no such file. The recordings there: lesson.rrd."),
     ],
 )
 def test_refusals_name_the_cure_and_write_nothing(

@@ -16,6 +16,7 @@ from beatrix_zenoh.recording.rows import Numbers, RecordingRow, RobotSet, of_rob
 from beatrix_zenoh.recording.rrd.stream import RowStream
 from beatrix_zenoh.recording.series import Floats
 from beatrix_zenoh.recording.verbs.compare import compare, recorded
+from beatrix_zenoh.recording.verbs.files import read_recording
 from beatrix_zenoh.recording.verbs.replay import recorded_path
 
 BEGAN_NS = 1_763_000_000_000_000_000
@@ -72,7 +73,7 @@ def test_the_error_for_a_missing_robot_lists_the_robots_of_the_recording(
     with pytest.raises(Refused, match=r"contains ada \(hw\), ada \(sim\), bob \(sim\)\. A comparison needs"):
         recorded(lesson, "bob")
     with pytest.raises(Refused, match="contains ada, bob, and not cleo: select one with --name"):
-        recorded_path(lesson, "cleo")
+        recorded_path(read_recording(lesson), lesson, "cleo")
     several = tmp_path / "several.rrd"
     write(several, {(name, side): 0.0 for name in ("ada", "bob") for side in ("sim", "hw")})
     with pytest.raises(Refused, match="Choose a robot with --name"):
@@ -82,7 +83,7 @@ def test_the_error_for_a_missing_robot_lists_the_robots_of_the_recording(
 def test_the_only_robot_of_a_recording_is_replayed_under_any_name(tmp_path: Path) -> None:
     path = tmp_path / "hw.rrd"
     write(path, {("ada", "hw"): LAG_S})
-    found = recorded_path(path, "cleo")
+    found = recorded_path(read_recording(path), path, "cleo")
     assert found.source == f"{path}, ada (hw)"
     assert np.max(found.arms, axis=0) == pytest.approx([20, 30, 10], abs=0.01), "its set points"
     assert found.duration_s == pytest.approx(3.9, abs=0.3)

@@ -34,6 +34,27 @@ def test_ctrl_c_during_an_import_prints_no_traceback(words: str, library: str, t
     assert process.returncode == 130
 
 
+@pytest.mark.parametrize(
+    "words", [("ls",), ("look", "5")], ids=["while the verbs are loaded", "while one verb is loaded"]
+)
+def test_ctrl_c_that_a_library_turns_into_an_import_error_is_ctrl_c(
+    words: tuple[str, ...], tmp_path: Path
+) -> None:
+    (tmp_path / "typer.py").write_text(
+        "try:\n    raise KeyboardInterrupt\nexcept KeyboardInterrupt as error:\n    raise ImportError('core') from error\n"
+    )
+    path = os.pathsep.join((str(tmp_path), os.environ.get("PYTHONPATH", "")))
+    done = subprocess.run(
+        [sys.executable, "-m", "beatrix_zenoh.cli", *words],
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=False,
+        env={**os.environ, "PYTHONPATH": path},
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
 def test_importing_the_package_imports_none_of_its_modules() -> None:
     code = "import sys, beatrix_zenoh; print([name for name in sys.modules if name.startswith('beatrix_zenoh.')])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -61,7 +61,8 @@ def read(path: Path) -> Recorded:
     """Read a recording, even if its recorder was killed.
 
     Raises:
-        Refused: BAD_VALUE, the file is missing, damaged, or not a recording of BEATRIX.
+        WrongUsage: there is no such file.
+        Refused: BAD_VALUE, the file is damaged or not a recording of BEATRIX.
     """
     columns = _columns(path)
     robots: dict[Place, Samples] = {}
@@ -136,8 +137,6 @@ def _chunks(path: Path) -> Iterator[tuple[str, str, Column]]:
 @contextlib.contextmanager
 def _opened(path: Path, *entities: str) -> Iterator[Iterable[Chunk]]:
     """Open the chunks of a recording, or those of some entities; raises the errors of `read` also while they are read."""
-    if not path.is_file():
-        raise Refused(Reason.BAD_VALUE, f"{path}: there is no such file.")
     check_recording(path)
     try:
         with warnings.catch_warnings():

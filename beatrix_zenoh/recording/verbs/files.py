@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.output import note, print_json, say
-from beatrix_zenoh.recording.viewer import complete, program, repair, verify
+from beatrix_zenoh.recording.viewer import check_exists, complete, program, repair, verify
 
 if TYPE_CHECKING:  # importing numpy would delay every verb
     from beatrix_zenoh.recording.samples import Recorded
@@ -56,13 +56,13 @@ def repair_recording(path: Path, *, as_json: bool) -> None:
     """Complete a recording whose end is missing; the damaged file is kept beside it.
 
     Raises:
-        Refused: BAD_VALUE, the file is missing, it contains no readable positions, or Rerun is not installed.
+        WrongUsage: there is no such file.
+        Refused: BAD_VALUE, it contains no readable positions, or Rerun is not installed.
     """
     program()  # raises before any file is changed
     from beatrix_zenoh.recording.rrd.read import holds_samples
 
-    if not path.is_file():
-        raise Refused(Reason.BAD_VALUE, f"{path}: there is no such file.")
+    check_exists(path)
     if not verify(path):
         if not holds_samples(path):
             raise Refused(Reason.BAD_VALUE, f"{path} cannot be repaired: {EMPTY}")

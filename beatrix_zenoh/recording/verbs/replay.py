@@ -31,6 +31,7 @@ from beatrix_zenoh.terminal.targets import (
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
     from beatrix_zenoh.recording.follow import Following
     from beatrix_zenoh.recording.path import ArmPath
+    from beatrix_zenoh.recording.samples import Recorded
 
 PROGRESS_S = 5.0
 """Period of the progress notes if stderr is not a terminal."""
@@ -74,11 +75,11 @@ def replay(
 
     checked_factor(speed_factor)
     check_lead(lead, on)
-    read = None if file.suffix == RECORDING else read_motion_file(file)
+    path_for = read_path(file)
     with open_targets(Selection(name, connect, who), on, acts=True) as targets:
         robots = targets.robots()
         infos = [robot.info() for robot in robots]
-        path = recorded_path(file, targets.name) if read is None else path_of_file(read, infos[0])
+        path = path_for(targets.name, infos[0])
         path = path.beginning(begin) if begin else path
         following = plan_path(path.at_speed(speed_factor), infos)
         with stop_on_interrupt(robots, as_json=as_json), progress(following) as passed:
@@ -87,6 +88,20 @@ def replay(
             else:
                 perform(robots[0], following, passed)
         show_positions(robots, as_json=as_json)
+
+
+def read_path(file: Path) -> Callable[[str, RobotInfo], ArmPath]:
+    """Read a recording or a motion file; return a function that makes the path for a robot of this name and limits.
+
+    Raises:
+        WrongUsage: there is no such file, or a motion file cannot be read.
+        Refused: BAD_VALUE, a recording cannot be read.
+    """
+    if file.suffix == RECORDING:
+        found = read_recording(file)
+        return lambda name, _info: recorded_path(found, file, name)
+    read = read_motion_file(file)
+    return lambda _name, info: path_of_file(read, info)
 
 
 def read_motion_file(file: Path) -> motion_file.MotionFile:
@@ -107,7 +122,7 @@ def path_of_file(read: motion_file.MotionFile, info: RobotInfo) -> ArmPath:
     return path_of(read, MotionLimits(robot_of(info)))
 
 
-def recorded_path(file: Path, name: str) -> ArmPath:
+def recorded_path(found: Recorded, file: Path, name: str) -> ArmPath:
     """Return the recorded path of the robot of this name, or of the only robot; that of the simulation if there is one.
 
     Raises:
@@ -116,7 +131,6 @@ def recorded_path(file: Path, name: str) -> ArmPath:
     from beatrix_zenoh.recording.path import path_of_recording
     from beatrix_zenoh.recording.series import of_samples
 
-    found = read_recording(file)
     names = {robot for robot, _ in found.robots}
     chosen = name if name in names else min(names)
     if name not in names and len(names) > 1:

@@ -12,8 +12,6 @@ import typer
 
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import names
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.output import FAILED, note, say
 from beatrix_zenoh.recording.verbs.files import describe, note_if_incomplete
 from beatrix_zenoh.recording.viewer import PORT, WEB_PORT, check_recording
@@ -47,15 +45,14 @@ def view(
 
     Ends when the viewer's window is closed, or with Ctrl-C.
     """
-    if file is not None and not file.is_file():
-        raise Refused(Reason.BAD_VALUE, f"{file}: there is no such file.")
+    if file is not None:
+        check_recording(file)
     for robot in name or []:
         names.check_name(robot)
     shutdown = Shutdown()
     shutdown.handle_signals()
     page = web_port if web else None
     if file is not None:
-        check_recording(file)
         viewer = open_viewer(port, str(file), web_port=page)
         try:
             announce(port, page, str(file))
