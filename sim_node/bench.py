@@ -57,7 +57,7 @@ class Bench:
             except BeatrixError as error:
                 return {"refused": error.message}
         self._pass(TICK_MS)
-        commanded = self._planner.gear.to_rad(self._firmware.steps())
+        commanded = self._planner.gear.to_rad(self._firmware.set_points())
         plant = self._plant
         return {
             "arms": _degrees(plant.arms()),

@@ -29,7 +29,7 @@ from beatrix_zenoh.lessons.bench import Bench, Course
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
-from beatrix_zenoh.lessons.stage import POLL_S, Seen, Stage
+from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, Seen, Stage
 from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
 
 __all__ = ["Attempt", "NotMeasurable", "Seen", "Stage", "Unmet"]
@@ -64,6 +64,8 @@ class Attempt:
         self._open = ExitStack()
         self._functions: LineChild | None = None
         self._file = program.path
+        self.doubt = ""
+        """why a figure that is not met may be the fault of this computer; empty: it was fast enough"""
 
     def __enter__(self) -> Self:
         folder = self._open.enter_context(tempfile.TemporaryDirectory(prefix="beatrix-lesson-"))
@@ -233,6 +235,7 @@ class Attempt:
         robot_file: Path | None = None,
     ) -> dict[str, Seen]:
         """As `observe`; return what each robot did, by name."""
+        self.doubt = ""
         with ExitStack() as running:
             stage = self._given
             wanted = (tuple(robots), path, robot_file)
@@ -250,7 +253,7 @@ class Attempt:
             environment = {
                 "BEATRIX_CONNECT": stage.endpoint,
                 "BEATRIX_ROBOT": robots[0],
-                "BEATRIX_WHO": "pupil",
+                "BEATRIX_WHO": PUPIL,
             }
             run = Run(self._file, self._program, environment)
             running.callback(run.close)
@@ -262,7 +265,9 @@ class Attempt:
                         run.check()  # the program's own error is the cause
                     raise
             self._wait(run, stage, seconds)
-            return {name: watch.end(run.began_ns, run.output) for name, watch in stage.watches.items()}
+            found = {name: watch.end(run.began_ns, run.output) for name, watch in stage.watches.items()}
+            self.doubt = next((seen.doubt for seen in found.values() if seen.doubt), "")
+            return found
 
     def _wait(self, run: Run, stage: Stage, seconds: float | None) -> None:
         """Wait for the end of the program, or end it after `seconds`, and keep what the robots publish meanwhile."""

@@ -37,7 +37,7 @@ class Bench:
     speed: Curve
     """of the arms, shape (n, 3)"""
     commanded: Curve
-    """the firmware's set point of the arms, shape (n, 3)"""
+    """the firmware's set point of the arms, not rounded to microsteps, shape (n, 3)"""
     asked: Curve
     """the targets that the function gave, shape (n, 3): yaw, pitch, roll"""
     course: Curve

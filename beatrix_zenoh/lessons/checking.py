@@ -12,7 +12,7 @@ from beatrix_zenoh.lessons.lesson import Lesson
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.lessons.stage import Stage
-from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet
+from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
 
 
 class Result(Enum):
@@ -51,10 +51,13 @@ def check(
         stage: a stage that runs already, to use where it fits.
         keep: record the robots of an observed run to this file, which is overwritten.
     """
+    attempt = Attempt(program, limit_s=lesson.about.limit_s, stage=stage, keep=keep)
     try:
-        with Attempt(program, limit_s=lesson.about.limit_s, stage=stage, keep=keep) as attempt:
+        with attempt:
             lesson.check()(attempt)
     except Unmet as unmet:
+        if attempt.doubt:
+            return Verdict(Result.NOT_MEASURABLE, means=str(busy(attempt.doubt)))
         return verdict(lesson, unmet)
     except NotMeasurable as why:
         return Verdict(Result.NOT_MEASURABLE, means=str(why))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from beatrix_zenoh.lessons import program
 from beatrix_zenoh.lessons.checking import Result, Verdict, check
 from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson, lessons
+from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.lessons.unmet import Unmet
 
 LESSONS = lessons()
@@ -19,11 +21,18 @@ WRONG = [path for lesson in LESSONS for path in sorted((lesson.folder / "wrong")
 BUSY_TRIES = 3
 
 
-def checked(lesson: Lesson, path: Path) -> Verdict:
+@pytest.fixture(scope="session")
+def stage() -> Iterator[Stage]:
+    """One simulation for all observed checks, because its start takes as long as most programs."""
+    with Stage() as stage:
+        yield stage
+
+
+def checked(lesson: Lesson, path: Path, stage: Stage) -> Verdict:
     """Check a program; a busy computer is no verdict, so try again."""
     why = ""
     for _ in range(BUSY_TRIES):
-        verdict = check(lesson, program.read(path))
+        verdict = check(lesson, program.read(path), stage=stage)
         if verdict.result is not Result.NOT_MEASURABLE:
             return verdict
         why = verdict.means
@@ -31,24 +40,24 @@ def checked(lesson: Lesson, path: Path) -> Verdict:
 
 
 @pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.name)
-def test_the_solution_passes(lesson: Lesson) -> None:
-    verdict = checked(lesson, lesson.folder / "solution.py")
+def test_the_solution_passes(lesson: Lesson, stage: Stage) -> None:
+    verdict = checked(lesson, lesson.folder / "solution.py", stage)
     assert verdict == Verdict(Result.PASSED)
 
 
 @pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.name)
-def test_the_start_does_not_pass(lesson: Lesson) -> None:
-    verdict = checked(lesson, lesson.folder / "start.py")
+def test_the_start_does_not_pass(lesson: Lesson, stage: Stage) -> None:
+    verdict = checked(lesson, lesson.folder / "start.py", stage)
     assert verdict.result is Result.NOT_YET
     assert verdict.hint, f"{verdict.figure} of the start has no hint"
 
 
 @pytest.mark.parametrize("path", WRONG, ids=lambda path: f"{path.parent.parent.name}/{path.stem}")
-def test_a_wrong_program_fails_with_its_figure(path: Path) -> None:
+def test_a_wrong_program_fails_with_its_figure(path: Path, stage: Stage) -> None:
     lesson = Lesson(path.parent.parent)
     expected = EXPECTS.match(path.read_text(encoding="utf-8"))
     assert expected, "the first line is `# expects: FIGURE`"
-    verdict = checked(lesson, path)
+    verdict = checked(lesson, path, stage)
     assert verdict.figure == expected[1], verdict
     assert verdict.means
 

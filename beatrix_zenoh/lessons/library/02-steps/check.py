@@ -1,0 +1,40 @@
+from itertools import pairwise
+
+import numpy as np
+
+from beatrix_zenoh.lessons.attempt import Attempt
+
+TURN = 200 * 8 * 68 / 26
+STEP = 360 / TURN
+ANGLES = range(3, 31, 3)
+AS_ASKED, SMALLEST = 0.09, 0.01
+
+
+def check(attempt: Attempt) -> None:
+    turn = attempt.call("steps_per_turn")
+    attempt.require("gear", abs(turn - 1600) > 1, value=turn)
+    attempt.require("upside-down", abs(turn - 1600 * 26 / 68) > 1, value=turn)
+    attempt.require("turn", abs(turn - TURN) < 0.1, value=turn)
+    step = attempt.call("degrees_per_step")
+    attempt.require("step", abs(step - STEP) < 0.001, value=step)
+    for degrees in (1, 10, 29.99, 45, -10):
+        steps = attempt.call("steps_for", degrees)
+        attempt.require("whole", steps == int(steps), degrees=degrees, steps=steps)
+        away = abs(steps * STEP - degrees)
+        attempt.require("nearest", away <= STEP / 2, degrees=degrees, steps=steps, away=away)
+    degrees = attempt.call("degrees_for", 116)
+    attempt.require("back", abs(degrees - 116 * STEP) < 0.01, value=degrees)
+    seen = attempt.observe()
+    own = [
+        (float(time), event.phase)
+        for event, time in zip(seen.events, seen.event_times, strict=True)
+        if event.kind == "motion" and event.seat == "pupil"
+    ]
+    ends = [after for (_, phase), (after, _) in pairwise([*own, (seen.t[-1], "")]) if phase == "done"]
+    stops = [float(np.interp(end - 0.02, seen.t, seen.short)) for end in ends]  # at rest
+    for asked in ANGLES:
+        nearest = min(stops, key=lambda stop: abs(stop - asked), default=0.0)
+        attempt.require("angles", abs(nearest - asked) < AS_ASKED, asked=asked, nearest=nearest)
+    moves = [abs(b - a) for a, b in pairwise(stops) if abs(b - a) > STEP / 2]
+    smallest = min(moves, default=0.0)
+    attempt.require("smallest", abs(smallest - STEP) < SMALLEST, smallest=smallest)
