@@ -15,6 +15,7 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
+from numpy.lib.stride_tricks import as_strided
 
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, RobotData
 from beatrix_zenoh.motion.gear import Arms, Gear
@@ -41,6 +42,10 @@ STILL_HZ: Final = 10.0
 HARMONICS: Final = 6
 TAPS: Final = 16
 PHASES: Final = 512
+BEFORE: Final = TAPS // 2 - 1
+"""Samples of the kernel before the frame that it computes."""
+STILL_M: Final = 1e-6
+"""Change of a distance (m), or of a shadow, within a block that counts as rest; 1e-6 m are 3 ns."""
 _REACH: Final = 20
 """Frames over which the kernel of the head shadow extends to either side."""
 
@@ -50,7 +55,7 @@ Signal = Callable[[int, int], Vector]
 
 def _sincs() -> npt.NDArray[np.float32]:
     """Return the kernels for PHASES + 1 delays between two samples, shape (PHASES + 1, TAPS), each of sum 1."""
-    at = np.arange(TAPS) - (TAPS // 2 - 1) - np.linspace(0, 1, PHASES + 1)[:, None]
+    at = np.arange(TAPS) - BEFORE - np.linspace(0, 1, PHASES + 1)[:, None]
     kernels: Vector = np.sinc(at) * np.cos(np.pi * at / (TAPS + 1)) ** 2
     kernels /= kernels.sum(axis=1, keepdims=True)
     return kernels.astype(np.float32)
@@ -71,6 +76,8 @@ def _stepper() -> Vector:
     return tone
 
 
+NUMBERS: Final = np.arange(BLOCK, dtype=np.float64)
+STEPS: Final = NUMBERS / BLOCK
 SINCS: Final = _sincs()
 STEPPER: Final = _stepper()
 SHADE: Final = _shadow()
@@ -179,21 +186,30 @@ def heard_by(
     signal: Signal, began: float, distances: tuple[float, float], shadows: tuple[float, float]
 ) -> Vector:
     """Return what one ear hears in a block; distances (m) and shadows are those at its begin and its end."""
-    at = np.arange(BLOCK) / BLOCK
-    away = distances[0] + (distances[1] - distances[0]) * at
-    places = began + np.arange(BLOCK) - away * (RATE / SOUND)
-    whole = np.floor(places).astype(np.int64)
-    first, last = int(whole.min()) - TAPS // 2 + 1, int(whole.max()) + TAPS // 2
-    emitted = signal(first - _REACH, last - first + 1 + 2 * _REACH)
-    shaded = np.convolve(emitted, SHADE, "valid")
+    if abs(distances[1] - distances[0]) < STILL_M and abs(shadows[1] - shadows[0]) < STILL_M:
+        return _heard_at_rest(signal, began, distances[1], shadows[1])
+    away = distances[0] + (distances[1] - distances[0]) * STEPS
+    places = began + NUMBERS - away * (RATE / SOUND)
+    floor = np.floor(places)
+    whole = floor.astype(np.int64)
+    first, last = int(whole.min()) - BEFORE, int(whole.max()) + TAPS - BEFORE
+    emitted = signal(first - _REACH, last - first + 2 * _REACH)
     clear = emitted[_REACH:-_REACH]
-    strength = shadows[0] + (shadows[1] - shadows[0]) * np.linspace(0, 1, len(clear))
-    mixed = (clear + strength * (shaded - clear)).astype(np.float32)
-    phases = np.rint((places - whole) * PHASES).astype(np.int64)
-    heard: Vector
-    if phases[0] == phases[-1] and whole[-1] - whole[0] == BLOCK - 1:  # at rest one kernel serves all frames
-        heard = np.correlate(mixed, SINCS[phases[0]], "valid")
-    else:
-        rows = np.lib.stride_tricks.sliding_window_view(mixed, TAPS)[whole - TAPS // 2 + 1 - first]
-        heard = np.einsum("ij,ij->i", rows, SINCS.take(phases, axis=0))
-    return heard / np.maximum(away, NEAREST)
+    strength = np.linspace(shadows[0], shadows[1], len(clear))
+    mixed = (clear + strength * (np.convolve(emitted, SHADE, "valid") - clear)).astype(np.float32)
+    windows = as_strided(mixed, (len(mixed) - TAPS + 1, TAPS), mixed.strides * 2)
+    rows = windows.take(whole - (first + BEFORE), axis=0)
+    kernels = SINCS.take(((places - floor) * PHASES + 0.5).astype(np.int64), axis=0)
+    heard: Vector = np.einsum("ij,ij->i", rows, kernels) / np.maximum(away, NEAREST)
+    return heard
+
+
+def _heard_at_rest(signal: Signal, began: float, away: float, shadow: float) -> Vector:
+    """Return what one ear hears in a block while nothing moves: one kernel serves all frames."""
+    place = began - away * (RATE / SOUND)
+    whole = math.floor(place)
+    shade = shadow * SHADE
+    shade[_REACH] += 1 - shadow
+    kernel = np.convolve(SINCS[round((place - whole) * PHASES)], shade) / max(away, NEAREST)
+    heard: Vector = np.correlate(signal(whole - BEFORE - _REACH, BLOCK + len(kernel) - 1), kernel, "valid")
+    return heard

@@ -90,6 +90,7 @@ def main() -> None:
     show(console, figures)
     for script in (
         "bench_eyes.py",
+        "bench_ears.py",
         "bench_kinematics.py",
         "bench_plant.py",
         "bench_poses.py",

@@ -181,6 +181,12 @@ class PeriodicStream(StrEnum):
     CAMERA_LEFT = "camera/left"
     CAMERA_RIGHT = "camera/right"
     CAMERA_OUTSIDE = "camera/outside"
+    MICROPHONES = "microphones"
+
+    @property
+    def what(self) -> str:
+        """What is published, in the plural."""
+        return {"positions": "positions", "microphones": "blocks"}.get(self.value, "pictures")
 
 
 class Numbered(Protocol):
@@ -217,7 +223,7 @@ def hz(
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Measure rate, jitter, age and losses of positions or pictures."""
+    """Measure rate, jitter, age and losses of a stream."""
     with open_targets(Selection(name, connect, who), on) as targets:
         robots = targets.robots()
         offsets = [clock_offsets(targets.client, *robot.place).wall.offset for robot in robots]
@@ -237,7 +243,7 @@ def hz(
     else:
         show_rates(
             {str(robot): found for robot, found in rates.items()},
-            "positions" if stream is PeriodicStream.POSITIONS else "pictures",
+            stream.what,
         )
 
 
@@ -245,6 +251,8 @@ def subscribe(robot: Robot, stream: PeriodicStream) -> Subscription[Numbered]:
     """Return a subscription to the stream of a robot."""
     if stream is PeriodicStream.POSITIONS:
         return cast("Subscription[Numbered]", robot.positions_stream())
+    if stream is PeriodicStream.MICROPHONES:
+        return cast("Subscription[Numbered]", robot.microphones())
     eye = stream.removeprefix("camera/")
     pictures = subscription.images(robot.client, *robot.place, eye, timeout_s=None, length=PICTURES)
     return cast("Subscription[Numbered]", pictures)

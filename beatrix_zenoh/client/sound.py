@@ -136,7 +136,7 @@ class Faults:
 
     def __str__(self) -> str:
         counts = f"{self.lost} blocks lost, {self.duplicated} duplicated, {self.late} late"
-        return f"{counts}; {self.dropped} frames dropped by the device"
+        return f"{counts}; {self.dropped} frames dropped by the robot"
 
 
 @dataclass

@@ -18,6 +18,7 @@ PAGES = (
     "docs/tutorial/first-steps.md",
     "docs/how-to/choreographies.md",
     "docs/how-to/simulated-eyes.md",
+    "docs/how-to/microphones.md",
     "docs/how-to/motion-files.md",
     "docs/how-to/cameras.md",
     "docs/how-to/share-a-robot.md",

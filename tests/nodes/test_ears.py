@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import wave
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from robots import Stage, wait_status
+from shell import beatrix
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh.client.sound import Sound
@@ -103,6 +105,26 @@ def test_mistakes_are_refused_with_what_is_allowed(robot: Robot, tmp_path: Path)
         robot.play_sound(tmp_path / "missing.wav")
     with pytest.raises(WrongUsage, match="seconds"):
         robot.play_sound("noise", 0)
+
+
+def test_the_command_line_measures_the_blocks(robot: Robot, stage: Stage) -> None:
+    shown = beatrix(
+        "hz",
+        "microphones",
+        "--seconds",
+        "1",
+        "--name",
+        "bea",
+        "--connect",
+        stage.endpoint,
+        "--on",
+        "sim",
+        "--json",
+    )
+    (row,) = json.loads(shown.stdout)["robots"]
+    assert row["lost"] is not None
+    assert 20 < row["hz"] < 100
+    assert row["age_ms"] >= 20
 
 
 def test_simulated_ears_are_no_news(robot: Robot) -> None:
