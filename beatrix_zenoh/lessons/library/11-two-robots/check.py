@@ -1,0 +1,87 @@
+"""Check of lesson 11: the check moves the leader, takes the follower for a while as the teacher, and presses STOP."""
+
+import time
+
+import numpy as np
+
+from beatrix_zenoh.lessons.attempt import Attempt, Seen, Stage, Unmet
+from beatrix_zenoh.lessons.measures import at, rms
+
+LEADER, FOLLOWER = "bea1", "bea2"
+SIGNS = np.array([-1.0, 1.0, -1.0])
+NEAR = 2.0
+"""The follower is the mirror image if no angle differs by more (deg)."""
+PATIENT_S = 12.0
+POSES = ((20, 0, 0), (-20, 10, 5), (0, -8, -5), (15, 5, 0), (0, 0, 0))
+SPEED = 30.0
+TIMES = ([0, 0.02, 0.04, 0.06, 0.08, 0.1], [3 + 0.02 * i for i in range(26)], [0, 0.5], [7, 8, 9.5, 10])
+
+
+def check(attempt: Attempt) -> None:
+    for times in TIMES:
+        asked, found = (len(times) - 1) / (times[-1] - times[0]), attempt.call("rate", times)
+        attempt.require("rate", abs(found / asked - 1) < 0.01, count=len(times), asked=asked, found=found)
+    marks: dict[str, float] = {}
+    seen = attempt.observe_all(robots=(LEADER, FOLLOWER), during=lambda stage: play(stage, marks))
+    lag, off = delay(seen[LEADER], seen[FOLLOWER], marks["begin"], marks["end"])
+    attempt.require("late", lag < 0.3, lag=1000 * lag)
+    attempt.require("shape", off < 3, off=off)
+    attempt.require("both", marks["moved"] < 0.5, moved=marks["moved"])
+
+
+def play(stage: Stage, marks: dict[str, float]) -> None:
+    """Be the conductor who moves the leader, the teacher who takes the follower, and the guest who presses STOP."""
+    start = time.monotonic()
+    leader, follower = stage.robot(LEADER, "conductor"), stage.robot(FOLLOWER, "conductor")
+    leader.look(15, 6, 4)
+    wait_for_image(leader, follower, "mirrors")
+    marks["begin"] = time.monotonic() - start
+    for pose in POSES:
+        leader.look(*pose, speed=SPEED)
+    time.sleep(0.5)
+    marks["end"] = time.monotonic() - start
+    with stage.robot(FOLLOWER, "teacher").lease():
+        leader.look(-15, 0, 0)
+        time.sleep(1.0)
+    wait_for_image(leader, follower, "taken")
+    leader.look(60, 0, 0, speed=12, wait=False)
+    time.sleep(1.0)
+    stage.robot(FOLLOWER, "guest").stop()
+    time.sleep(1.0)
+    before = leader.positions().head.yaw
+    time.sleep(0.5)
+    marks["moved"] = abs(leader.positions().head.yaw - before)
+    if marks["moved"] >= 0.5:
+        leader.stop()
+
+
+def wait_for_image(leader, follower, figure: str) -> None:
+    """Wait until the follower is the mirror image of the leader; raises Unmet."""
+    deadline_s = time.monotonic() + PATIENT_S
+    wanted = SIGNS * np.array(leader.positions().head)
+    while np.abs(np.array(follower.positions().head) - wanted).max() > NEAR:
+        if time.monotonic() > deadline_s:
+            found = follower.positions().head
+            raise Unmet(figure, asked=text(wanted), found=text(found))
+        time.sleep(0.1)
+
+
+def text(head) -> str:
+    return "yaw {:.0f}, pitch {:.0f}, roll {:.0f}".format(*head)
+
+
+def delay(leader: Seen, follower: Seen, begin: float, end: float) -> tuple[float, float]:
+    """Return how late the follower is (s), and how far off then (deg, root mean square of the worst angle)."""
+    inside = (follower.t >= begin) & (follower.t <= end)
+    best = (0.0, np.inf)
+    for lag in np.arange(0.0, 2.0, 0.02):
+        off = max(
+            rms(
+                SIGNS[i] * at(leader.t, leader.head[:, i], follower.t[inside] - lag)
+                - follower.head[inside, i]
+            )
+            for i in range(3)
+        )
+        if off < best[1]:
+            best = (float(lag), off)
+    return best
