@@ -86,6 +86,11 @@ class Lesson:
         return self._translated(self.folder / "lesson.md")
 
     @property
+    def teacher_page(self) -> Path:
+        """The page for teachers."""
+        return self._translated(self.folder / "teacher.md")
+
+    @property
     def hints(self) -> list[str]:
         """The hints, the first to give first."""
         return self._texts.hints

@@ -189,8 +189,11 @@ def check(
     found, path = _program(number, workspace)
     program = programs.read(path)
     note(f"Checking {_shown(path)} …")
+    recording = path.with_name("check.rrd")
     with signals_interrupt():
-        verdict = checking.check(found, program, keep=path.with_name("check.rrd") if keep else None)
+        verdict = checking.check(found, program, keep=recording if keep else None)
+    if keep and not recording.exists():
+        note("This check used no simulated robot that runs in real time: there is nothing to record.")
     record = workspace.record(found.name)
     checking.count(record, verdict, program)
     workspace.save()
@@ -310,3 +313,4 @@ def solution(
             f"Your program has not passed yet. {LESSON} hint {number}` helps; --show prints the solution anyway.",
         )
     say((found.folder / "solution.py").read_text(encoding="utf-8"))
+    note(f"The page for teachers: {found.teacher_page}")

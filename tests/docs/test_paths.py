@@ -12,8 +12,10 @@ PAGES = sorted([ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").r
 CODE = re.compile(r"^```text\n.*?^```|`[^`\n]+`", re.MULTILINE | re.DOTALL)
 """Inline code, and drawings in text."""
 PATH = re.compile(r"[\w.-]+/[\w./-]*")
-FOLDERS = {path.name for path in (*ROOT.iterdir(), *(ROOT / "beatrix_zenoh").iterdir()) if path.is_dir()}
-"""First parts of the paths in pages: folders of the repository, or of the library."""
+FOLDERS = {path.name for path in (*ROOT.iterdir(), *(ROOT / "beatrix_zenoh").iterdir()) if path.is_dir()} - {
+    "lessons"
+}
+"""First parts of the paths in pages: folders of the repository, or of the library. A pupil has a folder `lessons`, too."""
 
 
 def named(page: Path) -> set[str]:
