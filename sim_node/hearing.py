@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -22,6 +23,7 @@ from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.rotation import Rotation
 from beatrix_zenoh.node.microphones import BLOCK, RATE
 from sim_node.shapes import Point, Vector
+from sim_node.sounds import Samples
 
 SOUND: Final = 343.0
 """Speed of sound (m/s) at 20 degrees Celsius."""
@@ -39,6 +41,7 @@ MOTOR_HZ: Final = 350.0
 """Microsteps per second of an arm at 30 deg/s, the default speed."""
 STILL_HZ: Final = 10.0
 """Below this many microsteps per second an arm only settles: its motor makes no steps."""
+SILENT: Final[Arms] = (0.0, 0.0, 0.0)
 HARMONICS: Final = 6
 TAPS: Final = 16
 PHASES: Final = 512
@@ -49,7 +52,7 @@ STILL_M: Final = 1e-6
 _REACH: Final = 20
 """Frames over which the kernel of the head shadow extends to either side."""
 
-Signal = Callable[[int, int], Vector]
+Signal = Callable[[int, int], Samples]
 """Samples of a source: number of the first one, and how many; emitted at RATE, number 0 at the start of the sound."""
 
 
@@ -61,12 +64,12 @@ def _sincs() -> npt.NDArray[np.float32]:
     return kernels.astype(np.float32)
 
 
-def _shadow() -> Vector:
+def _shadow() -> Samples:
     """Return a one-pole low-pass, forwards and backwards: it has no delay of its own, which would move the source."""
     pole = math.exp(-math.tau * SHADOW_HZ / RATE)
     kernel: Vector = pole ** np.abs(np.arange(-_REACH, _REACH + 1))
     kernel /= kernel.sum()
-    return kernel
+    return kernel.astype(np.float32)
 
 
 def _stepper() -> Vector:
@@ -136,43 +139,47 @@ class Ears:
         self._steps_per_turn, self._noise = Gear(robot.drive).steps_per_turn, noise
         self._random = np.random.default_rng(seed)
         self._last: Hearing | None = None
-        self._rates: Vector = np.zeros(3)
+        self._rates = SILENT
         self._phases: Vector = np.zeros(3)
 
     def restart(self) -> None:
         """Forget where the last block ended, after a pause."""
-        self._last, self._rates = None, np.zeros(3)
+        self._last, self._rates = None, SILENT
 
-    def block(self, now: Hearing, signal: Signal | None, began: float) -> Vector:
+    def block(self, now: Hearing, signal: Signal | None, began: float) -> Samples:
         """Return the next BLOCK frames, shape (BLOCK, 2), which end with `now`.
 
         `signal` is the sound of the source, None for silence; `began` is the number of the sample (may be a fraction)
         that the source emits at the first frame.
         """
         last, self._last = self._last or now, now
-        heard: Vector = self._noise * self._random.standard_normal((BLOCK, 2))
+        heard = self._random.standard_normal((2, BLOCK), dtype=np.float32)
+        heard *= self._noise
         if signal is not None:
             distances, shadows = (last.distances(), now.distances()), (last.shadows(), now.shadows())
             for ear in (0, 1):
                 far = distances[0][ear], distances[1][ear]
-                heard[:, ear] += heard_by(signal, began, far, (shadows[0][ear], shadows[1][ear]))
-        heard += self._motors(last, now)[:, None]
-        return heard
+                heard[ear] += heard_by(signal, began, far, (shadows[0][ear], shadows[1][ear]))
+        before, self._rates = self._rates, self._step_rates(last.arms, now.arms)
+        if before != SILENT or self._rates != SILENT:
+            heard += self._motors(np.array(before), np.array(self._rates))
+        return heard.T
 
-    def _motors(self, last: Hearing, now: Hearing) -> Vector:
+    def _step_rates(self, last: Arms, now: Arms) -> Arms:
+        """Return the microsteps per second of each arm during a block."""
+        scale = self._steps_per_turn / math.tau * RATE / BLOCK
+        x, y, z = (abs(after - before) * scale for after, before in zip(now, last, strict=True))
+        return SILENT if max(x, y, z) < STILL_HZ else (x, y, z)
+
+    def _motors(self, before: Vector, after: Vector) -> Samples:
         """Return the sound of the motors: a tone with the frequency of each motor's steps, and the rattle of gears."""
-        steps = np.abs(np.subtract(now.arms, last.arms)) * (self._steps_per_turn / math.tau)
-        rates = steps * (RATE / BLOCK)
-        before, self._rates = self._rates, np.where(rates < STILL_HZ, 0.0, rates)
-        if not before.any() and not self._rates.any():
-            return np.zeros(BLOCK)
-        at = np.arange(1, BLOCK + 1) / BLOCK
-        loud = MOTOR * np.sqrt(ramp(before, self._rates, at) / MOTOR_HZ)
-        turns = self._phases + steps * at[:, None]
+        at = (NUMBERS + 1) / BLOCK
+        loud = MOTOR * np.sqrt(ramp(before, after, at) / MOTOR_HZ)
+        turns = self._phases + after * (at * (BLOCK / RATE))[:, None]
         self._phases = turns[-1] % 1.0
         tones = STEPPER.take((turns * len(STEPPER)).astype(np.int64), mode="wrap")
         rattle = self._random.standard_normal(BLOCK) * np.sqrt(np.square(loud).sum(axis=1)) / 3
-        motors: Vector = (loud * tones).sum(axis=1) + rattle
+        motors: Samples = ((loud * tones).sum(axis=1) + rattle).astype(np.float32)
         return motors
 
 
@@ -184,7 +191,7 @@ def ramp(before: Vector, after: Vector, at: Vector) -> Vector:
 
 def heard_by(
     signal: Signal, began: float, distances: tuple[float, float], shadows: tuple[float, float]
-) -> Vector:
+) -> Samples:
     """Return what one ear hears in a block; distances (m) and shadows are those at its begin and its end."""
     if abs(distances[1] - distances[0]) < STILL_M and abs(shadows[1] - shadows[0]) < STILL_M:
         return _heard_at_rest(signal, began, distances[1], shadows[1])
@@ -195,21 +202,28 @@ def heard_by(
     first, last = int(whole.min()) - BEFORE, int(whole.max()) + TAPS - BEFORE
     emitted = signal(first - _REACH, last - first + 2 * _REACH)
     clear = emitted[_REACH:-_REACH]
-    strength = np.linspace(shadows[0], shadows[1], len(clear))
-    mixed = (clear + strength * (np.convolve(emitted, SHADE, "valid") - clear)).astype(np.float32)
+    strength = np.linspace(shadows[0], shadows[1], len(clear), dtype=np.float32)
+    mixed = clear + strength * (np.convolve(emitted, SHADE, "valid") - clear)
     windows = as_strided(mixed, (len(mixed) - TAPS + 1, TAPS), mixed.strides * 2)
     rows = windows.take(whole - (first + BEFORE), axis=0)
     kernels = SINCS.take(((places - floor) * PHASES + 0.5).astype(np.int64), axis=0)
-    heard: Vector = np.einsum("ij,ij->i", rows, kernels) / np.maximum(away, NEAREST)
+    heard: Samples = (np.einsum("ij,ij->i", rows, kernels) / np.maximum(away, NEAREST)).astype(np.float32)
     return heard
 
 
-def _heard_at_rest(signal: Signal, began: float, away: float, shadow: float) -> Vector:
+def _heard_at_rest(signal: Signal, began: float, away: float, shadow: float) -> Samples:
     """Return what one ear hears in a block while nothing moves: one kernel serves all frames."""
     place = began - away * (RATE / SOUND)
     whole = math.floor(place)
+    kernel = _kernel(round((place - whole) * PHASES), round(away, 5), round(shadow, 4))
+    heard: Samples = np.correlate(signal(whole - BEFORE - _REACH, BLOCK + len(kernel) - 1), kernel, "valid")
+    return heard
+
+
+@lru_cache(maxsize=16)
+def _kernel(phase: int, away: float, shadow: float) -> Samples:
+    """Return delay, head shadow and distance as one kernel."""
     shade = shadow * SHADE
     shade[_REACH] += 1 - shadow
-    kernel = np.convolve(SINCS[round((place - whole) * PHASES)], shade) / max(away, NEAREST)
-    heard: Vector = np.correlate(signal(whole - BEFORE - _REACH, BLOCK + len(kernel) - 1), kernel, "valid")
-    return heard
+    kernel: Samples = (np.convolve(SINCS[phase], shade) / max(away, NEAREST)).astype(np.float32)
+    return kernel

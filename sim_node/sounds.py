@@ -37,14 +37,18 @@ class Playing:
         """Return how much longer it plays (s)."""
         return max(0.0, self.began_s + self.seconds - now_s)
 
-    def emitted(self, first: int, count: int) -> Vector:
+    def emitted(self, first: int, count: int) -> Samples:
         """Return `count` samples from number `first` on; zeros before the sound begins and after its end."""
-        total = round(self.seconds * RATE)
+        total, begin = round(self.seconds * RATE), first % len(self.samples)
+        if begin + count <= len(self.samples):
+            samples = self.samples[begin : begin + count]
+        else:
+            samples = self.samples.take(np.arange(begin, begin + count), mode="wrap")
+        if first >= FADE and first + count <= total - FADE:
+            return samples
         numbers = np.arange(first, first + count)
-        samples: Vector = self.samples.take(numbers, mode="wrap").astype(np.float64)
-        if first < FADE or first + count > total - FADE:
-            samples *= np.clip(np.minimum(numbers + 1, total - numbers) / FADE, 0.0, 1.0)
-        return samples
+        fade: Samples = np.clip(np.minimum(numbers + 1, total - numbers) / FADE, 0.0, 1.0).astype(np.float32)
+        return samples * fade
 
 
 def _noise(length: int, low_hz: float, high_hz: float, seed: int = SEED) -> Vector:

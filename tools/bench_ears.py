@@ -10,9 +10,13 @@ from bench_eyes import swing, tree_cpu_s
 from bench_node import Served, free_endpoint, spread_ms
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh.client.sound import Sound
+from beatrix_zenoh.client.subscription import Arrival
 
 NAME = "bench"
 SECONDS = 12.0
+READ_S = 1.0
+"""Time (s) between two reads; ten seconds of blocks wait at most."""
 SETTLE_S = 6.0
 """Time (s) before each measurement: the real-time factor is a mean over five seconds."""
 
@@ -39,9 +43,11 @@ def measure(robot: Robot, process: int, *, heard: bool, moving: bool) -> Run:
         if ears is not None:
             ears.take()
         begin_s, spent_s = time.monotonic(), tree_cpu_s(process)
-        turn(robot, begin_s + SECONDS)
+        blocks: list[Arrival[Sound]] = []
+        while time.monotonic() < begin_s + SECONDS:
+            turn(robot, time.monotonic() + READ_S)
+            blocks += [] if ears is None else ears.take_arrivals()
         spent_s, took_s = tree_cpu_s(process) - spent_s, time.monotonic() - begin_s
-        blocks = [] if ears is None else ears.take_arrivals()
         faults = "" if ears is None else str(ears.faults)
         plant = robot.status().plant
         assert plant is not None

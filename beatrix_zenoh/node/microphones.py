@@ -53,7 +53,10 @@ class SoundBlock:
 
 def to_pcm(samples: Samples) -> bytes:
     """Return samples as 16-bit integers; what is louder than full scale is cut off, as in a real converter."""
-    return np.clip(np.rint(samples * FULL_SCALE), -FULL_SCALE, FULL_SCALE - 1).astype("<i2").tobytes()
+    scaled = samples * FULL_SCALE
+    np.rint(scaled, out=scaled)
+    np.clip(scaled, -FULL_SCALE, FULL_SCALE - 1, out=scaled)
+    return scaled.astype("<i2", order="C").tobytes()
 
 
 class BlockClock:
@@ -134,10 +137,11 @@ class MicrophonesPublisher:
         )
         self.report("")
         self._switch(on=True)
-        with self._lock:
-            self._status = msgspec.structs.replace(
-                self._status, source=block.source, dropped=block.dropped % _SEQS
-            )
+        if (block.source, header.dropped) != (self._status.source, self._status.dropped):
+            with self._lock:
+                self._status = msgspec.structs.replace(
+                    self._status, source=block.source, dropped=header.dropped
+                )
         # Publish last, so that a client that has the block reads a status that includes it.
         self._publication.put(block.samples, codec.encode(header))
 
@@ -159,6 +163,8 @@ class MicrophonesPublisher:
         """
         with self._lock:
             before = self._status.trouble
+            if self._status.connected == (not trouble) and before == trouble:
+                return
             self._status = msgspec.structs.replace(self._status, connected=not trouble, trouble=trouble)
         if trouble == before:
             return
