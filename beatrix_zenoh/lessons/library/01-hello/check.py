@@ -11,7 +11,7 @@ def check(attempt: Attempt) -> None:
     moved = np.abs(seen.head).max()
     attempt.require("moves", moved > 1, moved=moved)
     nods, rolls = swings(seen.pitch, least=2), swings(seen.roll, least=2)
-    largest, rolled = max(nods, default=0.0), max(rolls, default=0.0)
+    largest, rolled = max(nods, default=np.ptp(seen.pitch)), max(rolls, default=0.0)
     attempt.require("rolls", largest >= NOD or rolled < NOD, rolled=rolled, largest=largest)
     count = sum(size >= NOD for size in nods)
     attempt.require("nods", count >= 4, count=count, largest=largest)

@@ -18,7 +18,7 @@ ALIASES = (
     (7, 4, 1),
 )
 """Frequency and rate (Hz), and the lowest frequency with the same samples (Hz)."""
-RESPONSES = ((0.25, 0.98, 0.07), (1.0, 0.54, 0.30), (2.0, 0.18, 0.24), (2.0, 0.18, 0.45))
+RESPONSES = ((1.0, 0.54, 0.30), (0.25, 0.98, 0.07), (2.0, 0.18, 0.24), (2.0, 0.18, 0.45))
 """Frequency (Hz), gain and lag (s) of made-up measurements."""
 SIZE = 10.0
 
@@ -37,10 +37,13 @@ def check(attempt: Attempt) -> None:
             "gain", abs(found_gain / gain - 1) < 0.03, frequency=frequency, found=found_gain, gain=gain
         )
         off = (found_lag - lag + 0.5 / frequency) % (1 / frequency) - 0.5 / frequency
+        ahead = (found_lag + lag + 0.5 / frequency) % (1 / frequency) - 0.5 / frequency
+        attempt.require("ahead", abs(off) < 0.02 or abs(ahead) > 0.02, found=1000 * found_lag, lag=1000 * lag)
         attempt.require("lag", abs(off) < 0.02, frequency=frequency, found=1000 * found_lag, lag=1000 * lag)
     seen = attempt.observe()
     slow, fast = size(seen.t, seen.yaw, 0.25, 8.0), size(seen.t, seen.yaw, 2.0, 2.5)
-    attempt.require("slow", 0.95 < slow / SIZE < 1.05, found=slow, gain=slow / SIZE)
+    attempt.require("far", slow / SIZE < 1.05, found=slow)
+    attempt.require("slow", slow / SIZE > 0.95, found=slow, gain=slow / SIZE)
     attempt.require("fast", 0.10 < fast / SIZE < 0.25, found=fast, gain=fast / SIZE)
 
 

@@ -11,8 +11,8 @@ LEADER, FOLLOWER = "bea1", "bea2"
 SIGNS = np.array([-1.0, 1.0, -1.0])
 NEAR = 2.0
 """The follower is the mirror image if no angle differs by more (deg)."""
-PATIENT_S = 12.0
-POSES = ((20, 0, 0), (-20, 10, 5), (0, -8, -5), (15, 5, 0), (0, 0, 0))
+PATIENT_S = 8.0
+POSES = ((20, 0, 0), (-20, 10, 5), (0, -8, -5), (0, 0, 0))
 SPEED = 30.0
 TIMES = ([0, 0.02, 0.04, 0.06, 0.08, 0.1], [3 + 0.02 * i for i in range(26)], [0, 0.5], [7, 8, 9.5, 10])
 

@@ -8,16 +8,13 @@ from beatrix_zenoh.client.motion_file import parse
 SCENE = """
 t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s,figure
 # a shy robot: it wakes, discovers you, is frightened, becomes curious, and goes home
-0.0,0,18,0,20,asleep
-2.0,0,20,4,8,
-3.2,0,16,-4,8,
-5.5,0,-6,0,25,wakes
-7.5,25,-4,0,30,looks for you
-9.0,-20,-4,0,30,
-11.3,-28,12,8,40,is frightened
-13.8,-10,8,14,12,is curious
-15.6,0,0,16,15,
-18.0,0,0,0,25,goes home
+0.0,0,18,0,30,asleep
+2.0,0,-6,0,30,wakes
+4.0,25,-4,0,30,looks for you
+5.4,-20,-4,0,30,
+8.0,-28,12,8,40,is frightened
+9.8,-10,8,14,20,is curious
+12.0,0,0,0,30,goes home
 """
 
 # %% Play it

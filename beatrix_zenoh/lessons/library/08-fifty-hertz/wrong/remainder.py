@@ -55,7 +55,7 @@ def follow_sine(robot, frequency, seconds):
 if __name__ == "__main__":
     with Robot() as robot:
         robot.make_ready()
-        for frequency, seconds in ((0.25, 12), (2.0, 6)):
+        for frequency, seconds in ((0.25, 11), (2.0, 5)):
             t, asked, measured = follow_sine(robot, frequency, seconds)
             robot.home()
             time.sleep(1.0)  # rest, so that the two sines are apart
