@@ -128,7 +128,7 @@ class Attempt:
         if "error" in reply:
             given = ", ".join(str(one) for one in arguments)
             where = f" in {function}({given}){self._where(reply)}" if len(given) < 60 else self._where(reply)
-            raise Unmet("runs", error=reply["error"], where=where)
+            raise Unmet(_failure(reply, "runs"), error=reply["error"], where=where)
         if "odd" in reply:
             raise Unmet("returns", function=function, value=reply["odd"], wanted="numbers")
         return reply["value"]
@@ -147,7 +147,7 @@ class Attempt:
             if "limit" in reply:
                 raise Unmet("ends", what="Your file, when it is imported,", limit=IMPORT_S)
             if "error" in reply:
-                figure = "import" if NO_ROUTER in str(reply["error"]) else "runs"
+                figure = _failure(reply, "import" if NO_ROUTER in str(reply["error"]) else "runs")
                 raise Unmet(figure, error=reply["error"], where=self._where(reply))
             self._functions = child
         return self._functions
@@ -286,6 +286,11 @@ def _watch(stage: Stage, seconds: float) -> None:
     time.sleep(seconds)
     for watch in stage.watches.values():
         watch.take()
+
+
+def _failure(reply: dict[str, object], figure: str) -> str:
+    """Return `keyboard` for an error of `input()`, otherwise `figure`."""
+    return "keyboard" if str(reply["error"]).startswith("EOFError") else figure
 
 
 def _plain(argument: object) -> object:

@@ -31,6 +31,8 @@ def main(words: list[str]) -> int:
     """Answer requests of the parent until it closes the pipe."""
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what the pupil prints is no answer
+    requests = os.fdopen(os.dup(0), encoding="utf-8")
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)  # `input()` fails at once, and takes no request
     path = Path(words[0])
     sys.path.insert(0, str(path.parent))
     with limited(float(words[1]), answers):
@@ -38,7 +40,7 @@ def main(words: list[str]) -> int:
     write(answers, failure or {"value": None})
     if module is None:
         return 1
-    for line in sys.stdin:
+    for line in requests:
         request = json.loads(line)
         with limited(request["limit_s"], answers):
             found = call(module, path, request["function"], request["arguments"])

@@ -136,6 +136,8 @@ def test_an_error_in_a_notebook_names_its_cell() -> None:
         ("def double(x):\n    return x / 0\n", "runs"),
         ("def double(x):\n    raise SystemExit\n", "runs"),
         ("from beatrix_zenoh import Robot\nRobot().home()\n", "import"),
+        ("x = input()\n", "keyboard"),
+        ("def double(x):\n    return input()\n", "keyboard"),
     ],
 )
 def test_errors_of_a_function_are_figures_of_every_lesson(text: str, figure: str) -> None:

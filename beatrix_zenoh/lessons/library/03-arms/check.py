@@ -33,8 +33,8 @@ def check(attempt: Attempt) -> None:
     yaw, pitch, roll = head((short, middle, long))
     straight = max(abs(yaw), abs(roll)) <= STRAIGHT_DEG
     arms = f"{short:g}, {middle:g}, {long:g}"
-    near = straight and abs(pitch - NOD_DEG) <= STRAIGHT_DEG
-    attempt.require("nod", near, arms=arms, yaw=yaw, pitch=pitch, roll=roll)
+    attempt.require("nod", straight, arms=arms, yaw=yaw, pitch=pitch, roll=roll)
+    attempt.require("size", abs(pitch - NOD_DEG) <= STRAIGHT_DEG, arms=arms, pitch=pitch)
     seen = attempt.observe()
     pure = (abs(seen.yaw) <= STRAIGHT_DEG) & (abs(seen.roll) <= STRAIGHT_DEG)
     largest = float(seen.pitch[pure].max(initial=0.0))

@@ -47,6 +47,11 @@ def miss(yaw: np.ndarray, pitch: np.ndarray) -> np.ndarray:
 def check(attempt: Attempt) -> None:
     """Compare the bearing of six places with the exact one, then look where the head of the robot rests."""
     said = [attempt.call_array("bearing", *place, shape=(2,)) for place in PLACES]
+    turned = all(
+        abs(second - bearing(*place)[0]) <= YAW_DEG and abs(first - bearing(*place)[1]) <= PITCH_DEG
+        for place, (first, second) in zip(PLACES, said, strict=True)
+    )
+    attempt.require("order", not turned)
     for axis, (figure, near) in enumerate((("yaw", YAW_DEG), ("pitch", PITCH_DEG))):
         for (x, y, z), angles in zip(PLACES, said, strict=True):
             true = bearing(x, y, z)[axis]

@@ -60,7 +60,9 @@ def check(attempt: Attempt) -> None:
     neck = Neck()
     for pose in poses():
         true_arms = np.degrees(neck.inverse(*np.radians(pose)))
-        off = np.subtract(attempt.call_array("inverse", *pose, shape=(3,)), true_arms)
+        said = attempt.call_array("inverse", *pose, shape=(3,))
+        attempt.require("number", bool(np.isfinite(said).all()), function="inverse", given=listed(pose))
+        off = said - true_arms
         wrapped = (off + 180) % 360 - 180
         near = np.abs(wrapped).max() <= INVERSE_DEG
         attempt.require("inverse", bool(near), pose=listed(pose), off=float(np.abs(wrapped).max()))
@@ -69,7 +71,9 @@ def check(attempt: Attempt) -> None:
         )
     for pose in poses():
         true_arms = [math.degrees(arm) for arm in neck.inverse(*np.radians(pose))]
-        off = np.abs(np.subtract(attempt.call_array("forward", *true_arms, shape=(3,)), pose)).max()
+        said = attempt.call_array("forward", *true_arms, shape=(3,))
+        attempt.require("number", bool(np.isfinite(said).all()), function="forward", given=listed(true_arms))
+        off = np.abs(said - pose).max()
         attempt.require("forward", bool(off <= FORWARD_DEG), arms=listed(true_arms), off=float(off))
     seen = attempt.observe()
     head = np.column_stack([seen.yaw, seen.pitch, seen.roll])
