@@ -345,6 +345,10 @@ def devices(name: str, status: Status) -> Iterator[CheckResult]:
             yield CheckResult(name, text)
         else:
             yield CheckResult(name, f"{text}, no pictures", camera.trouble or "plug the camera in")
+    ears = status.microphones
+    if ears is not None:
+        text = f"microphones: {ears.source}, {'on: a client listens' if ears.streaming else 'off'}"
+        yield CheckResult(name, text, ears.trouble)
 
 
 def unlike_sides(infos: Mapping[Place, Info]) -> Iterator[CheckResult]:

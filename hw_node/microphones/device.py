@@ -96,14 +96,17 @@ class DeviceMicrophones:
         try:
             self._number()
         except NoAnswer:
-            # PortAudio lists the devices once, when it is initialized.
-            self._sound._terminate()  # noqa: SLF001 - the documented way
-            self._sound._initialize()  # noqa: SLF001
+            self._list_anew()
             try:
                 self._number()
             except NoAnswer as error:
                 return error.message
         return ""
+
+    def _list_anew(self) -> None:
+        """Let PortAudio list the devices again; it does so only when it is initialized."""
+        self._sound._terminate()  # noqa: SLF001 - the documented way
+        self._sound._initialize()  # noqa: SLF001
 
     def _number(self) -> int:
         """Return the number of the device; raises NoAnswer if there is none or several."""
@@ -141,6 +144,9 @@ class DeviceMicrophones:
             )
             self._stream.start()
         except (self._sound.PortAudioError, ValueError) as error:
+            self.close()
+            self._list_anew()
+            self._number()  # raises if the device was unplugged
             text = f"The microphones cannot be opened with two channels at {RATE} Hz: {error}. End other programs that use them."
             raise NoAnswer(Reason.FAULT, text) from error
 

@@ -240,6 +240,8 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", puts, keys.positions("ben", SIM), False),
     ("ana", puts, keys.events("bea1", HW), False),
     ("ana", puts, keys.camera("bea1", HW, "left"), False),
+    ("ana", puts, keys.microphones("bea1", HW), False),
+    ("ana", puts, keys.microphones("ana", SIM), True),
     ("ana", puts, "beatrix/**", False),
     ("bea1", puts, keys.positions("bea2", HW), False),
     ("ana", serves, keys.clock("bea2", HW), False),

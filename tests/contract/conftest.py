@@ -32,7 +32,7 @@ def body(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
         elif kind == "mega":
             path = tmp_path_factory.mktemp("mega") / "board"
             stage.mega(path)
-            stage.hardware("bea", str(path))
+            stage.hardware("bea", str(path), "--microphones", "tone")
         else:
             stage.node("bea", VirtualHardware("bea", microphones=Tone()))
         yield Body(kind, stage, "bea", "sim" if kind == "sim" else "hw")

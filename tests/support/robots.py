@@ -198,9 +198,9 @@ class Stage:
         """Start a simulation; return when it serves."""
         return self._robot("sim_node", name, *arguments)
 
-    def hardware(self, name: str, port: str = "virtual:") -> Process:
+    def hardware(self, name: str, port: str = "virtual:", *arguments: str) -> Process:
         """Start a hardware node; return when it serves."""
-        return self._robot("hw_node", name, "--port", port)
+        return self._robot("hw_node", name, "--port", port, *arguments)
 
     def _robot(self, module: str, name: str, *arguments: str) -> Process:
         where = ("--name", name, "--connect", self.endpoint)

@@ -177,6 +177,16 @@ def test_a_device_that_cannot_be_opened_is_refused_with_the_cause() -> None:
     microphones.close()
 
 
+def test_a_device_that_was_unplugged_is_missing_and_not_in_use() -> None:
+    sound = FakeSound("USB Audio")
+    microphones = DeviceMicrophones("usb", sound)
+    sound.plugged.clear()
+    sound.refuses = "Unanticipated host error"
+    assert microphones.trouble() == "", "the list of devices is old"
+    with pytest.raises(NoAnswer, match="is no microphone"):
+        microphones.open()
+
+
 # -- blocks ----------------------------------------------------------------------------------------
 
 
