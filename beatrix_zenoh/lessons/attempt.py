@@ -117,7 +117,10 @@ class Attempt:
         request = {"function": function, "arguments": [_plain(one) for one in arguments], "limit_s": CALL_S}
         try:
             reply = child.ask(request, PATIENCE * CALL_S)
-        except NoReply:
+        except NoReply as error:
+            if error.code is not None:
+                ended = f"Python has ended in {function} (exit code {error.code})"
+                raise Unmet("runs", error=ended, where="") from None
             raise busy(f"Your function {function} did not answer.") from None
         if "missing" in reply:
             found = reply["missing"]

@@ -6,6 +6,7 @@ import contextlib
 import json
 import os
 import queue
+import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -16,8 +17,23 @@ from beatrix_zenoh import processes, threads
 Reply = dict[str, object]
 
 
+def kill_group(process: subprocess.Popen[bytes]) -> None:
+    """Kill a process that leads a group, and all that it has started."""
+    if sys.platform == "win32":
+        process.kill()
+        return
+    with contextlib.suppress(
+        ProcessLookupError, PermissionError
+    ):  # PermissionError: macOS, if all have ended
+        os.killpg(process.pid, signal.SIGKILL)
+
+
 class NoReply(Exception):
-    """The child has ended, or has not answered within the time limit."""
+    """The child has not answered within the time limit; or it has ended, with the exit code `code`."""
+
+    def __init__(self, code: int | None = None) -> None:
+        super().__init__(f"exit code {code}")
+        self.code = code
 
 
 class LineChild:
@@ -57,7 +73,7 @@ class LineChild:
             self._process.stdin.write(json.dumps(request).encode() + b"\n")
             self._process.stdin.flush()
         except OSError as error:
-            raise NoReply from error
+            raise NoReply(self._process.wait()) from error
         return self.reply(timeout_s)
 
     def reply(self, timeout_s: float) -> Reply:
@@ -67,13 +83,13 @@ class LineChild:
         except queue.Empty:
             raise NoReply from None
         if line is None:
-            raise NoReply
+            raise NoReply(self._process.wait())
         found: Reply = json.loads(line)
         return found
 
     def close(self) -> None:
         """Kill the child, which holds nothing that it would have to save."""
-        self._process.kill()
+        kill_group(self._process)
         self._process.wait()
         self._reader.join()
         for pipe in (self._process.stdin, self._process.stdout):

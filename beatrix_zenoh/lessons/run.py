@@ -6,6 +6,7 @@ import collections
 import contextlib
 import os
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -13,6 +14,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from beatrix_zenoh import processes, threads
+from beatrix_zenoh.lessons.line_child import kill_group
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.unmet import Unmet
 
@@ -42,7 +44,9 @@ class Run:
             | {
                 "PYTHONUNBUFFERED": "1",
                 "PYTHONIOENCODING": "utf-8",
-                "PYTHONPATH": str(program.path.parent),
+                "PYTHONPATH": os.pathsep.join(  # the program of a notebook is in another folder
+                    filter(None, (str(program.path.parent), os.environ.get("PYTHONPATH")))
+                ),
                 "MPLBACKEND": "Agg",  # `plt.show()` would wait for a window
                 "BEATRIX_ACCOUNT": "",  # the router of a check has no accounts
             }
@@ -94,12 +98,13 @@ class Run:
     def close(self) -> None:
         """End the program, first as Ctrl-C does, so that it can bring its robot to rest."""
         if self.running and sys.platform != "win32":
-            self._process.send_signal(2)
+            self._process.send_signal(signal.SIGINT)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(END_S)
-        if self.running:
-            self._process.kill()
+        kill_group(self._process)
         self._process.wait()
         self._reader.join(END_S)
-        if self._process.stdout is not None:
+        if (
+            self._process.stdout is not None and not self._reader.is_alive()
+        ):  # else closing would wait for the reader
             self._process.stdout.close()

@@ -135,6 +135,8 @@ def test_an_error_in_a_notebook_names_its_cell() -> None:
         ("def double(x)\n    return x\n", "runs"),
         ("def double(x):\n    return x / 0\n", "runs"),
         ("def double(x):\n    raise SystemExit\n", "runs"),
+        ("import os\ndef double(x):\n    os._exit(3)\n", "runs"),
+        ("def double(x):\n    return int(input())\n", "keyboard"),
         ("from beatrix_zenoh import Robot\nRobot().home()\n", "import"),
         ("x = input()\n", "keyboard"),
         ("def double(x):\n    return input()\n", "keyboard"),
