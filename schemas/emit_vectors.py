@@ -104,7 +104,7 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "detail": None,
         },
     ),
-    ("TargetQuery", {"x": 1.25, "y": -0.5, "z": 0.125}),
+    ("TargetQuery", {"x": 1.25, "y": -0.5, "z": 0.125, "path": "", "period_s": 12.0}),
     (
         "TargetReply",
         {

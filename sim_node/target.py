@@ -12,7 +12,7 @@ from beatrix_zenoh.bus import Incoming, Sessions, query_forms
 from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetQuery, TargetReply
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, quoted
 from beatrix_zenoh.node import Component
 from sim_node.shapes import Point
 
@@ -23,23 +23,25 @@ NEAREST: Final = 0.35
 HOME: Final[Point] = (1.15, 0.0, 0.16)
 """The middle between the person's eyes at the start: behind the desk, in front of the robot, as in the model."""
 PERIOD_S: Final = 12.0
-"""Period of a path."""
+"""Period of a path, unless a client chooses one."""
+PERIODS_S: Final = (2.0, 600.0)
+"""Shortest and longest period."""
 _SWAY: Final = math.radians(40.0)
 _CIRCLE: Final = 0.28
 
 
 class TargetPath(StrEnum):
-    """Movement of the person until a client sets the place."""
+    """Movement of the person."""
 
     STILL = "still"
     SWAY = "sway"
     CIRCLE = "circle"
 
 
-def on_path(path: TargetPath, t_s: float) -> Point:
+def on_path(path: TargetPath, t_s: float, period_s: float = PERIOD_S) -> Point:
     """Return the place (m) of the person's eyes `t_s` after the start; every path begins at HOME."""
     x, z = HOME[0], HOME[2]
-    turn = math.tau * t_s / PERIOD_S
+    turn = math.tau * t_s / period_s
     match path:
         case TargetPath.SWAY:
             yaw = _SWAY * math.sin(turn)
@@ -73,18 +75,36 @@ class PersonTarget:
     """The person's place; any thread may read and set it."""
 
     def __init__(self, path: TargetPath, start_s: float) -> None:
-        self._path, self._start_s = path, start_s
+        self._walk = path, start_s, PERIOD_S
         self._set: Point | None = None
 
     def place(self, t_s: float) -> Point:
         """Return the place (m) of the person's eyes at this time (s, the clock of `start_s`)."""
-        chosen = self._set
-        return on_path(self._path, t_s - self._start_s) if chosen is None else chosen
+        chosen, (path, start_s, period_s) = self._set, self._walk
+        return on_path(path, t_s - start_s, period_s) if chosen is None else chosen
 
     def move(self, place: Point) -> None:
         """Set the place of the person's eyes (m), which ends the path; raises the errors of `check`."""
         check(place)
         self._set = place
+
+    def walk(self, path: str, period_s: float, start_s: float) -> None:
+        """Begin a path at this time (s); raises Refused (BAD_VALUE) for an unknown path, or a period outside PERIODS_S."""
+        if path not in list(TargetPath):
+            known = ", ".join(TargetPath)
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"There is no path {quoted(path)} for the person. Choose {known}.",
+                Detail(field="path", known=list(TargetPath)),
+            )
+        low, high = PERIODS_S
+        if not low <= period_s <= high:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"The period is {period_s:g} s; {low:g} to {high:g} s is allowed.",
+                Detail(field="period_s", value=period_s, low=low, high=high, unit="s"),
+            )
+        self._walk, self._set = (TargetPath(path), start_s, period_s), None
 
 
 class TargetHandler(Component):
@@ -119,13 +139,28 @@ class TargetHandler(Component):
             self._worker.shutdown()
 
 
+def change(target: PersonTarget, query: TargetQuery, now_s: float) -> None:
+    """Move the person to the place of the query, or let it walk; raises Refused (BAD_VALUE) for neither, or both."""
+    x, y, z = query.x, query.y, query.z
+    if query.path and (x, y, z) == (None, None, None):
+        target.walk(query.path, query.period_s, now_s)
+    elif x is None or y is None or z is None or query.path:
+        raise Refused(
+            Reason.BAD_VALUE,
+            "Give x, y and z (m), or a path and its period.",
+            Detail(field="path" if query.path else "x", known=["x", "y", "z", "path"]),
+        )
+    else:
+        target.move((x, y, z))
+
+
 def reply(target: PersonTarget, raw: RawQuery, now_s: float) -> TargetReply:
     """Set the place if the query contains one, and return the place at `now_s` (the target's clock)."""
     refusal: BeatrixError | None = None
     if raw.payload or raw.parameters:
         try:
             query = query_forms.read(raw, TargetQuery)
-            target.move((query.x, query.y, query.z))
+            change(target, query, now_s)
         except BeatrixError as error:
             refusal = error
     x, y, z = target.place(now_s)

@@ -38,7 +38,7 @@ OTHER_FORMS: Final[dict[type[msgspec.Struct], str]] = {
     FollowQuery: 'Send `on` or `off`, parameters `?follow=true`, JSON {"follow":true} or msgpack.',
     NoteQuery: 'Send the text, parameters `?text=trial%203`, JSON {"text":"trial 3"} or msgpack.',
     SoundQuery: 'Send words `noise 3` (a sound and its seconds) or `x y z`, parameters `?play=noise;x=1.0;y=0.5;z=0.1`, JSON {"play":"noise"} or msgpack; m, s.',
-    TargetQuery: 'Send words `x y z`, parameters `?x=1.1;y=0.3;z=0.2`, JSON {"x":1.1,"y":0.3,"z":0.2} or msgpack; m.',
+    TargetQuery: 'Send words `x y z` or `sway 12` (a path and its period), parameters `?x=1.1;y=0.3;z=0.2`, JSON {"x":1.1,"y":0.3,"z":0.2} or msgpack; m.',
 }
 """Forms of requests that name no angle of the arms or the head."""
 LENGTH_MAX: Final = 4096
@@ -195,7 +195,7 @@ def _names_of(count: int, kind: type[msgspec.Struct]) -> tuple[str, ...] | None:
     if kind is SoundQuery:
         return {1: ("play",), 2: ("play", "seconds"), 3: AXES}.get(count)
     if kind is TargetQuery:
-        return AXES if count == len(AXES) else None
+        return {1: ("path",), 2: ("path", "period_s"), 3: AXES}.get(count)
     angles = AXES if kind is MotionQuery else ANGLES
     forms = {3: angles, 4: (*angles, "speed")}
     if kind is MotionQuery:

@@ -16,10 +16,11 @@ from beatrix_zenoh.client.degrees import (
     pose_query,
     true_or_false,
 )
+from beatrix_zenoh.client.kinematics import Kinematics, bearing
 from beatrix_zenoh.client.lease import Lease
 from beatrix_zenoh.client.motion import MARGIN_S, Motion
 from beatrix_zenoh.client.request import Request, ask
-from beatrix_zenoh.client.room_sound import RoomSound
+from beatrix_zenoh.client.room import Room
 from beatrix_zenoh.client.slips import value_method
 from beatrix_zenoh.client.stopping import SentStop, publish_stop
 from beatrix_zenoh.contract import refusals
@@ -34,8 +35,6 @@ from beatrix_zenoh.contract._generated.messages import (
     MotionReply,
     PoseQuery,
     Source,
-    TargetQuery,
-    TargetReply,
 )
 from beatrix_zenoh.contract._generated.robot import ALLOWED
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
@@ -47,7 +46,7 @@ SLOWEST_LIMIT = math.radians(SLOWEST_LIMIT_DEG)
 SLOWEST_DEFAULT = math.radians(ALLOWED["limits"]["speed_default"].low)
 
 
-class Robot(RoomSound):
+class Robot(Room):
     """One robot: `Robot("bea1", side="sim")`. Use it in a `with` block, or close it.
 
     Args:
@@ -143,32 +142,10 @@ class Robot(RoomSound):
         key = keys.follow(self.name, self.client.settings.who)
         return checked(ask(self.client, (self.name, "sim"), key, query, CommandReply, self.timeout_s))
 
-    # -- scene of the simulation ----------------------------------------------------------------
-
     @value_method
-    def target(self) -> TargetReply:
-        """Return the position of the simulated person in front of the robot, in the coordinates of `move_target`."""
-        return self._ask_target(None)
-
-    def move_target(self, x: float, y: float, z: float) -> TargetReply:
-        """Place the simulated person in front of the robot, and end the person's own path.
-
-        x (forward), y (left) and z (up) are the distances (m) from the neck's centre to the middle of the person's
-        eyes. Raises Refused for a position outside the room.
-        """
-        query = TargetQuery(
-            x=checked_number("x", x, "m"), y=checked_number("y", y, "m"), z=checked_number("z", z, "m")
-        )
-        reply = self._ask_target(query)
-        if not reply.result:
-            raise Refused(reply.reason, reply.message, reply.detail)
-        return reply
-
-    def _ask_target(self, query: TargetQuery | None) -> TargetReply:
-        """Query the simulation of this name, because hardware has no scene."""
-        return ask(
-            self.client, (self.name, "sim"), keys.target(self.name), query, TargetReply, self.timeout_s
-        )
+    def kinematics(self) -> Kinematics:
+        """Query geometry and limits of the robot, and return its kinematics in degrees; raises the errors of `info`."""
+        return Kinematics(self.info())
 
     # -- motions --------------------------------------------------------------------------------
 
@@ -198,6 +175,17 @@ class Robot(RoomSound):
             Interrupted: the motion was stopped or replaced, or the robot ended it for another reason.
         """
         return self._begin(pose_query(yaw, pitch, roll, relative=relative, speed=speed), wait=wait)
+
+    def look_at(
+        self, x: float, y: float, z: float, *, speed: float | None = None, wait: bool = True
+    ) -> Motion:
+        """Turn the head so that the eyes look at a place: x forward, y left, z up of the neck's centre (m).
+
+        The point between the eyes looks there, with roll 0. `speed` and `wait` are those of `look`, and so are the
+        errors; raises WrongUsage (BAD_VALUE), too, for a place within the head.
+        """
+        yaw, pitch = bearing(*(checked_number(*each, "m") for each in (("x", x), ("y", y), ("z", z))))
+        return self.look(yaw, pitch, speed=speed, wait=wait)
 
     def move(
         self,

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-from msgspec.structs import replace
 
 from beatrix_zenoh.client.degrees import RobotInfo, motion_query
+from beatrix_zenoh.client.kinematics import robot_of
 from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason
-from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData, RobotData
+from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.limits import MotionLimits
@@ -85,13 +85,6 @@ class Following:
         after = min(before + 1, len(self.planned) - 1)
         part = place - before
         return np.asarray((1 - part) * self.planned[before] + part * self.planned[after], dtype=np.float64)
-
-
-def robot_of(info: RobotInfo) -> RobotData:
-    """Return robot data with the limits and the geometry of this info, in the units of robot.toml."""
-    shape = info.geometry
-    geometry = ROBOT.geometry if shape is None else GeometryData(**shape._asdict())
-    return replace(ROBOT, geometry=geometry, limits=replace(ROBOT.limits, **info.limits._asdict()))
 
 
 def robots_of(infos: Sequence[RobotInfo]) -> list[RobotData]:

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Final, TextIO
 
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, RobotInfo, arm_angles
+from beatrix_zenoh.client.kinematics import robot_of
 from beatrix_zenoh.client.motion_file import Place, line_of, lines_of
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract._generated.messages import Positions, Reason
 from beatrix_zenoh.contract.errors import WrongUsage, naming
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.recording.follow import robot_of
 from beatrix_zenoh.recording.path import STILL_S
 
 POINTS_HZ: Final = 25.0

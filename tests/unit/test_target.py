@@ -37,9 +37,31 @@ def answer_to(
     return reply(target, RawQuery(payload, encoding, parameters), now_s=0.0)
 
 
-@pytest.mark.parametrize("wrong", [b"1 2", b"1 2 3 4", b"there", b"1 nan 0", b'{"x": 1}', b"9 0 0"])
-def test_a_wrong_query_is_refused_with_an_explanation(wrong: bytes) -> None:
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (b"1 2 3 4", "x y z"),
+        (b"there", "no path 'there' for the person. Choose still, sway, circle"),
+        (b"sway 1", "2 to 600 s is allowed"),
+        (b"sway nan", "period_s"),
+        (b'{"path": "sway", "x": 1}', "Give x, y and z (m), or a path"),
+        (b'{"x": 1}', "Give x, y and z (m), or a path"),
+        (b"1 nan 0", "y"),
+        (b"9 0 0", "x = 9.00 m; the room allows"),
+    ],
+)
+def test_a_wrong_query_is_refused_with_an_explanation(wrong: bytes, words: str) -> None:
     answer = answer_to(PersonTarget(TargetPath.STILL, 0.0), wrong)
     assert (answer.result, answer.reason) == (False, Reason.BAD_VALUE)
     assert (answer.x, answer.y, answer.z) == HOME
-    assert "x" in answer.message
+    assert words in answer.message
+
+
+@pytest.mark.parametrize("words", [b"sway 6", b'{"path": "sway", "period_s": 6}'])
+def test_a_walk_begins_when_it_is_asked_for(words: bytes) -> None:
+    target = PersonTarget(TargetPath.STILL, 0.0)
+    target.move((1.0, 1.0, 0.2))
+    answer = reply(target, RawQuery(words, "", ""), now_s=100.0)
+    assert (answer.result, answer.x, answer.y, answer.z) == (True, *HOME)
+    assert target.place(101.5) == pytest.approx(on_path(TargetPath.SWAY, 1.5, 6.0))
+    assert target.place(101.5)[1] > 0.7, "a quarter of the way there and back"

@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "46e1cf57"
+CONTRACT: Final = "df344970"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -400,14 +400,18 @@ class LeaseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class TargetQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Move the person in the simulated scene. The place is that of the person's eyes, in the frame of the neck, whose origin is 0.206 m above the desk."""
+    """Move the person in the simulated scene: to a place, or along a path. The place is that of the person's eyes, in the frame of the neck, whose origin is 0.206 m above the desk."""
 
-    x: Float32
-    """forward of the neck's centre [m]"""
-    y: Float32
+    x: Float32 | None = None
+    """forward of the neck's centre; with y and z [m]"""
+    y: Float32 | None = None
     """left of the neck's centre [m]"""
-    z: Float32
+    z: Float32 | None = None
     """above the neck's centre [m]"""
+    path: Label = ""
+    """`sway`, `circle` or `still`, from its beginning; instead of x, y, z"""
+    period_s: Float32 = 12.0
+    """time for once there and back, from 2 to 600 [s]"""
 
 
 class SoundQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -1,4 +1,4 @@
-"""The source of sound in the room of a simulation: what it plays, and where it is."""
+"""The room of a simulation: the person, and the source of sound."""
 
 from __future__ import annotations
 
@@ -7,21 +7,59 @@ from pathlib import Path
 from beatrix_zenoh.client.degrees import checked_number, checked_seconds
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.robot_base import RobotBase
+from beatrix_zenoh.client.slips import value_method
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Reason, SoundQuery, SoundReply
+from beatrix_zenoh.contract._generated.messages import (
+    Reason,
+    SoundQuery,
+    SoundReply,
+    TargetQuery,
+    TargetReply,
+)
 from beatrix_zenoh.contract.errors import Refused, WrongUsage
 
 
-class RoomSound(RobotBase):
-    """The part of a robot that plays sounds to its simulation, because hardware has no scene."""
+class Room(RobotBase):
+    """The part of a robot that changes the room of its simulation; hardware has none.
+
+    x (forward), y (left) and z (up) are distances (m) from the neck's centre.
+    """
+
+    @value_method
+    def target(self) -> TargetReply:
+        """Return the place (m) of the simulated person in front of the robot: the middle between the eyes."""
+        return self._ask_target(None)
+
+    def move_target(self, x: float, y: float, z: float) -> TargetReply:
+        """Place the middle between the eyes of the simulated person, and end the person's own path.
+
+        Raises Refused for a place outside the room.
+        """
+        query = TargetQuery(
+            x=checked_number("x", x, "m"), y=checked_number("y", y, "m"), z=checked_number("z", z, "m")
+        )
+        return self._ask_target(query)
+
+    def walk_target(self, path: str = "sway", period_s: float = 12.0) -> TargetReply:
+        """Let the simulated person walk a path from its beginning: `sway`, `circle`, or `still` to stand in front.
+
+        `period_s` is the time (s) for once there and back, from 2 to 600. Raises Refused for another path or period.
+        """
+        return self._ask_target(TargetQuery(path=path, period_s=checked_seconds("period_s", period_s)))
+
+    def _ask_target(self, query: TargetQuery | None) -> TargetReply:
+        place = (self.name, "sim")
+        reply = ask(self.client, place, keys.target(self.name), query, TargetReply, self.timeout_s)
+        if query is not None and not reply.result:
+            raise Refused(reply.reason, reply.message, reply.detail)
+        return reply
 
     def place_sound(
         self, x: float | None = None, y: float | None = None, z: float | None = None
     ) -> SoundReply:
         """Place the source of sound in the simulated room; without a place, in the mouth of the simulated person.
 
-        x (forward), y (left) and z (up) are distances (m) from the neck's centre. Raises Refused for a place outside
-        the room or inside the head.
+        Raises Refused for a place outside the room or inside the head.
         """
         if x is None and y is None and z is None:
             return self._ask_sound(SoundQuery(mouth=True))
