@@ -24,6 +24,8 @@ PAGES = (
     "docs/how-to/share-a-robot.md",
     "docs/how-to/processes.md",
     "docs/how-to/follow.md",
+    "beatrix_zenoh/lessons/library/04-look-there/lesson.md",
+    "beatrix_zenoh/lessons/library/04-look-there/lesson.de.md",
 )
 FILES = re.compile(r"```(?:csv|toml)\n(# (\S+\.(?:csv|toml))\n.*?)```", re.DOTALL)
 """Files that a page shows; the first line of each is its name."""
@@ -47,6 +49,7 @@ def stage(monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
         made.simulation("bea1")
         made.hardware("bea1")
         monkeypatch.setenv("BEATRIX_CONNECT", made.endpoint)
+        monkeypatch.setenv("BEATRIX_ROBOT", "bea1")  # pages of lessons write `Robot()`
         yield made
 
 
