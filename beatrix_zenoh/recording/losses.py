@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.subscription import CameraImage
@@ -15,14 +15,18 @@ from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.contract.publishers import NUMBERS, Publishers, goes_back
 from beatrix_zenoh.recording.rows import RECORDER, Line, Numbers, RecordingRow, Say
 
+if TYPE_CHECKING:  # importing numpy would delay `beatrix record --help`
+    from beatrix_zenoh.client.sound import Sound
+
 POSITIONS: Final = "positions"
 EVENTS: Final = "events"
 STATES: Final = "states"
 PICTURES: Final = "pictures of the"
 """Beginning of the kinds of pictures."""
+SOUND: Final = "blocks of sound"
 CONTESTED: Final = "contested"
 """The cause of a sentence that has no number."""
-_KINDS: Final = {"positions": POSITIONS, "events": EVENTS, "status": STATES}
+_KINDS: Final = {"positions": POSITIONS, "events": EVENTS, "status": STATES, "microphones": SOUND}
 
 Stream = tuple[Place, str]
 """A robot, and one kind of its publications, as in sentences: `positions`, `events`, `pictures of the left eye`."""
@@ -150,7 +154,7 @@ def count(tally: _Tally, dropped: int, *, contested: bool) -> Count:
     )
 
 
-def stream_of(place: Place, value: Positions | Status | Event | CameraImage) -> Stream:
+def stream_of(place: Place, value: Positions | Status | Event | CameraImage | Sound) -> Stream:
     """Return the stream of a publication."""
     match value:
         case Positions():
@@ -159,7 +163,9 @@ def stream_of(place: Place, value: Positions | Status | Event | CameraImage) -> 
             return place, EVENTS
         case CameraImage():
             return place, pictures_of(value.eye)
-    return place, STATES
+        case Status():
+            return place, STATES
+    return place, SOUND
 
 
 def stream_of_key(key: str) -> Stream | None:
@@ -174,7 +180,7 @@ def pictures_of(eye: str) -> str:
     return f"{PICTURES} {names.view_title(eye)}"
 
 
-def seq_of(value: Positions | Status | Event | CameraImage) -> int | None:
+def seq_of(value: Positions | Status | Event | CameraImage | Sound) -> int | None:
     """Return the sequence number of a publication; None: it has none."""
     return None if isinstance(value, Status) else value.seq
 

@@ -15,7 +15,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import check_new
 from beatrix_zenoh.recording.about import About
-from beatrix_zenoh.recording.rows import RecordingRow, RobotSet, Say
+from beatrix_zenoh.recording.rows import RecordingRow, RobotSet, Say, SoundRow
 from beatrix_zenoh.recording.rrd.stream import RowStream
 from beatrix_zenoh.recording.viewer import HOST, PORT, address, answers
 
@@ -188,7 +188,8 @@ class LiveOutput:
     def write(self, rows: Sequence[RecordingRow]) -> None:
         """Keep rows until the next `update`; without a viewer only count them."""
         if self.state is ViewerState.CONNECTED:
-            self._rows += rows
+            # The viewer draws the waveform and plays no sound, which would only fill its memory.
+            self._rows += [row for row in rows if not isinstance(row, SoundRow)]
         else:
             self.left_out += len(rows)
 

@@ -11,6 +11,7 @@ from typing import Final, Self
 from beatrix_zenoh import threads
 from beatrix_zenoh.client.monitor import LOST_S
 from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.client.sound import Sound
 from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.recording.about import About, about
@@ -30,6 +31,7 @@ from beatrix_zenoh.recording.rows import (
     of_robot,
 )
 from beatrix_zenoh.recording.samples import Note
+from beatrix_zenoh.recording.sound import rows_of as rows_of_sound
 from beatrix_zenoh.recording.sources import (
     RobotAnswer,
     RobotQueries,
@@ -72,6 +74,7 @@ class RecordingThread:
         """Newest positions of each robot (ns): arrival by our monotonic clock, and time by our wall clock."""
         self._picture_due_ns: dict[str, int] = {}
         self._with_pictures: frozenset[Place] = frozenset()
+        self._with_sound: frozenset[Place] = frozenset()
         self.samples = 0
         """Number of positions that were converted."""
         self.failure: Exception | None = None
@@ -153,7 +156,8 @@ class RecordingThread:
                 output.describe(about)
 
     def _show_robots(self) -> None:
-        robots = RobotSet({place: rows.figure for place, rows in self._rows.items()}, self._with_pictures)
+        figures = {place: rows.figure for place, rows in self._rows.items()}
+        robots = RobotSet(figures, self._with_pictures, self._with_sound)
         for output in self._outputs:
             output.show(robots)
 
@@ -178,6 +182,11 @@ class RecordingThread:
                 yield from rows.event(value, time_ns)
             case CameraImage():
                 yield from self._picture(place, value, time_ns)
+            case Sound():
+                if place not in self._with_sound:
+                    self._with_sound |= {place}
+                    self._show_robots()
+                yield from rows_of_sound(place, value, time_ns)
 
     def _difference(
         self, place: Place, rows: RobotRows, time_ns: int, robot_ns: int
@@ -228,6 +237,7 @@ class Recorder:
         *,
         names: Sequence[str] = (),
         cameras_hz: float = CAMERAS_HZ,
+        sound: bool = False,
         title: str = "",
         note: str = "",
         file: Callable[[], str] | None = None,
@@ -240,6 +250,7 @@ class Recorder:
             say: shows a sentence to the user; called by the recorder's own thread.
             names: names of robots; empty: all robots.
             cameras_hz: pictures per second of each eye; 0: no pictures.
+            sound: switch the microphones of the robots on, and record what they hear.
             title: title of the recording; empty: the name of its file.
             note: what the user writes about the recording.
             file: returns the name of the present file; the recorder then takes notes of all seats. None: it takes none.
@@ -247,7 +258,7 @@ class Recorder:
         Raises:
             WrongUsage: the client was closed.
         """
-        self._subscriptions = RobotSubscriptions(client, names, cameras=cameras_hz > 0)
+        self._subscriptions = RobotSubscriptions(client, names, cameras=cameras_hz > 0, microphones=sound)
         self._queries = RobotQueries(client)
         facts = about(time.time_ns(), title=title, note=note, seat=client.settings.who)
         self._notes = None if file is None else NoteInbox(client, file, title)

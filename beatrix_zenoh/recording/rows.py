@@ -70,6 +70,18 @@ class Frame(RecordingRow):
     jpeg: bytes
 
 
+@dataclass(frozen=True)
+class SoundRow(RecordingRow):
+    """A block of sound from both microphones."""
+
+    pcm: bytes
+    """int16, little-endian, left and right by turns, as published"""
+    rate: int
+    """frames per second"""
+    seq: int
+    """number of the block; a gap means lost blocks"""
+
+
 def of_robot(place: Place, *parts: str) -> str:
     """Return the path of an entity of one robot, for example `bea/sim/arms`."""
     return "/".join((*place, *parts))
@@ -91,10 +103,11 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class RobotSet:
-    """The robots found so far, and those that have sent pictures."""
+    """The robots found so far, and those that have sent pictures or sound."""
 
     robots: Mapping[Place, Figure]
     with_pictures: frozenset[Place] = frozenset()
+    with_sound: frozenset[Place] = frozenset()
 
     @property
     def names(self) -> list[str]:

@@ -15,6 +15,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.client.clocks import Offset, clock_offsets
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.client.sound import Sound, sound
 from beatrix_zenoh.client.subscription import (
     Arrival,
     CameraImage,
@@ -32,9 +33,11 @@ from beatrix_zenoh.contract.names import EYES
 from beatrix_zenoh.recording.figure import geometry_of
 from beatrix_zenoh.recording.losses import Losses, Stream, seq_of, stream_of, stream_of_key
 
-Value = Positions | Status | Event | CameraImage
+Value = Positions | Status | Event | CameraImage | Sound
 PICTURES: Final = 64
 """Length of the queue of one camera: about 5 MB."""
+BLOCKS: Final = 3000
+"""Length of the queue of sound: 60 s of one robot, 12 MB."""
 
 
 class RobotSubscriptions:
@@ -44,13 +47,17 @@ class RobotSubscriptions:
     pictures of each camera.
     """
 
-    def __init__(self, client: Client, names: Sequence[str], *, cameras: bool) -> None:
+    def __init__(self, client: Client, names: Sequence[str], *, cameras: bool, microphones: bool) -> None:
         """Subscribe to the robots of these names, or to all robots if no name is given.
 
-        With `cameras`, robots capture pictures for this recorder.
+        With `cameras`, robots capture pictures for this recorder; with `microphones`, they switch their microphones on.
         """
         self._subscriptions: list[
-            Subscription[Positions] | Subscription[Status] | Subscription[Event] | Subscription[CameraImage]
+            Subscription[Positions]
+            | Subscription[Status]
+            | Subscription[Event]
+            | Subscription[CameraImage]
+            | Subscription[Sound]
         ] = []
         for name in names or ["*"]:
             self._subscriptions += [
@@ -62,6 +69,8 @@ class RobotSubscriptions:
                 self._subscriptions += [
                     images(client, name, "*", eye, timeout_s=None, length=PICTURES) for eye in EYES
                 ]
+            if microphones:
+                self._subscriptions.append(blocks(client, name))
 
     def take(self) -> list[Arrival[Value]]:
         """Return all publications since the last call, in the order of arrival."""
@@ -84,6 +93,12 @@ class RobotSubscriptions:
         """End the subscriptions."""
         for subscription in self._subscriptions:
             subscription.close()
+
+
+def blocks(client: Client, name: str) -> Subscription[Sound]:
+    """Subscribe to the sound of both sides as it arrives; `*` stands for all robots."""
+    key = keys.microphones(name, "*")
+    return Subscription(client, key, sound, timeout_s=None, length=BLOCKS, bus=client.media)
 
 
 AGAIN_S: Final = 30.0

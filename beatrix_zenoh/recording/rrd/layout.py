@@ -29,6 +29,10 @@ TABS: Final = ("Overlay", "Side by side", "Plots", "Log")
 ARMS_DEG: Final = (-60.0, 60.0)
 HEAD_DEG: Final = (-60.0, 60.0)
 APART_DEG: Final = (-2.0, 2.0)
+SOUND: Final = "Sound"
+"""Title of the tab that a recording with sound has in addition."""
+AMPLITUDE: Final = (-0.5, 0.5)
+LEVEL_DB: Final = (-90.0, 0.0)
 
 Part = rrb.Container | rrb.View
 
@@ -38,6 +42,7 @@ def layout(shown: RobotSet) -> rrb.Blueprint:
     overlays = [overlay(shown, name) for name in shown.names]
     besides = [beside(shown, name) for name in shown.names]
     plots = [plots_of(shown, name) for name in shown.names]
+    sounds = [sound_of(place) for place in sorted(shown.with_sound)]
     return rrb.Blueprint(
         rrb.Tabs(
             tiled(overlays, TABS[0]),
@@ -45,6 +50,7 @@ def layout(shown: RobotSet) -> rrb.Blueprint:
             # The plots of one robot fill a screen, so each of several robots gets a tab of its own.
             rrb.Tabs(*plots, name=TABS[2]) if len(plots) > 1 else tiled(plots, TABS[2]),
             rrb.Vertical(states(), log(), row_shares=[1, 3], name=TABS[3]),
+            *([tiled(sounds, SOUND)] if sounds else []),
             active_tab=0,
         ),
         rrb.TimePanel(state="collapsed", timeline=TIME, play_state="following"),
@@ -127,6 +133,16 @@ def plots_of(shown: RobotSet, name: str) -> rrb.Container:
         plot([of_difference(name, "head")], "head: hardware − simulation (°)", APART_DEG),
     )
     return rrb.Horizontal(curves, apart, column_shares=[3, 2], name=name)
+
+
+def sound_of(place: Place) -> rrb.Container:
+    """Return plots of what a robot hears: the waveform, and the level of both ears."""
+    path = of_robot(place, "microphones")
+    return rrb.Vertical(
+        plot([f"{path}/wave"], f"{titled(place)}, left ear up, right ear down (1 is full scale)", AMPLITUDE),
+        plot([f"{path}/level"], f"{titled(place)}, level (dB)", LEVEL_DB),
+        name=place[0],
+    )
 
 
 def plot(paths: Sequence[str], title: str, span: tuple[float, float]) -> rrb.View:

@@ -34,6 +34,7 @@ from beatrix_zenoh.recording.samples import (
     TimedEvent,
     TimedTexts,
 )
+from beatrix_zenoh.recording.sound import SoundBlock
 from beatrix_zenoh.recording.viewer import check_recording
 
 TIME, ROBOT_TIME = "time", "robot_time"
@@ -55,6 +56,7 @@ class Column(NamedTuple):
 
 Columns = dict[tuple[str, str], Column]
 """Columns by entity and component."""
+SoundBlocks = dict[Place, list[SoundBlock]]
 
 
 def read(path: Path) -> Recorded:
@@ -282,3 +284,28 @@ def read_eyes(paths: Sequence[Path], places: Sequence[Place], first_ns: int, las
     for pictures in found.values():
         pictures.sort(key=lambda picture: picture.time_ns)
     return {key: pictures for key, pictures in found.items() if pictures}
+
+
+def read_sound(paths: Sequence[Path], places: Sequence[Place], first_ns: int, last_ns: int) -> SoundBlocks:
+    """Return the blocks of sound of these robots between two times, in the order of time.
+
+    The files must be readable, which `read` checks.
+    """
+    entities = {"/" + of_robot(place, "microphones"): place for place in places}
+    found: SoundBlocks = {}
+    for path in paths:
+        with _opened(path, *entities) as chunks:
+            for chunk in chunks:
+                if chunk.is_static or TIME not in chunk.timeline_names:
+                    continue
+                batch = chunk.to_record_batch()
+                times = batch.column(TIME).cast("int64").to_pylist()
+                parts = (batch.column(name).flatten().to_pylist() for name in ("pcm", "rate", "number"))
+                found.setdefault(entities[chunk.entity_path], []).extend(
+                    block
+                    for block in itertools.starmap(SoundBlock, zip(times, *parts, strict=True))
+                    if first_ns <= block.time_ns <= last_ns
+                )
+    for blocks in found.values():
+        blocks.sort(key=lambda block: block.time_ns)
+    return {place: blocks for place, blocks in found.items() if blocks}

@@ -26,6 +26,8 @@ THINNER_M = 0.001
 """Difference in thickness (m) of the ghost, because coincident surfaces would flicker."""
 CURVES = {"arms": ARMS, "commanded": ARMS, "velocity": ARMS, "head": AXES, "head_measured": AXES}
 """Colours of the curves of an entity, by their names."""
+EARS = {"left": AXES["yaw"], "right": AXES["pitch"]}
+"""Colours of the curves of both ears."""
 MARK_COLOURS = ((88, 96, 110), (116, 124, 138))
 """Colours of notes on the time line."""
 STATE_SIGNS = {
@@ -71,6 +73,9 @@ def of_place(place: Place, figure: Figure) -> Iterator[Item]:
                     yield f"{path}/ghost/{form}", shape(form, thin, [GHOST] * len(thin))
     yield from inside(place, figure)
     yield from curves(place)
+    for what, unit in (("wave", ""), ("level", " (dB)")):
+        ears = {f"{ear} ear{unit}": colour for ear, colour in EARS.items()}
+        yield of_robot(place, "microphones", what), lines(ears, width=2.0)
     yield of_robot(place, "clock"), rr.SeriesLines(names=["clock offset (s)", "its largest error (s)"])
     yield (
         of_robot(place, "state"),

@@ -14,7 +14,17 @@ import rerun as rr
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.recording.about import About
-from beatrix_zenoh.recording.rows import MARK, Bar, BodyTurn, Frame, Line, Numbers, RecordingRow, RobotSet
+from beatrix_zenoh.recording.rows import (
+    MARK,
+    Bar,
+    BodyTurn,
+    Frame,
+    Line,
+    Numbers,
+    RecordingRow,
+    RobotSet,
+    SoundRow,
+)
 from beatrix_zenoh.recording.rrd import scene
 from beatrix_zenoh.recording.rrd.layout import layout
 from beatrix_zenoh.recording.rrd.read import ABOUT, PROPERTY, ROBOT_TIME, TIME
@@ -142,4 +152,11 @@ def columns(rows: Sequence[RecordingRow]) -> Iterable[rr.ComponentColumn]:
         case Frame():
             pictures = [row.jpeg for row in rows if isinstance(row, Frame)]
             return rr.EncodedImage.columns(blob=pictures, media_type=["image/jpeg"] * len(pictures))
+        case SoundRow():
+            blocks = [row for row in rows if isinstance(row, SoundRow)]
+            return rr.AnyValues.columns(
+                pcm=[block.pcm for block in blocks],
+                rate=np.array([block.rate for block in blocks]),
+                number=np.array([block.seq for block in blocks]),
+            )
     raise TypeError(f"no columns for {type(rows[0]).__name__}")

@@ -14,6 +14,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDE_TITLES, SIDES
 from beatrix_zenoh.files import check_new, new_file
 from beatrix_zenoh.output import print_json, say
+from beatrix_zenoh.recording.verbs.export_sound import WAV, check_sound, write_sound
 from beatrix_zenoh.recording.verbs.files import RECORDING, read_recording
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json, Names, Which, finite
@@ -71,8 +72,13 @@ Video = Annotated[
     Path | None, typer.Option(metavar="FILE.mp4", help="A film of simulation and hardware, or of an eye.")
 ]
 Eye = Annotated[EyeName | None, typer.Option("--eye", help="With --video: the pictures of this eye.")]
+Wav = Annotated[
+    Path | None,
+    typer.Option("--sound", metavar="FILE.wav", help="What the microphones of a robot have heard."),
+]
 On = Annotated[
-    Which | None, typer.Option("--on", help="With --eye: of the simulation (sim) or the hardware (hw).")
+    Which | None,
+    typer.Option("--on", help="With --eye or --sound: of the simulation (sim) or the hardware (hw)."),
 ]
 
 
@@ -84,24 +90,25 @@ def export(
     name: Names = None,
     video: Video = None,
     eye: Eye = None,
+    sound: Wav = None,
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Write a recording as a table (CSV or Parquet), or as a film.
+    """Write a recording as a table (CSV, Parquet), film or sound.
 
     A row every 20 ms, with all robots side by side; fields are empty where samples are missing. Units are in the names of the
     columns; docs/how-to/analyse.md lists them. --video shows the models of both robots with the pictures of their eyes, or
     with --eye one eye.
     """
-    check_video(video, eye, on)
-    recordings, out = sources_and_table(files, film=video is not None)
+    check_sound(sound)
+    check_video(video, eye, on if sound is None or eye is not None else None)
+    recordings, out = sources_and_table(files, alone=video is not None or sound is not None)
     if samples and out is None:
         raise typer.BadParameter("--samples needs a table: name a .csv or .parquet file, too.")
     if end is not None and finite(end) < begin:
         raise typer.BadParameter(f"--to {end:g} is before --from {begin:g}: give a later end.")
-    for path in (out, video):
-        if path is not None:
-            check_new(path)
+    for path in filter(None, (out, video, sound)):
+        check_new(path)
     found = opened(recordings, begin, end, name or ())
     document: dict[str, object] = {"result": True, "robots": robots_of(found)}
     lines = []
@@ -114,20 +121,29 @@ def export(
             film = written_film(video, recordings, found, eye, on)
             document |= {"video": str(video), "frames": film.frames}
             lines.append(f"{video}: {film.frames} frames, {film.lasts_s:.1f} s of {film.shows}.")
+        if sound is not None:
+            heard = write_sound(sound, recordings, found, on)
+            document |= {"sound": str(sound), "seconds": heard.seconds, "lost_s": heard.lost_s}
+            lines.append(f"{sound}: {heard}.")
     if found.pauses:
         document["pauses"] = [{"from_s": pause.from_s, "lasts_s": pause.lasts_s} for pause in found.pauses]
-        pauses = ", ".join(f"{pause.lasts_s:.1f} s from {pause.from_s:.1f} s on" for pause in found.pauses)
-        lines.append(f"Between the files nothing was recorded: {pauses}.")
+        lines.append(pauses_of(found))
     if as_json:
         print_json(document)
     else:
         say("\n".join(lines))
 
 
-def sources_and_table(files: Sequence[Path], *, film: bool) -> tuple[list[Path], Path | None]:
+def pauses_of(found: Table) -> str:
+    """Return a sentence about the pauses between the files of a recording."""
+    pauses = ", ".join(f"{pause.lasts_s:.1f} s from {pause.from_s:.1f} s on" for pause in found.pauses)
+    return f"Between the files nothing was recorded: {pauses}."
+
+
+def sources_and_table(files: Sequence[Path], *, alone: bool) -> tuple[list[Path], Path | None]:
     """Return the recordings and the name of the table among the arguments; raises BadParameter.
 
-    With `film` there may be no table.
+    With `alone`, a film or a sound is written, and there may be no table.
     """
     recordings = [path for path in files if path.suffix == RECORDING]
     others = [path for path in files if path.suffix != RECORDING]
@@ -135,10 +151,12 @@ def sources_and_table(files: Sequence[Path], *, film: bool) -> tuple[list[Path],
         raise typer.BadParameter(f"{files[0]} is not the name of a recording: it must end with {RECORDING}.")
     if len({path.resolve() for path in recordings}) < len(recordings):
         raise typer.BadParameter("A recording is given twice: give each file once.")
-    if film and not others:
+    if alone and not others:
         return recordings, None
     if film_named := [path for path in others if path.suffix.lower() == FILM]:
         raise typer.BadParameter(f"{film_named[0]} is the name of a film: write --video {film_named[0]}.")
+    if sound_named := [path for path in others if path.suffix.lower() == WAV]:
+        raise typer.BadParameter(f"{sound_named[0]} is the name of a sound: write --sound {sound_named[0]}.")
     if len(others) != 1 or files[-1] != others[0] or others[0].suffix.lower() not in TABLES:
         given = ", ".join(map(str, others)) or "none is given"
         raise typer.BadParameter(

@@ -15,7 +15,7 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.output import FAILED, exit_code, note, print_json, say
-from beatrix_zenoh.recording.losses import CONTESTED, PICTURES, Count, Stream, findings, total
+from beatrix_zenoh.recording.losses import CONTESTED, PICTURES, SOUND, Count, Stream, findings, total
 from beatrix_zenoh.recording.verbs.files import RECORDING, repair_recording
 from beatrix_zenoh.recording.verbs.view import leave, open_viewer
 from beatrix_zenoh.recording.viewer import PORT, program
@@ -67,6 +67,13 @@ View = Annotated[bool, typer.Option("--view", help="Also show the robots in the 
 Motion = Annotated[
     bool, typer.Option("--motion", help="Write a motion file (.csv) of one robot, for `beatrix replay`.")
 ]
+Microphones = Annotated[
+    bool,
+    typer.Option(
+        "--sound",
+        help="Also record what the microphones hear, and so every person who speaks: ask them first.",
+    ),
+]
 Title = Annotated[str, typer.Option(help="Title of the recording; default: the name of the file.")]
 Remark = Annotated[str, typer.Option("--note", metavar="TEXT", help="A remark about the whole recording.")]
 KeepRest = Annotated[
@@ -90,6 +97,8 @@ class RecordingOptions:
     """length of each file (s); 0: one file"""
     cameras_hz: float
     """pictures per second of each eye; 0: none"""
+    sound: bool
+    """whether to record the microphones"""
     viewer_port: int | None
     """None: no viewer"""
     title: str = ""
@@ -102,6 +111,7 @@ def record(
     seconds: Seconds = 0.0,
     rotate: Rotate = 0.0,
     cameras: Cameras = 5.0,
+    sound: Microphones = False,
     title: Title = "",
     remark: Remark = "",
     view: View = False,
@@ -121,6 +131,8 @@ def record(
     """
     if motion:
         selection = Selection(name[0] if name else None, connect, who)
+        if sound:
+            raise typer.BadParameter("--sound needs a recording (.rrd): a motion file contains no sound.")
         write_motion(file, name or (), selection, on, seconds, keep_rest=keep_rest, as_json=as_json)
         return
     if on is not None:
@@ -134,7 +146,7 @@ def record(
         return
     robots = [names.check_name(robot) for robot in name or []]
     options = RecordingOptions(
-        file, robots, seconds, rotate * 60, cameras, port if view else None, title, remark
+        file, robots, seconds, rotate * 60, cameras, sound, port if view else None, title, remark
     )
     write_recording(resolve(None, connect, who), options, as_json=as_json)
 
@@ -178,6 +190,7 @@ def write_recording(settings: Settings, options: RecordingOptions, *, as_json: b
             note,
             names=options.robots,
             cameras_hz=options.cameras_hz,
+            sound=options.sound,
             title=options.title,
             note=options.note,
             file=lambda: file.files[-1].name,
@@ -303,11 +316,15 @@ def outcome(one: Count) -> dict[str, int | None]:
 def missing(counts: Mapping[Stream, Count]) -> str:
     """Return how many publications the recording lacks, in words; pictures apart, because they are often left out."""
     pictures = total({stream: one for stream, one in counts.items() if stream[1].startswith(PICTURES)})
-    others = total({stream: one for stream, one in counts.items() if not stream[1].startswith(PICTURES)})
+    sounds = total({stream: one for stream, one in counts.items() if stream[1] == SOUND})
+    others = total(
+        {stream: one for stream, one in counts.items() if not stream[1].startswith((PICTURES, SOUND))}
+    )
     words = {
         "lost on the network": others.lost,
         "dropped": others.unwritten,
         "pictures lost": pictures.lost + pictures.unwritten,
+        "blocks of sound lost": sounds.lost + sounds.unwritten,
     }
     known = [f"{number} {what}" for what, number in words.items() if number]
     contested = sorted({f"{name} ({side})" for ((name, side), _), one in counts.items() if one.contested})
