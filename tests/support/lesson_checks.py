@@ -1,0 +1,25 @@
+"""Checks of the programs of lessons."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from beatrix_zenoh.lessons import program
+from beatrix_zenoh.lessons.checking import Result, Verdict, check
+from beatrix_zenoh.lessons.lesson import Lesson
+from beatrix_zenoh.lessons.stage import Stage
+
+BUSY_TRIES = 3
+
+
+def checked(lesson: Lesson, path: Path, stage: Stage) -> Verdict:
+    """Check a program; if this computer is too busy, try again, and then skip the test: that is no verdict."""
+    why = ""
+    for _ in range(BUSY_TRIES):
+        verdict = check(lesson, program.read(path), stage=stage)
+        if verdict.result is not Result.NOT_MEASURABLE:
+            return verdict
+        why = verdict.means
+    pytest.skip(why)
