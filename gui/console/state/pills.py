@@ -104,9 +104,11 @@ def pill(world: World, side: str, texts: Texts) -> PillView:
 
 
 def notes(found: RobotCondition, status: Status, world: World, texts: Texts) -> tuple[str, ...]:
-    """Return the notes about the lease of a robot, which are shown beside its condition."""
+    """Return the notes beside the condition of a robot: that its microphones are on, and those about its lease."""
     driven = found.condition is Condition.DRIVEN
-    return leases.notes(status, world, texts, holder_shown=driven)
+    listens = status.microphones is not None and status.microphones.streaming
+    heard = (texts("note.microphones"),) if listens else ()  # first, because people near the robot must know
+    return *heard, *leases.notes(status, world, texts, holder_shown=driven)
 
 
 def finding(world: World, side: str, texts: Texts) -> RobotCondition:

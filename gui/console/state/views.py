@@ -56,7 +56,7 @@ class PillView:
     latency: str
     """round trip of a query, for example `2 ms`; empty: unknown"""
     notes: tuple[str, ...]
-    """holder, waiting seats and speed limit, unless `text` contains them; the most important first"""
+    """microphones that are on, holder, waiting seats and speed limit, unless `text` contains them; the most important first"""
     lease: ButtonView | None
     """takes the robot, waits for it or gives it back; None: there is a next step, or the robot does not answer"""
     warnings: tuple[str, ...] = ()
