@@ -74,6 +74,34 @@ def test_a_motion_is_sent_again_to_the_robots_that_are_checked_now() -> None:
     assert refusal is not None
 
 
+@pytest.mark.parametrize(
+    ("reason", "result"),
+    [
+        (Reason.NO_ANSWER, "did not reach Hardware: It is off."),
+        (Reason.NODE_LOST, "did not reach Hardware: It is off."),
+        (Reason.TIMED_OUT, "not confirmed by Hardware: It is off."),
+        (Reason.ACCESS_DENIED, "refused: Hardware: It is off."),
+    ],
+)
+@pytest.mark.parametrize("intent", [intents.Stop(), intents.EmergencyStop()])
+def test_a_stop_without_a_reply_of_one_side_is_not_called_refused(
+    intent: Intent, reason: Reason, result: str
+) -> None:
+    state = State()
+    state.handle(intent, world())
+    state.report(Outcome(1, "sim", accepted=True, done=True))
+    state.report(Outcome(1, "hw", accepted=False, done=True, reason=reason, message="It is off."))
+    row = state.view(world()).history[0]
+    assert (row.result, row.good) == (result, False)
+
+
+def test_a_stop_without_a_router_reached_no_side() -> None:
+    state = State()
+    state.handle(intents.EmergencyStop(), world())
+    state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.NO_ROUTER, message="No router."))
+    assert state.view(world()).history[0].result == "did not reach Simulation, Hardware: No router."
+
+
 # -- lines -------------------------------------------------------------------------------------------
 
 LINES: list[tuple[tuple[Intent, ...], str, str]] = [

@@ -31,6 +31,15 @@ SHOWN = 100
 """Largest number of rows of the view."""
 BY_STOP = "STOP"
 """part of the message of every motion that STOP has ended"""
+STOP_MISSED = {
+    Reason.NO_ANSWER: "result.stop_unreached",
+    Reason.NO_SUCH_ROBOT: "result.stop_unreached",
+    Reason.NODE_LOST: "result.stop_unreached",
+    Reason.NO_ROUTER: "result.stop_unreached",
+    Reason.NODE_HANGS: "result.stop_unconfirmed",
+    Reason.TIMED_OUT: "result.stop_unconfirmed",
+}
+"""texts of a STOP or EMERGENCY_STOP without a reply: no robot has refused it"""
 GOOD, BAD, OPEN = "✓", "✕", "…"
 
 
@@ -181,6 +190,10 @@ def _bad(row: RequestRow, bad: list[Outcome], texts: Texts) -> tuple[str, bool |
         robots = ", ".join(worst.failed)
         slots = {"done": float(done), "count": float(worst.robots)}
         return texts("result.done_partly", robots=robots, text=text, **slots), False
+    if isinstance(row.request, SendStop) and worst.reason in STOP_MISSED:
+        missed = {side_of(outcome) for outcome in bad} - {""} or {"sim", "hw"}
+        sides = [texts(f"side.{name}") for name in ("sim", "hw") if name in missed]
+        return texts(STOP_MISSED[worst.reason], robots=", ".join(worst.failed or sides), text=text), False
     if worst.failed:
         text = texts("of.robots", robots=", ".join(worst.failed), text=text)
     elif side and len(row.sides) > 1:
