@@ -44,6 +44,9 @@ class ArmAngles(NamedTuple):
     def __str__(self) -> str:
         return f"short {self.short:z.1f}°, middle {self.middle:z.1f}°, long {self.long:z.1f}°"
 
+    def __repr__(self) -> str:
+        return f"ArmAngles(short={self.short:z.2f}, middle={self.middle:z.2f}, long={self.long:z.2f})"
+
 
 class HeadAngles(NamedTuple):
     """Orientation of the head (deg): yaw left, pitch nose-down, roll right-ear-down positive."""
@@ -55,8 +58,11 @@ class HeadAngles(NamedTuple):
     def __str__(self) -> str:
         return f"yaw {self.yaw:z.1f}°, pitch {self.pitch:z.1f}°, roll {self.roll:z.1f}°"
 
+    def __repr__(self) -> str:
+        return f"HeadAngles(yaw={self.yaw:z.2f}, pitch={self.pitch:z.2f}, roll={self.roll:z.2f})"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Reading(Suggesting):
     """Positions (deg) and velocity (deg/s) of a robot; `t` is the time (s) by the source's monotonic clock."""
 
@@ -68,6 +74,9 @@ class Reading(Suggesting):
 
     def __str__(self) -> str:
         return f"head: {self.head}; arms: {self.arms}"
+
+    def __repr__(self) -> str:
+        return f"<reading at {self.t:.2f} s; {self}>"
 
 
 @dataclass(frozen=True)

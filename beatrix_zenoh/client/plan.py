@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Protocol
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.degrees import Path, RobotInfo, arm_angles, checked_wait, head_angles, true_or_false
+from beatrix_zenoh.client.figures import path_figure
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin_motion import TwinMotion, furthest
 from beatrix_zenoh.client.twin_state import PlanPosition, TwinState, query_plan_position
-from beatrix_zenoh.colours import ARMS, AXES, hexadecimal
 from beatrix_zenoh.contract._generated.messages import Info, MotionQuery, PoseQuery, PreviewReply, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from beatrix_zenoh.client.figures import Figure
 
-WIDTH_IN = 10.0
-"""Width of figures (inches)."""
 SAME_DEG = 0.1
 """Largest distance of two positions that count as equal; a microstep is 0.086 deg."""
 THERE_DEG = 0.2
@@ -184,27 +180,3 @@ def distance(start: Start) -> float:
     """Return the largest difference (deg) between the same arms of both robots; 0 without hardware."""
     simulation, hardware = start
     return 0.0 if hardware is None else furthest(simulation.arms, hardware.arms)
-
-
-def path_figure(path: Path) -> Figure:
-    """Return a figure of a previewed path: arms and head over time; it needs no display."""
-    from matplotlib.figure import Figure  # noqa: PLC0415  # only where a plan is plotted
-
-    figure = Figure(figsize=(WIDTH_IN, 5.5), layout="constrained")
-    panels = figure.subplots(2, 1, sharex=True)
-    parts: list[tuple[str, Iterable[tuple[float, ...]]]] = [("arms", path.arms), ("head", path.head)]
-    for panel, (name, angles), colours in zip(panels, parts, (ARMS, AXES), strict=True):
-        for column, (axis, colour) in zip(zip(*angles, strict=True), colours.items(), strict=True):
-            panel.plot(path.t, column, color=hexadecimal(colour), label=axis)
-        label_panel(panel, f"{name} (°)")
-    panels[-1].set_xlabel("time (s)")
-    return figure
-
-
-def label_panel(panel: Axes, label: str) -> None:
-    """Add label, grid and legend to a panel."""
-    panel.set_ylabel(label)
-    panel.grid(alpha=0.25)
-    panel.spines[["top", "right"]].set_visible(False)
-    panel.margins(x=0.01)
-    panel.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)

@@ -19,6 +19,7 @@ from beatrix_zenoh.client.degrees import (
 from beatrix_zenoh.client.kinematics import Kinematics, bearing
 from beatrix_zenoh.client.lease import Lease
 from beatrix_zenoh.client.motion import MARGIN_S, Motion
+from beatrix_zenoh.client.preview import Preview, preview_of
 from beatrix_zenoh.client.request import Request, ask
 from beatrix_zenoh.client.room import Room
 from beatrix_zenoh.client.slips import value_method
@@ -34,14 +35,18 @@ from beatrix_zenoh.contract._generated.messages import (
     MotionQuery,
     MotionReply,
     PoseQuery,
+    PreviewReply,
+    Reason,
     Source,
 )
 from beatrix_zenoh.contract._generated.robot import ALLOWED
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.motion.limits import SLOWEST_LIMIT_DEG
 
 LONGEST_WAY_DEG = 720.0
 """Upper bound of one arm's travel: the head turns 180 deg to each side, and arms stay between their neighbours."""
+PREVIEW_S = 10.0
+"""Time limit (s) of a preview."""
 SLOWEST_LIMIT = math.radians(SLOWEST_LIMIT_DEG)
 SLOWEST_DEFAULT = math.radians(ALLOWED["limits"]["speed_default"].low)
 
@@ -186,6 +191,35 @@ class Robot(Room):
         """
         yaw, pitch = bearing(*(checked_number(*each, "m") for each in (("x", x), ("y", y), ("z", z))))
         return self.look(yaw, pitch, speed=speed, wait=wait)
+
+    @value_method
+    def preview(
+        self,
+        yaw: float = 0.0,
+        pitch: float = 0.0,
+        roll: float = 0.0,
+        *,
+        relative: bool = False,
+        speed: float | None = None,
+    ) -> Preview:
+        """Try a motion of `look` on a copy of the simulation, faster than real time; the robot does not move.
+
+        Raises:
+            WrongUsage: BAD_VALUE: this is hardware, or an argument is invalid.
+            Refused: `look` would be refused; the error has the reason and, if there is one, an alternative.
+            NoAnswer: the simulation or the router is not online, or does not answer.
+        """
+        if self.side != "sim":
+            text = (
+                f"Hardware has no preview: use Robot({self.name!r}).preview(...), which asks its simulation."
+            )
+            raise WrongUsage(Reason.BAD_VALUE, text)
+        query = pose_query(yaw, pitch, roll, relative=relative, speed=speed)
+        key = keys.preview(self.name, self.client.settings.who)
+        reply = ask(self.client, self.place, key, query, PreviewReply, PREVIEW_S)
+        if not reply.result:
+            raise Refused(reply.reason, reply.message, reply.detail)
+        return preview_of(reply)
 
     def move(
         self,

@@ -18,6 +18,7 @@ from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.settings import resolve
 
 if TYPE_CHECKING:
+    from beatrix_zenoh.client.log import Log
     from beatrix_zenoh.client.sound import Microphones, Sound
 
 
@@ -72,6 +73,16 @@ class RobotBase(ProcessBound, Suggesting):
         """Query versions, limits and geometry (deg) and keys of the robot; raises the errors of `positions`."""
         key = keys.info(self.name, self.side)
         return robot_info(ask(self.client, self.place, key, None, Info, self.timeout_s))
+
+    @value_method
+    def log(self) -> Log:
+        """Record positions and events from now until the end of its `with` block; then it has them as arrays.
+
+        At most 30 minutes; older positions are dropped and counted. Raises the errors of `positions`.
+        """
+        from beatrix_zenoh.client.log import Log  # noqa: PLC0415 - numpy would delay every verb
+
+        return Log(self)
 
     @value_method
     def stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Reading]:

@@ -8,7 +8,7 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Generic, NamedTuple, Self, TypeVar
+from typing import TYPE_CHECKING, Generic, NamedTuple, Self, TypeVar
 
 import msgspec
 
@@ -20,6 +20,12 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, FrameHeader, Positions, Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
 from beatrix_zenoh.contract.names import view_title
+
+if TYPE_CHECKING:  # numpy would delay every verb
+    import numpy as np
+    import numpy.typing as npt
+
+    Pixels = npt.NDArray[np.uint8]
 
 SILENCE_S = 3.0
 """A robot without publications for this long (s) hangs or is lost, because it publishes its status once a second."""
@@ -326,7 +332,7 @@ def events(
     return Subscription(client, keys.events(robot, side), message(Event, same), timeout_s=timeout_s)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CameraImage:
     """A picture of one eye, or of a simulated head from outside."""
 
@@ -354,6 +360,31 @@ class CameraImage:
     def __str__(self) -> str:
         size = f"{self.width} x {self.height} px, {len(self.jpeg) / 1000:.1f} kB"
         return f"{names.view_title(self.eye)}, picture {self.seq}: {size}, {self.source}"
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
+    def _repr_jpeg_(self) -> bytes:
+        """Return the picture, which a notebook shows."""
+        return self.jpeg
+
+    def array(self) -> Pixels:
+        """Return the pixels: shape (height, width, 3), red, green, blue from 0 to 255.
+
+        Raises:
+            WrongUsage: BAD_VALUE, the package simplejpeg is not installed, or the JPEG data are damaged.
+        """
+        try:
+            import simplejpeg  # noqa: PLC0415 - in the extras `sim` and `hw`
+        except ModuleNotFoundError as error:
+            text = "array() needs the package simplejpeg, which the extras `sim` and `hw` contain: pip install simplejpeg"
+            raise WrongUsage(Reason.BAD_VALUE, text) from error
+        try:
+            pixels: Pixels = simplejpeg.decode_jpeg(self.jpeg)
+        except ValueError as error:
+            text = f"{self}: its JPEG data are damaged ({error}): take the next picture."
+            raise WrongUsage(Reason.BAD_VALUE, text) from error
+        return pixels
 
 
 def images(

@@ -11,7 +11,7 @@ from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.degrees import Reading, Speed, motion_query, pose_query, true_or_false
 from beatrix_zenoh.client.plan import SAME_DEG, Plan, Start, distance, unlike
 from beatrix_zenoh.client.request import ask
-from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.robot import PREVIEW_S, Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.stopping import stop_robots
@@ -22,7 +22,6 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, P
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
 from beatrix_zenoh.settings import resolve
 
-PREVIEW_S = 10.0
 CLOSE_S = 2.0
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from beatrix_zenoh.client.plan import WIDTH_IN, label_panel
+from beatrix_zenoh.client.figures import WIDTH_IN, label_panel
 from beatrix_zenoh.colours import ALL, STYLES, hexadecimal, pale
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.compare import Comparison

@@ -49,7 +49,7 @@ def names() -> Iterator[dict[str, Any]]:
         ("robot.head.yaw", "Robot has no 'head': did you mean positions().head?"),
         ("robot.enabled", "Robot has no 'enabled': did you mean status().enabled?"),
         ("robot.limits", "Robot has no 'limits': did you mean info().limits?"),
-        ("robot.lookat(3)", "Robot has no 'lookat': did you mean look()?"),
+        ("robot.lookat(3)", "Robot has no 'lookat': did you mean look_at(…)?"),
         ("robot.moveto(1, 2, 3)", "Robot has no 'moveto': did you mean move(…)?"),
         ("robot.turn(30)", "Robot has no 'turn': it has begin, calibrate, camera, "),
         ("motion.is_done()", "Motion has no 'is_done': did you mean done()?"),

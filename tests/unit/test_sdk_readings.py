@@ -1,0 +1,33 @@
+"""Readings and pictures as a notebook shows them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import simplejpeg
+from statuses import AT_HOME
+
+from beatrix_zenoh.client.degrees import reading
+from beatrix_zenoh.client.subscription import CameraImage
+from beatrix_zenoh.contract.errors import WrongUsage
+
+
+def picture(jpeg: bytes) -> CameraImage:
+    return CameraImage(jpeg, "left", 1, 0, 0, 32, 16, "egl", 0, 0)
+
+
+def test_readings_are_short() -> None:
+    assert repr(reading(AT_HOME)) == f"<reading at 0.00 s; {reading(AT_HOME)}>"
+    assert repr(reading(AT_HOME).head) == "HeadAngles(yaw=0.00, pitch=0.00, roll=0.00)"
+
+
+def test_a_picture_shows_itself_and_gives_red_green_blue() -> None:
+    red = np.zeros((16, 32, 3), np.uint8)
+    red[..., 0] = 200
+    image = picture(simplejpeg.encode_jpeg(red))
+    assert image._repr_jpeg_() == image.jpeg
+    assert len(repr(image)) < 80
+    assert image.array().shape == (16, 32, 3)
+    assert image.array()[8, 16] == pytest.approx((200, 0, 0), abs=4)
+    with pytest.raises(WrongUsage, match="damaged"):
+        picture(b"\xff\xd8nothing").array()
