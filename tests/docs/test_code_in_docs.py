@@ -23,6 +23,7 @@ PAGES = (
     "docs/how-to/cameras.md",
     "docs/how-to/share-a-robot.md",
     "docs/how-to/processes.md",
+    "docs/how-to/notebooks.md",
     "docs/how-to/follow.md",
     "beatrix_zenoh/lessons/library/04-look-there/lesson.md",
     "beatrix_zenoh/lessons/library/04-look-there/lesson.de.md",
