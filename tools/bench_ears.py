@@ -65,17 +65,23 @@ def main() -> None:
     endpoint = free_endpoint()
     router = Served("beatrix_zenoh.cli", "router", "--listen", endpoint)
     simulation = Served("sim_node", "--name", NAME, "--connect", endpoint, "--ready")
-    with Robot(NAME, "sim", connect=endpoint) as robot:
-        for title, moving in (("at rest", False), ("moving", True)):
-            idle = measure(robot, simulation.pid, heard=False, moving=moving)
-            run = measure(robot, simulation.pid, heard=True, moving=moving)
-            print(f"ears {title}, 50 blocks/s of 20 ms, one subscriber; without: {idle.cpu:.1%} of a core")
-            print(f"  CPU for them: {run.cpu - idle.cpu:.1%} of a core (required: < 6 %)")
-            print(f"  real-time factor: {run.real_time_factor:.4f} (required: 1.000 +- 0.005)")
-            print(f"  age of a block's first frame, median / p99 / largest: {spread_ms(run.ages_s)} ms")
-            print(f"  {run.faults} (required: none)")
-    simulation.end()
-    router.end()
+    try:
+        with Robot(NAME, "sim", connect=endpoint) as robot:
+            for title, moving in (("at rest", False), ("moving", True)):
+                idle = measure(robot, simulation.pid, heard=False, moving=moving)
+                show(title, measure(robot, simulation.pid, heard=True, moving=moving), idle)
+    finally:
+        simulation.end()
+        router.end()
+
+
+def show(title: str, run: Run, idle: Run) -> None:
+    """Print the measurements."""
+    print(f"ears {title}, 50 blocks/s of 20 ms, one subscriber; without: {idle.cpu:.1%} of a core")
+    print(f"  CPU for them: {run.cpu - idle.cpu:.1%} of a core (required: < 6 %)")
+    print(f"  real-time factor: {run.real_time_factor:.4f} (required: 1.000 +- 0.005)")
+    print(f"  age of a block's first frame, median / p99 / largest: {spread_ms(run.ages_s)} ms")
+    print(f"  {run.faults} (required: none)")
 
 
 if __name__ == "__main__":
