@@ -58,13 +58,14 @@ class About(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Lesson:
-    """A lesson; `language` chooses the texts, and English is used where there is no translation.
+    """A lesson; `language` chooses the texts; a lesson whose page is not translated is English as a whole.
 
     Raises Refused (BAD_VALUE) if a file of the folder is missing or invalid.
     """
 
     def __init__(self, folder: Path, language: str = ENGLISH) -> None:
-        self.folder, self.language = folder, language
+        self.folder = folder
+        self.language = language if (folder / f"lesson.{language}.md").is_file() else ENGLISH
         self.name = folder.name
         self.number = int(folder.name.split("-")[0])
         self.about = _read(folder / "lesson.toml", About)

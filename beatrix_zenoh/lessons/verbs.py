@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import textwrap
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -279,9 +280,8 @@ def hint(number: Number) -> None:
     if fresh:
         record.hints.append(chosen)
         workspace.save()
-    say(
-        f"{LABELS[found.language][4]} {chosen}/{len(found.hints)}: {' '.join(found.hints[chosen - 1].split())}"
-    )
+    text = f"{LABELS[found.language][4]} {chosen}/{len(found.hints)}: {found.hints[chosen - 1]}"
+    say(textwrap.fill(" ".join(text.split()), min(WIDTH, shutil.get_terminal_size().columns)))
 
 
 @lesson.command()

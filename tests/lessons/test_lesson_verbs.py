@@ -106,6 +106,12 @@ def test_german_is_chosen_once() -> None:
     assert checked("1").stdout.splitlines()[0] == "Noch nicht: Doppelt (Versuch 1)."
 
 
+def test_a_lesson_without_a_german_page_is_english_as_a_whole(pupil: Path) -> None:
+    (pupil.parent / "library" / "01-double" / "lesson.de.md").unlink()
+    assert "Double" in good("start", "1", "--language", "de")
+    assert checked("1").stdout.splitlines()[0] == "Not yet: Double (try 1)."
+
+
 def test_a_notebook_is_checked_like_a_program() -> None:
     good("start", "1", "--notebook")
     made = json.loads(NOTEBOOK.read_text())
