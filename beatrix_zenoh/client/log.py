@@ -112,7 +112,7 @@ class Log(ProcessBound, Suggesting):
         self.began_s = self._first.value.t_mono_ns / 1e9
         new = [one.value for one in arrivals if not one.value.repeated or one is self._first]
         self.repeated = len(arrivals) - len(new)
-        self.gaps = _gaps([one.value for one in arrivals], arrivals[-1])
+        self.gaps = find_gaps([one.value for one in arrivals], arrivals[-1])
         self._fill(new)
 
     def _fill(self, positions: Sequence[Positions]) -> None:
@@ -190,7 +190,7 @@ COLUMNS: Final = [name for name, kind in Log.__annotations__.items() if kind == 
 OPEN: Final = "The log is still open: read it after the end of its `with` block, or call close() first."
 
 
-def _gaps(positions: Sequence[Positions], newest: Arrival[Positions]) -> list[Gap]:
+def find_gaps(positions: Sequence[Positions], newest: Arrival[Positions]) -> list[Gap]:
     """Return the gaps between positions, and the one after the newest, if the robot was silent up to now."""
     found = []
     for before, after in pairwise(positions):

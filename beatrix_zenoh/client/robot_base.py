@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
+from enum import Enum
 from typing import TYPE_CHECKING, Self
+
+import msgspec
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client import subscription
@@ -11,7 +15,7 @@ from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, SILENCE_S, CameraImage, Subscription, message
-from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Events, Info, Positions, Reason, Status
 from beatrix_zenoh.contract.errors import WrongUsage
@@ -20,6 +24,40 @@ from beatrix_zenoh.settings import resolve
 if TYPE_CHECKING:
     from beatrix_zenoh.client.log import Log
     from beatrix_zenoh.client.sound import Microphones, Sound
+
+
+class RobotStatus(Status, frozen=True, kw_only=True):
+    """The message Status; it shows itself in lines, without clocks and empty fields."""
+
+    def __repr__(self) -> str:
+        fields = msgspec.structs.asdict(self)
+        for name in ("robot", "side", "t_mono_ns", "t_wall_ns"):
+            del fields[name]
+        limit = fields.pop("speed_limit")
+        lines = [f"{self.robot} ({self.side})", *_lines(fields, "  ")]
+        if limit:
+            lines.append(f"  speed_limit: {math.degrees(limit):.1f} °/s")
+        return "\n".join(lines)
+
+
+codec.prepare(RobotStatus)
+
+
+def _lines(fields: dict[str, object], indent: str) -> list[str]:
+    """Return one line per field, without empty fields; those of a message in the message are indented."""
+    lines = []
+    for name, value in fields.items():
+        if isinstance(value, msgspec.Struct):
+            lines += [f"{indent}{name}:", *_lines(msgspec.structs.asdict(value), indent + "  ")]
+        elif isinstance(value, list) and value and isinstance(value[0], msgspec.Struct):
+            for one in value:
+                lines += _lines({name: one}, indent)
+        elif isinstance(value, bool) or value not in ("", 0, None, []):
+            shown = value.value if isinstance(value, Enum) else value
+            lines.append(
+                f"{indent}{name}: {shown:.4g}" if isinstance(shown, float) else f"{indent}{name}: {shown}"
+            )
+    return lines
 
 
 class RobotBase(ProcessBound, Suggesting):
@@ -63,10 +101,10 @@ class RobotBase(ProcessBound, Suggesting):
         return reading(ask(self.client, self.place, key, None, Positions, self.timeout_s))
 
     @value_method
-    def status(self) -> Status:
+    def status(self) -> RobotStatus:
         """Query the status: enabled, calibrated, holder, faults and more; raises the errors of `positions`."""
         key = keys.status(self.name, self.side)
-        return ask(self.client, self.place, key, None, Status, self.timeout_s)
+        return ask(self.client, self.place, key, None, RobotStatus, self.timeout_s)
 
     @value_method
     def info(self) -> RobotInfo:

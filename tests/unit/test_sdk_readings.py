@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
+import msgspec
 import numpy as np
 import pytest
 import simplejpeg
-from statuses import AT_HOME
+from statuses import AT_HOME, READY
 
 from beatrix_zenoh.client.degrees import reading
+from beatrix_zenoh.client.robot_base import RobotStatus
 from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract.errors import WrongUsage
 
@@ -19,6 +23,14 @@ def picture(jpeg: bytes) -> CameraImage:
 def test_readings_are_short() -> None:
     assert repr(reading(AT_HOME)) == f"<reading at 0.00 s; {reading(AT_HOME)}>"
     assert repr(reading(AT_HOME).head) == "HeadAngles(yaw=0.00, pitch=0.00, roll=0.00)"
+
+
+def test_a_status_has_lines_without_clocks_and_empty_fields() -> None:
+    fields = {**msgspec.structs.asdict(READY), "speed_limit": math.radians(20), "warnings": ["too hot"]}
+    lines = repr(RobotStatus(**fields)).splitlines()
+    assert lines[:3] == ["bea (hw)", "  enabled: True", "  calibrated: True"]
+    assert {"  speed_limit: 20.0 °/s", "  warnings: ['too hot']", "    name: bea"} <= set(lines)
+    assert not [line for line in lines if "t_mono_ns" in line or "waiting" in line]
 
 
 def test_a_picture_shows_itself_and_gives_red_green_blue() -> None:
