@@ -89,9 +89,9 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
     ),
     ("PoseQuery", POSE),
     ("PoseQuery", POSE | {"absolute": False, "yaw": 0.0, "speed": 1.0, "lease": 70000, "lead": None}),
-    ("LeaseQuery", {"action": "wait", "speed": 0.0, "seat": ""}),
-    ("LeaseQuery", {"action": "limit", "speed": 0.5, "seat": ""}),
-    ("LeaseQuery", {"action": "mute", "speed": 0.0, "seat": "cem"}),
+    ("LeaseQuery", {"action": "wait", "speed": 0.7, "longest_s": 90.0, "seat": ""}),
+    ("LeaseQuery", {"action": "limit", "speed": 0.5, "longest_s": 0.0, "seat": ""}),
+    ("LeaseQuery", {"action": "mute", "speed": 0.0, "longest_s": 0.0, "seat": "cem"}),
     (
         "LeaseReply",
         {

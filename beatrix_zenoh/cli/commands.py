@@ -194,13 +194,30 @@ def unfreeze(name: Names = None, connect: Connect = None, who: Who = None, as_js
 
 
 def limit(
-    speed: Annotated[str, typer.Argument(metavar="SPEED", help="Top speed of every arm, deg/s, or `off`.")],
+    speed: Annotated[
+        str | None, typer.Argument(metavar="[SPEED]", help="Top speed of every arm, deg/s, or `off`.")
+    ] = None,
+    turn: Annotated[
+        float | None,
+        typer.Option(
+            min=0.0,
+            metavar="SECONDS",
+            help="Instead of the speed, limit each turn while other seats wait; 0: the default of 120 s.",
+        ),
+    ] = None,
     name: Names = None,
     connect: Connect = None,
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Limit the speed of every robot, or end the limit. Requires the seat `teacher`."""
+    """Limit the speed of every robot, or the time of each turn. Requires the seat `teacher`."""
+    if (speed is None) == (turn is None):
+        raise typer.BadParameter("Give a speed (deg/s, or `off`) or --turn SECONDS.")
+    if turn is not None:
+        query = LeaseQuery(action=LeaseAction.TURN, longest_s=turn)
+        _govern(query, name, connect, who, as_json=as_json)
+        return
+    assert speed is not None
     most = 0.0 if speed == "off" else leases.limit_of(_number(speed))
     _govern(LeaseQuery(action=LeaseAction.LIMIT, speed=most), name, connect, who, as_json=as_json)
 

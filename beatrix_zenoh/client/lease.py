@@ -36,9 +36,12 @@ class Lease(ProcessBound):
     Motions carry the number of the lease, so that the robot refuses those of a lease that has ended.
     """
 
-    def __init__(self, robot: RobotBase, wait_s: float) -> None:
+    def __init__(
+        self, robot: RobotBase, wait_s: float, *, longest_s: float = 0.0, speed: float = 0.0
+    ) -> None:
+        """Take the robot; `longest_s` and `speed` (rad/s) are those of the lease query."""
         self._robot = robot
-        self.number = take(robot, wait_s)
+        self.number = take(robot, wait_s, longest_s=longest_s, speed=speed)
         robot.lease_number = self.number
 
     def close(self) -> None:
@@ -56,24 +59,27 @@ class Lease(ProcessBound):
         self.close()
 
 
-def take(robot: RobotBase, wait_s: float) -> int:
+def take(robot: RobotBase, wait_s: float, *, longest_s: float = 0.0, speed: float = 0.0) -> int:
     """Take a robot, wait for it up to `wait_s` (s) if necessary, and return the number of the lease; raises Refused."""
-    reply = ask(robot, LeaseAction.WAIT if wait_s > 0 else LeaseAction.TAKE)
+    query = LeaseQuery(
+        action=LeaseAction.WAIT if wait_s > 0 else LeaseAction.TAKE, speed=speed, longest_s=longest_s
+    )
+    reply = send(robot, query)
     if reply.lease:
         return reply.lease
     deadline_s = time.monotonic() + wait_s
     try:
-        holder = _wait_for_turn(robot, reply.holder, deadline_s)
+        holder = _wait_for_turn(robot, reply.holder, deadline_s, query)
     except BaseException:
         ask(robot, LeaseAction.GIVE_BACK)
         raise
     if holder:
         ask(robot, LeaseAction.GIVE_BACK)
         raise refusals.taken_by(holder)
-    return ask(robot, LeaseAction.TAKE).lease
+    return send(robot, query).lease
 
 
-def _wait_for_turn(robot: RobotBase, holder: str, deadline_s: float) -> str:
+def _wait_for_turn(robot: RobotBase, holder: str, deadline_s: float, query: LeaseQuery) -> str:
     """Wait for the lease; return "", or the seat that still holds the robot at `deadline_s` (monotonic clock, s).
 
     The robot removes the seat from its queue when its node restarts, the session is disconnected, or another program
@@ -91,7 +97,7 @@ def _wait_for_turn(robot: RobotBase, holder: str, deadline_s: float) -> str:
             if status.holder == seat and status.lease:
                 return ""
             holder = status.holder
-            if seat not in status.waiting and ask(robot, LeaseAction.WAIT).lease:
+            if seat not in status.waiting and send(robot, query).lease:
                 return ""
     return holder
 
@@ -109,8 +115,12 @@ def limit_of(speed: float) -> float:
 
 def ask(robot: RobotBase, action: LeaseAction, speed: float = 0.0, seat: str = "") -> LeaseReply:
     """Send a lease query; `speed` (rad/s) is for LIMIT, `seat` for MUTE and UNMUTE. Raises Refused or NoAnswer."""
+    return send(robot, LeaseQuery(action=action, speed=speed, seat=seat))
+
+
+def send(robot: RobotBase, query: LeaseQuery) -> LeaseReply:
+    """Send a lease query; raises Refused or NoAnswer."""
     key = keys.lease(robot.name, robot.side, robot.client.settings.who)
-    query = LeaseQuery(action=action, speed=speed, seat=seat)
     reply = ask_robot(robot.client, robot.place, key, query, LeaseReply, robot.timeout_s)
     if not reply.result:
         raise Refused(reply.reason, reply.message, reply.detail)

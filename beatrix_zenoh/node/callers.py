@@ -7,6 +7,9 @@ A seat holds the robot in one of two ways:
   the seat is idle for IDLE_S while another seat waits. Each lease that is taken has a number of its own, the fencing
   token: a request that names the number of an earlier lease is refused.
 
+Either way its turn is over TURN_S after another seat has begun to wait, or after its turn began if that is later, and
+a taken robot also after the time that the seat has asked for. The teacher's turn has no end (decision 67).
+
 All tokens of sessions disappear when the router is lost, and at a node just before it notices that loss. So a session
 whose token has disappeared is missing for SETTLE_S, and if the router was lost, until RETURN_S after its return. It
 keeps its lease, and if its token does not appear again, `KnownSessions.given_up` returns it.
@@ -29,6 +32,9 @@ QUIET_S = 3.0
 between motions."""
 IDLE_S = 60.0
 """Time after which a taken robot with an idle holder goes to a waiting seat."""
+TURN_S = 120.0
+"""Default length of a turn while another seat waits: a program of a lesson needs at most 90 s."""
+SHORTEST_TURN_S, LONGEST_TURN_S = 5.0, 3600.0
 WAITING_MAX = 64
 """Largest number of waiting seats."""
 
@@ -95,16 +101,63 @@ class MotionLease:
         return self._mover if self._mover.seat and recent else None
 
 
+class Terms(NamedTuple):
+    """What a seat has asked for with its lease."""
+
+    longest_s: float = 0.0
+    """time after which the lease ends, even if no seat waits; 0: none"""
+    speed: float = 0.0
+    """top speed of every arm in motions of the seat (rad/s); 0: none"""
+
+
+NO_TERMS = Terms()
+
+
+class Waiting(NamedTuple):
+    """A waiting seat."""
+
+    caller: Caller
+    terms: Terms
+
+
+class Turn:
+    """The turn of a seat: since when it lasts, and since when another seat waits for its end."""
+
+    def __init__(self) -> None:
+        self.limit_s = TURN_S
+        """Length of a turn while another seat waits (s)."""
+        self.contested_s = math.inf
+        """Time since which a seat waits (s)."""
+        self.began_s = 0.0
+        self.seat = ""
+        """Seat whose turn it is, by its motion or because it has taken the robot; empty: none."""
+        self.over = ""
+        """Seat whose turn has ended by its time; the node resets this when it has stopped the seat's motion."""
+
+    def begin(self, seat: str, now_s: float) -> None:
+        """Record whose turn it is; another seat begins a new one."""
+        if seat != self.seat:
+            self.seat, self.began_s = seat, now_s
+
+    def end_s(self, *, waiting: bool, longest_s: float) -> float:
+        """Return the time at which the turn ends (s), infinity if it does not; `longest_s`: its own limit, 0: none."""
+        if self.seat in ("", TEACHER):
+            return math.inf
+        contested_s = max(self.began_s, self.contested_s) + self.limit_s if waiting else math.inf
+        return min(contested_s, self.began_s + longest_s if longest_s else math.inf)
+
+
 class RobotLease:
     """The lease of one robot, by a motion or because a seat has taken the robot, and the queue of waiting seats."""
 
     def __init__(self) -> None:
-        self.motion = MotionLease()
+        self.motion, self.turn = MotionLease(), Turn()
         self._taker = NO_CALLER
+        self._terms = NO_TERMS
         self._used_s = 0.0
         """Time of the last request of the taker (s)."""
         self._number = 0
-        self._waiting: dict[str, Caller] = {}
+        self._waiting: dict[str, Waiting] = {}
 
     def holder(self, now_s: float) -> str:
         """Grant a free robot to the first waiting seat; return the seat that holds the robot, empty if none does."""
@@ -119,6 +172,16 @@ class RobotLease:
     def waiting(self) -> list[str]:
         """Return the waiting seats, the next one first."""
         return list(self._waiting)
+
+    def speed(self, seat: str) -> float:
+        """Return the top speed (rad/s) that a seat has asked for with its lease; 0: none."""
+        return self._terms.speed if seat and seat == self._taker.seat else 0.0
+
+    def left_s(self, now_s: float) -> float:
+        """Return the time until the turn of the holder ends (s); infinity: no end is set."""
+        self._hand_over(now_s)
+        longest_s = self._terms.longest_s if self._taker.seat else 0.0
+        return max(0.0, self.turn.end_s(waiting=bool(self._waiting), longest_s=longest_s) - now_s)
 
     def check(self, caller: Caller, number: int, now_s: float) -> None:
         """Check that no other seat holds the robot, and that the lease `number` of a request (0: none) has not ended.
@@ -139,17 +202,18 @@ class RobotLease:
         if caller.seat == self._taker.seat:
             self._used_s = now_s
 
-    def take(self, caller: Caller, now_s: float) -> int:
+    def take(self, caller: Caller, now_s: float, terms: Terms = NO_TERMS) -> int:
         """Grant the robot to a caller that has passed `check`; return the number of its lease.
 
-        A session that takes the robot again keeps its lease; another session of the same seat gets a new one.
+        A session that takes the robot again keeps its lease and its terms; another session of the same seat gets a new
+        one. Neither begins a new turn.
         """
         if caller != self._taker:
-            self._grant(caller, now_s)
+            self._grant(Waiting(caller, terms), now_s)
         self._used_s = now_s
         return self._number
 
-    def wait(self, caller: Caller) -> None:
+    def wait(self, caller: Caller, now_s: float, terms: Terms = NO_TERMS) -> None:
         """Append the caller to the queue, or replace the waiting caller of its seat.
 
         Raises:
@@ -157,7 +221,9 @@ class RobotLease:
         """
         if caller.seat not in self._waiting and len(self._waiting) >= WAITING_MAX:
             raise refusals.queue_full(WAITING_MAX)
-        self._waiting[caller.seat] = caller
+        if not self._waiting:
+            self.turn.contested_s = now_s
+        self._waiting[caller.seat] = Waiting(caller, terms)
 
     def give_back(self, seat: str) -> bool:
         """End the lease of a seat (teacher: any lease) and its place in the queue; return whether either existed."""
@@ -172,30 +238,39 @@ class RobotLease:
         return held or waited
 
     def router_changed(self, now_s: float, *, connected: bool) -> None:
-        """Stop the idle time of the holder while no seat can send requests; restart it when the router is back."""
-        self._used_s = now_s if connected else math.inf
+        """Stop idle time and turn of the holder while no seat can send requests; restart both when the router is back."""
+        self._used_s = self.turn.began_s = now_s if connected else math.inf
 
     def session_ended(self, caller: Caller) -> None:
         """End the lease of a session that has ended, and its place in the queue."""
         if self._taker == caller:
             self._taker = NO_CALLER
-        if self._waiting.get(caller.seat) == caller:
+        waiting = self._waiting.get(caller.seat)
+        if waiting is not None and waiting.caller == caller:
             del self._waiting[caller.seat]
 
     def _hand_over(self, now_s: float) -> None:
-        """Grant a free robot, or one with an idle holder, to the first waiting seat, if there is one."""
+        """End a turn whose time is over; grant a free robot, or one with an idle holder, to the first waiting seat."""
+        holder = self._taker.seat or self.motion.holder(now_s)
+        self.turn.begin(holder, now_s)
+        longest_s = self._terms.longest_s if self._taker.seat else 0.0
+        if now_s >= self.turn.end_s(waiting=bool(self._waiting), longest_s=longest_s):
+            self.turn.over, self.turn.seat, self._taker = holder, "", NO_CALLER
+            if self.motion.holder(now_s) == holder:
+                self.motion.release(now_s)
         if not self._waiting:
             return
         idle = now_s - self._used_s >= IDLE_S and not self.motion.moves(self._taker.seat)
         if self._taker.seat and not idle:
             return
         first = next(iter(self._waiting.values()))
-        if self.motion.holder(now_s) in ("", first.seat, self._taker.seat):
+        if self.motion.holder(now_s) in ("", first.caller.seat, self._taker.seat):
             self._grant(first, now_s)
 
-    def _grant(self, caller: Caller, now_s: float) -> None:
-        self._waiting.pop(caller.seat, None)
-        self._taker, self._used_s = caller, now_s
+    def _grant(self, to: Waiting, now_s: float) -> None:
+        self._waiting.pop(to.caller.seat, None)
+        self.turn.begin(to.caller.seat, now_s)
+        self._taker, self._terms, self._used_s = to.caller, to.terms, now_s
         self._number += 1
 
 

@@ -47,6 +47,7 @@ class StopCause(Enum):
     FROZEN = Reason.STOPPED, "by the teacher, who has frozen the robot"
     MUTED = Reason.STOPPED, "by the teacher, who has muted this seat"
     SKIPPED = Reason.STOPPED, "by the teacher, who has ended this turn"
+    TURN_OVER = Reason.STOPPED, "by its node, because the time of this turn is over"
     TOO_FAST = Reason.STOPPED, "by the teacher, whose new speed limit is lower"
     SHUTDOWN = Reason.SHUTDOWN, "by its node, which is closing"
     CLIENT_LOST = Reason.CLIENT_LOST, "by its node, because the client that requested it is gone"
@@ -146,6 +147,8 @@ class MotionController:
         now_s = time.monotonic()
         resting = not self.moving and self.running is None
         self.access.authorize(Operation.MOVE, caller, now_s, resting=resting, lease=query.lease)
+        with self.access.lock:
+            self.planner.limit_turn(self.access.lease.speed(caller.seat))
         goal = self.planner.goal(query, self.board.ready_telemetry(), self.last_goal)
         self.access.take(caller)
         try:

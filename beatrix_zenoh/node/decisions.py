@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from pathlib import Path
-from typing import Final
+from typing import Annotated, Final
 
 import msgspec
 
@@ -14,6 +14,7 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.node.callers import LONGEST_TURN_S, SHORTEST_TURN_S, TURN_S
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.interfaces import Component, StatusFields
 
@@ -30,6 +31,8 @@ class Decisions(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """0: none"""
     teacher_latch: bool = False
     """whether the teacher has pressed EMERGENCY_STOP"""
+    turn_s: Annotated[float, msgspec.Meta(ge=SHORTEST_TURN_S, le=LONGEST_TURN_S)] = TURN_S
+    """length of a turn while seats wait"""
 
 
 def read(path: Path) -> Decisions:
@@ -96,6 +99,7 @@ class TeacherDecisions(Component):
             )
         with access.lock:
             access.teacher.frozen, access.teacher.muted = kept.frozen, frozenset(kept.muted)
+            access.lease.turn.limit_s = kept.turn_s
             if kept.teacher_latch:
                 access.latch(time.monotonic(), teacher=True)
         self._kept = kept
@@ -117,6 +121,7 @@ class TeacherDecisions(Component):
                 muted=sorted(access.teacher.muted),
                 speed_limit_deg_s=round(math.degrees(self._planner.speed_limit), 3),
                 teacher_latch=access.teacher.latch,
+                turn_s=access.lease.turn.limit_s,
             )
         if self._path is None or now == self._kept:
             return

@@ -22,7 +22,7 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.node.access import Access, Operation
-from beatrix_zenoh.node.callers import Caller
+from beatrix_zenoh.node.callers import LONGEST_TURN_S, NO_TERMS, SHORTEST_TURN_S, TURN_S, Caller, Terms
 from beatrix_zenoh.node.controller import MotionController, StopCause
 from beatrix_zenoh.node.interfaces import Component, StatusFields
 from beatrix_zenoh.node.requests import RequestHandle, Requests, check_own_key
@@ -31,6 +31,7 @@ GOVERNS: Final = (
     LeaseAction.FREEZE,
     LeaseAction.UNFREEZE,
     LeaseAction.LIMIT,
+    LeaseAction.TURN,
     LeaseAction.MUTE,
     LeaseAction.UNMUTE,
 )
@@ -47,16 +48,20 @@ class LeaseState(NamedTuple):
     """number of the lease that the holder has taken; 0: the robot is free, or a seat holds it only by its motion"""
     waiting: tuple[str, ...]
     """seats, the next first"""
+    turn_s: int = 0
+    """time until the turn of the holder ends (s, rounded up); 0: no end is set"""
 
 
 def standing(access: Access, now_s: float) -> LeaseState:
     """Return the holder of the robot and the waiting seats."""
     with access.lock:
         holder, number = access.lease.holder(now_s), access.lease.number(now_s)
-        return LeaseState(holder, number, tuple(access.lease.waiting()))
+        left_s = access.lease.left_s(now_s)
+        turn_s = math.ceil(left_s) if math.isfinite(left_s) else 0
+        return LeaseState(holder, number, tuple(access.lease.waiting()), turn_s)
 
 
-def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False) -> int:
+def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False, terms: Terms = NO_TERMS) -> int:
     """Let the caller take the robot; return the number of its lease, 0 if it now waits in the queue.
 
     Raises:
@@ -68,9 +73,9 @@ def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False) ->
         except Refused as error:
             if not wait or error.reason is not Reason.NOT_HOLDER:
                 raise
-            access.lease.wait(caller)
+            access.lease.wait(caller, now_s, terms)
             return 0
-        return access.lease.take(caller, now_s)
+        return access.lease.take(caller, now_s, terms)
 
 
 def give_back(access: Access, caller: Caller) -> bool:
@@ -102,6 +107,23 @@ def end_turn(access: Access, now_s: float) -> str:
         return access.lease.holder(now_s)
 
 
+def _turn_s(longest_s: float) -> float:
+    """Return the length of a turn (s) in a query; 0: none. Raises WrongUsage (BAD_VALUE)."""
+    if longest_s and not SHORTEST_TURN_S <= longest_s <= LONGEST_TURN_S:
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"A turn of {longest_s:g} s is not possible: give {SHORTEST_TURN_S:g} to {LONGEST_TURN_S:g} s.",
+        )
+    return longest_s
+
+
+def set_turn(access: Access, longest_s: float) -> str:
+    """Set the length (s) of a turn while seats wait, 0: the default; return it as a sentence. Raises WrongUsage."""
+    with access.lock:
+        access.lease.turn.limit_s = _turn_s(longest_s) or TURN_S
+        return f"While seats wait, a turn lasts at most {access.lease.turn.limit_s:.0f} s."
+
+
 class LeaseHandler(Component):
     """Answers lease queries; each is carried out on the controller's thread."""
 
@@ -119,6 +141,17 @@ class LeaseHandler(Component):
         status.values["holder"] = now.holder
         status.values["lease"] = now.lease
         status.values["waiting"] = list(now.waiting)
+        status.values["turn_s"] = now.turn_s
+        with self._access.lock:
+            turn = self._access.lease.turn
+            over, turn.over = turn.over, ""
+        if over:
+            self._requests.queue.post(lambda: self._end_motion_of(over), lambda _: None)
+
+    def _end_motion_of(self, seat: str) -> None:
+        """Stop a motion of a seat whose turn is over; called on the controller's thread."""
+        if self._drives(seat) or (seat == names.OLD_PROGRAMS and self._controller.text_moves):
+            self._stop(StopCause.TURN_OVER)
 
     # -- on Zenoh's thread ----------------------------------------------------------------------------
 
@@ -148,19 +181,24 @@ class LeaseHandler(Component):
             elif query.action is LeaseAction.GIVE_BACK:
                 text = self._give_back(handle.caller)
             else:
-                text = self._take(handle.caller, wait=query.action is LeaseAction.WAIT)
+                wait = query.action is LeaseAction.WAIT
+                text = self._take(handle.caller, wait=wait, terms=self._terms(query))
         except BeatrixError as error:
             self._decline(handle, error)
             return
         handle.end(self._reply(Reason.OK, text, handle.caller))
 
-    def _take(self, caller: Caller, *, wait: bool) -> str:
+    def _terms(self, query: LeaseQuery) -> Terms:
+        self._controller.planner.check_limit(query.speed)
+        return Terms(_turn_s(query.longest_s), query.speed)
+
+    def _take(self, caller: Caller, *, wait: bool, terms: Terms) -> str:
         """Let the caller take the robot or wait for it; return the new state as a sentence.
 
         If the teacher takes the robot, stop a motion of another seat or of an old program.
         """
         access, controller = self._access, self._controller
-        take(access, caller, time.monotonic(), wait=wait)
+        take(access, caller, time.monotonic(), wait=wait, terms=terms)
         now = standing(access, time.monotonic())
         if caller.seat in now.waiting:
             place = now.waiting.index(caller.seat) + 1
@@ -187,11 +225,13 @@ class LeaseHandler(Component):
         access, controller, planner = self._access, self._controller, self._controller.planner
         if query.action in (LeaseAction.MUTE, LeaseAction.UNMUTE):
             return self._mute(query.seat, on=query.action is LeaseAction.MUTE)
+        if query.action is LeaseAction.TURN:
+            return set_turn(access, query.longest_s)
         if query.action is LeaseAction.LIMIT:
             planner.limit_speed(query.speed)
-            if not planner.speed_limit:
-                return "The speed limit of the teacher has ended; the robot's own limit applies."
-            text = f"The arms turn at most {math.degrees(planner.speed_limit):.0f}°/s."
+            text = "The speed limit of the teacher has ended; the robot's own limit applies."
+            if planner.speed_limit:
+                text = f"The arms turn at most {math.degrees(planner.speed_limit):.0f}°/s."
             if controller.running is None or not planner.exceeds_limit(controller.running.goal):
                 return text
             controller.stop(StopCause.TOO_FAST)

@@ -76,6 +76,7 @@ class Planner:
         )
         self.speed_limit = 0.0
         """Limit (rad/s) that the teacher has set for every arm; 0: none."""
+        self._turn_speed = 0.0
 
     def limit_speed(self, speed: float) -> None:
         """Limit the speed of every arm to `speed` (rad/s), also in motions without a speed; 0 ends the limit.
@@ -83,6 +84,26 @@ class Planner:
         Raises:
             Refused: SPEED_LIMIT, `speed` is lower than SLOWEST_LIMIT_DEG or higher than the robot allows.
         """
+        self.check_limit(speed)
+        # Undo the rounding of messages to single precision, so that status and texts show the limit as it was typed.
+        self.speed_limit = math.radians(round(math.degrees(speed), 3))
+        self._set_limits()
+
+    def limit_turn(self, speed: float) -> None:
+        """Limit the speed of every arm for the seat whose motion is planned next, to `speed` (rad/s); 0: no limit."""
+        if speed != self._turn_speed:
+            self._turn_speed = speed
+            self._set_limits()
+
+    def _set_limits(self) -> None:
+        own = self.robot.limits
+        most = min((limit for limit in (self.speed_limit, self._turn_speed) if limit), default=0.0)
+        speed_max = round(math.degrees(most), 3) if most else own.speed_max
+        limits = structs.replace(own, speed_max=speed_max, speed_default=min(own.speed_default, speed_max))
+        self.limits = MotionLimits(structs.replace(self.robot, limits=limits))
+
+    def check_limit(self, speed: float) -> None:
+        """Check a limit of the speed (rad/s); 0 is none. Raises the error of `limit_speed`."""
         own = self.robot.limits
         low, high = math.radians(SLOWEST_LIMIT_DEG), math.radians(own.speed_max)
         if speed and not low * 0.999 <= speed <= high * 1.001:
@@ -92,12 +113,6 @@ class Planner:
                     limit=Limit.SPEED, value=speed, low=low, high=high, unit="rad/s", arms=list(ARMS)
                 ),
             )
-        # Undo the rounding of messages to single precision, so that status and texts show the limit as it was typed.
-        speed = math.radians(round(math.degrees(speed), 3))
-        speed_max = math.degrees(speed) if speed else own.speed_max
-        limits = structs.replace(own, speed_max=speed_max, speed_default=min(own.speed_default, speed_max))
-        self.limits = MotionLimits(structs.replace(self.robot, limits=limits))
-        self.speed_limit = speed
 
     def exceeds_limit(self, goal: Goal) -> bool:
         """Return whether a motion, which may have begun before the teacher set the limit, exceeds it."""

@@ -107,6 +107,8 @@ def lease_notes(status: Status) -> list[str]:
         notes.append(f"The teacher has muted {seats}; only the teacher ends this: beatrix unmute SEAT")
     if status.lease:
         notes.append(f"{status.holder} has taken it.")
+    if status.turn_s:
+        notes.append(f"This turn ends in {status.turn_s} s.")
     if status.waiting:
         notes.append(f"Waiting for it: {some(status.waiting)}.")
     if status.speed_limit:
@@ -147,6 +149,7 @@ def lease_row(status: Status) -> dict[str, object]:
         "driver": status.holder,
         "lease": status.lease,
         "waiting": status.waiting,
+        "turn_left_s": status.turn_s,
         "frozen": status.frozen,
         "muted": status.muted,
         "teacher_latch": status.teacher_latch,

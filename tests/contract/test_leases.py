@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Iterator
 
@@ -11,7 +12,7 @@ from robots import until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.client import lease
-from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
+from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, Reason
 
 pytestmark = pytest.mark.bodies("sim", "in-process")  # no mega: the node alone decides about leases
 
@@ -23,6 +24,7 @@ def left_free(body: Body) -> Iterator[None]:
     teacher = body.robot("teacher")
     lease.ask(teacher, LeaseAction.UNFREEZE)
     lease.ask(teacher, LeaseAction.LIMIT)
+    lease.ask(teacher, LeaseAction.TURN)
     lease.ask(teacher, LeaseAction.GIVE_BACK)
     until(lambda: teacher.status().holder == "", "the robot is free", 6.0)
     body.stage.close_clients()
@@ -134,3 +136,22 @@ def test_the_speed_limit_of_the_teacher_stops_and_refuses_faster_motions(body: B
     assert robot.status().speed_limit == pytest.approx(0.1745, abs=0.001)
     lease.ask(teacher, LeaseAction.LIMIT)
     robot.look(yaw=0, speed=60)
+
+
+def test_a_turn_ends_in_mid_move_and_the_next_seat_gets_the_robot(body: Body, robot: Robot) -> None:
+    teacher, ben = body.robot("teacher"), body.robot("ben")
+    assert "at most 5 s" in lease.send(teacher, LeaseQuery(action=LeaseAction.TURN, longest_s=5)).message
+    held = lease.Lease(robot, 0.0, speed=math.radians(10))
+    with pytest.raises(Refused) as refused:
+        robot.look(yaw=5, speed=20)
+    assert reason_of(refused) is Reason.SPEED_LIMIT, "the lease has a speed of its own"
+    lease.ask(ben, LeaseAction.WAIT)
+    assert 0 < robot.status().turn_s <= 5
+    motion = robot.look(yaw=100, wait=False)
+    until(lambda: robot.status().holder == "ben", "handed over", 8.0)
+    with pytest.raises(Interrupted, match="the time of this turn is over"):
+        motion.result(4.0)
+    with pytest.raises(Refused):
+        robot.look(yaw=0)
+    robot.lease_number, held.number = 0, 1
+    ben.look(yaw=0, speed=60)

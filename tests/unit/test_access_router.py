@@ -8,13 +8,13 @@ from access_callers import ANA, BEN, CLEO, begin_motion, refusal
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import IDLE_S, RETURN_S, SETTLE_S
-from beatrix_zenoh.node.lease_queries import LeaseState, standing, take
+from beatrix_zenoh.node.lease_queries import standing, take
 
 LOST_S, BACK_S = 10.0, 20.0
 NOTICED_S = 0.001
 """Time from the disappearance of the tokens to the notice of the lost router."""
 GIVEN_UP_S = BACK_S + RETURN_S
-BEFORE = LeaseState("ana", 1, ("ben", "cleo"))
+BEFORE = ("ana", 1, ("ben", "cleo"))
 
 
 @pytest.fixture
@@ -46,13 +46,13 @@ def return_of(access: Access, *sessions: object) -> Access:
 def test_sessions_that_return_keep_lease_and_places(access: Access) -> None:
     return_of(access, ANA, BEN, CLEO)
     assert not access.give_up_sessions(GIVEN_UP_S)
-    assert standing(access, GIVEN_UP_S) == BEFORE
+    assert standing(access, GIVEN_UP_S)[:3] == BEFORE
     assert refusal(access, ANA, GIVEN_UP_S, lease=1) is Reason.OK
 
 
 def test_while_the_router_is_lost_no_session_ends(access: Access) -> None:
     assert not access.give_up_sessions(1000)
-    assert standing(access, 1000) == BEFORE
+    assert standing(access, 1000)[:3] == BEFORE
     assert refusal(access, ANA, 1000) is Reason.CLIENT_LOST, "a late request of before the loss"
 
 
@@ -60,10 +60,10 @@ def test_a_session_that_does_not_return_keeps_its_lease_for_return_s(access: Acc
     return_of(access, CLEO)
     just_before_s = GIVEN_UP_S - 0.001
     access.give_up_sessions(just_before_s)
-    assert standing(access, just_before_s) == BEFORE
+    assert standing(access, just_before_s)[:3] == BEFORE
     assert refusal(access, CLEO, just_before_s) is Reason.NOT_HOLDER
     access.give_up_sessions(GIVEN_UP_S)
-    assert standing(access, GIVEN_UP_S) == LeaseState("cleo", 2, ())
+    assert standing(access, GIVEN_UP_S)[:3] == ("cleo", 2, ())
     assert refusal(access, ANA, GIVEN_UP_S) is Reason.CLIENT_LOST
 
 
@@ -79,23 +79,23 @@ def test_a_second_loss_restarts_the_time(access: Access) -> None:
     access.give_up_sessions(GIVEN_UP_S)
     access.router_changed(BACK_S + 5, connected=True)
     access.give_up_sessions(BACK_S + 5)
-    assert standing(access, BACK_S + 5) == BEFORE
+    assert standing(access, BACK_S + 5)[:3] == BEFORE
     access.give_up_sessions(BACK_S + 5 + RETURN_S)
-    assert standing(access, BACK_S + 5 + RETURN_S) == LeaseState("", 0, ())
+    assert standing(access, BACK_S + 5 + RETURN_S)[:3] == ("", 0, ())
 
 
 def test_the_holder_is_not_idle_while_it_cannot_send_requests(access: Access) -> None:
     access.router_changed(2 * IDLE_S, connected=True)
     for caller in (ANA, BEN, CLEO):
         access.session_changed(caller, 2 * IDLE_S, alive=True)
-    assert standing(access, 3 * IDLE_S - 1) == BEFORE
+    assert standing(access, 3 * IDLE_S - 1)[:3] == BEFORE
     assert standing(access, 3 * IDLE_S).holder == "ben"
 
 
 def test_a_seat_that_is_disconnected_after_the_return_loses_its_lease_as_usual(access: Access) -> None:
     return_of(access, ANA, BEN, CLEO).session_changed(ANA, BACK_S + 1, alive=False)
     access.give_up_sessions(BACK_S + 1 + SETTLE_S)
-    assert standing(access, BACK_S + 1 + SETTLE_S) == LeaseState("ben", 2, ("cleo",))
+    assert standing(access, BACK_S + 1 + SETTLE_S)[:3] == ("ben", 2, ("cleo",))
 
 
 def test_a_notice_before_the_tokens_is_enough() -> None:
@@ -104,4 +104,4 @@ def test_a_notice_before_the_tokens_is_enough() -> None:
     access.router_changed(LOST_S, connected=False)
     access.session_changed(ANA, LOST_S + NOTICED_S, alive=False)
     access.give_up_sessions(LOST_S + 1)
-    assert standing(access, LOST_S + 1) == LeaseState("ana", 1, ())
+    assert standing(access, LOST_S + 1)[:3] == ("ana", 1, ())

@@ -78,6 +78,7 @@ def test_an_idle_holder_loses_the_robot_only_to_a_seat_that_waits(access: Access
 
 def test_a_holder_that_moves_is_not_idle(access: Access) -> None:
     take(access, ANA, 0)
+    access.lease.turn.limit_s = 2000
     take(access, BEN, 1, wait=True)
     access.take(ANA)
     assert standing(access, 1000).holder == "ana"

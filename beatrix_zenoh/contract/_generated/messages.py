@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "df344970"
+CONTRACT: Final = "b0a3424a"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -225,6 +225,8 @@ class LeaseAction(StrEnum):
     """End freeze. Teacher only."""
     LIMIT = "limit"
     """Limit the speed of all arms, or with speed 0 end the limit. Teacher only."""
+    TURN = "turn"
+    """Set how long a turn lasts while other seats wait; with longest_s 0 the default again. Teacher only."""
     MUTE = "mute"
     """Let a seat watch only: its motion, its lease and its place in the queue end, and its requests are refused. Teacher only."""
     UNMUTE = "unmute"
@@ -389,12 +391,14 @@ class CommandQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 class LeaseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Take the robot for longer than a motion, give it back, or, as the teacher, freeze it, limit its speed or mute a seat."""
+    """Take the robot for longer than a motion, give it back, or, as the teacher, freeze it, limit its speed or turns, or mute a seat."""
 
     action: LeaseAction
     """the action"""
     speed: Float32 = 0.0
-    """used by limit: top speed of every arm; 0: end the limit [rad/s]"""
+    """used by limit: top speed of every arm; 0: end the limit. Used by take and wait: top speed of every arm in motions of this seat while it holds the robot; 0: none of its own [rad/s]"""
+    longest_s: Float32 = 0.0
+    """used by take and wait: the lease ends after this time, even if no seat waits; 0: no time of its own. Used by turn [s]"""
     seat: Text = ""
     """used by mute and unmute: the seat"""
 
@@ -718,6 +722,8 @@ class Status(Struct, frozen=True, kw_only=True):
     """number of the lease that the holder has taken; 0: it holds the robot by its motion only"""
     waiting: list[Name] = []
     """seats that wait for the robot, the next first"""
+    turn_s: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})] = 0
+    """time until the turn of the holder ends, rounded up; 0: no end is set, because no seat waits [s]"""
     frozen: bool = False
     """the teacher has frozen the robot"""
     speed_limit: Float32 = 0.0
@@ -992,6 +998,6 @@ class ProgramInfo(Struct, frozen=True, kw_only=True):
 NOT_ON_CHANGE: Final[dict[type[Struct], frozenset[str]]] = {
     CameraStatus: frozenset(["hz"]),
     MicrophonesStatus: frozenset(["dropped"]),
-    Status: frozenset(["t_mono_ns", "t_wall_ns", "plant"]),
+    Status: frozenset(["t_mono_ns", "t_wall_ns", "turn_s", "plant"]),
 }
 """Fields of Status and its parts whose change alone is not published: clocks, rates, physics."""

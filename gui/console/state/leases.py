@@ -52,6 +52,8 @@ def notes(status: Status, world: World, texts: Texts, *, holder_shown: bool) -> 
         found.append(texts("note.turn", place=place, count=float(len(status.waiting))))
     elif status.waiting:
         found.append(texts("note.waiting", count=float(len(status.waiting))))
+    if status.turn_s:
+        found.append(texts("note.turn_left", seconds=float(status.turn_s)))
     if status.frozen and world.is_teacher:  # for other seats this is the condition of the robot
         found.append(texts("condition.frozen_short"))
     if status.speed_limit:

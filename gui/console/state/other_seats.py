@@ -36,6 +36,7 @@ WHATS: Final = {
     LeaseAction.FREEZE.value: "what.freeze",
     LeaseAction.UNFREEZE.value: "what.unfreeze",
     LeaseAction.LIMIT.value: "what.limit",
+    LeaseAction.TURN.value: "what.turn",
     LeaseAction.MUTE.value: "what.mute",
     LeaseAction.UNMUTE.value: "what.unmute",
 }
