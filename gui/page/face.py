@@ -15,7 +15,7 @@ from beatrix_zenoh.contract.names import SIDES
 from gui.console.link import Link
 from gui.console.link.link import robots_of
 from gui.console.state import class_page, intents
-from gui.console.state.actions import Action, Outcome, SendStop
+from gui.console.state.actions import Action, Outcome, SendStop, WatchMicrophones
 from gui.console.state.intents import Intent, Tab
 from gui.console.state.presence import online
 from gui.console.state.saved import Saved
@@ -157,6 +157,7 @@ class Face:
             "saved": self.state.saved,
             "texts": _texts_of_page(texts.code),
             "eyes": self._eyes(view, world),
+            "sound": view.sound,
             "class": [{"cells": row.cells, "robot": row.place[0]} for row in rows],
             "banner": _banner(view, world),
             "pills": [
@@ -210,6 +211,8 @@ class Face:
             self._do(action)
 
     def _do(self, action: Action) -> None:
+        if isinstance(action, WatchMicrophones):
+            return  # the server listens once for all pages
         if self.driver is not None:
             if isinstance(action, SendStop):
                 self.driver.jog.end(stopped=True)

@@ -22,6 +22,7 @@ from beatrix_zenoh.contract._generated.messages import Source
 from beatrix_zenoh.settings import Settings
 from gui.console.link import Link
 from gui.console.link.governing import ClassStates
+from gui.console.link.levels import Level, LevelStream
 from gui.console.link.pictures import CameraStream
 from gui.console.link.stopping import send_stop
 from gui.console.state.actions import Outcome, SendStop
@@ -82,6 +83,7 @@ class Hub:
         self._closing: list[threading.Thread] = []
         self._eyes: dict[Camera, tuple[CameraStream, set[PictureSocket]]] = {}
         self._newest: dict[Camera, CameraImage] = {}
+        self._levels: dict[Place, LevelStream] = {}
 
     def drivers(self) -> Iterable[Driver]:
         """Return the drivers of all pages that drive or wait."""
@@ -107,14 +109,35 @@ class Hub:
         states = self._class.states(self._link.session, time.monotonic()) if shown else ()
         watched = {page.face.robot for page in self.pages if page.face.driver is None}
         worlds = {robot: self._link.world(robot) for robot in watched}
+        self._listen()
         for page in list(self.pages):
             face = page.face
             try:
                 world = worlds[face.robot] if face.driver is None else face.driver.link.world()
-                face.show(replace(world, robots=states if face.shows_class else ()), robots)
+                world = replace(
+                    world, robots=states if face.shows_class else (), levels=self._levels_of(face.robot)
+                )
+                face.show(world, robots)
             except Exception as error:  # noqa: BLE001 - a fault of one page must not freeze the others
                 threads.show_error(error)
                 page.close()
+
+    def _listen(self) -> None:
+        """Switch on exactly the microphones whose levels a page shows."""
+        session = self._link.session
+        listening = {page.face.robot for page in self.pages if page.face.state.choices.microphones}
+        present = set() if session is None else set(session.monitor.present())
+        wanted = {place for place in present if place[0] in listening}
+        for place in self._levels.keys() - wanted:
+            self._close_later(self._levels.pop(place).end)
+        if session is not None:
+            for place in wanted - self._levels.keys():
+                self._levels[place] = LevelStream(session.client, place)
+
+    def _levels_of(self, robot: str) -> dict[str, Level]:
+        """Return the levels of one robot by side."""
+        found = {side: stream.level for (name, side), stream in self._levels.items() if name == robot}
+        return {side: level for side, level in found.items() if level is not None}
 
     def watch(self, page: OpenPage, robot: str) -> None:
         """Show another robot to a page, and end its driver of the former robot."""
@@ -256,6 +279,8 @@ class Hub:
         """Stop the robots that pages move, and end all sessions and threads."""
         for page in list(self.pages):
             self.end_driver(page.face)
+        while self._levels:
+            self._close_later(self._levels.popitem()[1].end)
         for camera in list(self._eyes):
             self._close_later(self._eyes.pop(camera)[0].end)
         self._stop_sender.close()

@@ -86,6 +86,7 @@ OWN: Final = (
     | intents.SetLead
     | intents.SetDestination
     | intents.SetCameras
+    | intents.SetMicrophones
     | intents.AimHead
     | intents.DismissRefusal
     | intents.DismissNotice

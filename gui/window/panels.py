@@ -103,6 +103,7 @@ class Panels(QWidget):
             self.class_page,
             self.head,
             self.arms,
+            self.eyes,
             self.sending,
             self.commands,
             self.history,
@@ -168,6 +169,7 @@ class Panels(QWidget):
         self.poses.show_view(view.poses)
         self.heads.show_view(view.eyes)
         self.eyes.show_view(view.eyes)
+        self.eyes.sound.show_view(view.sound)
         self.class_page.show_view(view.class_page)
         self._show_page(view.page)
         self.stop_bar.show_view(view)

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from gui_worlds import robot, status, world
 
+from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import MicrophonesStatus
+from gui.console.state.actions import WatchCameras, WatchMicrophones
+from gui.console.state.intents import SetMicrophones, ShowTab, Tab, TogglePage
 from gui.console.state.state import State
+from gui.console.state.views import LevelView
+from gui.console.state.world import World
 
 
 def microphones(*, on: bool) -> MicrophonesStatus:
@@ -24,3 +31,47 @@ def test_a_mark_shows_that_microphones_are_on(*, on: bool) -> None:
 
 def test_a_robot_without_microphones_has_no_mark() -> None:
     assert not any("microphones" in note for pill in State().view(world()).pills for note in pill.notes)
+
+
+def test_microphones_are_on_only_while_their_levels_are_shown() -> None:
+    state, both = State(), frozenset({"sim", "hw"})
+    nothing: frozenset[str] = frozenset()
+    assert not state.view(world()).sound.on, "no window begins with listening"
+    assert state.handle(SetMicrophones(on=True), world()) == [WatchMicrophones(nothing)], "the tab is another"
+    assert state.handle(ShowTab(Tab.EYES), world())[1:] == [WatchMicrophones(both)]
+    assert state.handle(ShowTab(Tab.PLOTS), world())[1:] == [WatchMicrophones(nothing)]
+    state.handle(ShowTab(Tab.EYES), world())
+    teacher = replace(world(), seat="teacher")
+    assert state.handle(TogglePage(), teacher)[2:] == [WatchMicrophones(nothing)]
+    assert state.handle(TogglePage(), teacher)[2:] == [WatchMicrophones(both)]
+    assert state.handle(SetMicrophones(on=False), world()) == [WatchMicrophones(nothing)]
+    assert state.handle(ShowTab(Tab.EYES), world()) == [WatchCameras(frozenset())]
+
+
+def levels(now: World, *, on: bool = True) -> tuple[LevelView, ...]:
+    state = State()
+    state.handle(ShowTab(Tab.EYES), now)
+    state.handle(SetMicrophones(on=on), now)
+    return state.view(now).sound.levels
+
+
+def test_levels_are_bars_and_numbers() -> None:
+    sim, hw = levels(replace(world(), levels={"sim": (-40.0, -120.0)}))
+    assert (sim.left, sim.right, sim.text) == (0.5, 0.0, "left -40 dB, right -120 dB")
+    assert (hw.left, hw.right, hw.text) == (0.0, 0.0, "no microphones: start the node with `--microphones`")
+
+
+@pytest.mark.parametrize(
+    ("now", "on", "text"),
+    [
+        (world(), False, "off"),
+        (world(robot("sim", presence=Presence.ABSENT)), True, "not online"),
+        (
+            world(robot("sim", known=status("sim", microphones=microphones(on=True)))),
+            True,
+            "waiting for sound",
+        ),
+    ],
+)
+def test_missing_levels_have_a_reason(now: World, *, on: bool, text: str) -> None:
+    assert levels(now, on=on)[0].text == text

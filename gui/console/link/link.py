@@ -18,6 +18,7 @@ from beatrix_zenoh.settings import Settings
 from gui.console.link.children import Children, Recordings
 from gui.console.link.connection import Connection, Session
 from gui.console.link.governing import ClassStates, Governing
+from gui.console.link.levels import Levels
 from gui.console.link.outcomes import deselected, done, failed, replaced, stopped
 from gui.console.link.pictures import Cameras, OnImage
 from gui.console.link.plans import Plans
@@ -64,9 +65,9 @@ class Link:
         self._on_outcome, self._caller = on_outcome, threading.get_ident()
         self._outcomes = Worker("window-outcomes")
         report = self._report
-        self._cameras = Cameras(on_image)
+        self._cameras, self._levels = Cameras(on_image), Levels()
         self._connection = Connection(
-            settings, self._cameras.follow, name_given=name_given, source=source, shared=shared
+            settings, self._follow, name_given=name_given, source=source, shared=shared
         )
         self._queues = {side: RequestQueue(side, report) for side in SIDES}
         self._plans = Plans(report)
@@ -124,6 +125,7 @@ class Link:
             seats=() if session is None else tuple(session.seats.names()),
             pupils={} if account is None else {seat: account.shown(seat) for seat in account.names},
             robots=self._class.states(session, now_s),
+            levels=self._levels.newest,
         )
 
     def do(self, action: Action) -> None:
@@ -141,6 +143,8 @@ class Link:
                 self._select(action.robot)
             case actions.WatchCameras():
                 self._cameras.watch(action.wanted)
+            case actions.WatchMicrophones():
+                self._levels.watch(action.sides)
             case actions.WatchClass():
                 self._class.watch(on=action.on)
             case actions.Govern():
@@ -155,6 +159,11 @@ class Link:
                 self._request(action)
             case _:
                 self._do_here(action)
+
+    def _follow(self, session: Session) -> None:
+        """Receive pictures and levels of this session's robots from now on."""
+        self._cameras.follow(session)
+        self._levels.follow(session)
 
     def _select(self, robot: str) -> None:
         if robot != self._connection.robot:
@@ -308,6 +317,7 @@ class Link:
             self._stop_sender,
             self._governing,
             self._cameras,
+            self._levels,
             self._recordings,
             self._children,
             self._files,

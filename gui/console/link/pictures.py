@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Final
+from typing import Final, Generic, TypeVar
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.client import CameraImage, Client
@@ -17,8 +18,9 @@ from gui.console.link.worker import Worker
 
 OnImage = Callable[[str, CameraImage], None]
 """Twin and picture."""
+Media = TypeVar("Media")
 RETRY_S: Final = 1.0
-"""Time between attempts to open the session for pictures while no router answers."""
+"""Time between attempts to open the session for media while no router answers."""
 CLOSE_S: Final = 1.0
 """Longest time that `RobotPictures.close` takes."""
 
@@ -57,16 +59,23 @@ class RobotPictures:
             stream.join(deadline_s - time.monotonic())
 
 
-class CameraStream:
-    """Pictures of one camera, read by a thread of its own."""
+class MediaStream(ABC, Generic[Media]):
+    """What one camera or one robot's microphones publish, read by a thread of its own."""
 
-    def __init__(self, client: Client, camera: tuple[str, str, str], on_image: OnImage) -> None:
-        """Start the thread; `camera` is robot, side and eye."""
-        self._client, self._camera, self._on_image = client, camera, on_image
+    def __init__(self, name: str) -> None:
+        """Start the thread, which has this name."""
         self._lock = threading.Lock()
         self._ended = threading.Event()
-        self._subscription: Subscription[CameraImage] | None = None
-        self._thread = threads.start(self._run, f"pictures-{camera[1]}-{camera[2]}")
+        self._subscription: Subscription[Media] | None = None
+        self._thread = threads.start(self._run, name)
+
+    @abstractmethod
+    def _subscribe(self) -> Subscription[Media]:
+        """Subscribe; raises NoAnswer if no router answers."""
+
+    @abstractmethod
+    def _arrived(self, value: Media) -> None:
+        """Take a publication; must return at once."""
 
     def _run(self) -> None:
         while not self._ended.is_set():
@@ -81,25 +90,24 @@ class CameraStream:
                     return
                 raise
 
-    def _subscribed(self) -> Subscription[CameraImage]:
-        """Return a subscription that keeps only the newest picture; raises NoAnswer if no router answers."""
-        robot, side, eye = self._camera
-        pictures = images(self._client, robot, side, eye, timeout_s=None, length=1)
+    def _subscribed(self) -> Subscription[Media]:
+        """Return the subscription; raises NoAnswer if no router answers."""
+        subscription = self._subscribe()
         with self._lock:
-            self._subscription = pictures
+            self._subscription = subscription
             if self._ended.is_set():  # `end` was called too early to close it
-                pictures.close()
-        return pictures
+                subscription.close()
+        return subscription
 
-    def _deliver(self, pictures: Subscription[CameraImage]) -> None:
+    def _deliver(self, subscription: Subscription[Media]) -> None:
         while True:
-            image = pictures.next()
+            value = subscription.next()
             with self._lock:
                 if not self._ended.is_set():
-                    self._on_image(self._camera[1], image)
+                    self._arrived(value)
 
     def end(self) -> None:
-        """End the subscription; no picture is delivered after the return."""
+        """End the subscription; nothing is delivered after the return."""
         with self._lock:
             self._ended.set()
             subscription = self._subscription
@@ -109,6 +117,23 @@ class CameraStream:
     def join(self, timeout_s: float) -> None:
         """Wait for the end of the thread, at most `timeout_s` (s)."""
         self._thread.join(max(0.0, timeout_s))
+
+
+class CameraStream(MediaStream[CameraImage]):
+    """Pictures of one camera."""
+
+    def __init__(self, client: Client, camera: tuple[str, str, str], on_image: OnImage) -> None:
+        """Start the thread; `camera` is robot, side and eye."""
+        self._client, self._camera, self._on_image = client, camera, on_image
+        super().__init__(f"pictures-{camera[1]}-{camera[2]}")
+
+    def _subscribe(self) -> Subscription[CameraImage]:
+        """Subscribe, and keep only the newest picture."""
+        robot, side, eye = self._camera
+        return images(self._client, robot, side, eye, timeout_s=None, length=1)
+
+    def _arrived(self, value: CameraImage) -> None:
+        self._on_image(self._camera[1], value)
 
 
 class Cameras(Worker):

@@ -136,6 +136,13 @@ class WatchCameras(Action):
 
 
 @dataclass(frozen=True)
+class WatchMicrophones(Action):
+    """Subscribe to the microphones of exactly these sides, which switches them on."""
+
+    sides: frozenset[str]
+
+
+@dataclass(frozen=True)
 class BeginRecording(Action):
     """Start `beatrix record`."""
 

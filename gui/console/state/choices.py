@@ -24,6 +24,8 @@ class Choices:
     sim: bool = True
     hw: bool = False
     cameras: bool = False
+    microphones: bool = False
+    """never saved: each window begins without listening"""
     lead_s: float = 2.0
     page: WindowPage = WindowPage.ROBOT
     tab: Tab = Tab.HEADS
@@ -66,8 +68,9 @@ def changed(choices: Choices, intent: Intent) -> Choices | None:
             new = replace(choices, lead_s=seconds)
         case intents.SetDestination(side=side, checked=checked):
             new = replace(choices, sim=checked) if side == "sim" else replace(choices, hw=checked)
-        case intents.SetCameras(on=on):
-            new = replace(choices, cameras=on)
+        case intents.SetCameras(on=on) | intents.SetMicrophones(on=on):
+            cameras = isinstance(intent, intents.SetCameras)
+            new = replace(choices, cameras=on) if cameras else replace(choices, microphones=on)
         case intents.ShowTab(name=name):
             new = replace(choices, tab=name)
         case intents.SetTheme(theme=theme):

@@ -13,8 +13,8 @@ from beatrix_zenoh.client.monitor import SeatStops, stops_by_seat
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
-from gui.console.state import history, pills, refusals
-from gui.console.state.actions import Action, Govern, SendStop, WatchCameras, WatchClass
+from gui.console.state import history, pills, refusals, sound
+from gui.console.state.actions import Action, Govern, SendStop, WatchCameras, WatchClass, WatchMicrophones
 from gui.console.state.eyes import wanted
 from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat, TogglePage, WindowPage
 from gui.console.state.leases import limit_text
@@ -252,7 +252,8 @@ def show(memory: Memory, page: WindowPage) -> list[Action]:
     if page is memory.choices.page:
         return []
     memory.choices = replace(memory.choices, page=page)
-    return [WatchClass(page is WindowPage.CLASS), WatchCameras(wanted(memory.choices))]
+    listens = [WatchMicrophones(sound.wanted(memory.choices))] if memory.choices.microphones else []
+    return [WatchClass(page is WindowPage.CLASS), WatchCameras(wanted(memory.choices)), *listens]
 
 
 def _limit(memory: Memory, world: World, typed: str) -> list[Action]:

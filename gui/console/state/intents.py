@@ -102,6 +102,12 @@ class SetCameras(Intent, frozen=True):
     on: bool
 
 
+class SetMicrophones(Intent, frozen=True):
+    """Check or clear the box of the microphones."""
+
+    on: bool
+
+
 class ShowTab(Intent, frozen=True):
     """Show another tab in the middle column."""
 

@@ -17,6 +17,7 @@ from gui.console.state import (
     poses,
     refusals,
     sending,
+    sound,
 )
 from gui.console.state.actions import Action, Connect, Outcome, RunSimulation, Select, Send, WatchCameras
 from gui.console.state.choices import Choices, choices_from
@@ -74,6 +75,7 @@ class State:
             commands=commands.view(memory),
             poses=poses.view(memory, world),
             eyes=eyes.view(memory, world),
+            sound=sound.view(memory, world),
             history=history.view(memory, world),
             record=commands.recording_view(memory, world),
             last=history.last(memory, world),
@@ -105,7 +107,7 @@ class State:
         if (chosen := choices.changed(memory.choices, intent)) is not None:
             memory.choices = chosen
             refusals.hide_answered(memory, intent)
-            return eyes.watch(chosen, intent)
+            return [*eyes.watch(chosen, intent), *sound.watch(chosen, intent)]
         match intent:
             case (
                 intents.Stop()

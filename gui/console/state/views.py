@@ -226,6 +226,28 @@ class EyeView:
 
 
 @dataclass(frozen=True)
+class LevelView:
+    """What one robot hears: a bar for each ear."""
+
+    side: str
+    title: str
+    left: float
+    """length of the bar, 0 to 1"""
+    right: float
+    text: str
+    """the levels in dB, or the reason why there are none"""
+
+
+@dataclass(frozen=True)
+class SoundView:
+    """The box of the microphones, and the levels of simulation and hardware."""
+
+    on: bool
+    """whether the user wants to see the levels; then the microphones are on"""
+    levels: tuple[LevelView, ...]
+
+
+@dataclass(frozen=True)
 class RecordView:
     """The Record button."""
 
@@ -306,6 +328,7 @@ class View:
     commands: CommandsView
     poses: PosesView
     eyes: tuple[EyeView, ...]
+    sound: SoundView
     history: tuple[HistoryRowView, ...]
     """newest first"""
     record: RecordView

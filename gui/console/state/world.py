@@ -106,6 +106,9 @@ class World:
     robots: tuple[RobotState, ...] = ()
     """all robots online, while the page of the class is shown"""
 
+    levels: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """by side, while the window listens: loudness of the left and the right ear (dB), -120 is silence"""
+
     @property
     def is_teacher(self) -> bool:
         """Whether this window has the teacher's seat."""

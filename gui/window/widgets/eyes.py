@@ -6,7 +6,7 @@ import time
 from collections import deque
 from typing import Final
 
-from PyQt5.QtCore import QBuffer, QRect, QSize, Qt, QTimer
+from PyQt5.QtCore import QBuffer, QRect, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
 from PyQt5.QtWidgets import QGridLayout, QSizePolicy, QVBoxLayout, QWidget
 
@@ -16,6 +16,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.views import EyeView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
+from gui.window.widgets.levels import LevelsPanel
 
 PERIOD_MS: Final = 33
 """Shortest time between two drawings."""
@@ -182,7 +183,9 @@ class CameraPicture(QWidget):
 
 
 class EyesPanel(QWidget):
-    """The pictures of the eyes: a row for each robot, the left eye on the left."""
+    """The pictures of the eyes: a row for each robot, the left eye on the left; below them what its ears hear."""
+
+    intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
@@ -192,6 +195,9 @@ class EyesPanel(QWidget):
         self.pictures = {(side, eye): CameraPicture(texts) for side in SIDES for eye in EYES}
         for (side, eye), picture in self.pictures.items():
             grid.addWidget(picture, SIDES.index(side), EYES.index(eye))
+        self.sound = LevelsPanel(texts)
+        self.sound.intent.connect(self.intent)
+        grid.addWidget(self.sound, len(SIDES), 0, 1, len(EYES))
 
     def show_view(self, eyes: tuple[EyeView, ...]) -> None:
         """Show the eyes among these views."""
