@@ -208,6 +208,7 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "t_wall_ns": 1700000000123456789,
         },
     ),
+    ("LessonState", {"version": 1, "tries": 7, "hints": 2, "figure": "nods", "stuck": 5, "passed": False}),
     ("Clock", {"t_mono_ns": 123456789012345, "t_wall_ns": 1700000000123456789}),
     (
         "ProgramInfo",

@@ -16,6 +16,7 @@ EVERYTHING = (
     keys.seat("*", "*"),
     keys.program("*", "*"),
     keys.note("*", "*"),
+    keys.lesson("*", "*"),
 )
 """All keys of BEATRIX; some are listed separately, because `**` matches no chunk that begins with @."""
 MESSAGES = {

@@ -142,12 +142,12 @@ def account_grant(name: str, drives: tuple[str, ...] = ()) -> Grant:
 def student_grant(seat: str, robots: tuple[str, ...]) -> Grant:
     """Return the grant of `account_grant`, and to drive the robots of the class under this seat and change their scenes.
 
-    A student may also record, and send notes to all recordings under this seat.
+    A student may also record, send notes to all recordings, and report lessons, under this seat.
     """
     scenes = tuple(key for robot in robots for key in _scenes(robot))
     notes = keys.note(seat, ANY)
     own = account_grant(seat, (*(_commands(robot, seat) for robot in robots), *scenes, notes))
-    return replace(own, serves=(*own.serves, keys.note(ANY, ANY)))
+    return replace(own, serves=(*own.serves, keys.note(ANY, ANY)), puts=(*own.puts, keys.lesson(seat, ANY)))
 
 
 def teacher_grant() -> Grant:

@@ -104,9 +104,11 @@ def _class_router(of_class: Path, shutdown: Shutdown) -> None:
         seen = written
         return None if found == file else found
 
+    reports = zbus.KeptReports()
     session = zbus.open_router(file.listen, file.access())
     while True:
         try:
+            reports.serve(session)
             say(f"ready {file.listen}")
             found = None
             while not (ended := shutdown.requested(POLL_S)) and (found := changed()) is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from types import TracebackType
 from typing import Self
@@ -37,16 +37,30 @@ class Lease(ProcessBound):
     """
 
     def __init__(
-        self, robot: RobotBase, wait_s: float, *, longest_s: float = 0.0, speed: float = 0.0
+        self,
+        robot: RobotBase,
+        wait_s: float,
+        *,
+        longest_s: float = 0.0,
+        speed: float = 0.0,
+        told: Callable[[Status], None] = lambda _: None,
     ) -> None:
-        """Take the robot; `longest_s` and `speed` (rad/s) are those of the lease query."""
+        """Take the robot; `longest_s` (s) and `speed` (rad/s) are those of the lease query.
+
+        `told` is called with each status of the robot while this seat waits.
+        """
         self._robot = robot
-        self.number = take(robot, wait_s, longest_s=longest_s, speed=speed)
+        self._given = bool(robot.given_lease) and robot.lease_number == robot.given_lease
+        self.number = (
+            robot.given_lease
+            if self._given
+            else take(robot, wait_s, longest_s=longest_s, speed=speed, told=told)
+        )
         robot.lease_number = self.number
 
     def close(self) -> None:
         """Give the robot back. If this raises NoAnswer, the lease ends with the session of this program."""
-        if self._robot.lease_number == self.number:
+        if self._robot.lease_number == self.number and not self._given:
             self._robot.lease_number = 0
             ask(self._robot, LeaseAction.GIVE_BACK)
 
@@ -59,7 +73,14 @@ class Lease(ProcessBound):
         self.close()
 
 
-def take(robot: RobotBase, wait_s: float, *, longest_s: float = 0.0, speed: float = 0.0) -> int:
+def take(
+    robot: RobotBase,
+    wait_s: float,
+    *,
+    longest_s: float = 0.0,
+    speed: float = 0.0,
+    told: Callable[[Status], None] = lambda _: None,
+) -> int:
     """Take a robot, wait for it up to `wait_s` (s) if necessary, and return the number of the lease; raises Refused."""
     query = LeaseQuery(
         action=LeaseAction.WAIT if wait_s > 0 else LeaseAction.TAKE, speed=speed, longest_s=longest_s
@@ -69,7 +90,7 @@ def take(robot: RobotBase, wait_s: float, *, longest_s: float = 0.0, speed: floa
         return reply.lease
     deadline_s = time.monotonic() + wait_s
     try:
-        holder = _wait_for_turn(robot, reply.holder, deadline_s, query)
+        holder = _wait_for_turn(robot, reply.holder, deadline_s, query, told)
     except BaseException:
         ask(robot, LeaseAction.GIVE_BACK)
         raise
@@ -79,7 +100,9 @@ def take(robot: RobotBase, wait_s: float, *, longest_s: float = 0.0, speed: floa
     return send(robot, query).lease
 
 
-def _wait_for_turn(robot: RobotBase, holder: str, deadline_s: float, query: LeaseQuery) -> str:
+def _wait_for_turn(
+    robot: RobotBase, holder: str, deadline_s: float, query: LeaseQuery, told: Callable[[Status], None]
+) -> str:
     """Wait for the lease; return "", or the seat that still holds the robot at `deadline_s` (monotonic clock, s).
 
     The robot removes the seat from its queue when its node restarts, the session is disconnected, or another program
@@ -97,6 +120,7 @@ def _wait_for_turn(robot: RobotBase, holder: str, deadline_s: float, query: Leas
             if status.holder == seat and status.lease:
                 return ""
             holder = status.holder
+            told(status)
             if seat not in status.waiting and send(robot, query).lease:
                 return ""
     return holder

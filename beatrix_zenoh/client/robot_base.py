@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from enum import Enum
 from typing import TYPE_CHECKING, Self
 
@@ -66,13 +67,14 @@ class RobotBase(ProcessBound, Suggesting):
     def __init__(
         self,
         name: str | None = None,
-        side: str = "sim",
+        side: str | None = None,
         *,
         connect: str | None = None,
         who: str | None = None,
         timeout_s: float = 2.0,
         client: Client | None = None,
     ) -> None:
+        side = side or os.environ.get("BEATRIX_SIDE") or "sim"
         if side not in names.SIDES:
             raise WrongUsage(Reason.BAD_VALUE, f"side={side!r}: choose 'sim' or 'hw'.")
         self.side, self.timeout_s = side, checked_seconds("timeout_s", timeout_s)
@@ -80,7 +82,10 @@ class RobotBase(ProcessBound, Suggesting):
         self.client = Client(resolve(name, connect, who)) if client is None else client
         self.name = names.check_name(name or self.client.settings.robot)
         self._default_speed: float | None = None
-        self.lease_number = 0
+        given = os.environ.get("BEATRIX_LEASE", "")
+        self.given_lease = int(given) if given.isdecimal() else 0
+        """Number of the lease that the program which started this one has taken, as `beatrix lesson turn` does; 0: none"""
+        self.lease_number = self.given_lease
         """Number of the lease under which this object sends its motions; 0: none"""
 
     def __str__(self) -> str:

@@ -12,6 +12,7 @@ import typer
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lessons.class_verbs import report, turn
 from beatrix_zenoh.output import columns, note, print_json, say
 from beatrix_zenoh.terminal.options import Json
 
@@ -40,6 +41,8 @@ lesson = typer.Typer(
     help="Learn with the robot. Begin with `beatrix lesson list`.",
     no_args_is_help=True,
 )
+lesson.command()(turn)
+lesson.command()(report)
 
 
 class Language(StrEnum):
@@ -182,7 +185,7 @@ def check(
 
     Exit codes: 0 passed, 1 not yet, 4 this computer was too busy to measure.
     """
-    from beatrix_zenoh.lessons import checking
+    from beatrix_zenoh.lessons import checking, reporting
     from beatrix_zenoh.lessons import program as programs
     from beatrix_zenoh.shutdown import signals_interrupt
 
@@ -198,6 +201,7 @@ def check(
     record = workspace.record(found.name)
     checking.count(record, verdict, program)
     workspace.save()
+    reporting.report(found.name, record)
     if as_json:
         print_json(_document(found, verdict, record))
     else:
@@ -270,6 +274,8 @@ def _print(found: Lesson, verdict: Verdict, record: Record) -> None:
 @lesson.command()
 def hint(number: Number) -> None:
     """Print a hint: the one that helps with what the last check has found, then the others."""
+    from beatrix_zenoh.lessons import reporting
+
     workspace = _workspace()
     found = _find(number, workspace)
     record = workspace.record(found.name)
@@ -280,6 +286,7 @@ def hint(number: Number) -> None:
     if fresh:
         record.hints.append(chosen)
         workspace.save()
+        reporting.report(found.name, record)
     text = f"{LABELS[found.language][4]} {chosen}/{len(found.hints)}: {found.hints[chosen - 1]}"
     say(textwrap.fill(" ".join(text.split()), min(WIDTH, shutil.get_terminal_size().columns)))
 

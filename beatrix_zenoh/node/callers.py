@@ -205,11 +205,12 @@ class RobotLease:
     def take(self, caller: Caller, now_s: float, terms: Terms = NO_TERMS) -> int:
         """Grant the robot to a caller that has passed `check`; return the number of its lease.
 
-        A session that takes the robot again keeps its lease and its terms; another session of the same seat gets a new
-        one. Neither begins a new turn.
+        A session that takes the robot again keeps its lease; another session of the same seat gets a new one, with the
+        same terms if it asks for none. Neither begins a new turn.
         """
         if caller != self._taker:
-            self._grant(Waiting(caller, terms), now_s)
+            again = caller.seat == self._taker.seat and terms == NO_TERMS
+            self._grant(Waiting(caller, self._terms if again else terms), now_s)
         self._used_s = now_s
         return self._number
 

@@ -149,7 +149,10 @@ class MotionController:
         self.access.authorize(Operation.MOVE, caller, now_s, resting=resting, lease=query.lease)
         with self.access.lock:
             self.planner.limit_turn(self.access.lease.speed(caller.seat))
-        goal = self.planner.goal(query, self.board.ready_telemetry(), self.last_goal)
+        try:
+            goal = self.planner.goal(query, self.board.ready_telemetry(), self.last_goal)
+        finally:
+            self.planner.limit_turn(0.0)  # `info` shows the limits of the robot, not those of a seat
         self.access.take(caller)
         try:
             number, boot = self.send(goal.frame)

@@ -222,6 +222,10 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("teacher", asks, keys.note("teacher", ANY), True),
     ("ana", asks, keys.note("ana", ANY), True),
     ("ana", asks, keys.note("ben", ANY), False),
+    # only the teacher reads what the seats have reached in lessons (test_lesson_reports.py)
+    ("ana", asks, keys.lesson("ana", ANY), False),
+    ("ana", serves, keys.lesson("ana", ANY), False),
+    ("bea1", asks, keys.lesson(ANY, ANY), False),
     ("ana", asks, keys.note("teacher", ANY), False),
     ("ana", asks, keys.note(ANY, ANY), False),
     ("bea1", asks, keys.note("bea1", ANY), False),

@@ -38,6 +38,7 @@ class Parts(NamedTuple):
     eye: str = ""
     arm: str = ""
     session: str = ""
+    lesson: str = ""
 
 
 KEYS: Final[dict[str, KeyRow]] = {
@@ -353,6 +354,18 @@ KEYS: Final[dict[str, KeyRow]] = {
         "drop",
         "Put a note into a running recording; the chunk after the seat is the session of the recorder, or `*` for all recordings. Answered by each `beatrix record`.",
     ),
+    "lesson": KeyRow(
+        "beatrix/@lesson/{who}/{lesson}",
+        "publication and query",
+        "LessonState",
+        "LessonState",
+        ("hw", "sim"),
+        "queries",
+        "queries",
+        "data",
+        "drop",
+        "What a seat has reached in a lesson. The router of a class keeps the newest of each in memory until it ends. In a class each seat publishes only under its own name, and only the teacher reads.",
+    ),
 }
 
 
@@ -562,6 +575,14 @@ def note(who: str, session: str) -> str:
     Put a note into a running recording; the chunk after the seat is the session of the recorder, or `*` for all recordings. Answered by each `beatrix record`.
     """
     return f"beatrix/@note/{who}/{session}"
+
+
+def lesson(who: str, lesson: str) -> str:
+    """Return the key `beatrix/@lesson/{who}/{lesson}`.
+
+    What a seat has reached in a lesson. The router of a class keeps the newest of each in memory until it ends. In a class each seat publishes only under its own name, and only the teacher reads.
+    """
+    return f"beatrix/@lesson/{who}/{lesson}"
 
 
 NAME: Final = re.compile(r"[a-z0-9-]{1,32}")

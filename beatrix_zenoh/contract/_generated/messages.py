@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "b0a3424a"
+CONTRACT: Final = "5ddab1ee"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -803,6 +803,23 @@ class NoteReply(Struct, frozen=True, kw_only=True):
     """title of the recording; empty: none"""
     t_wall_ns: int
     """time of the note by the wall clock of the recording computer, since 1970 [ns]"""
+
+
+class LessonState(Struct, frozen=True, kw_only=True):
+    """What a seat has reached in a lesson; `beatrix lesson check` and `hint` publish it. It names no person and has no text of the program."""
+
+    version: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    """version of the lesson"""
+    tries: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    """checks that have judged the program"""
+    hints: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    """hints that were shown"""
+    figure: Label = ""
+    """first figure that the last check has found unmet; empty: none"""
+    stuck: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    """checks in a row that have ended at this figure"""
+    passed: bool
+    """a program of this seat has passed"""
 
 
 class FrameHeader(Struct, frozen=True, kw_only=True):

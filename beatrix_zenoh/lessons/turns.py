@@ -1,0 +1,169 @@
+"""A turn on the robot: take it, run the pupil's program, bring the head home, give the robot back."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import tempfile
+import time
+from pathlib import Path
+from typing import Final
+
+from beatrix_zenoh import files
+from beatrix_zenoh.client.lease import Lease
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.subscription import Subscription
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason, Status
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.lessons.program import Program
+from beatrix_zenoh.lessons.run import Run
+from beatrix_zenoh.lessons.unmet import Unmet
+from beatrix_zenoh.output import note, say
+from beatrix_zenoh.settings import Settings
+
+LONGEST_S: Final = 90.0
+HOME_S: Final = 15.0
+"""Part of the turn that is kept for the way home (s)."""
+FASTEST_DEG_S: Final = 40.0
+POLL_S: Final = 0.1
+
+
+def take_turn(program: Program, settings: Settings, side: str, wait_s: float) -> None:
+    """Run a program on a robot for at most LONGEST_S.
+
+    Raises:
+        Refused: NOT_HOLDER, the robot was not free within `wait_s` (s), or the turn has ended from outside; STOPPED, a
+            seat has pressed STOP, and the head stays where it is; BAD_VALUE, the program did not end in time or has
+            ended with an error, and the head is home.
+        NoAnswer: the robot was lost; it stops by itself.
+    """
+    with Client(settings) as client:
+        robot = Robot(settings.robot, side, client=client)
+        say(f"Waiting for {robot}. Ctrl-C leaves the queue.")
+        lease = Lease(
+            robot,
+            wait_s,
+            longest_s=LONGEST_S,
+            speed=math.radians(FASTEST_DEG_S),
+            told=_Place(settings.who),
+        )
+        say(f"It is your turn: {LONGEST_S:.0f} s at most, {FASTEST_DEG_S:.0f}°/s at most.")
+        error: BaseException | None = None
+        try:
+            _run(program, robot, lease)
+        except BaseException as found:
+            error = found
+            raise
+        finally:
+            outside = isinstance(error, NoAnswer) or (
+                isinstance(error, Refused) and error.reason in (Reason.STOPPED, Reason.NOT_HOLDER)
+            )
+            _end(robot, lease, home=not outside)
+
+
+class _Place:
+    """Tells the pupil each new place in the queue."""
+
+    def __init__(self, seat: str) -> None:
+        self._seat, self._told = seat, ""
+
+    def __call__(self, status: Status) -> None:
+        if self._seat not in status.waiting:
+            return
+        place = status.waiting.index(self._seat) + 1
+        text = f"{status.holder} has the robot; you are number {place} of {len(status.waiting)}."
+        if text != self._told:
+            self._told = text
+            note(text)
+
+
+def _run(program: Program, robot: Robot, lease: Lease) -> None:
+    settings = robot.client.settings
+    with contextlib.ExitStack() as ending:
+        events = ending.enter_context(robot.events())
+        statuses = ending.enter_context(robot.status_stream())
+        folder = Path(ending.enter_context(tempfile.TemporaryDirectory()))
+        environment = {
+            "BEATRIX_ROBOT": robot.name,
+            "BEATRIX_CONNECT": settings.connect,
+            "BEATRIX_WHO": settings.who,
+            "BEATRIX_SIDE": robot.side,
+            "BEATRIX_LEASE": str(lease.number),
+        }
+        if settings.account is not None:
+            account = folder / "account.toml"
+            files.write_private(account, settings.account.text())
+            environment["BEATRIX_ACCOUNT"] = str(account)
+        running = ending.enter_context(contextlib.closing(Run(program.file(folder), program, environment)))
+        try:
+            _watch(running, events, statuses, lease.number)
+        finally:
+            for line in running.output:
+                say(f"  {line}")
+    _check(running)
+
+
+def _watch(running: Run, events: Subscription[Event], statuses: Subscription[Status], number: int) -> None:
+    """Return when the program has ended; raise the errors of `take_turn` if it must end before."""
+    end_s = time.monotonic() + LONGEST_S - HOME_S
+    heard_s = time.monotonic()
+    while True:
+        ended = not running.running
+        if ended:
+            time.sleep(POLL_S)  # the event of a STOP that has ended the program may still arrive
+        for event in events.take():
+            if event.kind is EventKind.STOP:
+                raise Refused(
+                    Reason.STOPPED,
+                    f"{event.seat or 'A seat'} has pressed STOP: your turn is over, and the head stays where it is. Look at "
+                    "the robot before you take another turn.",
+                )
+        for status in statuses.take():
+            heard_s = time.monotonic()
+            if status.lease != number:
+                raise Refused(
+                    Reason.NOT_HOLDER,
+                    f"Your turn has ended; {status.holder or 'no seat'} holds the robot now. Take another turn when it "
+                    "suits the class.",
+                )
+        if ended:
+            return
+        now_s = time.monotonic()
+        if now_s - heard_s > LOST_S:
+            raise NoAnswer(
+                Reason.TIMED_OUT,
+                f"The robot has said nothing for {LOST_S:.0f} s: it is lost, and stops by itself.",
+            )
+        if now_s > end_s:
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"Your program did not end within {LONGEST_S - HOME_S:.0f} s, so it was ended: is there a `while True`?",
+            )
+        time.sleep(POLL_S)
+
+
+LOST_S: Final = 4.0
+"""Silence of the status (s), which is published every second, after which a robot counts as lost."""
+
+
+def _check(running: Run) -> None:
+    try:
+        running.check()
+    except Unmet as unmet:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"Your program has ended with an error: {unmet.values.get('error', unmet.figure)}.",
+        ) from unmet
+
+
+def _end(robot: Robot, lease: Lease, *, home: bool) -> None:
+    """Bring the head home, if that is wanted, and give the robot back."""
+    try:
+        if home:
+            robot.home()
+    except BeatrixError as error:
+        note(f"The head is not home: {error.message}")
+    finally:
+        with contextlib.suppress(BeatrixError):  # the lease ends with this session
+            lease.close()

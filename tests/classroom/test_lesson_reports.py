@@ -1,0 +1,86 @@
+"""Reports of lessons in a class: each seat writes its own, the teacher reads all, the router forgets them at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from class_router import ClassRouter, replies, settled
+from patient_connections import patiently
+from students import use_account
+
+from beatrix_zenoh.client import Client
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LessonState, Reason
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lessons import reporting
+from beatrix_zenoh.lessons.progress import Record
+from beatrix_zenoh.settings import Settings
+
+STUCK = Record(tries=7, hints=[1], figure="nods", stuck=reporting.STUCK)
+PASSED = Record(tries=2, passed=["0" * 64])
+
+
+@pytest.fixture
+def router(tmp_path: Path) -> Iterator[ClassRouter]:
+    with ClassRouter(tmp_path) as made:
+        yield made
+
+
+def rows(router: ClassRouter, seat: str = "teacher") -> list[reporting.Row]:
+    account = router.account(seat)
+    with patiently(lambda: Client(Settings("bea1", account.connect, seat, account=account))) as client:
+        return reporting.read(client)
+
+
+def test_the_teacher_reads_what_each_seat_has_reported(
+    router: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for seat, record in (("ana", STUCK), ("ben", PASSED)):
+        use_account(tmp_path, router.path(seat))
+        reporting.report("01-hello", record)
+    found = rows(router)
+    assert [(row.seat, row.lesson, row.words) for row in found] == [
+        ("ana", "01-hello", "stuck: nods (5 x)"),
+        ("ben", "01-hello", "passed (2)"),
+    ]
+    use_account(tmp_path, router.path("ana"))
+    reporting.report("01-hello", PASSED)
+    assert [row.progress for row in rows(router)] == ["passed", "passed"], "only the newest is kept"
+    with pytest.raises(Refused) as refused:
+        rows(router, "ana")
+    assert refused.value.reason is Reason.TEACHER_ONLY
+
+    # a seat that does not ask politely
+    ana, ben = router.session("ana"), router.session("ben")
+    for key in (keys.lesson("*", "*"), keys.lesson("ana", "*"), "beatrix/@lesson/**"):
+        assert replies(ana, key) == [], key
+    forged = codec.encode(reporting.state_of(Record(tries=1)))
+    for key in (keys.lesson("ana", "01-hello"), keys.lesson("ana", "02-steps")):
+        ben.put(key, forged, codec.MSGPACK)
+    ben.put(keys.lesson("ben", "03-arms"), b"x" * 5000, codec.MSGPACK)
+    settled(ben)
+    assert [(row.seat, row.lesson, row.progress) for row in rows(router)] == [
+        ("ana", "01-hello", "passed"),
+        ("ben", "01-hello", "passed"),
+    ]
+
+    router.process.end()
+    router.start_again()
+    assert rows(router) == [], "all is forgotten at the end of the router"
+
+
+def test_a_report_names_no_person_and_is_small() -> None:
+    state = reporting.state_of(STUCK)
+    assert state == LessonState(version=1, tries=7, hints=1, figure="nods", stuck=5, passed=False)
+    assert len(codec.encode(state)) <= 100
+
+
+def test_without_a_class_nothing_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("BEATRIX_ACCOUNT", "")
+    monkeypatch.setattr(reporting, "_publish", lambda *_: pytest.fail("published"))
+    reporting.report("01-hello", PASSED)
