@@ -4,7 +4,7 @@
 # %% Given: the arms for a pitch, and pitch and roll of a head that leans somewhere
 import math
 
-from beatrix_zenoh import Refused, Twin
+from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh.motion.kinematics import Neck
 
 NECK = Neck()
@@ -32,22 +32,22 @@ def speed_ratio(pitch):
 
 
 # %% Task 2: how far can the head lean? The preview answers, and nothing moves
-def allowed(twin, tilt, direction):
+def allowed(robot, tilt, direction):
     """Return whether the robot would go there."""
     pitch, roll = lean(tilt, direction)
     try:
-        twin.sim.look(pitch=pitch, roll=roll, speed=90)
+        robot.look(pitch=pitch, roll=roll, speed=90)
     except Refused:
         return False
     return True
 
 
-def edge(twin, direction):
+def edge(robot, direction):
     """Return the largest tilt that the robot allows in this direction, within 0.5 deg, and never too large."""
     low, high = 0.0, 90.0
     while high - low > 0.25:
         middle = (low + high) / 2
-        if allowed(twin, middle, direction):
+        if allowed(robot, middle, direction):
             low = middle
         else:
             high = middle
@@ -57,14 +57,14 @@ def edge(twin, direction):
 # %% Go to the edge in every direction, and home between
 def main():
     """Find the edge, then lean half a degree less."""
-    with Twin() as twin:  # a simulation is enough: twin.sim
-        twin.sim.make_ready()
+    with Robot() as robot:
+        robot.make_ready()
         for direction in DIRECTIONS[:1]:
-            tilt = edge(twin, direction)
+            tilt = edge(robot, direction)
             print(f"direction {direction}: up to {tilt:.1f} degrees")
             pitch, roll = lean(tilt - 0.5, direction)
-            twin.sim.look(pitch=pitch, roll=roll, speed=90)
-            twin.sim.look(speed=90)
+            robot.look(pitch=pitch, roll=roll, speed=90)
+            robot.look(speed=90)
 
 
 if __name__ == "__main__":
