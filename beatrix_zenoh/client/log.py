@@ -106,11 +106,12 @@ class Log(ProcessBound, Suggesting):
             return
         self._positions.close()
         self._events.close()
-        arrivals = [self._first, *self._positions.take_arrivals()]
-        self.dropped = self._positions.dropped
+        arrivals, self.dropped = self._positions.take_arrivals(), self._positions.dropped
+        if not self.dropped or not arrivals:  # otherwise the positions after the first one are missing
+            arrivals.insert(0, self._first)
         self.events = self._events.take()
-        self.began_s = self._first.value.t_mono_ns / 1e9
-        new = [one.value for one in arrivals if not one.value.repeated or one is self._first]
+        self.began_s = arrivals[0].value.t_mono_ns / 1e9
+        new = [one.value for one in arrivals if not one.value.repeated or one is arrivals[0]]
         self.repeated = len(arrivals) - len(new)
         self.gaps = find_gaps([one.value for one in arrivals], arrivals[-1])
         self._fill(new)

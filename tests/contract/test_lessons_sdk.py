@@ -39,6 +39,17 @@ def test_a_log_has_what_the_robot_did(robot: Robot, tmp_path: Path) -> None:
         log.save(tmp_path / "x.xlsx")
 
 
+@pytest.mark.bodies("in-process")
+def test_a_log_that_is_too_long_begins_later(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("beatrix_zenoh.client.log.LENGTH", 20)
+    with robot.log() as log:
+        robot.look(yaw=20)
+    assert len(log.t) + log.repeated <= 20 < log.dropped + 20
+    assert log.t[0] == 0
+    assert log.commanded_yaw[0] > 1
+    assert not [gap for gap in log.gaps if gap.lost]
+
+
 @pytest.mark.bodies("sim", "in-process")
 def test_a_preview_tries_what_look_would_do(robot: Robot, body: Body) -> None:
     if body.side == "hw":
