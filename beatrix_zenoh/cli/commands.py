@@ -112,6 +112,8 @@ def command(
 
 CHECK_S = 0.5
 """Period of the check whether a lease still exists (s)."""
+WARN_S = 30
+"""Time (s) before the end of a turn at which its holder is warned."""
 
 
 class What(StrEnum):
@@ -159,10 +161,14 @@ def lease(
 def _hold(robots: Sequence[Robot]) -> None:
     """Wait until an error is raised: Refused if the lease of a robot has ended, NoAnswer if a robot is lost."""
     pause = threading.Event()
+    warned: set[str] = set()
     while not pause.wait(CHECK_S):
         for robot in robots:
             status = robot.status()
             if status.lease == robot.lease_number:
+                if 0 < status.turn_s <= WARN_S and str(robot) not in warned:
+                    warned.add(str(robot))
+                    note(f"{robot}: {status.turn_s} s left, because another seat waits.")
                 continue
             robot.lease_number = 0  # so that `close` gives nothing back
             raise Refused(

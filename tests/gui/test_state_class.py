@@ -9,6 +9,7 @@ import pytest
 from golden import same
 from gui_views import class_world
 from gui_worlds import status, world
+from msgspec import structs
 
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason
 from gui.console.state import intents
@@ -53,6 +54,13 @@ def test_a_row_shows_state_driver_queue_rate_and_age() -> None:
     silent = rows["bea4", "hw"]
     assert silent.cells[5:7] == ("0", "3.2 s")
     same("state class.a row shows state driver queue rate and age", silent.details)
+
+
+def test_a_row_shows_how_long_the_turn_lasts() -> None:
+    first, *others = TEACHER.robots
+    assert first.status is not None
+    robots = (replace(first, status=structs.replace(first.status, turn_s=43)), *others)
+    assert page(opened(), replace(TEACHER, robots=robots)).rows[0].cells[3] == "ana (taken), 43 s left"
 
 
 def test_the_page_shows_a_summary_and_the_speed_limit() -> None:

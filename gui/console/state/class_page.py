@@ -205,7 +205,8 @@ def _driver(status: Status | None, world: World, texts: Texts) -> str:
     if status is None or not status.holder:
         return ""
     holder = world.pupils.get(status.holder, status.holder)
-    return texts("class.taken", holder=holder) if status.lease else holder
+    text = texts("class.taken", holder=holder) if status.lease else holder
+    return f"{text}, {texts('class.turn_left', seconds=float(status.turn_s))}" if status.turn_s else text
 
 
 def _freeze(place: tuple[str, str], *, frozen: bool) -> GovernClass:
