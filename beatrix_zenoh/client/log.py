@@ -149,7 +149,7 @@ class Log(ProcessBound, Suggesting):
         return time_figure(self.t, arms, head, (asked[0], asked[1]))
 
     def save(self, path: str | Path) -> None:
-        """Write a CSV file with one column per array (s, deg, deg/s).
+        """Write a CSV file with one column per array; the heads name the units, as `t_s`, `yaw_deg`, `velocity_short_deg_s`.
 
         Raises WrongUsage if the log is still open, or the name does not end with `.csv`; OSError.
         """
@@ -159,7 +159,7 @@ class Log(ProcessBound, Suggesting):
             raise WrongUsage(Reason.BAD_VALUE, f"{file} does not end with .csv: save writes a CSV file.")
         with file.open("w", newline="", encoding="utf-8") as out:
             writer = csv.writer(out)
-            writer.writerow(COLUMNS)
+            writer.writerow(HEADS)
             columns = [getattr(self, name) for name in COLUMNS]
             writer.writerows([f"{value:.6f}" for value in row] for row in zip(*columns, strict=True))
 
@@ -188,6 +188,10 @@ class Log(ProcessBound, Suggesting):
 
 
 COLUMNS: Final = [name for name, kind in Log.__annotations__.items() if kind == "Series"]
+HEADS: Final = [
+    f"{name}_{'s' if name == 't' else 'deg_s' if name.startswith('velocity') else 'deg'}" for name in COLUMNS
+]
+"""Names of the columns in a CSV file, with units as in motion files."""
 OPEN: Final = "The log is still open: read it after the end of its `with` block, or call close() first."
 
 

@@ -33,7 +33,7 @@ def test_a_log_has_what_the_robot_did(robot: Robot, tmp_path: Path) -> None:
     log.save(tmp_path / "x.csv")
     with (tmp_path / "x.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert [float(row["short"]) for row in rows] == pytest.approx(log.short, abs=1e-5)
+    assert [float(row["short_deg"]) for row in rows] == pytest.approx(log.short, abs=1e-5)
     assert len(log.plot().axes) == 2
     with pytest.raises(WrongUsage, match="does not end with"):
         log.save(tmp_path / "x.xlsx")
