@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from beatrix_zenoh.bus import Reply
-from beatrix_zenoh.client.degrees import checked_seconds
+from beatrix_zenoh.client.degrees import checked_wait
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Arrival, Sample, Subscription
 from beatrix_zenoh.contract import codec
@@ -206,16 +206,19 @@ class Microphones(Subscription[Sound]):
         """Return the next `seconds` of sound as one piece, with zeros in place of lost blocks; see `Sound.lost`.
 
         Raises:
-            NoAnswer: TIMED_OUT, no block arrived for the time limit of the subscription.
+            NoAnswer: TIMED_OUT, no block arrived for the time limit of the subscription, or blocks with impossible times.
             WrongUsage: BAD_VALUE, `seconds` is not above 0, or above LONGEST_S.
         """
-        if checked_seconds("seconds", seconds) > LONGEST_S:
-            text = f"seconds is {seconds:g}: listen returns at most {LONGEST_S:g} s; for longer, iterate over robot.microphones()."
+        if checked_wait("seconds", seconds) > LONGEST_S or seconds == 0:
+            text = f"seconds is {seconds:g}: listen returns more than 0 s, at most {LONGEST_S:g} s; for longer, iterate over robot.microphones()."
             raise WrongUsage(Reason.BAD_VALUE, text)
         first = self.next()
         wanted = max(1, round(seconds * first.rate))
         blocks, end_ns = [first], first.t_mono_ns + wanted * 1e9 / first.rate
+        deadline_s = time.monotonic() + seconds + SILENCE_S
         while blocks[-1].t_mono_ns + len(blocks[-1].samples) * 1e9 / first.rate < end_ns - 0.5e9 / first.rate:
+            if time.monotonic() > deadline_s:
+                raise self._silence(SILENCE_S)
             blocks.append(self.next())
         return joined(blocks, wanted)
 
@@ -244,6 +247,9 @@ def mono(path: Path) -> bytes:
             data = file.readframes(frames)
     except (OSError, EOFError, wave.Error) as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read as a WAV file: {error}.") from error
+    if rate < 1 or len(data) != frames * channels * width:
+        text = f"{path} ends before its sound does, or has a rate of {rate} Hz: save it again as a WAV file of 16 bits."
+        raise WrongUsage(Reason.BAD_VALUE, text)
     if width != _SAMPLE or not frames or frames > SENT_S * rate:
         text = f"{path} has {8 * width} bits and lasts {frames / rate:.1f} s: give a WAV file of 16 bits, at most {SENT_S:g} s."
         raise WrongUsage(Reason.BAD_VALUE, text)

@@ -8,7 +8,7 @@
         attempt.require("nods", len(nods) >= 4, count=len(nods))
 
 The first figure that is not met ends the check. `hints.toml` says what each figure means. The names `function`,
-`returns`, `import`, `runs`, `ends`, `keyboard` and `refused` are figures of every lesson.
+`returns`, `import`, `calculates`, `runs`, `uncaught`, `ends`, `keyboard` and `refused` are figures of every lesson.
 """
 
 from __future__ import annotations
@@ -90,12 +90,15 @@ class Attempt:
         """Return the number that a function of the pupil's file returns.
 
         It runs in a child process without a robot. Arguments are numbers, texts, lists, or arrays.
-        Raises Unmet: `function`, `import`, `runs`, `ends`, or `returns` if it is not a number.
+        Raises Unmet: `function`, `import`, `calculates`, `runs`, `ends`, or `returns` if it is not a number.
         """
         value = self.value(function, *arguments)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise Unmet("returns", function=function, value=_shown(value), wanted="a number")
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:  # an integer of more than 308 digits
+            raise Unmet("returns", function=function, value="a huge number", wanted="a number") from None
 
     def call_array(
         self, function: str, *arguments: object, shape: tuple[int, ...] = (-1,)
@@ -104,7 +107,7 @@ class Attempt:
         value = self.value(function, *arguments)
         try:
             found = np.array(value, dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             found = np.array(None, dtype=float)
         fits = found.ndim == len(shape) and all(
             want in (-1, have) for want, have in zip(shape, found.shape, strict=True)
@@ -132,6 +135,8 @@ class Attempt:
         if "limit" in reply:
             raise Unmet("ends", what=f"Your function {function}", limit=CALL_S)
         if "error" in reply:
+            if NO_ROUTER in str(reply["error"]):
+                raise Unmet("calculates", function=function, where=self._where(reply))
             given = ", ".join(str(one) for one in arguments)
             where = f" in {function}({given}){self._where(reply)}" if len(given) < 60 else self._where(reply)
             raise Unmet(_failure(reply, "runs"), error=reply["error"], where=where)
@@ -221,7 +226,7 @@ class Attempt:
             robot_file: values of another robot, as for `beatrix sim --robot-file`.
 
         Raises:
-            Unmet: `runs` if the program ends with an error, `ends` if it does not end, `keyboard` if it reads from the
+            Unmet: `runs` if the program ends with an error, `uncaught` if that is a refusal, `ends` if it does not end, `keyboard` if it reads from the
                 keyboard, or what `during` raises.
             NotMeasurable: this computer was too busy.
         """
@@ -273,7 +278,7 @@ class Attempt:
             try:
                 self._wait(run, stage, seconds)
             except Unmet as unmet:
-                if unmet.figure == "runs" and not OWN_ERROR.match(str(unmet.values["error"])):
+                if unmet.figure in ("runs", "uncaught") and not OWN_ERROR.match(str(unmet.values["error"])):
                     self._judge(stage, run)  # the robot may have stopped because this computer was busy
                 raise
             return self._judge(stage, run)

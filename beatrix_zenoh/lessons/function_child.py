@@ -31,6 +31,10 @@ def main(words: list[str]) -> int:
     """Answer requests of the parent until it closes the pipe."""
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what the pupil prints is no answer
+    if hasattr(os, "register_at_fork"):
+        os.register_at_fork(
+            after_in_child=answers.close
+        )  # else the parent would wait for all forks of the pupil
     requests = os.fdopen(os.dup(0), encoding="utf-8")
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)  # `input()` fails at once, and takes no request
     path = Path(words[0])
@@ -54,6 +58,7 @@ def load(path: Path) -> tuple[ModuleType | None, Reply | None]:
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look for their module there
     try:
         spec.loader.exec_module(module)
     except BaseException as error:  # noqa: BLE001 - the pupil's code may raise any, SystemExit included

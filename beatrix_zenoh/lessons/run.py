@@ -23,6 +23,12 @@ LINES = 200
 END_S = 2.0
 """Time (s) in which a program may end itself after Ctrl-C."""
 FRAME = re.compile(r'^  File "(?P<file>.+)", line (?P<line>\d+)')
+LONGEST_LINE = 4000
+"""Longest part of a line (bytes) that is kept at once: a program may print for ever without an end of line."""
+LONGEST_ERROR = 500
+"""Longest text of an error that is shown (characters)."""
+REFUSED = "Refused:"
+"""Beginning of the last line of a traceback, if the robot has refused a request."""
 PREFIX = re.compile(r"^[\w.]+\.(?=\w+(:|$))")
 """The module of an exception's name, as in `beatrix_zenoh.contract.errors.Refused`."""
 
@@ -60,7 +66,7 @@ class Run:
     def _read(self) -> None:
         output = self._process.stdout
         assert output is not None
-        for line in output:
+        for line in iter(lambda: output.readline(LONGEST_LINE), b""):
             self._output.append(line.decode("utf-8", "replace").rstrip("\r\n"))
 
     @property
@@ -79,15 +85,22 @@ class Run:
         return (time.monotonic_ns() - self.began_ns) / 1e9
 
     def check(self) -> None:
-        """Raise Unmet (`runs`) if the program has ended with an error."""
+        """Raise Unmet (`runs`, `uncaught` or `keyboard`) if the program has ended with an error."""
         if self._process.poll() == 0:
             return
         self._reader.join(END_S)
         lines = [line for line in self._output if line.strip()]
         if lines and lines[-1].startswith("EOFError"):
             raise Unmet("keyboard", where=self._where())
-        error = PREFIX.sub("", lines[-1]) if lines else f"exit code {self._process.returncode}"
-        raise Unmet("runs", error=error, where=self._where())
+        error = self._error(lines)
+        raise Unmet("uncaught" if error.startswith(REFUSED) else "runs", error=error, where=self._where())
+
+    def _error(self, lines: list[str]) -> str:
+        """Return the last line of the traceback, or how the program has ended without one."""
+        code = self._process.returncode
+        if code < 0:
+            return f"the program was ended by the signal {signal.Signals(-code).name}, as after a crash"
+        return PREFIX.sub("", lines[-1])[:LONGEST_ERROR] if lines else f"exit code {code}"
 
     def _where(self) -> str:
         """Return the place in the pupil's program that the last traceback names."""

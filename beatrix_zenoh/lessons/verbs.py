@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import textwrap
 from enum import StrEnum
@@ -21,14 +22,16 @@ if TYPE_CHECKING:
     from beatrix_zenoh.lessons.lesson import Lesson
     from beatrix_zenoh.lessons.progress import Record, Workspace
 
+FURTHER = "Next: the last part of the page; how we did it: `beatrix lesson solution {number}`."
 LABELS = {
-    "en": ("Passed: {title}.", "Not yet: {title} (try {tries}).", "asked", "found", "Hint"),
+    "en": ("Passed: {title}.", "Not yet: {title} (try {tries}).", "asked", "found", "Hint", FURTHER),
     "de": (
         "Bestanden: {title}.",
         "Noch nicht: {title} (Versuch {tries}).",
         "verlangt",
         "gefunden",
         "Hinweis",
+        "Weiter: der letzte Teil der Seite; so haben wir es gelöst: `beatrix lesson solution {number}`.",
     ),
 }
 HEADS = ("lesson", "title", "minutes", "level", "needs", "state")
@@ -53,6 +56,12 @@ class Language(StrEnum):
 
 
 Number = Annotated[int, typer.Argument(metavar="N", min=1, help="Number of the lesson.")]
+LatestNumber = Annotated[
+    int | None,
+    typer.Argument(
+        metavar="[N]", min=1, help="Number of the lesson; default: the one whose program was saved last."
+    ),
+]
 
 
 def _shown(path: Path) -> Path:
@@ -154,6 +163,8 @@ def start(
     _write_program(found, program)
     workspace.record(found.name).version = found.about.version
     workspace.save()
+    if found.language != workspace.progress.language:
+        note(f"Lesson {number} is not translated: its page, hints and checks are English.")
     say(f"Lesson {number}: {found.title} ({found.about.minutes} minutes)")
     say(f"  {found.goal}")
     say(f"  read     {_shown(folder / 'lesson.md')}")
@@ -170,12 +181,7 @@ def _write_program(found: Lesson, path: Path) -> None:
 
 @lesson.command()
 def check(
-    number: Annotated[
-        int | None,
-        typer.Argument(
-            metavar="[N]", min=1, help="Number of the lesson; default: the one whose program was saved last."
-        ),
-    ] = None,
+    number: LatestNumber = None,
     keep: Annotated[
         bool, typer.Option("--keep", help="Record the simulated robot to check.rrd in the lesson's folder.")
     ] = False,
@@ -200,12 +206,12 @@ def check(
         note("This check used no simulated robot that runs in real time: there is nothing to record.")
     record = workspace.record(found.name)
     checking.count(record, verdict, program)
-    workspace.save()
-    reporting.report(found.name, record)
     if as_json:
         print_json(_document(found, verdict, record))
     else:
         _print(found, verdict, record)
+    workspace.save()
+    reporting.report(found.name, record)
     if verdict.result.value:
         raise typer.Exit(verdict.result.value)
 
@@ -247,7 +253,10 @@ def _document(found: Lesson, verdict: Verdict, record: Record) -> dict[str, obje
         "found": verdict.found,
         "message": verdict.means,
         "hint": verdict.hint,
-        "values": verdict.values,
+        "values": {
+            name: value if isinstance(value, int | float | str | None) else str(value)
+            for name, value in verdict.values.items()
+        },
         "tries": record.tries,
     }
 
@@ -255,9 +264,10 @@ def _document(found: Lesson, verdict: Verdict, record: Record) -> dict[str, obje
 def _print(found: Lesson, verdict: Verdict, record: Record) -> None:
     from beatrix_zenoh.lessons.checking import Result
 
-    passed, not_yet, asked, wrong, hint = LABELS[found.language]
+    passed, not_yet, asked, wrong, hint, further = LABELS[found.language]
     if verdict.result is Result.PASSED:
         say(passed.format(title=found.title))
+        say(further.format(number=found.number))
         return
     if verdict.result is Result.NOT_MEASURABLE:
         say(verdict.means)
@@ -272,14 +282,16 @@ def _print(found: Lesson, verdict: Verdict, record: Record) -> None:
 
 
 @lesson.command()
-def hint(number: Number) -> None:
+def hint(number: LatestNumber = None) -> None:
     """Print a hint: the one that helps with what the last check has found, then the others."""
     from beatrix_zenoh.lessons import reporting
 
     workspace = _workspace()
-    found = _find(number, workspace)
+    found, _ = _program(number, workspace)
     record = workspace.record(found.name)
-    wanted = [found.figure(record.figure).hint] if record.figure else []
+    wanted = []
+    with contextlib.suppress(KeyError):  # a figure of an earlier version
+        wanted = [found.figure(record.figure).hint] if record.figure else []
     order = [one for one in (*wanted, *range(1, len(found.hints) + 1)) if 0 < one <= len(found.hints)]
     fresh = [one for one in order if one not in record.hints]
     chosen = (fresh or order)[0]

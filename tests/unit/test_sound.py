@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh.client.sound import BlockOrder, Faults, Sound, joined
+from beatrix_zenoh.client.sound import BlockOrder, Faults, Sound, joined, mono
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node.microphones import BLOCK, BLOCK_NS, RATE, to_pcm
 
 BEGIN_NS = 10**12
@@ -123,3 +124,15 @@ def test_a_sound_is_saved_and_shown_as_wav(tmp_path: Path) -> None:
         assert file.readframes(BLOCK) == to_pcm(sound.samples)
     assert "<audio controls" in sound._repr_html_()
     assert repr(sound) == "<0.02 s of sound (test), left -46 dB, right -46 dB>"
+
+
+@pytest.mark.parametrize("cut", [(24, b"\0\0\0\0"), (47, b"")])
+def test_a_damaged_wav_file_is_rejected(tmp_path: Path, cut: tuple[int, bytes]) -> None:
+    path, (at, zeros) = tmp_path / "x.wav", cut
+    with wave.open(str(path), "wb") as file:
+        file.setparams((1, 2, 48_000, 0, "NONE", ""))
+        file.writeframes(bytes(8))
+    data = path.read_bytes()
+    path.write_bytes(data[:at] + zeros + (data[at + len(zeros) :] if zeros else b""))
+    with pytest.raises(WrongUsage, match="save it again as a WAV file"):
+        mono(path)

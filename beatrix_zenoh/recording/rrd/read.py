@@ -293,6 +293,8 @@ def read_sound(paths: Sequence[Path], places: Sequence[Place], first_ns: int, la
     """
     entities = {"/" + of_robot(place, "microphones"): place for place in places}
     found: SoundBlocks = {}
+    if not entities:
+        return found
     for path in paths:
         with _opened(path, *entities) as chunks:
             for chunk in chunks:

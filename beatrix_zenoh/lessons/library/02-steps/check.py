@@ -1,3 +1,4 @@
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -19,7 +20,7 @@ def check(attempt: Attempt) -> None:
     attempt.require("step", abs(step - STEP) < 0.001, value=step)
     for degrees in (1, 10, 29.99, 45, -10):
         steps = attempt.call("steps_for", degrees)
-        attempt.require("whole", steps == int(steps), degrees=degrees, steps=steps)
+        attempt.require("whole", math.isfinite(steps) and steps == int(steps), degrees=degrees, steps=steps)
         away = abs(steps * STEP - degrees)
         attempt.require("nearest", away <= STEP / 2, degrees=degrees, steps=steps, away=away)
     degrees = attempt.call("degrees_for", 116)

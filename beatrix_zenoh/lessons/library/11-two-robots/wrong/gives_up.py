@@ -1,4 +1,4 @@
-# expects: runs
+# expects: uncaught
 """Lesson 11, two robots: the follower is the mirror image of the leader. End it with STOP at either robot."""
 
 # %% Settings, and the functions that `beatrix lesson check 11` calls
