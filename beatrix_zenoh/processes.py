@@ -12,9 +12,10 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from enum import Enum
 from pathlib import Path
+from types import MappingProxyType
 from typing import Self
 
 from beatrix_zenoh import bus as zbus
@@ -89,7 +90,14 @@ class Child:
     so that it ends with the parent even if the parent is killed (see cli/__main__.py).
     """
 
-    def __init__(self, title: str, arguments: Sequence[str], log: Path, role: Role = Role.REQUIRED) -> None:
+    def __init__(
+        self,
+        title: str,
+        arguments: Sequence[str],
+        log: Path,
+        role: Role = Role.REQUIRED,
+        environment: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         self.title, self.arguments, self.log, self.role = title, arguments, log, role
         self._reported = 0
         with log.open("wb") as output:
@@ -98,6 +106,7 @@ class Child:
                 stdin=subprocess.PIPE,
                 stdout=output,
                 stderr=subprocess.STDOUT,
+                env=os.environ | dict(environment),
                 process_group=None if sys.platform == "win32" else 0,
                 creationflags=NEW_GROUP,
             )
@@ -155,7 +164,9 @@ class Supervisor:
     message does not show all of its output. `end_all` may be called while another thread starts or awaits a child.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, environment: Mapping[str, str] = MappingProxyType({})) -> None:
+        """Prepare for children with these variables besides those of this process."""
+        self._environment = environment
         self.folder = Path(tempfile.mkdtemp(prefix="beatrix-"))
         self._kept = False
         self._starting = threading.Lock()
@@ -171,7 +182,7 @@ class Supervisor:
                 raise Refused(Reason.SHUTDOWN, f"The {title} is not started, because this program ends.")
             number = len(list(self.folder.glob(f"{title}*.log")))
             log = self.folder / (f"{title}-{number + 1}.log" if number else f"{title}.log")
-            child = Child(title, arguments, log, role)
+            child = Child(title, arguments, log, role, self._environment)
             self.children.append(child)
         return child
 

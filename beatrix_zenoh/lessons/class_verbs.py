@@ -39,6 +39,8 @@ def turn(
         raise typer.BadParameter("A turn is on one robot: --on hw or --on sim.")
     workspace = progress.workspace(Path.cwd())
     found = find(number, workspace.progress.language)
+    if found.about.no_turn:
+        raise Refused(Reason.BAD_VALUE, f"Lesson {number} has no turn on the robot: {found.about.no_turn}")
     passed = workspace.record(found.name).passed
     paths = workspace.programs(found.name)
     program = programs.read(paths[0]) if paths else None
@@ -50,7 +52,7 @@ def turn(
             f"`beatrix lesson check {number}` checks it.",
         )
     with signals_interrupt():
-        turns.take_turn(program, resolve(name, connect, who), on.value, wait)
+        turns.take_turn(program, resolve(name, connect, who), on.value, wait, endless=found.about.endless)
     say("Your turn is over: the head is home, and the robot is free for the next seat.")
 
 

@@ -53,6 +53,10 @@ class About(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """longest time of the pupil's program (s) in a check"""
     version: int = 1
     needs: list[str] = []
+    no_turn: str = ""
+    """why `beatrix lesson turn` cannot run the program on a robot, and what to do instead; empty: it can"""
+    endless: bool = False
+    """whether the program runs until Ctrl-C, so that a turn on the robot ends it without an error"""
     title_de: str = ""
     goal_de: str = ""
 

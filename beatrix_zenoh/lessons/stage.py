@@ -164,7 +164,7 @@ class Stage:
             self.endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
         self.watches: dict[str, Watch] = {}
         self._running = ExitStack()
-        self._supervisor = Supervisor()
+        self._supervisor = Supervisor({"BEATRIX_ACCOUNT": ""})  # the router of a check has no accounts
         self._person = (0.0, 0.0, 0.0)
         """place of the person (m) at the start"""
 
@@ -203,9 +203,8 @@ class Stage:
     def robot(self, name: str = "", who: str = SEAT) -> Robot:
         """Return a robot of the stage for another seat; its session ends with the stage."""
         name = name or self.names[0]
-        return self._running.enter_context(
-            Robot(name, "sim", connect=self.endpoint, who=who, timeout_s=ANSWER_S)
-        )
+        client = self._running.enter_context(Client(Settings(name, self.endpoint, who)))
+        return Robot(name, "sim", client=client, timeout_s=ANSWER_S)
 
     @contextmanager
     def recorded(self, path: Path) -> Iterator[None]:
@@ -222,12 +221,11 @@ class Stage:
         """Bring robots and person back to where they were at the start; raises NotMeasurable if that fails."""
         for name in self.names:
             try:
-                with (
-                    Robot(name, connect=self.endpoint, who=PUPIL, timeout_s=ANSWER_S) as robot,
-                    robot.lease(wait_s=ANSWER_S),
-                ):
-                    robot.make_ready()
-                    robot.home()
-                    robot.move_target(*self._person)
+                with Client(Settings(name, self.endpoint, PUPIL)) as client:
+                    robot = Robot(name, "sim", client=client, timeout_s=ANSWER_S)
+                    with robot.lease(wait_s=ANSWER_S):
+                        robot.make_ready()
+                        robot.home()
+                        robot.move_target(*self._person)
             except BeatrixError as error:
                 raise busy(f"The simulation did not go home: {error}") from error

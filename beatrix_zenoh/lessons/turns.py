@@ -29,8 +29,10 @@ FASTEST_DEG_S: Final = 40.0
 POLL_S: Final = 0.1
 
 
-def take_turn(program: Program, settings: Settings, side: str, wait_s: float) -> None:
-    """Run a program on a robot for at most LONGEST_S.
+def take_turn(
+    program: Program, settings: Settings, side: str, wait_s: float, *, endless: bool = False
+) -> None:
+    """Run a program on a robot for at most LONGEST_S; the end of that time is no error of an `endless` program.
 
     Raises:
         Refused: NOT_HOLDER, the robot was not free within `wait_s` (s), or the turn has ended from outside; STOPPED, a
@@ -51,7 +53,7 @@ def take_turn(program: Program, settings: Settings, side: str, wait_s: float) ->
         say(f"It is your turn: {LONGEST_S:.0f} s at most, {FASTEST_DEG_S:.0f}°/s at most.")
         error: BaseException | None = None
         try:
-            _run(program, robot, lease)
+            _run(program, robot, lease, endless=endless)
         except BaseException as found:
             error = found
             raise
@@ -78,7 +80,7 @@ class _Place:
             note(text)
 
 
-def _run(program: Program, robot: Robot, lease: Lease) -> None:
+def _run(program: Program, robot: Robot, lease: Lease, *, endless: bool) -> None:
     settings = robot.client.settings
     with contextlib.ExitStack() as ending:
         events = ending.enter_context(robot.events())
@@ -97,15 +99,22 @@ def _run(program: Program, robot: Robot, lease: Lease) -> None:
             environment["BEATRIX_ACCOUNT"] = str(account)
         running = ending.enter_context(contextlib.closing(Run(program.file(folder), program, environment)))
         try:
-            _watch(running, events, statuses, lease.number)
+            ended = _watch(running, events, statuses, lease.number)
         finally:
+            running.close()
             for line in running.output:
                 say(f"  {line}")
-    _check(running)
+    if not ended and not endless:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"Your program did not end within {LONGEST_S - HOME_S:.0f} s, so it was ended: is there a `while True`?",
+        )
+    if ended:
+        _check(running)
 
 
-def _watch(running: Run, events: Subscription[Event], statuses: Subscription[Status], number: int) -> None:
-    """Return when the program has ended; raise the errors of `take_turn` if it must end before."""
+def _watch(running: Run, events: Subscription[Event], statuses: Subscription[Status], number: int) -> bool:
+    """Return True when the program has ended, False when its time is over; raise the other errors of `take_turn`."""
     end_s = time.monotonic() + LONGEST_S - HOME_S
     heard_s = time.monotonic()
     while True:
@@ -128,7 +137,7 @@ def _watch(running: Run, events: Subscription[Event], statuses: Subscription[Sta
                     "suits the class.",
                 )
         if ended:
-            return
+            return True
         now_s = time.monotonic()
         if now_s - heard_s > LOST_S:
             raise NoAnswer(
@@ -136,10 +145,7 @@ def _watch(running: Run, events: Subscription[Event], statuses: Subscription[Sta
                 f"The robot has said nothing for {LOST_S:.0f} s: it is lost, and stops by itself.",
             )
         if now_s > end_s:
-            raise Refused(
-                Reason.BAD_VALUE,
-                f"Your program did not end within {LONGEST_S - HOME_S:.0f} s, so it was ended: is there a `while True`?",
-            )
+            return False
         time.sleep(POLL_S)
 
 
@@ -151,9 +157,9 @@ def _check(running: Run) -> None:
     try:
         running.check()
     except Unmet as unmet:
+        error = str(unmet.values.get("error", unmet.figure)).removesuffix(".")
         raise Refused(
-            Reason.BAD_VALUE,
-            f"Your program has ended with an error: {unmet.values.get('error', unmet.figure)}.",
+            Reason.BAD_VALUE, f"Your program has ended with an error: {error}{unmet.values.get('where', '')}."
         ) from unmet
 
 

@@ -17,6 +17,7 @@ from beatrix_zenoh.contract._generated.messages import LessonState, Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons import reporting
 from beatrix_zenoh.lessons.progress import Record
+from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.settings import Settings
 
 STUCK = Record(tries=7, hints=[1], figure="nods", stuck=reporting.STUCK)
@@ -84,3 +85,12 @@ def test_without_a_class_nothing_is_reported(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setenv("BEATRIX_ACCOUNT", "")
     monkeypatch.setattr(reporting, "_publish", lambda *_: pytest.fail("published"))
     reporting.report("01-hello", PASSED)
+
+
+def test_the_account_of_a_class_is_not_used_in_a_check(
+    router: ClassRouter, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("ana")))
+    with Stage() as stage:
+        stage.tidy()
+        assert stage.robot().status().calibrated

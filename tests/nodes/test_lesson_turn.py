@@ -41,8 +41,8 @@ def written(folder: Path, text: str) -> program.Program:
     return program.read(path)
 
 
-def take(free: Shell, made: program.Program, who: str = "cleo") -> None:
-    turns.take_turn(made, Settings(NAME, free.endpoint, who), "hw", 5.0)
+def take(free: Shell, made: program.Program, *, endless: bool = False) -> None:
+    turns.take_turn(made, Settings(NAME, free.endpoint, "cleo"), "hw", 5.0, endless=endless)
 
 
 def home(robot: Robot) -> bool:
@@ -60,7 +60,7 @@ def test_a_program_runs_on_the_robot_which_is_then_home_and_free(
 
 
 def test_a_program_with_an_error_or_too_fast_ends_and_the_head_goes_home(free: Shell, tmp_path: Path) -> None:
-    with pytest.raises(Refused, match=r"ended with an error: .*40"):
+    with pytest.raises(Refused, match=r"ended with an error: .*40.*\(line 2\)\."):
         take(free, written(tmp_path, FAST))
     with free.robot("hw") as robot:
         assert home(robot)
@@ -71,10 +71,12 @@ def test_a_program_that_does_not_end_is_ended(
     free: Shell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(turns, "LONGEST_S", 20.0)
+    made = written(tmp_path, WAITS)
     with pytest.raises(Refused, match="did not end within 5 s"):
-        take(free, written(tmp_path, WAITS))
+        take(free, made)
     with free.robot("hw") as robot:
         assert home(robot)
+    take(free, made, endless=True)  # the program of lesson 9 follows until Ctrl-C
 
 
 def test_stop_of_another_seat_ends_the_turn_and_the_head_stays(free: Shell, tmp_path: Path) -> None:
@@ -102,6 +104,17 @@ def test_a_program_that_has_not_passed_gets_no_turn(free: Shell, tmp_path: Path)
     space.record("01-hello").passed = ["0" * 64]
     space.save()
     assert "has changed since it passed" in free.run("lesson", "turn", "1", cwd=tmp_path).stderr
+
+
+def test_a_lesson_for_simulations_has_no_turn(free: Shell, tmp_path: Path) -> None:
+    refused = free.run("lesson", "turn", "4", cwd=tmp_path)
+    assert (
+        refused.returncode,
+        "has no turn on the robot: its program asks where the person is" in refused.stderr,
+    ) == (
+        1,
+        True,
+    )
 
 
 def test_the_killed_verb_leaves_no_motion_and_a_free_robot(free: Shell, tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ def main():
     robot.make_ready()
     began = time.monotonic()
     while (t := time.monotonic() - began) < 1.5:
-        robot.look(yaw=angle(t), speed=60, wait=False)
+        robot.look(yaw=angle(t), speed=40, wait=False)
         time.sleep(0.02)
     robot.look(yaw=WAY)
     robot.home()

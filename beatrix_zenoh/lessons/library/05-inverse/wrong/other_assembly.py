@@ -83,7 +83,7 @@ def main():
     with Robot() as robot:
         robot.make_ready()
         for pose in POSES:
-            robot.move(*inverse(*pose), speed=60)
+            robot.move(*inverse(*pose), speed=40)
             now = robot.positions()
             print("asked", pose, "-", now.head)
             print(

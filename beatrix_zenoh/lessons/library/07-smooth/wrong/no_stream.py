@@ -32,7 +32,7 @@ def main():
     robot = Robot()
     robot.make_ready()
     began = time.monotonic()
-    robot.look(yaw=angle(0.5), speed=60)
+    robot.look(yaw=angle(0.5), speed=40)
     time.sleep(0.5)
     robot.look(yaw=WAY)
     robot.home()
