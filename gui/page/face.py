@@ -14,7 +14,7 @@ from beatrix_zenoh.contract._generated.messages import LeaseAction
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.link import Link
 from gui.console.link.link import robots_of
-from gui.console.state import class_page, intents
+from gui.console.state import class_page, intents, projector
 from gui.console.state.actions import Action, Outcome, SendStop, WatchMicrophones
 from gui.console.state.intents import Intent, Tab
 from gui.console.state.presence import online
@@ -159,6 +159,7 @@ class Face:
             "eyes": self._eyes(view, world),
             "sound": view.sound,
             "class": [{"cells": row.cells, "robot": row.place[0]} for row in rows],
+            "projector": projector.view(world, texts) if self.shows_class else None,
             "banner": _banner(view, world),
             "pills": [
                 replace(pill, next_step=_offered(pill.next_step), lease=_lease(pill.lease))

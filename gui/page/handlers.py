@@ -100,10 +100,12 @@ class StaticFiles(Guarded, web.StaticFileHandler):
 class Front(Guarded):
     """The control page, or the form for the PIN."""
 
+    template = "page.html"
+
     def get(self) -> None:
         """Show the page to a browser that is logged in; otherwise show the form, or log in if no PIN is needed."""
         if self.visitor is not None:
-            self.render("page.html", token=self.xsrf_token.decode(), name=self.visitor.name)
+            self.render(self.template, token=self.xsrf_token.decode(), name=self.visitor.name)
         elif self.context.login.needed:
             self.form("")
         elif self.request.headers.get("Sec-Fetch-Dest", "document") != "document":
@@ -111,7 +113,7 @@ class Front(Guarded):
             self.reject(403, protection.FOREIGN_ORIGIN)
         else:
             self.admit()
-            self.redirect("/", status=303)
+            self.redirect(self.request.path, status=303)
 
     def post(self) -> None:
         """Check a PIN; log in the browser if it is right."""
@@ -122,13 +124,19 @@ class Front(Guarded):
             self.form(refusal)
         else:
             self.admit()
-            self.redirect("/", status=303)
+            self.redirect(self.request.path, status=303)
 
     def form(self, refusal: str) -> None:
         """Show the form, with the reason why the last PIN was refused; empty: no PIN was typed."""
         wanted = self.request.headers.get("Accept-Language", "")[:2]
         language = wanted if wanted in LANGUAGES else DEFAULT_LANGUAGE
         self.render("login.html", refusal=refusal, language=language, text=Texts(language))
+
+
+class Projector(Front):
+    """The page that a projector shows to the class; it only reads."""
+
+    template = "class.html"
 
 
 class Stopper(Guarded):

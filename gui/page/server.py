@@ -17,7 +17,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown
 from gui.page.connections import Server, brief_log
-from gui.page.handlers import Context, Front, Live, Nothing, Pictures, StaticFiles, Stopper
+from gui.page.handlers import Context, Front, Live, Nothing, Pictures, Projector, StaticFiles, Stopper
 from gui.page.hub import Hub
 from gui.page.protection import Login
 
@@ -132,6 +132,7 @@ def application(context: Context) -> web.Application:
     return web.Application(
         [
             ("/", Front, shared),
+            ("/class", Projector, shared),
             ("/stop", Stopper, shared),
             ("/live", Live, shared),
             ("/pictures", Pictures, shared),

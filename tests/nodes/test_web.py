@@ -250,6 +250,21 @@ def test_the_class_is_a_table_of_all_robots(browser: WebClient) -> None:
     assert [row["cells"][:2] for row in rows] == [["bea1", "Hardware"], ["bea2", "Hardware"]]
 
 
+def test_the_page_for_a_projector_shows_whose_turn_it_is(browser: WebClient, driver: WebSocket) -> None:
+    driver.state(lambda view: view["you"]["drives"], "a page that drives")
+    assert "class.js" in browser.fetch("/class").body.decode()
+    page = browser.connect()
+    assert page.state(online, "a robot")["projector"] is None
+    page.send("class", on=True)
+
+    def driven(view: dict[str, Any]) -> bool:
+        return any(row["driver"].startswith("web-mia") for row in (view["projector"] or {"rows": ()})["rows"])
+
+    shown = page.state(driven, "the seat that drives")["projector"]
+    assert {row["robot"].split()[0]: row["frozen"] for row in shown["rows"]} == {"bea1": False, "bea2": False}
+    assert "beatrix stop" in shown["stop"]
+
+
 def test_choices_of_the_browser_return_and_texts_follow_the_language(browser: WebClient) -> None:
     page = browser.connect()
     page.send(

@@ -191,6 +191,9 @@ def locked(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[WebClient]
 def test_the_page_needs_the_pin(locked: WebClient) -> None:
     assert 'name="pin"' in locked.load()
     assert locked.refusal() == (403, "This browser is not logged in. Load the control page again.")
+    assert "class.js" not in locked.fetch("/class").body.decode(), (
+        "the page for a projector needs the PIN, too"
+    )
     wrong = locked.log_in("000000")
     assert wrong.code == 403
     assert "This PIN is wrong." in wrong.body.decode()

@@ -313,6 +313,34 @@ class ClassView:
 
 
 @dataclass(frozen=True)
+class ProjectorRowView:
+    """One robot as a projector shows it; a field without a text is empty."""
+
+    robot: str
+    """name and side"""
+    driver: str
+    """the seat that drives, or that the robot is free; empty: the robot is silent"""
+    left: str
+    """time until the turn ends"""
+    waiting: str
+    """the next seats of the queue"""
+    state: str
+    """why the robot does not move: frozen, silent, motors off, ..."""
+    frozen: bool
+
+
+@dataclass(frozen=True)
+class ProjectorView:
+    """Whose turn it is, legible from the last row of a class."""
+
+    rows: tuple[ProjectorRowView, ...]
+    empty: str
+    """what to do if there is no row; else empty"""
+    stop: str
+    """how every seat stops a robot"""
+
+
+@dataclass(frozen=True)
 class View:
     """Everything that the window shows at one moment, except pictures and plots."""
 
