@@ -14,7 +14,7 @@ from beatrix_zenoh.contract.errors import Refused
 
 LONGEST = 4_000_000
 """Largest file (bytes): a notebook contains its pictures."""
-MAGIC = re.compile(r"^(\s*)[%!?]", re.MULTILINE)
+MAGIC = re.compile(r"^(\s*)[%!?]")
 """Beginning of a line that only notebooks understand, for example `%matplotlib inline`."""
 CELL = "# %%"
 
@@ -68,4 +68,20 @@ def read(path: Path) -> Program:
 def cells(notebook: str) -> str:
     """Return the code cells of a notebook as a program; lines for the notebook itself become comments."""
     code = ["".join(cell["source"]) for cell in json.loads(notebook)["cells"] if cell["cell_type"] == "code"]
-    return "\n".join(f"{CELL}\n{text}" for text in (MAGIC.sub(r"\1pass  # ", text) for text in code)) + "\n"
+    return "\n".join(f"{CELL}\n{without_magic(text)}" for text in code) + "\n"
+
+
+def without_magic(cell: str) -> str:
+    """Return a code cell in which lines that Python does not understand, and notebooks do, are comments."""
+    lines = cell.split("\n")
+    for _ in lines:
+        try:
+            compile("\n".join(lines), "cell", "exec", dont_inherit=True)
+        except SyntaxError as error:
+            number = (error.lineno or 0) - 1
+            if not 0 <= number < len(lines) or not MAGIC.match(lines[number]):
+                break
+            lines[number] = MAGIC.sub(r"\1pass  # ", lines[number])
+        else:
+            break
+    return "\n".join(lines)

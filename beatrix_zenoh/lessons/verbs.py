@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import shutil
 import textwrap
+from collections.abc import Iterator
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -81,6 +82,18 @@ def _find(number: int, workspace: Workspace) -> Lesson:
     return find(number, workspace.progress.language)
 
 
+@contextlib.contextmanager
+def _writing(folder: Path) -> Iterator[None]:
+    """Raise Refused (BAD_VALUE) if a file of this folder cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"{_shown(folder)} cannot be written: {error.strerror}. Work in a folder of your own, for example in your home folder.",
+        ) from error
+
+
 @lesson.command("list")
 def list_lessons(as_json: Json = False) -> None:
     """List the lessons: S is for schools (from 14 years), U for universities."""
@@ -155,12 +168,13 @@ def start(
             f"{_shown(program)} exists and is not overwritten. {LESSON} check {number}` checks it; "
             f"{LESSON} reset {number}` gives you a fresh one, and keeps this one.",
         )
-    folder.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(found.page, folder / "lesson.md")
-    for extra in sorted((found.folder / "files").glob("*")):
-        if not (folder / extra.name).exists():
-            shutil.copyfile(extra, folder / extra.name)
-    _write_program(found, program)
+    with _writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(found.page, folder / "lesson.md")
+        for extra in sorted((found.folder / "files").glob("*")):
+            if not (folder / extra.name).exists():
+                shutil.copyfile(extra, folder / extra.name)
+        _write_program(found, program)
     workspace.record(found.name).version = found.about.version
     workspace.save()
     if found.language != workspace.progress.language:
@@ -204,6 +218,7 @@ def check(
         verdict = checking.check(found, program, keep=recording if keep else None)
     if keep and not recording.exists():
         note("This check used no simulated robot that runs in real time: there is nothing to record.")
+    workspace = _workspace()  # another check may have ended meanwhile
     record = workspace.record(found.name)
     checking.count(record, verdict, program)
     if as_json:
@@ -313,8 +328,9 @@ def reset(number: Number) -> None:
         for i in range(1, 1_000_000)
         if not (place := path.with_name(f"{path.stem}-{i}{path.suffix}")).exists()
     )
-    path.rename(kept)
-    _write_program(found, path)
+    with _writing(path.parent):
+        path.rename(kept)
+        _write_program(found, path)
     say(f"{_shown(path)} is as at the beginning. The old one is {_shown(kept)}.")
 
 

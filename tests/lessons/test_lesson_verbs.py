@@ -195,6 +195,20 @@ def test_a_process_that_outlives_a_function_does_not_hold_up_the_check() -> None
     assert "Passed" in good("check", "1")
 
 
+def test_a_place_that_cannot_be_written_is_named(pupil: Path) -> None:
+    (pupil / "lessons").write_text("a file")
+    assert "lessons/01-double cannot be written" in refused("start", "1")
+
+
+def test_lines_of_python_that_look_like_magic_stay_as_they_are() -> None:
+    def cells(text: str) -> str:
+        return program.cells(json.dumps({"cells": [{"cell_type": "code", "source": [text]}]}))
+
+    text = 'rest = (7\n   % 3)\nsaid = """\n%d\n!"""\n'
+    assert text in cells(text)
+    assert "pass  # matplotlib inline\n" + text in cells("%matplotlib inline\n" + text)
+
+
 def test_an_endless_function_ends_the_check(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("beatrix_zenoh.lessons.attempt.CALL_S", 0.2)
     good("start", "1")
