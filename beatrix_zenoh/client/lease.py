@@ -15,6 +15,7 @@ from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.request import ask as ask_robot
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.client.subscription import SILENCE_S
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
@@ -22,6 +23,8 @@ from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, Wrong
 
 ANSWER_S = 2.0
 """Time limit (s) of the reply of each robot."""
+ABSENT = (Reason.NODE_LOST, Reason.NO_ANSWER, Reason.NO_SUCH_ROBOT, Reason.NODE_HANGS, Reason.TIMED_OUT)
+"""Reasons of a robot that is not there, but may return."""
 AT_ONCE = 128
 """Largest number of robots that are waited for at the same time; a class has at most two for each account."""
 NO_REPLY = (
@@ -43,11 +46,11 @@ class Lease(ProcessBound):
         *,
         longest_s: float = 0.0,
         speed: float = 0.0,
-        told: Callable[[Status], None] = lambda _: None,
+        told: Callable[[Status | None], None] = lambda _: None,
     ) -> None:
         """Take the robot; `longest_s` (s) and `speed` (rad/s) are those of the lease query.
 
-        `told` is called with each status of the robot while this seat waits.
+        `told` is called with each status of the robot while this seat waits, and with None while the robot is silent.
         """
         self._robot = robot
         self._given = bool(robot.given_lease) and robot.lease_number == robot.given_lease
@@ -79,7 +82,7 @@ def take(
     *,
     longest_s: float = 0.0,
     speed: float = 0.0,
-    told: Callable[[Status], None] = lambda _: None,
+    told: Callable[[Status | None], None] = lambda _: None,
 ) -> int:
     """Take a robot, wait for it up to `wait_s` (s) if necessary, and return the number of the lease; raises Refused."""
     query = LeaseQuery(
@@ -101,29 +104,40 @@ def take(
 
 
 def _wait_for_turn(
-    robot: RobotBase, holder: str, deadline_s: float, query: LeaseQuery, told: Callable[[Status], None]
+    robot: RobotBase, holder: str, deadline_s: float, query: LeaseQuery, told: Callable[[Status | None], None]
 ) -> str:
     """Wait for the lease; return "", or the seat that still holds the robot at `deadline_s` (monotonic clock, s).
 
     The robot removes the seat from its queue when its node restarts, the session is disconnected, or another program
-    of the seat gives up; then the request is sent again.
+    of the seat gives up; then the request is sent again. A robot that is lost may return: the seat waits for it.
     """
     seat = robot.client.settings.who
     with robot.status_stream() as statuses:
         while (left_s := deadline_s - time.monotonic()) > 0:
             try:
-                status: Status = statuses.next(left_s)
+                status: Status = statuses.next(min(left_s, SILENCE_S))
             except NoAnswer as error:
                 if error.reason is not Reason.TIMED_OUT:
                     raise
-                break
+                told(None)
+                continue
             if status.holder == seat and status.lease:
                 return ""
             holder = status.holder
             told(status)
-            if seat not in status.waiting and send(robot, query).lease:
+            if seat not in status.waiting and _again(robot, query):
                 return ""
     return holder
+
+
+def _again(robot: RobotBase, query: LeaseQuery) -> bool:
+    """Send a request again, and return whether the robot is this seat's now; a robot that starts may not answer yet."""
+    try:
+        return bool(send(robot, query).lease)
+    except NoAnswer as error:
+        if error.reason not in ABSENT:
+            raise
+        return False
 
 
 def limit_of(speed: float) -> float:

@@ -35,13 +35,14 @@ def take_turn(
     """Run a program on a robot for at most LONGEST_S; the end of that time is no error of an `endless` program.
 
     Raises:
-        Refused: NOT_HOLDER, the robot was not free within `wait_s` (s), or the turn has ended from outside; STOPPED, a
-            seat has pressed STOP, and the head stays where it is; BAD_VALUE, the program did not end in time or has
-            ended with an error, and the head is home.
+        Refused: NOT_CALIBRATED, the robot is not ready; NOT_HOLDER, it was not free within `wait_s` (s), or the turn
+            has ended from outside; STOPPED, a seat has pressed STOP, and the head stays where it is; BAD_VALUE, the
+            program did not end in time or has ended with an error, and the head is home.
         NoAnswer: the robot was lost; it stops by itself.
     """
     with Client(settings) as client:
         robot = Robot(settings.robot, side, client=client)
+        _require_calibrated(robot)
         say(f"Waiting for {robot}. Ctrl-C leaves the queue.")
         lease = Lease(
             robot,
@@ -53,15 +54,28 @@ def take_turn(
         say(f"It is your turn: {LONGEST_S:.0f} s at most, {FASTEST_DEG_S:.0f}°/s at most.")
         error: BaseException | None = None
         try:
+            _require_calibrated(robot)
             _run(program, robot, lease, endless=endless)
         except BaseException as found:
             error = found
             raise
         finally:
             outside = isinstance(error, NoAnswer) or (
-                isinstance(error, Refused) and error.reason in (Reason.STOPPED, Reason.NOT_HOLDER)
+                isinstance(error, Refused)
+                and error.reason in (Reason.STOPPED, Reason.NOT_HOLDER, Reason.NOT_CALIBRATED)
             )
             _end(robot, lease, home=not outside)
+
+
+def _require_calibrated(robot: Robot) -> None:
+    """Raise Refused (NOT_CALIBRATED) before a program calibrates a head that may lie on its side, and then moves it."""
+    if not robot.status().calibrated:
+        raise Refused(
+            Reason.NOT_CALIBRATED,
+            f"{robot} is not calibrated, for example because it was restarted, and a turn does not do that. Set its head "
+            f"upright, type `beatrix enable --name {robot.name}` and `beatrix calibrate --name {robot.name}`, or ask your "
+            "teacher; then take your turn again.",
+        )
 
 
 class _Place:
@@ -70,11 +84,16 @@ class _Place:
     def __init__(self, seat: str) -> None:
         self._seat, self._told = seat, ""
 
-    def __call__(self, status: Status) -> None:
-        if self._seat not in status.waiting:
+    def __call__(self, status: Status | None) -> None:
+        if status is None:
+            text = (
+                "The robot is lost, or hangs: tell your teacher. You wait until it is back; Ctrl-C ends that."
+            )
+        elif self._seat in status.waiting:
+            place = status.waiting.index(self._seat) + 1
+            text = f"{status.holder} has the robot; you are number {place} of {len(status.waiting)}."
+        else:
             return
-        place = status.waiting.index(self._seat) + 1
-        text = f"{status.holder} has the robot; you are number {place} of {len(status.waiting)}."
         if text != self._told:
             self._told = text
             note(text)

@@ -117,6 +117,15 @@ def test_a_lesson_for_simulations_has_no_turn(free: Shell, tmp_path: Path) -> No
     )
 
 
+def test_a_turn_calibrates_no_robot(free: Shell, tmp_path: Path) -> None:
+    with free.robot("hw") as robot:
+        robot.disable()
+        with pytest.raises(Refused, match="Set its head upright") as refused:
+            take(free, written(tmp_path, LOOKS))
+        assert refused.value.reason is Reason.NOT_CALIBRATED
+        robot.make_ready()
+
+
 def test_the_killed_verb_leaves_no_motion_and_a_free_robot(free: Shell, tmp_path: Path) -> None:
     (tmp_path / "lessons/01-hello").mkdir(parents=True)
     made = written(
