@@ -42,12 +42,14 @@ def _probe(endpoint: str) -> None:
     try:
         socket.create_connection((host, port), timeout=ROUTER_PROBE_S).close()
     except OSError as error:
-        listen = "" if endpoint == DEFAULT_ENDPOINT else f" --listen {endpoint}"
-        remote = f"`beatrix router --listen tcp/0.0.0.0:{port}` on that computer"
-        start = f"`beatrix router{listen}`" if is_local(endpoint) else remote
+        start = f"`beatrix router --listen tcp/0.0.0.0:{port}` on that computer"
+        if endpoint == DEFAULT_ENDPOINT:
+            start = "`beatrix up`, together with a simulation, or alone with `beatrix router`"
+        elif is_local(endpoint):
+            start = f"`beatrix router --listen {endpoint}`"
         raise NoAnswer(
             Reason.NO_ROUTER,
-            f"No router at {endpoint} ({error}). Start one with {start}, or name another with "
+            f"No router at {endpoint} ({error}). Start one with {start}; or name another with "
             "--connect or BEATRIX_CONNECT.",
         ) from error
 
