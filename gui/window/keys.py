@@ -22,7 +22,7 @@ from gui.window.widgets.controls import label
 
 STOP_KEYS = {Qt.Key.Key_Space, Qt.Key.Key_Escape, Qt.Key.Key_Pause}
 SEND_KEYS = {Qt.Key.Key_Return, Qt.Key.Key_Enter}
-SHEET = ("stop", "send", "pad", "yaw", "press", "undo", "record", "class", "tab", "help")
+SHEET = ("stop", "send", "pad", "yaw", "press", "undo", "record", "class", "projector", "tab", "help")
 
 
 class Keys(QObject):
@@ -37,6 +37,7 @@ class Keys(QObject):
     record = pyqtSignal()
     help = pyqtSignal()
     page = pyqtSignal()
+    projector = pyqtSignal()
 
     def __init__(self, stop_bar: Callable[[], QWidget]) -> None:
         """Create the filter without installing it.
@@ -88,8 +89,9 @@ class Keys(QObject):
         key, focus = event.key(), QApplication.focusWidget()
         if key in STOP_KEYS:
             return self._stop
-        if key in (Qt.Key.Key_F1, Qt.Key.Key_F2):
-            return self.help.emit if key == Qt.Key.Key_F1 else self.page.emit
+        pages = {Qt.Key.Key_F1: self.help, Qt.Key.Key_F2: self.page, Qt.Key.Key_F11: self.projector}
+        if key in pages:
+            return pages[Qt.Key(key)].emit
         if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             if key == Qt.Key.Key_R:
                 return self.record.emit

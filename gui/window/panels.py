@@ -24,6 +24,7 @@ from gui.window.widgets.history import HistoryPanel
 from gui.window.widgets.notices import Banner, RefusalNotice, TroubleNotice
 from gui.window.widgets.plots import PlotsPanel
 from gui.window.widgets.poses import PosesPanel
+from gui.window.widgets.projector import ProjectorScreen
 
 LOW_PX = 680
 """Window height at scale 1 below which history and poses are tabs of the middle column."""
@@ -53,6 +54,7 @@ class Panels(QWidget):
         self.tabs, self.side = QTabWidget(), QTabWidget()
         self.body, self.class_page = QWidget(), ClassPage(texts)
         self.class_page.hide()
+        self.projector = ProjectorScreen()
         self.pages = QWidget()
         self._lay_out()
         self.refusal, self.trouble = RefusalNotice(texts, self.pages), TroubleNotice(texts, self.pages)
@@ -89,6 +91,7 @@ class Panels(QWidget):
         pages.addWidget(self.body)
         pages.addWidget(self.class_page)
         inner.addWidget(self.pages, 1)
+        inner.addWidget(self.projector, 1)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
@@ -171,6 +174,8 @@ class Panels(QWidget):
         self.eyes.show_view(view.eyes)
         self.eyes.sound.show_view(view.sound)
         self.class_page.show_view(view.class_page)
+        if view.class_page is not None:
+            self.projector.show_view(view.class_page.projector)
         self._show_page(view.page)
         self.stop_bar.show_view(view)
         self.stop_bar.show_last(view.last)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from PyQt5.QtCore import QTimer, pyqtSignal
+from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QCloseEvent
 from PyQt5.QtWidgets import QMainWindow
 
@@ -20,6 +20,7 @@ from gui.console.state.intents import (
     TogglePage,
     ToggleRecording,
     Undo,
+    WindowPage,
 )
 from gui.console.state.state import State
 from gui.console.state.views import View
@@ -58,6 +59,7 @@ class Window(QMainWindow):
         self.keys.record.connect(lambda: self.handle(ToggleRecording()))
         self.keys.help.connect(self._toggle_keys)
         self.keys.page.connect(lambda: self.handle(TogglePage()))
+        self.keys.projector.connect(lambda: self._project(on=self.panels.projector.isHidden()))
         self.keys.install()
         self._timer = QTimer(self)
         self._timer.timeout.connect(self.refresh)
@@ -118,6 +120,18 @@ class Window(QMainWindow):
     def _toggle_keys(self) -> None:
         self.panels.key_sheet.toggle()
 
+    def _project(self, *, on: bool) -> None:
+        """Show the class in large type on the whole screen, with STOP below; only the teacher's window can."""
+        if self._view is None or self._view.class_page is None:
+            return
+        if on and self._view.page is not WindowPage.CLASS:
+            self.handle(TogglePage())
+        full, panels = Qt.WindowState.WindowFullScreen, self.panels
+        self.setWindowState(Qt.WindowStates(self.windowState() | full if on else self.windowState() & ~full))
+        panels.header.setVisible(not on)
+        panels.pages.setVisible(not on)
+        panels.projector.setVisible(on)
+
     def _do(self, actions: list[Action]) -> None:
         for action in actions:
             self._link.do(action)
@@ -133,12 +147,15 @@ class Window(QMainWindow):
         if old is None or old.title != view.title:
             self.setWindowTitle(view.title)
         self.panels.show_view(view)
+        if view.page is not WindowPage.CLASS and not self.panels.projector.isHidden():
+            self._project(on=False)
 
     def _build(self, view: View) -> None:
         """Create all widgets, at the start and for another language."""
         self.panels = Panels(Texts(view.language))
         self.panels.tabs.setCurrentIndex(list(Tab).index(view.tab))
         self.panels.intent.connect(self.handle)
+        self.panels.class_page.projector_asked.connect(lambda: self._project(on=True))
         self.setCentralWidget(self.panels)
         self.panels.head.pad.setFocus()  # so that arrows and Enter work at once
 

@@ -45,6 +45,32 @@ def test_the_page_takes_the_place_of_the_robot(window: Window, page: ClassPage) 
     assert not page.isVisible()
 
 
+def test_the_projector_fills_the_screen_and_stop_works(
+    window: Window, page: ClassPage, link: RecordingLink
+) -> None:
+    QTest.mouseClick(page.project, LEFT)
+    panels = window.panels
+    assert window.isFullScreen()
+    assert (panels.projector.isVisible(), panels.pages.isVisible(), panels.stop_bar.isVisible()) == (
+        True,
+        False,
+        True,
+    )
+    assert "<b>ana</b>" in panels.projector.text.text()
+    QTest.keyClick(window, Qt.Key.Key_Escape)
+    assert link.done[-1] == SendStop(1, everywhere=True), "Esc is STOP here, too"
+    assert panels.projector.isVisible()
+    QTest.keyClick(window, Qt.Key.Key_F11)
+    assert (window.isFullScreen(), panels.projector.isVisible(), page.isVisible()) == (False, False, True)
+
+
+def test_f11_opens_the_page_of_the_class_and_f2_ends_the_projector(window: Window) -> None:
+    QTest.keyClick(window, Qt.Key.Key_F11)
+    assert window.panels.projector.isVisible()
+    QTest.keyClick(window, Qt.Key.Key_F2)
+    assert (window.isFullScreen(), window.panels.body.isVisible()) == (False, True)
+
+
 def test_buttons_report_their_intents(page: ClassPage, state: WatchedState) -> None:
     for button, intent in (
         (page.freeze_all, GovernClass(LeaseAction.FREEZE)),

@@ -13,7 +13,7 @@ from beatrix_zenoh.client.monitor import SeatStops, stops_by_seat
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
-from gui.console.state import history, pills, refusals, sound
+from gui.console.state import history, pills, projector, refusals, sound
 from gui.console.state.actions import Action, Govern, SendStop, WatchCameras, WatchClass, WatchMicrophones
 from gui.console.state.eyes import wanted
 from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat, TogglePage, WindowPage
@@ -55,6 +55,7 @@ def view(memory: Memory, world: World) -> ClassView | None:
         result=result,
         good=good,
         toggle=button(toggle, TogglePage()),
+        projector=projector.view(world, texts),
     )
 
 

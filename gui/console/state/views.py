@@ -288,31 +288,6 @@ class SeatView:
 
 
 @dataclass(frozen=True)
-class ClassView:
-    """The page of the class: all robots and seats at the router."""
-
-    summary: str
-    """number of robots, and the connected seats"""
-    rows: tuple[ClassRowView, ...]
-    empty: str
-    """what to do if there is no row; else empty"""
-    freeze_all: ButtonView
-    unfreeze_all: ButtonView
-    limit: ButtonView
-    """the button's intent has no speed: the widget adds the text of the field"""
-    limit_now: str
-    """the present limit"""
-    seats: tuple[SeatView, ...]
-    """connected and muted seats, except the teacher, by name"""
-    result: str
-    """the outcome of the last request of this page; empty: none was sent"""
-    good: bool | None
-    """whether that request was carried out everywhere; None: it has not ended"""
-    toggle: ButtonView
-    """switches between this page and the robot"""
-
-
-@dataclass(frozen=True)
 class ProjectorRowView:
     """One robot as a projector shows it; a field without a text is empty."""
 
@@ -338,6 +313,32 @@ class ProjectorView:
     """what to do if there is no row; else empty"""
     stop: str
     """how every seat stops a robot"""
+
+
+@dataclass(frozen=True)
+class ClassView:
+    """The page of the class: all robots and seats at the router."""
+
+    summary: str
+    """number of robots, and the connected seats"""
+    rows: tuple[ClassRowView, ...]
+    empty: str
+    """what to do if there is no row; else empty"""
+    freeze_all: ButtonView
+    unfreeze_all: ButtonView
+    limit: ButtonView
+    """the button's intent has no speed: the widget adds the text of the field"""
+    limit_now: str
+    """the present limit"""
+    seats: tuple[SeatView, ...]
+    """connected and muted seats, except the teacher, by name"""
+    result: str
+    """the outcome of the last request of this page; empty: none was sent"""
+    good: bool | None
+    """whether that request was carried out everywhere; None: it has not ended"""
+    toggle: ButtonView
+    """switches between this page and the robot"""
+    projector: ProjectorView
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from PyQt5.QtWidgets import (
     QHBoxLayout,
     QHeaderView,
     QLineEdit,
+    QPushButton,
     QTreeWidget,
     QTreeWidgetItem,
     QVBoxLayout,
@@ -33,6 +34,7 @@ class ClassPage(QFrame):
     """All robots and seats at the router."""
 
     intent = pyqtSignal(object)
+    projector_asked = pyqtSignal()
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
@@ -40,6 +42,10 @@ class ClassPage(QFrame):
         self._style = style_of(Theme.DARK)
         self.setProperty("panel", True)  # noqa: FBT003
         self.summary = label(role="title", wrap=True)
+        self.project = QPushButton(texts("label.projector"))
+        self.project.setAutoDefault(False)
+        self.project.setToolTip(texts("tip.projector"))
+        self.project.clicked.connect(lambda: self.projector_asked.emit())  # noqa: PLW0108 - `clicked` has an argument
         self.freeze_all, self.unfreeze_all = IntentButton(main=True), IntentButton()
         self.limit_now = label()
         self.limit, self.set_limit = QLineEdit(), IntentButton()
@@ -85,9 +91,11 @@ class ClassPage(QFrame):
         return found
 
     def _lay_out(self, texts: Texts) -> None:
-        every, one = QHBoxLayout(), QHBoxLayout()
-        for line in (every, one):
+        top, every, one = QHBoxLayout(), QHBoxLayout(), QHBoxLayout()
+        for line in (top, every, one):
             line.setSpacing(6)
+        top.addWidget(self.summary, 1)
+        top.addWidget(self.project)
         every.addWidget(label(texts("label.class_all"), "title"))
         every.addWidget(self.freeze_all)
         every.addWidget(self.unfreeze_all)
@@ -108,7 +116,7 @@ class ClassPage(QFrame):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(8, 8, 8, 8)
         layout.setSpacing(6)
-        layout.addWidget(self.summary)
+        layout.addLayout(top)
         layout.addLayout(every)
         layout.addWidget(self.list, 1)
         layout.addWidget(self.empty, 1)
