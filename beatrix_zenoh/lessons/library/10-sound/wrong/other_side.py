@@ -30,7 +30,7 @@ def direction(left, right):
     return math.degrees(math.asin(max(-1.0, min(1.0, sine))))
 
 
-# % The robot: wait for a sound, and turn to it
+# %% The robot: wait for a sound, and turn to it
 def turn(robot):
     """Listen until a sound is louder than the noise of the ears, and turn the head to it once."""
     with robot.microphones() as ears:
