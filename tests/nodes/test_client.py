@@ -132,10 +132,15 @@ def test_the_timeout_of_a_query_follows_from_the_longest_possible_motion(
     query = robot.client.bus.query
 
     def record(
-        key: str, payload: bytes | None, encoding: str, priority: str | None, timeout_s: float
+        key: str,
+        payload: bytes | None,
+        encoding: str,
+        priority: str | None,
+        timeout_s: float,
+        attachment: bytes | None,
     ) -> zbus.Query:
         asked[key.rpartition("/")[2]] = timeout_s
-        return query(key, payload, encoding, priority, timeout_s)
+        return query(key, payload, encoding, priority, timeout_s, attachment)
 
     monkeypatch.setattr(robot.client.bus, "query", record)
     robot.look(yaw=1)

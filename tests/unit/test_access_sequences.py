@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from access_callers import ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, NO_SESSION, OLD
 from hypothesis import strategies as st
@@ -11,7 +13,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.node.access import Access, Operation
-from beatrix_zenoh.node.callers import QUIET_OLD_PROGRAM_S, QUIET_S, RETURN_S, Caller
+from beatrix_zenoh.node.callers import QUIET_OLD_PROGRAM_S, QUIET_S, RETURN_S, TURN_S, Caller
 from beatrix_zenoh.node.lease_queries import give_back, mute, standing, take, unmute
 
 # Counting coverage triples the time of these tests; test_access.py covers the same code.
@@ -174,7 +176,10 @@ class Sequences(RuleBasedStateMachine):
 
     @rule(away_s=st.sampled_from([0.05, 0.8, 100.0]), notice_first=st.booleans(), returning=RETURNING)
     def the_router_restarts(self, away_s: float, notice_first: bool, returning: frozenset[str]) -> None:
-        """Seats of which all sessions return keep a lease that they have taken, and their places in the queue."""
+        """Seats of which all sessions return keep a lease that they have taken, and their places in the queue.
+
+        The turn of the holder begins anew.
+        """
         before = standing(self.access, self.now_s)
         sessions = [ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, *self.new_programs]
         if notice_first:
@@ -191,7 +196,8 @@ class Sequences(RuleBasedStateMachine):
                 self.access.session_changed(caller, self.now_s, alive=True)
         self.time_passes(RETURN_S - 0.1)
         if before.lease:
-            assert standing(self.access, self.now_s) == before
+            turn_s = math.ceil(TURN_S - RETURN_S + 0.1) if before.turn_s else 0
+            assert standing(self.access, self.now_s) == before._replace(turn_s=turn_s)
         self.time_passes(0.2)
         if before.lease:
             stay = {OLD.seat, NO_SESSION.seat, *returning}

@@ -18,7 +18,9 @@ def test_robots_end_before_the_window_and_the_router_ends_last(monkeypatch: pyte
 
         ready, code = True, None
 
-        def __init__(self, title: str, _arguments: object, _log: object, role: Role) -> None:
+        def __init__(
+            self, title: str, _arguments: object, _log: object, role: Role, _environment: object
+        ) -> None:
             self.title, self.role = title, role
 
         def end(self) -> None:

@@ -43,6 +43,7 @@ class ClassPage(QFrame):
         self.setProperty("panel", True)  # noqa: FBT003
         self.summary = label(role="title", wrap=True)
         self.project = QPushButton(texts("label.projector"))
+        self.project.setAccessibleName(texts("label.projector"))
         self.project.setAutoDefault(False)
         self.project.setToolTip(texts("tip.projector"))
         self.project.clicked.connect(lambda: self.projector_asked.emit())  # noqa: PLW0108 - `clicked` has an argument

@@ -32,7 +32,8 @@ def check(attempt: Attempt) -> None:
         if event.kind == "motion" and event.seat == "pupil"
     ]
     ends = [after for (_, phase), (after, _) in pairwise([*own, (seen.t[-1], "")]) if phase == "done"]
-    stops = [float(np.interp(end - 0.02, seen.t, seen.short)) for end in ends]  # at rest
+    before = np.searchsorted(seen.t, ends) - 1  # the last reading at rest
+    stops = [float(seen.short[index]) for index in before if index >= 0]
     for asked in ANGLES:
         nearest = min(stops, key=lambda stop: abs(stop - asked), default=0.0)
         attempt.require("angles", abs(nearest - asked) < AS_ASKED, asked=asked, nearest=nearest)
