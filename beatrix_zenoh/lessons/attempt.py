@@ -24,9 +24,11 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
+from beatrix_zenoh import processes
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import bench
 from beatrix_zenoh.lessons.bench import Bench, Course
+from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
@@ -121,13 +123,11 @@ class Attempt:
         """As `call`, for a function that returns anything that JSON can hold."""
         child = self._child()
         request = {"function": function, "arguments": [_plain(one) for one in arguments], "limit_s": CALL_S}
+        began_s = time.monotonic()
         try:
             reply = child.ask(request, PATIENCE * CALL_S)
         except NoReply as error:
-            if error.code is not None:
-                ended = f"Python has ended in {function} (exit code {error.code})"
-                raise Unmet("runs", error=ended, where="") from None
-            raise busy(f"Your function {function} did not answer.") from None
+            raise _without_reply(error, f"Your function {function}", began_s, CALL_S) from None
         if "missing" in reply:
             found = reply["missing"]
             names = ", ".join(map(str, found)) if isinstance(found, list) and found else "none"
@@ -151,12 +151,13 @@ class Attempt:
             environment = {"BEATRIX_CONNECT": NO_ROUTER, "BEATRIX_ACCOUNT": "", "MPLBACKEND": "Agg"}
             child = LineChild(words, environment, folder=self._program.path.parent)
             self._open.callback(child.close)
+            what, began_s = "Your file, when it is imported,", time.monotonic()
             try:
                 reply = child.reply(PATIENCE * IMPORT_S)
-            except NoReply:
-                raise busy("Your file was not read in time.") from None
+            except NoReply as error:
+                raise _without_reply(error, what, began_s, IMPORT_S) from None
             if "limit" in reply:
-                raise Unmet("ends", what="Your file, when it is imported,", limit=IMPORT_S)
+                raise Unmet("ends", what=what, limit=IMPORT_S)
             if "error" in reply:
                 figure = _failure(reply, "import" if NO_ROUTER in str(reply["error"]) else "runs")
                 raise Unmet(figure, error=reply["error"], where=self._where(reply))
@@ -306,6 +307,15 @@ def _watch(stage: Stage, seconds: float) -> None:
     time.sleep(seconds)
     for watch in stage.watches.values():
         watch.take()
+
+
+def _without_reply(error: NoReply, what: str, began_s: float, limit_s: float) -> Unmet | NotMeasurable:
+    """Return what it means that the child process gave no answer to a request made at `began_s` (monotonic clock, s)."""
+    if error.code is None:
+        return busy(f"{what} did not answer.")
+    if error.code == ALARM_CODE or time.monotonic() - began_s > SLOWER * limit_s:
+        return Unmet("ends", what=what, limit=limit_s)
+    return Unmet("runs", error=f"{what} has ended Python ({processes.in_words(error.code)})", where="")
 
 
 def _failure(reply: dict[str, object], figure: str) -> str:

@@ -6,9 +6,11 @@
 from __future__ import annotations
 
 import contextlib
+import faulthandler
 import importlib.util
 import json
 import os
+import signal
 import sys
 import threading
 import time
@@ -21,6 +23,11 @@ from typing import IO
 SLOWER = 10.0
 """A call may take this many times its limit on a busy computer, as long as it does not use the processor."""
 LOOK_S = 0.05
+STUCK_S = 0.5
+"""Time (s) after a limit at which the system ends this process: a calculation in C may let no thread answer."""
+ALARM_CODE = -signal.SIGPROF if sys.platform != "win32" else None
+"""Exit code of a process that the system has ended so; Windows limits the time only, not that of the processor."""
+STDERR = 2
 ODD = 60
 """Longest text of a value that an answer quotes."""
 
@@ -111,7 +118,11 @@ def failed(error: BaseException, path: Path) -> Reply:
 
 @contextlib.contextmanager
 def limited(limit_s: float, answers: IO[str]) -> Iterator[None]:
-    """End this process, after an answer, if the block uses the processor for longer than `limit_s` (s)."""
+    """End this process, after an answer, if the block uses the processor for longer than `limit_s` (s).
+
+    A calculation such as `9**9**9` lets no thread of Python run, so that there is no answer: the system then ends the
+    process with ALARM_CODE, and `faulthandler` ends it after SLOWER times the limit.
+    """
     done = threading.Event()
     began_s, began_cpu_s = time.monotonic(), time.process_time()
 
@@ -124,11 +135,21 @@ def limited(limit_s: float, answers: IO[str]) -> Iterator[None]:
 
     watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()
+    alarm(limit_s + STUCK_S)
+    faulthandler.dump_traceback_later(SLOWER * limit_s + STUCK_S, exit=True, file=STDERR)
     try:
         yield
     finally:
+        alarm(0.0)
+        faulthandler.cancel_dump_traceback_later()
         done.set()
         watcher.join()
+
+
+def alarm(seconds: float) -> None:
+    """End this process after this processor time; 0: never."""
+    if sys.platform != "win32":
+        signal.setitimer(signal.ITIMER_PROF, seconds)
 
 
 def write(answers: IO[str], answer: Reply) -> None:

@@ -166,6 +166,7 @@ def test_an_error_in_a_notebook_names_its_cell() -> None:
         ),
         ("def double(x):\n    return 10**400\n", "returns"),
         (TYPED, "six"),
+        ("import os\nos._exit(3)\n", "runs"),
         ("x = input()\n", "keyboard"),
         ("def double(x):\n    return input()\n", "keyboard"),
     ],
@@ -209,11 +210,22 @@ def test_lines_of_python_that_look_like_magic_stay_as_they_are() -> None:
     assert "pass  # matplotlib inline\n" + text in cells("%matplotlib inline\n" + text)
 
 
-def test_an_endless_function_ends_the_check(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    "function",
+    [
+        "    while True:\n        pass\n",
+        "    return 9**9**9\n",  # runs in C, where no thread of Python ends it
+        "    import ctypes\n    ctypes.PyDLL(None).sleep(60)\n",  # as above, without the processor
+    ],
+)
+def test_an_endless_function_ends_the_check(function: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("beatrix_zenoh.lessons.attempt.CALL_S", 0.2)
+    monkeypatch.setattr("beatrix_zenoh.lessons.attempt.PATIENCE", 200.0)
     good("start", "1")
-    START.write_text("def double(x):\n    while True:\n        pass\n")
-    assert json.loads(checked("1", "--json").stdout)["figure"] == "ends"
+    START.write_text(f"def double(x):\n{function}")
+    document = json.loads(checked("1", "--json").stdout)
+    assert (document["outcome"], document["figure"]) == ("not_yet", "ends")
+    assert "Your function double" in document["found"]
 
 
 def test_tries_at_one_figure_are_counted() -> None:
