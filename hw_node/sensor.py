@@ -95,6 +95,8 @@ class Sensor(Component, Generic[T]):
         """
         self._title, self._source, self._publisher = title, source, publisher
         self._wake, self._silence = wake, silence
+        self._failed = ""
+        """the last unexpected error"""
         self._closed = False
         self._thread: threading.Thread | None = None
 
@@ -137,7 +139,9 @@ class Sensor(Component, Generic[T]):
         except NoAnswer as error:
             self._publisher.report(error.message)
         except Exception as error:  # a bug here or in a library must not end the node
-            log.exception("%s: failed.", self._title)
+            if repr(error) != self._failed:  # one traceback, not one a second
+                log.exception("%s: failed.", self._title)
+            self._failed = repr(error)
             self._publisher.report(f"The device failed: {error}. The node retries every second.")
         else:
             return True

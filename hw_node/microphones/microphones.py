@@ -9,7 +9,7 @@ from typing import Final
 from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage, quoted
+from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
 from beatrix_zenoh.node import MicrophonesPublisher, Node, SoundBlock
 from beatrix_zenoh.node.microphones import TITLE
 from hw_node.microphones.stand_ins import SoundFile, Tone
@@ -35,7 +35,9 @@ class Microphones(Sensor[SoundBlock]):
 
 
 def choose(word: str) -> SoundSource | None:
-    """Create the source that `--microphones` names, without opening it; None for `off` and an empty text.
+    """Create the source that `--microphones` names; None for `off` and an empty text.
+
+    No device is opened; a file is read once, to refuse a damaged one.
 
     Raises:
         WrongUsage: BAD_VALUE, with the mistake and the allowed values.
@@ -48,6 +50,11 @@ def choose(word: str) -> SoundSource | None:
         source = SoundFile(Path(word.removeprefix(FILE)))
         if trouble := source.trouble():
             raise wrong(word, trouble)
+        try:
+            source.open()
+        except NoAnswer as error:
+            raise wrong(word, error.message) from error
+        source.close()
         return source
     from hw_node.microphones import device  # noqa: PLC0415 - an extra
 

@@ -66,8 +66,9 @@ class SoundFile:
         """Read the file, and begin with its first block."""
         try:
             self._samples = read(self._path)
-        except (OSError, EOFError, wave.Error, ValueError) as error:
-            text = f"{self._path} cannot be played: {error}. Give a WAV file of 16 bits at {RATE} Hz, mono or stereo."
+        except (OSError, EOFError, wave.Error, ValueError, RuntimeError) as error:
+            why = str(error) or "its header is damaged"
+            text = f"{self._path} cannot be played: {why}. Give a WAV file of 16 bits at {RATE} Hz, mono or stereo."
             raise NoAnswer(Reason.BAD_VALUE, text) from error
         self._at = 0
         self._clock.restart()
@@ -87,12 +88,14 @@ class SoundFile:
 
 
 def read(path: Path) -> npt.NDArray[np.int16]:
-    """Return the frames of a WAV file, shape (frames, 2); raises OSError, EOFError, wave.Error or ValueError."""
+    """Return the frames of a WAV file, shape (frames, 2); raises OSError, EOFError, wave.Error, ValueError or RuntimeError."""
     with wave.open(str(path)) as file:
         channels, width, rate, frames = file.getparams()[:4]
         if channels not in (1, 2) or width != 2 or rate != RATE:
             raise ValueError(f"it has {channels} channels of {8 * width} bits at {rate} Hz")
         if not frames:
             raise ValueError("it is empty")
+        if frames * channels * width > path.stat().st_size:
+            raise ValueError("it ends before its sound does")
         samples = np.frombuffer(file.readframes(frames), "<i2").reshape(-1, channels)
     return np.broadcast_to(samples, (len(samples), 2)) if channels == 1 else samples

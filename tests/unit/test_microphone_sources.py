@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import re
+import threading
 import wave
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from beatrix_zenoh import NoAnswer
+from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.node import SoundBlock
+from beatrix_zenoh.node.interfaces import StatusFields
 from beatrix_zenoh.node.microphones import BEHIND, BLOCK, BLOCK_NS, RATE, BlockClock
 from hw_node.microphones.microphones import SoundSource, choose
 from hw_node.microphones.stand_ins import SoundFile, Tone
+from hw_node.sensor import Sensor
 
 
 def written(path: Path, samples: list[list[int]], *, rate: int = RATE, width: int = 2) -> Path:
@@ -72,6 +81,58 @@ def test_a_file_that_is_not_wav_is_refused(tmp_path: Path, content: bytes) -> No
         SoundFile(path).open()
 
 
+@given(st.data())
+def test_a_damaged_file_is_played_or_refused_with_a_sentence(data: st.DataObject) -> None:
+    with TemporaryDirectory() as folder:
+        path = written(Path(folder) / "x.wav", [[i, -i] for i in range(40)])
+        whole = path.read_bytes()
+        at = data.draw(st.integers(0, 60), label="place")
+        wrong = data.draw(st.binary(max_size=8), label="bytes there")
+        end = data.draw(st.integers(0, len(whole)), label="length")
+        path.write_bytes((whole[:at] + wrong + whole[at + len(wrong) :])[:end])
+        source = SoundFile(path)
+        sentence = ""
+        try:
+            source.open()
+        except NoAnswer as error:
+            sentence = error.message
+        else:
+            block = source.next(1.0)
+            assert block is not None
+            assert len(block.samples) == BLOCK * 4
+        assert not sentence or re.search(r"cannot be played: \w[^.]*\. Give a WAV", sentence), sentence
+
+
+def test_a_failure_that_repeats_is_logged_once(caplog: pytest.LogCaptureFixture) -> None:
+    class Broken(Tone):
+        def open(self) -> None:
+            raise RuntimeError("a bug")
+
+    class Publisher:
+        subscribed = True
+
+        def __init__(self) -> None:
+            self.reports: list[str] = []
+
+        def report(self, trouble: str) -> None:
+            self.reports.append(trouble)
+
+        def ended(self) -> None: ...
+        def start(self, _sessions: Sessions) -> None: ...
+        def publish(self, _frame: SoundBlock, /) -> None: ...
+        def contribute(self, _status: StatusFields) -> None: ...
+
+    class Ears(Sensor[SoundBlock]):
+        def start_thread(self) -> threading.Thread:
+            raise NotImplementedError
+
+    publisher = Publisher()
+    ears = Ears("microphones", Broken(), publisher, threading.Event(), "")
+    assert [ears._take() for _ in range(3)] == [False] * 3
+    assert publisher.reports == ["The device failed: a bug. The node retries every second."] * 3
+    assert [record.message for record in caplog.records] == ["microphones: failed."]
+
+
 def test_after_a_delay_old_blocks_are_dropped_and_counted() -> None:
     clock = BlockClock()
     clock.restart()
@@ -109,3 +170,10 @@ def test_microphones_are_off_by_default(word: str) -> None:
 def test_a_wrong_value_names_the_allowed_ones(word: str, teaches: str) -> None:
     with pytest.raises(WrongUsage, match=teaches):
         choose(word)
+
+
+def test_a_damaged_file_is_refused_at_the_start(tmp_path: Path) -> None:
+    path = written(tmp_path / "damaged.wav", [[1, 2]] * 100)
+    path.write_bytes(path.read_bytes()[:44])
+    with pytest.raises(WrongUsage, match="it ends before its sound does"):
+        choose(f"file:{path}")
