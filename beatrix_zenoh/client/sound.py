@@ -28,6 +28,10 @@ BLOCKS: Final = 500
 """Queue length for sound: ten seconds."""
 SENT_S, SENT_HZ = 10.0, 48_000
 """Longest sound (s) that one message to a simulation can hold, and its rate."""
+ANEW_NS: Final = 500_000_000
+"""Time (ns) without a block in order after which a block begins a new sequence."""
+AHEAD_NS: Final = 1_000_000_000
+"""A block may be ahead by this time (ns): a network may hold blocks back, and then deliver them at once."""
 _SAMPLE: Final = 2
 _FRAME: Final = 4
 """Bytes of a frame: two int16."""
@@ -130,7 +134,7 @@ class Faults:
     duplicated: int = 0
     """arrived twice; the second one was skipped"""
     late: int = 0
-    """arrived after a newer block; skipped"""
+    """arrived after a newer block, or has an impossible number or time; skipped"""
     dropped: int = 0
     """frames, not blocks, that the robot's device has lost"""
 
@@ -141,36 +145,49 @@ class Faults:
 
 @dataclass
 class BlockOrder:
-    """Finds lost, duplicated and late blocks of one robot by their sequence numbers."""
+    """Finds lost, duplicated and late blocks of one robot by their sequence numbers.
+
+    A block whose number or time is behind the newest, or further ahead than the time that has passed on this computer, is
+    not heard. If none fits for ANEW_NS, the node was restarted, or an impossible block came first: the next one begins a
+    new sequence. Times of the wall clock are not used, because they may be wrong.
+    """
 
     faults: Faults = field(default_factory=Faults)
     _newest: Sound | None = None
-    _seen: list[int] = field(default_factory=list)
-    """the newest sequence numbers, to tell a duplicate of a late block from a late block"""
+    _newest_ns: int = 0
+    """arrival of `_newest`, by the monotonic clock of this computer"""
+    _seen: list[tuple[int, int]] = field(default_factory=list)
+    """numbers and times of the newest blocks, to tell a duplicate of a late block from a late block"""
 
-    def accept(self, block: Sound) -> bool:
-        """Count a block; return whether it is in order, so that the program should hear it."""
-        newest = self._newest
+    def accept(self, block: Sound, arrived_ns: int) -> bool:
+        """Count a block; return whether it is in order, so that the program should hear it.
+
+        `arrived_ns`: its arrival by the monotonic clock of this computer.
+        """
+        newest, identity = self._newest, (block.seq, block.t_mono_ns)
+        passed_ns = arrived_ns - self._newest_ns
         step = 1 if newest is None else (block.seq - newest.seq + _SEQS // 2) % _SEQS - _SEQS // 2
-        if newest is not None and step <= 0:
-            if block.seq in self._seen and block.t_mono_ns <= newest.t_mono_ns:
-                self.faults.duplicated += 1
-                return False
-            if block.t_wall_ns <= newest.t_wall_ns:
-                self.faults.late += 1
-                self._remember(block)
-                return False
-            step = 1  # the node was restarted, and counts anew
-            newest, self._seen = None, []
+        if newest is not None:
+            block_ns = len(newest.samples) * 1_000_000_000 // newest.rate
+            ahead_ns = max((step - 1) * block_ns, block.t_mono_ns - newest.t_mono_ns) - passed_ns
+            if step <= 0 or block.t_mono_ns <= newest.t_mono_ns or ahead_ns > AHEAD_NS:
+                if identity in self._seen:
+                    self.faults.duplicated += 1
+                    return False
+                if passed_ns < ANEW_NS:
+                    self.faults.late += 1
+                    self._remember(identity)
+                    return False
+                step, newest, self._seen = 1, None, []
         self.faults.lost += step - 1
         if newest is not None:
             self.faults.dropped += max(0, block.dropped - newest.dropped)
-        self._newest = block
-        self._remember(block)
+        self._newest, self._newest_ns = block, arrived_ns
+        self._remember(identity)
         return True
 
-    def _remember(self, block: Sound) -> None:
-        self._seen.append(block.seq)
+    def _remember(self, identity: tuple[int, int]) -> None:
+        self._seen.append(identity)
         del self._seen[:-BLOCKS]
 
 
@@ -188,19 +205,11 @@ class Microphones(Subscription[Sound]):
         """Lost, duplicated and late blocks up to the newest block that was read."""
         return replace(self._order.faults)
 
-    def next_arrival(self, timeout_s: float | None = None) -> Arrival[Sound]:
-        """Return the next block in order, with the time of its arrival."""
-        limit_s = self._timeout_s if timeout_s is None else timeout_s
-        deadline_s = None if limit_s is None else time.monotonic() + limit_s
-        while True:
-            left_s = None if deadline_s is None else max(0.0, deadline_s - time.monotonic())
-            arrival = super().next_arrival(left_s)
-            if self._order.accept(arrival.value):
-                return arrival
-
-    def take_arrivals(self, timeout_s: float = 0.0) -> list[Arrival[Sound]]:
-        """Return all unread blocks that are in order, with the times of their arrival."""
-        return [one for one in super().take_arrivals(timeout_s) if self._order.accept(one.value)]
+    def _read(self, sample: Sample) -> Arrival[Sound] | None:
+        arrival = super()._read(sample)
+        return (
+            arrival if arrival is not None and self._order.accept(arrival.value, sample.t_mono_ns) else None
+        )
 
     def listen(self, seconds: float) -> Sound:
         """Return the next `seconds` of sound as one piece, with zeros in place of lost blocks; see `Sound.lost`.
@@ -245,8 +254,14 @@ def mono(path: Path) -> bytes:
         with wave.open(str(path)) as file:
             channels, width, rate, frames = file.getparams()[:4]
             data = file.readframes(frames)
-    except (OSError, EOFError, wave.Error) as error:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read as a WAV file: {error}.") from error
+    except (
+        OSError,
+        EOFError,
+        wave.Error,
+        RuntimeError,
+    ) as error:  # RuntimeError: a chunk longer than the file
+        why = str(error) or "its header is damaged"
+        raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read as a WAV file: {why}.") from error
     if rate < 1 or len(data) != frames * channels * width:
         text = f"{path} ends before its sound does, or has a rate of {rate} Hz: save it again as a WAV file of 16 bits."
         raise WrongUsage(Reason.BAD_VALUE, text)

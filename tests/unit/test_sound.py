@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import wave
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh.client.sound import BlockOrder, Faults, Sound, joined, mono
+from beatrix_zenoh.client.sound import ANEW_NS, BlockOrder, Faults, Sound, joined, mono
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node.microphones import BLOCK, BLOCK_NS, RATE, to_pcm
 
@@ -26,7 +28,7 @@ def block(number: int, *, restarts: int = 0, dropped: int = 0) -> Sound:
 
 def heard(numbers: list[int]) -> tuple[list[int], Faults]:
     order = BlockOrder()
-    kept = [number for number in numbers if order.accept(block(number))]
+    kept = [number for i, number in enumerate(numbers) if order.accept(block(number), i * BLOCK_NS)]
     return kept, order.faults
 
 
@@ -60,9 +62,40 @@ def test_blocks_are_heard_in_order_and_every_other_is_counted_once(
 
 def test_a_restarted_node_counts_anew_without_losses() -> None:
     order = BlockOrder()
-    assert all(order.accept(one) for one in (block(500), block(501)))
-    assert all(order.accept(block(number, restarts=1)) for number in (1, 2, 3))
+    assert order.accept(block(500), 0)
+    assert order.accept(block(501), BLOCK_NS)
+    for number in (1, 2, 3):
+        assert order.accept(block(number, restarts=1), ANEW_NS + (number + 1) * BLOCK_NS)
     assert order.faults == Faults()
+
+
+@pytest.mark.parametrize("at", [0, 1, 50])
+@pytest.mark.parametrize(
+    "impossible",
+    [
+        lambda block: replace(block, t_wall_ns=2**62),
+        lambda block: replace(block, seq=2**31 - 2),
+        lambda block: replace(block, seq=10**6, t_wall_ns=2**62),
+        lambda block: replace(block, t_mono_ns=2**62),
+        lambda block: replace(block, seq=3, t_mono_ns=5),
+    ],
+)
+def test_an_impossible_block_silences_a_robot_for_half_a_second_at_most(
+    at: int, impossible: Callable[[Sound], Sound]
+) -> None:
+    order, arrivals = BlockOrder(), [block(number) for number in range(100, 200)]
+    arrivals.insert(at, impossible(arrivals[at]))
+    kept = [one for i, one in enumerate(arrivals) if order.accept(one, i * BLOCK_NS)]
+    assert [one.seq for one in kept[-49:]] == list(range(151, 200))
+    assert len(kept) >= len(arrivals) - ANEW_NS // BLOCK_NS - 2
+    assert order.faults.lost <= ANEW_NS // BLOCK_NS
+
+
+def test_after_a_pause_of_the_network_blocks_are_lost_and_those_held_back_are_heard() -> None:
+    order = BlockOrder()
+    arrivals = [(1, 0.0), (2, 0.02), (103, 2.04), (104, 2.04), (105, 2.04), (106, 2.06)]
+    assert all(order.accept(block(number), round(at_s * 1e9)) for number, at_s in arrivals)
+    assert order.faults == Faults(lost=100)
 
 
 def test_sequence_numbers_begin_again_after_the_largest() -> None:
@@ -70,14 +103,14 @@ def test_sequence_numbers_begin_again_after_the_largest() -> None:
     newest = block(1)
     for i, seq in enumerate((2**32 - 1, 0, 1)):
         t_ns = BEGIN_NS + i * BLOCK_NS
-        assert order.accept(Sound(newest.samples, RATE, t_ns, t_ns, seq, "test", 0))
+        assert order.accept(Sound(newest.samples, RATE, t_ns, t_ns, seq, "test", 0), i * BLOCK_NS)
     assert order.faults == Faults()
 
 
 def test_frames_that_the_device_has_lost_are_counted_from_the_first_block_on() -> None:
     order = BlockOrder()
     for number, dropped in ((1, 960), (2, 960), (3, 2400)):
-        assert order.accept(block(number, dropped=dropped))
+        assert order.accept(block(number, dropped=dropped), number * BLOCK_NS)
     assert order.faults == Faults(dropped=1440)
 
 
