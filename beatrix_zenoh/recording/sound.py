@@ -73,7 +73,7 @@ def write_wav(path: Path, blocks: Iterable[SoundBlock]) -> WrittenSound:
     """
     at = lost = rate = 0
     first_ns: int | None = None
-    with wave.open(str(path), "wb") as out:
+    with path.open("wb") as file, wave.open(file, "wb") as out:  # wave leaves a file open that it cannot make
         for block in blocks:
             if first_ns is None:
                 first_ns, rate = block.time_ns, block.rate

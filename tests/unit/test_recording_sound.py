@@ -131,6 +131,7 @@ def test_export_writes_a_wav_file(tmp_path: Path, capsys: pytest.CaptureFixture[
         (["--sound", "b.wav", "--name", "bob"], "no sound"),
         (["--sound", "b.mp3"], "other ending"),
         (["b.wav"], "named as a table"),
+        (["--sound", "no/b.wav", "--name", "ada", "--on", "sim"], "no folder"),
     ],
 )
 def test_a_refused_sound_says_what_to_do(
