@@ -8,7 +8,7 @@ import msgspec
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.lessons.lesson import ENGLISH
 
 FOLDER, FILE = "lessons", "progress.json"
@@ -50,7 +50,7 @@ class Workspace:
         self.folder = folder
         self._path = folder / FILE
         try:
-            text = files.content(self._path, LONGEST, "JSON") if self._path.exists() else b"{}"
+            text = files.text(self._path, LONGEST, "JSON") if self._path.exists() else "{}"
             self.progress = msgspec.json.decode(text, type=Progress)
         except (OSError, ValueError) as error:
             raise Refused(
@@ -80,10 +80,24 @@ class Workspace:
 
 
 def workspace(folder: Path) -> Workspace:
-    """Return the folder `lessons` that belongs to a working folder: the one it is in, one inside it, or a new one."""
+    """Return the folder `lessons` that belongs to a working folder: the one it is in, one inside it, or a new one.
+
+    A folder that was renamed is known by its progress.json. Raises Refused (BAD_VALUE) if there are several of those.
+    """
     for place in (folder, *folder.parents):
-        if (place / FILE).is_file() and place.name == FOLDER:
-            return Workspace(place)
-        if (place / FOLDER / FILE).is_file():
-            return Workspace(place / FOLDER)
-    return Workspace(folder / FOLDER)
+        for found in (place, place / FOLDER):
+            if (found / FILE).is_file() and (found.name == FOLDER or _holds_progress(found)):
+                return Workspace(found)
+    renamed = [path.parent for path in sorted(folder.glob(f"*/{FILE}")) if _holds_progress(path.parent)]
+    if len(renamed) > 1:
+        names = " and ".join(path.name for path in renamed)
+        raise Refused(Reason.BAD_VALUE, f"There are lessons in {names}: go into one of these folders first.")
+    return Workspace(renamed[0] if renamed else folder / FOLDER)
+
+
+def _holds_progress(folder: Path) -> bool:
+    """Return whether progress.json of a folder is that of lessons, and not of another program."""
+    try:
+        return bool(Workspace(folder).progress.lessons)
+    except BeatrixError:
+        return False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -240,6 +241,33 @@ def test_the_folder_is_found_from_inside(monkeypatch: pytest.MonkeyPatch) -> Non
     good("start", "1")
     monkeypatch.chdir("lessons/01-double")
     assert checked().returncode == 1
+
+
+@pytest.mark.parametrize("inside", ["", "exercises", "exercises/01-double"])
+def test_a_folder_that_was_renamed_is_found(inside: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    good("start", "1")
+    Path("lessons").rename("exercises")
+    Path("other").mkdir()
+    Path("other/progress.json").write_text('{"lessons": 7}')
+    monkeypatch.chdir(inside or ".")
+    assert checked("1").returncode == 1
+    assert "started" not in good("list")
+
+
+def test_of_two_renamed_folders_none_is_taken() -> None:
+    good("start", "1")
+    shutil.copytree("lessons", "a")
+    Path("lessons").rename("b")
+    assert "lessons in a and b" in refused("check", "1")
+
+
+def test_a_progress_file_that_an_editor_has_saved_is_read() -> None:
+    good("start", "1")
+    path = Path("lessons/progress.json")
+    path.write_text(path.read_text(), encoding="utf-8-sig")
+    assert "started" in good("list")
+    path.write_text(path.read_text(encoding="utf-8-sig"), encoding="utf-16")
+    assert "save it again as JSON with the encoding UTF-8" in beatrix("lesson", "list").stderr
 
 
 def test_the_list_has_states() -> None:
