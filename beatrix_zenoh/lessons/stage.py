@@ -19,7 +19,7 @@ from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription
-from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Positions, Status
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons.unmet import busy
 from beatrix_zenoh.processes import Supervisor
@@ -64,6 +64,15 @@ class Seen:
     """the last lines that the program has printed"""
     doubt: str = ""
     """why a figure that is not met may be the fault of this computer; empty: it was fast enough"""
+
+    @property
+    def motions(self) -> list[tuple[float, Event]]:
+        """Motions that the program has asked for, whatever seat it has named, and their ends, with the times (s)."""
+        return [
+            (float(time), event)
+            for time, event in zip(self.event_times, self.events, strict=True)
+            if event.kind is EventKind.MOTION and event.seat not in ("", SEAT)
+        ]
 
     @property
     def yaw(self) -> Curve:

@@ -4,6 +4,7 @@ from beatrix_zenoh.lessons.attempt import Attempt
 from beatrix_zenoh.lessons.measures import swings
 
 NOD, SHAKE, STILL, HOME = 8, 20, 3, 0.5
+NEARLY = 0.5  # the head stops within this angle (deg) of what was asked for
 
 
 def check(attempt: Attempt) -> None:
@@ -15,12 +16,15 @@ def check(attempt: Attempt) -> None:
     attempt.require("rolls", largest >= NOD or rolled < NOD, rolled=rolled, largest=largest)
     count = sum(size >= NOD for size in nods)
     attempt.require("nods", count >= 4, count=count, largest=largest)
-    shakes = swings(seen.yaw, least=2)
-    count = sum(size >= SHAKE for size in shakes)
-    attempt.require("shakes", count >= 4, count=count, largest=max(shakes, default=0.0))
+    sides = np.sign(seen.yaw)[np.abs(seen.yaw) >= SHAKE - NEARLY]
+    begins = sides[np.diff(sides, prepend=0.0) != 0]  # each time on a side counts once
+    left, right = int((begins > 0).sum()), int((begins < 0).sum())
+    attempt.require(
+        "shakes", min(left, right) >= 2, left=left, right=right, largest=float(np.abs(seen.yaw).max())
+    )
     rolled = np.abs(seen.roll).max()
     attempt.require("roll", rolled < STILL, rolled=rolled)
     left = np.abs(seen.head[-1]).max()
     attempt.require("home", left < HOME, left=left)
-    refused = [event for event in seen.events if event.reason not in ("OK", "") and event.seat == "pupil"]
+    refused = [event for _, event in seen.motions if event.phase == "accepted" and event.reason != "OK"]
     attempt.require("refusal", len(refused) >= 1, count=len(refused))

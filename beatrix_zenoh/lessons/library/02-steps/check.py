@@ -26,11 +26,7 @@ def check(attempt: Attempt) -> None:
     degrees = attempt.call("degrees_for", 116)
     attempt.require("back", abs(degrees - 116 * STEP) < 0.01, value=degrees)
     seen = attempt.observe()
-    own = [
-        (float(time), event.phase)
-        for event, time in zip(seen.events, seen.event_times, strict=True)
-        if event.kind == "motion" and event.seat == "pupil"
-    ]
+    own = [(time, event.phase) for time, event in seen.motions]
     ends = [after for (_, phase), (after, _) in pairwise([*own, (seen.t[-1], "")]) if phase == "done"]
     before = np.searchsorted(seen.t, ends) - 1  # the last reading at rest
     stops = [float(seen.short[index]) for index in before if index >= 0]
