@@ -18,6 +18,8 @@ from beatrix_zenoh.lessons.line_child import kill_group
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.unmet import Unmet
 
+GUARD = Path(__file__).with_name("guard.py")
+"""The program that kills the pupil's program if this process is killed."""
 LINES = 200
 """Number of last output lines that are kept: a program may print without end."""
 END_S = 2.0
@@ -58,6 +60,14 @@ class Run:
             }
             | dict(environment),
             process_group=None if sys.platform == "win32" else 0,
+            creationflags=processes.NEW_GROUP,
+        )
+        self._guard = subprocess.Popen(
+            [sys.executable, "-I", "-S", str(GUARD), str(self._process.pid)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            process_group=None if sys.platform == "win32" else 0,  # Ctrl-C must not end it
             creationflags=processes.NEW_GROUP,
         )
         self._reader = threads.start(self._read, "output-of-program")
@@ -115,7 +125,11 @@ class Run:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(END_S)
         kill_group(self._process)
+        self._guard.kill()  # before another process can get the number of the program
         self._process.wait()
+        self._guard.wait()
+        if self._guard.stdin is not None:
+            self._guard.stdin.close()
         self._reader.join(END_S)
         if (
             self._process.stdout is not None and not self._reader.is_alive()
