@@ -57,7 +57,7 @@ def played(twin: Twin) -> tuple[list[Positions], list[Positions]]:
     streams = [robot.positions_stream() for robot in (twin.sim, twin.hw)]
     kept: tuple[list[Positions], list[Positions]] = ([], [])
     time.sleep(SETTLE_S)
-    play(twin, shipped("hello"))
+    play(twin, shipped("demo"))
     time.sleep(SETTLE_S)
     for i, stream in enumerate(streams):
         kept[i].extend(stream.take())

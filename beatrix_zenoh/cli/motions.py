@@ -227,7 +227,8 @@ MANY = 1000
 
 def play(
     file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="A choreography (CSV), or the shipped one: hello.")
+        Path,
+        typer.Argument(metavar="FILE", help="A choreography (CSV), or the name of a gesture, such as yes."),
     ],
     lead: Annotated[
         float,

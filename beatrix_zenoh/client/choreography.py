@@ -9,7 +9,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol
 
 import msgspec
 from msgspec.structs import replace
@@ -26,6 +26,8 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, R
 from beatrix_zenoh.contract.errors import WrongUsage, naming
 
 SHIPPED = resources.files("beatrix_zenoh") / "choreographies"
+GESTURES: Final = ("yes", "no", "hello", "surprised", "sleepy", "curious", "dance")
+"""Shipped choreographies that last a few seconds, and begin and end at home."""
 POLL_S = 0.01
 """Period (s) in which playing by the clock looks at both robots."""
 
@@ -79,8 +81,13 @@ class Choreography(msgspec.Struct, frozen=True):
     def at_speed(self, speed: float) -> Choreography:
         """Return this choreography with one speed (deg/s) for all steps; raises WrongUsage unless it is above 0."""
         speed = checked_speed(speed)
-        return msgspec.structs.replace(
-            self, steps=[(title, msgspec.structs.replace(pose, speed=speed)) for title, pose in self.steps]
+        return replace(self, steps=[(title, replace(pose, speed=speed)) for title, pose in self.steps])
+
+    def at_most(self, speed: float) -> Choreography:
+        """Return this choreography with no speed above `speed` (deg/s); raises WrongUsage unless it is above 0."""
+        speed = checked_speed(speed)
+        return replace(
+            self, steps=[(title, replace(pose, speed=min(pose.speed, speed))) for title, pose in self.steps]
         )
 
     def where(self, index: int) -> str:
@@ -91,7 +98,7 @@ class Choreography(msgspec.Struct, frozen=True):
 
 
 def shipped(name: str) -> Choreography:
-    """Return a choreography that comes with the package, such as `hello`."""
+    """Return a choreography that comes with the package: one of `GESTURES`, or `demo`."""
     return choreography(motion_file.parse((SHIPPED / f"{name}.csv").read_text(encoding="utf-8"), name))
 
 

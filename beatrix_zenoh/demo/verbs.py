@@ -121,7 +121,7 @@ def perform(supervisor: Supervisor, settings: Settings) -> Path | None:
         Refused, Interrupted, NoAnswer: from the first step that failed.
     """
     path, recorder = supervisor.folder / RECORDING, None
-    choreography = shipped("hello")
+    choreography = shipped("demo")
     with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
         twin.make_ready()
         if util.find_spec("rerun") is None:

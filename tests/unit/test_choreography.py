@@ -38,10 +38,10 @@ def durations(played: Choreography) -> list[float]:
     return found
 
 
-def test_hello_keeps_the_limits_and_its_times_and_lasts_about_twenty_seconds() -> None:
-    hello = shipped("hello")
-    times = [pose.at for _, pose in hello.steps]
-    taken = durations(hello)
+def test_the_demo_keeps_the_limits_and_its_times_and_lasts_about_twenty_seconds() -> None:
+    demo = shipped("demo")
+    times = [pose.at for _, pose in demo.steps]
+    taken = durations(demo)
     for (begin, following), duration in zip(itertools.pairwise(times), taken, strict=False):
         assert begin + duration + 0.1 < following
     assert 15 < times[-1] + taken[-1] < 22
@@ -94,7 +94,9 @@ def test_a_file_is_read_and_a_shipped_one_is_found_by_its_name(tmp_path: Path) -
     path.write_bytes(b"\xff\xfe")
     with pytest.raises(WrongUsage, match="not text in UTF-8"):
         load(path)
-    with pytest.raises(WrongUsage, match="or a shipped choreography: hello"):
+    with pytest.raises(
+        WrongUsage, match="or a shipped choreography: curious, dance, demo, hello, no, sleepy, surprised, yes"
+    ):
         load(tmp_path / "yours.csv")
     with pytest.raises(WrongUsage, match="not a regular file"):
         load(Path(os.devnull))
@@ -183,8 +185,8 @@ def test_a_choreography_is_refused_as_a_whole_with_line_and_time(
 
 
 def test_a_choreography_within_the_limits_is_accepted() -> None:
-    check_choreography(shipped("hello"), ROBOT)
-    check_choreography(shipped("hello").at_speed(90), ROBOT)
+    check_choreography(shipped("demo"), ROBOT)
+    check_choreography(shipped("demo").at_speed(90), ROBOT)
     check_choreography(TWO_POSES, ROBOT)
     with pytest.raises(Refused, match=r"^step 1 \(t = 0\.00 s\): "):
         check_choreography(Choreography([("f", Pose(0.0, 0, 60, 0, 20))]), ROBOT)
