@@ -1,28 +1,22 @@
-"""Reports of lessons: each seat of a class tells the class's router what it has reached, and the teacher reads it."""
+"""Reports of lessons: each seat of a class sends the class's router what it has reached."""
 
 from __future__ import annotations
 
 import contextlib
-from typing import Final, NamedTuple
+from typing import Final
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
-from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import LessonState, Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.contract.names import TEACHER
+from beatrix_zenoh.contract._generated.messages import LessonState
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.settings import Settings, resolve
 
 LONGEST_S: Final = 1.0
 """Longest time (s) that a pupil waits for a report."""
-STUCK: Final = 5
-"""Checks in a row at one figure after which a seat counts as stuck."""
 MOST: Final = 2**16 - 1
-FIELDS: Final = ("seat", "lesson", "progress", "tries", "hints", "figure")
-PASSED, TRYING, STUCK_AT = "passed", "trying", "stuck"
 
 
 def state_of(record: Record) -> LessonState:
@@ -54,54 +48,3 @@ def _publish(settings: Settings, lesson: str, state: LessonState) -> None:
     ):
         bus.put(keys.lesson(settings.who, lesson), codec.encode(state), codec.MSGPACK)
         bus.router_answers(LONGEST_S)  # what was published before is then at the router
-
-
-class Row(NamedTuple):
-    """What one seat has reached in one lesson."""
-
-    seat: str
-    lesson: str
-    state: LessonState
-
-    @property
-    def progress(self) -> str:
-        """`passed`, `stuck` or `trying`."""
-        if self.state.passed:
-            return PASSED
-        return STUCK_AT if self.state.stuck >= STUCK else TRYING
-
-    @property
-    def fields(self) -> dict[str, object]:
-        """The row for other programs: values of FIELDS."""
-        state = self.state
-        values = (self.seat, self.lesson, self.progress, state.tries, state.hints, state.figure)
-        return dict(zip(FIELDS, values, strict=True))
-
-    @property
-    def words(self) -> str:
-        """The progress in a few words, with the figure that a seat is stuck at."""
-        if self.progress == STUCK_AT:
-            return f"stuck: {self.state.figure} ({self.state.stuck} x)"
-        return f"{self.progress} ({self.state.tries})"
-
-
-def read(client: Client, timeout_s: float = LONGEST_S) -> list[Row]:
-    """Return the newest report of each seat and lesson, as the class's router has it.
-
-    Raises:
-        Refused: TEACHER_ONLY, the seat is not the teacher's.
-        NoAnswer: NO_ROUTER or ACCOUNT_REFUSED.
-    """
-    if client.settings.who != TEACHER:
-        raise Refused(
-            Reason.TEACHER_ONLY,
-            f"You are {client.settings.who}; only the seat `teacher` reads the reports of the class. `beatrix lesson list` "
-            "shows your own lessons.",
-        )
-    rows = []
-    for reply in client.bus.query(keys.lesson("*", "*"), timeout_s=timeout_s).replies(timeout_s):
-        parts = keys.parse(reply.key)
-        state = None if reply.error or parts is None else client.read(reply, LessonState)
-        if parts is not None and state is not None:
-            rows.append(Row(parts.who, reply.key.rpartition("/")[2], state))
-    return sorted(rows)

@@ -195,14 +195,15 @@ class Planner:
     ) -> Refused:
         """Complete and return the refusal of a speed.
 
-        Name the teacher's limit if it is exceeded, and the nearest allowed speed if the motion is accepted with it.
+        Name the limit of the turn or of the teacher, the lower one, if it is exceeded, and the nearest allowed speed if
+        the motion is accepted with it.
         """
         if refusal.reason is not Reason.SPEED_LIMIT or refusal.detail is None:
             return refusal
-        if self.speed_limit and max(speed) > self.speed_limit:
-            refusal = Refused(
-                refusal.reason, detail=structs.replace(refusal.detail, field=sentences.TEACHER_LIMIT)
-            )
+        names = {self.speed_limit: sentences.TEACHER_LIMIT, self._turn_speed: sentences.TURN_LIMIT}
+        limit = min((limit for limit in names if limit), default=math.inf)
+        if max(speed) > limit:
+            refusal = Refused(refusal.reason, detail=structs.replace(refusal.detail, field=names[limit]))
         nearest = self.limits.nearest_speed(speed)
         try:
             self._goal(query, telemetry, last, nearest)

@@ -10,7 +10,7 @@ from class_router import ClassRouter, replies, settled
 from patient_connections import patiently
 from students import use_account
 
-from beatrix_zenoh.client import Client
+from beatrix_zenoh.client import Client, lesson_reports
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LessonState, Reason
@@ -20,7 +20,7 @@ from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.settings import Settings
 
-STUCK = Record(tries=7, hints=[1], figure="nods", stuck=reporting.STUCK)
+STUCK = Record(tries=7, hints=[1], figure="nods", stuck=lesson_reports.STUCK)
 PASSED = Record(tries=2, passed=["0" * 64])
 
 
@@ -30,10 +30,10 @@ def router(tmp_path: Path) -> Iterator[ClassRouter]:
         yield made
 
 
-def rows(router: ClassRouter, seat: str = "teacher") -> list[reporting.Row]:
+def rows(router: ClassRouter, seat: str = "teacher") -> list[lesson_reports.Row]:
     account = router.account(seat)
     with patiently(lambda: Client(Settings("bea1", account.connect, seat, account=account))) as client:
-        return reporting.read(client)
+        return lesson_reports.read(client)
 
 
 def test_the_teacher_reads_what_each_seat_has_reported(

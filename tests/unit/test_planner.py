@@ -212,6 +212,23 @@ def test_the_refusal_of_a_speed_names_the_teachers_limit_and_this_limit_is_accep
         planner.goal(PoseQuery(yaw=0.1, speed=math.radians(100)), at(0))
 
 
+@pytest.mark.parametrize(
+    ("turn", "teacher", "text"),
+    [
+        (40.0, 0.0, "in this turn at most 40.0°/s is allowed. Try a speed of 40.0°/s."),
+        (40.0, 60.0, "in this turn at most 40.0°/s is allowed."),
+        (40.0, 20.0, "the teacher's limit of 20.0°/s applies."),
+    ],
+)
+def test_the_refusal_of_a_speed_names_the_lower_limit(turn: float, teacher: float, text: str) -> None:
+    planner = Planner(ROBOT)
+    planner.limit_speed(math.radians(teacher))
+    planner.limit_turn(math.radians(turn))
+    with pytest.raises(Refused) as refused:
+        planner.goal(PoseQuery(yaw=0.1, speed=math.radians(80)), at(0))
+    assert text in refused.value.message
+
+
 @pytest.mark.parametrize("steps", [40_000, -40_000])
 def test_step_counts_beyond_the_range_of_a_move_are_refused_with_advice(steps: int) -> None:
     little = MotionQuery(absolute=False, position=Vector3(0.0, 0.0, 0.0))

@@ -119,17 +119,20 @@ REFUSALS: list[BeatrixError] = [
     *(pose(Reason.YAW_LIMIT, Limit.YAW, RAD(-200), at_goal=at_goal) for at_goal in (True, False)),
     speed(RAD(0.01), RAD(0.022)),
     speed(RAD(100), RAD(90)),
-    Refused(
-        Reason.SPEED_LIMIT,
-        detail=Detail(
-            limit=Limit.SPEED,
-            value=RAD(60),
-            low=RAD(0.0215),
-            high=RAD(31),
-            unit="rad/s",
-            arms=["long"],
-            field=sentences.TEACHER_LIMIT,
-        ),
+    *(
+        Refused(
+            Reason.SPEED_LIMIT,
+            detail=Detail(
+                limit=Limit.SPEED,
+                value=RAD(60),
+                low=RAD(0.0215),
+                high=RAD(31),
+                unit="rad/s",
+                arms=["long"],
+                field=field,
+            ),
+        )
+        for field in (sentences.TEACHER_LIMIT, sentences.TURN_LIMIT)
     ),
     NoAnswer(Reason.NO_ANSWER, detail=Detail(field="ana (hw)")),
     NoAnswer(Reason.NO_ANSWER, detail=Detail(field="ana (hw)", known=["ana (sim)"])),

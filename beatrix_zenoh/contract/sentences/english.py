@@ -19,6 +19,7 @@ _TILT = "at most {high} is allowed."
 _GAP = "at least {low} is required."
 _YAW = "{low} to {high} is allowed."
 _PASSED = "The {arms} arms would pass each other; a gap of at least {low} is required."
+_FAST = "A speed of {value} for the {arms} arm is too high: "
 _WAY = "The goal is allowed, but on the way "
 
 ENGLISH: Final = Language(
@@ -109,9 +110,8 @@ ENGLISH: Final = Language(
             Limit.SPEED,
             "high",
         ): "A speed of {value} for the {arms} arm is too high; {low} to {high} is allowed.",
-        (Reason.SPEED_LIMIT, Limit.SPEED, "teacher"): (
-            "A speed of {value} for the {arms} arm is too high: the teacher's limit of {high} applies."
-        ),
+        (Reason.SPEED_LIMIT, Limit.SPEED, "teacher"): f"{_FAST}the teacher's limit of {{high}} applies.",
+        (Reason.SPEED_LIMIT, Limit.SPEED, "turn"): f"{_FAST}in this turn at most {{high}} is allowed.",
         (Reason.NOT_HOLDER, None, ""): "Another seat drives the robot. Try again later.",
         (Reason.NOT_HOLDER, None, "taken"): (
             "{holder} has taken this robot. Wait for it with `beatrix lease take --wait 60 --name ROBOT`, "

@@ -1,0 +1,79 @@
+"""Reports of lessons: what each seat of a class has reached, as the class's router keeps it for the teacher."""
+
+from __future__ import annotations
+
+import time
+from typing import Final, NamedTuple
+
+from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LessonState, Reason
+from beatrix_zenoh.contract.errors import NoAnswer, Refused
+from beatrix_zenoh.contract.names import TEACHER
+
+ANSWER_S: Final = 3.0
+"""Time limit (s) for all reports of the router."""
+STUCK: Final = 5
+"""Checks in a row at one figure after which a seat counts as stuck."""
+FIELDS: Final = ("seat", "lesson", "progress", "tries", "hints", "figure")
+PASSED, TRYING, STUCK_AT = "passed", "trying", "stuck"
+
+
+class Row(NamedTuple):
+    """What one seat has reached in one lesson."""
+
+    seat: str
+    lesson: str
+    state: LessonState
+
+    @property
+    def progress(self) -> str:
+        """`passed`, `stuck` or `trying`."""
+        if self.state.passed:
+            return PASSED
+        return STUCK_AT if self.state.stuck >= STUCK else TRYING
+
+    @property
+    def fields(self) -> dict[str, object]:
+        """The row for other programs: values of FIELDS."""
+        state = self.state
+        values = (self.seat, self.lesson, self.progress, state.tries, state.hints, state.figure)
+        return dict(zip(FIELDS, values, strict=True))
+
+    @property
+    def words(self) -> str:
+        """The progress in a few words, with the figure that a seat is stuck at."""
+        if self.progress == STUCK_AT:
+            return f"stuck: {self.state.figure} ({self.state.stuck} x)"
+        return f"{self.progress} ({self.state.tries})"
+
+
+def read(client: Client, timeout_s: float = ANSWER_S) -> list[Row]:
+    """Return the newest report of each seat and lesson, as the class's router has it, by seat and lesson.
+
+    Raises:
+        Refused: TEACHER_ONLY, the seat is not the teacher's.
+        NoAnswer: NO_ROUTER, ACCOUNT_REFUSED, or TIMED_OUT: not all reports have arrived within `timeout_s` (s).
+    """
+    if client.settings.who != TEACHER:
+        raise Refused(
+            Reason.TEACHER_ONLY,
+            f"You are {client.settings.who}; only the seat `teacher` reads the reports of the class. `beatrix lesson list` "
+            "shows your own lessons.",
+        )
+    rows, deadline_s = [], time.monotonic() + timeout_s
+    query = client.bus.query(keys.lesson("*", "*"), timeout_s=timeout_s)
+    try:
+        while (reply := query.next(deadline_s - time.monotonic())) is not None:
+            parts = keys.parse(reply.key)
+            state = None if reply.error or parts is None else client.read(reply, LessonState)
+            if parts is not None and state is not None:
+                rows.append(Row(parts.who, reply.key.rpartition("/")[2], state))
+    except TimeoutError:
+        raise NoAnswer(
+            Reason.TIMED_OUT,
+            f"The router has not sent all reports of the class within {timeout_s:g} s. Try again.",
+        ) from None
+    finally:
+        query.close()
+    return sorted(rows)
