@@ -10,7 +10,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from robots import Stage
+from robots import Stage, wait_status
+
+from beatrix_zenoh import Robot
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = (
@@ -43,21 +45,34 @@ class Prompt(InteractiveConsole):
         self.errors += data
 
 
-@pytest.fixture
-def stage(monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
-    """The processes that `beatrix up --name bea1 --hw virtual:` starts."""
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    """The processes that `beatrix up --name bea1 --hw virtual:` starts, for all pages."""
     with Stage() as made:
         made.simulation("bea1")
         made.hardware("bea1")
-        monkeypatch.setenv("BEATRIX_CONNECT", made.endpoint)
-        monkeypatch.setenv("BEATRIX_ROBOT", "bea1")  # pages of lessons write `Robot()`
         yield made
+
+
+@pytest.fixture
+def robots(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Both robots, as a reader of a page has them: no seat holds them, the motors are off."""
+    monkeypatch.setenv("BEATRIX_CONNECT", stage.endpoint)
+    monkeypatch.setenv("BEATRIX_ROBOT", "bea1")  # pages of lessons write `Robot()`
+    yield
+    for side in ("sim", "hw"):
+        with Robot("bea1", side) as robot:
+            wait_status(
+                robot, lambda status: status.holder in ("", robot.client.settings.who), "no other seat"
+            )
+            robot.stop()
+            robot.disable()
 
 
 @pytest.mark.parametrize("page", PAGES)
 @pytest.mark.timeout(120)
 def test_the_python_of_a_page_runs(
-    page: str, stage: Stage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    page: str, robots: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = (ROOT / page).read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
