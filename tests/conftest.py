@@ -19,6 +19,7 @@ from quick_waits import check_quick_waits
 from stall_monitor import Witness
 from xdist.remote import Producer  # type: ignore[import-untyped]
 from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped]
+from xdist.workermanage import WorkerController  # type: ignore[import-untyped]
 
 # Hypothesis has no deadline, because tests of correct code may be slow on a busy machine; pytest's timeout applies.
 # Each run draws new examples.
@@ -30,6 +31,8 @@ SECONDS_TO_GO = 10.0
 """How long (s) threads and processes may take to end after their test."""
 COMPUTING = ("tests/unit/", "tests/firmware/", "tests/avr/")
 """Folders whose tests keep a processor busy; the other tests often wait for robots."""
+LESSONS = 4
+"""Lessons in a row whose programs one process checks."""
 RUNNING, BEGINS = Path(__file__), Path(__file__).with_name("README.md")
 """Files that the processes of `make test` lock, so that a test can have the computer for itself."""
 LONG_LIVED = (
@@ -55,22 +58,33 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-class OneProcessForEachBody(LoadScopeScheduling):  # type: ignore[misc]
-    """`--dist loadscope`, which keeps the tests of a file in one process, with one more scope.
+class Scopes(LoadScopeScheduling):  # type: ignore[misc]
+    """`--dist loadscope`, which keeps the tests of a file in one process, with two changes.
 
-    A simulation, or a simulated Mega, is shared by the contract tests of all files. The mark `xdist_group` has no effect:
-    pytest-xdist 3.8 writes its group where pytest 9.2 no longer reads it.
+    A simulation, or a simulated Mega, is shared by the contract tests of all files; the checks of lessons, which mostly
+    wait, are spread. (The mark `xdist_group` has no effect: pytest-xdist 3.8 writes its group where pytest 9.2 no longer
+    reads it.) And the first process begins at the end, with tests that compute: they run while those of the other
+    processes wait for robots.
     """
 
     def _split_scope(self, nodeid: str) -> str:
-        body = re.search(r"^tests/contract/.*[\[-](sim|mega)[\]-]", nodeid)
-        return body[1] if body else nodeid.partition("::")[0]
+        if body := re.search(r"^tests/contract/.*[\[-](sim|mega)[\]-]", nodeid):
+            return body[1]
+        file, _, test = nodeid.partition("::")
+        if file.startswith("tests/lessons/") and (lesson := re.search(r"(\w+)\[(\d\d)-", test)):
+            return f"{lesson[1]} {(int(lesson[2]) - 1) // LESSONS}"
+        return file
+
+    def _assign_work_unit(self, node: WorkerController) -> None:
+        if node is self.nodes[0]:
+            self.workqueue.move_to_end(next(reversed(self.workqueue)), last=False)
+        super()._assign_work_unit(node)
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> OneProcessForEachBody:
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Scopes:
     """Return the scheduler of all runs with several processes."""
-    return OneProcessForEachBody(config, log)
+    return Scopes(config, log)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -13,6 +13,8 @@ from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.lessons.unmet import Unmet
 
 LESSONS = lessons()
+
+pytestmark = pytest.mark.timeout(400)  # a check may take two minutes, and is tried twice
 FIGURE = re.compile(r'(?:require\(|Unmet\()\s*"([\w-]+)"')
 
 

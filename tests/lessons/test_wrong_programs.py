@@ -13,6 +13,8 @@ from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson
 from beatrix_zenoh.lessons.stage import Stage
 
 EXPECTS = re.compile(r"^# expects: (\S+)")
+pytestmark = pytest.mark.timeout(400)  # a check may take two minutes, and is tried twice
+
 PROGRAMS = sorted(LIBRARY.glob("*/wrong/*.py"))
 ENDLESS_S = 10.0
 """Limit (s) of programs that never end: their lessons allow more."""

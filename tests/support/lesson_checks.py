@@ -11,7 +11,7 @@ from beatrix_zenoh.lessons.checking import Result, Verdict, check
 from beatrix_zenoh.lessons.lesson import Lesson
 from beatrix_zenoh.lessons.stage import Stage
 
-BUSY_TRIES = 3
+BUSY_TRIES = 2
 
 
 def checked(lesson: Lesson, path: Path, stage: Stage) -> Verdict:
