@@ -34,6 +34,8 @@ class Settings:
     """source, as for `beatrix hw --microphones`; empty: none"""
     account: Account | None = None
     """name and credentials for the router of a class; None: no account"""
+    named: bool = True
+    """whether argument, environment or beatrix.toml names the robot; otherwise `robot` is the account's or a default"""
 
     def shown(self, seat: str) -> str:
         """Return a seat with the name of its pupil, if the teacher's account has it."""
@@ -92,6 +94,7 @@ def resolve_valid(
         cameras=tuple(f"{eye}={source}" for eye, source in cameras.items() if source),
         microphones=value("microphones", str, ""),
         account=own,
+        named=bool(robot or environment["robot"] or stored.get("robot")),
     )
     return settings, errors
 

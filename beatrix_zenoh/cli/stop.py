@@ -18,7 +18,6 @@ from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, WrongUsage
 from beatrix_zenoh.output import USAGE, exit_code, note, print_json, say
 from beatrix_zenoh.settings import resolve_valid
 from beatrix_zenoh.terminal.options import Connect, Json, Which, Who
-from beatrix_zenoh.terminal.targets import Selection, is_named
 
 ALL = "*"
 
@@ -70,7 +69,7 @@ def stop(
     if every:
         asked = [ALL]
     elif not name:
-        asked = [settings.robot if is_named(Selection(None, connect, who), settings) else ALL]
+        asked = [settings.robot if settings.named else ALL]
     if not asked:
         show(wrong_names, as_json=as_json)
     sides = {*(on or ())}

@@ -55,8 +55,8 @@ class Robot(Room):
     """One robot: `Robot("bea1", side="sim")`. Use it in a `with` block, or close it.
 
     Args:
-        name: the robot; default BEATRIX_ROBOT, beatrix.toml, the account's robot, then `user-host`. The first query or
-            motion shows whether it is online.
+        name: the robot; default BEATRIX_ROBOT, beatrix.toml, the account's robot, then the only robot online. The
+            first query or motion shows whether a robot of this name is online.
         side: `sim` or `hw`.
         connect: the router's endpoint; default BEATRIX_CONNECT, beatrix.toml, the account, then tcp/127.0.0.1:7447.
         who: your seat; default BEATRIX_WHO, beatrix.toml, the account's seat, then the user's name.
@@ -65,7 +65,8 @@ class Robot(Room):
 
     Raises:
         WrongUsage: an argument or a setting is invalid.
-        NoAnswer: NO_ROUTER or ACCOUNT_REFUSED.
+        NoAnswer: NO_ROUTER or ACCOUNT_REFUSED; or no robot is named, and none is online.
+        Refused: no robot is named, and several are online.
     """
 
     # -- commands -------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ import msgspec
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client import subscription
+from beatrix_zenoh.client.choice import chosen_name
 from beatrix_zenoh.client.degrees import Reading, RobotInfo, checked_seconds, reading, robot_info
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client, Place
@@ -19,7 +20,7 @@ from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, SILENCE_S, Camera
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Events, Info, Positions, Reason, Status
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from beatrix_zenoh.settings import resolve
 
 if TYPE_CHECKING:
@@ -80,7 +81,12 @@ class RobotBase(ProcessBound, Suggesting):
         self.side, self.timeout_s = side, checked_seconds("timeout_s", timeout_s)
         self._shared = client is not None
         self.client = Client(resolve(name, connect, who)) if client is None else client
-        self.name = names.check_name(name or self.client.settings.robot)
+        try:
+            self.name = names.check_name(name or chosen_name(self.client))
+        except BeatrixError:
+            if client is None:
+                self.client.close()
+            raise
         self._default_speed: float | None = None
         given = os.environ.get("BEATRIX_LEASE", "")
         self.given_lease = int(given) if given.isdecimal() else 0

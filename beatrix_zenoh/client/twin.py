@@ -50,9 +50,14 @@ class Twin(ProcessBound, Suggesting):
     ) -> None:
         self._shared = client is not None
         self.client = Client(resolve(name, connect, who)) if client is None else client
-        self.sim = Robot(name, "sim", timeout_s=timeout_s, client=self.client)
-        self.hw = Robot(name, "hw", timeout_s=timeout_s, client=self.client)
+        try:
+            self.sim = Robot(name, "sim", timeout_s=timeout_s, client=self.client)
+        except BeatrixError:
+            if client is None:
+                self.client.close()
+            raise
         self.name = self.sim.name
+        self.hw = Robot(self.name, "hw", timeout_s=timeout_s, client=self.client)
         self.state = TwinState(self.client, self.name)
         """Published state of both robots."""
         self._starting = threading.RLock()

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import math
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import typer
 
+from beatrix_zenoh.client.choice import chosen_name
 from beatrix_zenoh.client.degrees import Reading
 from beatrix_zenoh.client.request import absent_reason
 from beatrix_zenoh.client.robot import Robot
@@ -17,9 +17,9 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.stopping import sentence, stop_robots
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
-from beatrix_zenoh.contract.errors import NoAnswer, Refused
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.output import note, print_failure, print_json, say
-from beatrix_zenoh.settings import Settings, resolve
+from beatrix_zenoh.settings import resolve
 from beatrix_zenoh.terminal.options import Which
 
 Present = Sequence[tuple[str, str]]
@@ -67,45 +67,16 @@ def open_targets(
     """
     settings = resolve(selection.name, selection.connect, selection.who)
     with Client(settings, source=Source.CLI) as client:
-        present = client.robots()
-        name = settings.robot
-        own = settings.account is not None and settings.account.robot
-        # If the account has a robot, a verb that acts uses it: a student whose simulation is not running must not move
-        # the robot of the class by mistake.
-        free = not is_named(selection, settings) and not (acts and own)
-        if free and not any(robot == name for robot, _ in present):
-            name = only_name(present, client.bus.endpoint)
+        name = chosen_name(client, acts=acts)
+        if name != settings.robot:
             note(f"Using robot {name}, the only one online.")
+        present = client.robots()
         if both and which is None and {(name, side) for side in names.SIDES} <= {*present}:
             which = Which.BOTH
         sides = select_sides(name, which, present, client.bus.endpoint)
         if acts and which is None and sides == ("hw",) and settings.account is None:
             note(f"No simulation of {name} is online: using the hardware.")
         yield Targets(client, name, sides)
-
-
-def is_named(selection: Selection, settings: Settings) -> bool:
-    """Return whether the user named the robot: by option, environment or file."""
-    own = settings.account.robot if settings.account is not None else ""
-    default = own or names.default_robot()
-    by_setting = settings.robot == os.environ.get("BEATRIX_ROBOT") or settings.robot != default
-    return bool(selection.name) or by_setting
-
-
-def only_name(present: Present, endpoint: str) -> str:
-    """Return the name of the only robot online; raises the errors of `open_targets`."""
-    found = sorted({robot for robot, _ in present})
-    if not found:
-        raise NoAnswer(
-            Reason.NO_ANSWER,
-            f"No robot is online at {endpoint}. Start a simulation with `beatrix sim` or `beatrix up`.",
-        )
-    if len(found) > 1:
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"Several robots are online: {', '.join(found)}. Choose one with --name or BEATRIX_ROBOT.",
-        )
-    return found[0]
 
 
 def select_sides(name: str, which: Which | None, present: Present, endpoint: str) -> tuple[str, ...]:

@@ -9,7 +9,6 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.settings import resolve
@@ -62,7 +61,7 @@ def gui(
     except ModuleNotFoundError as error:
         raise missing("gui", error) from error
     check_display()
-    given = name is not None or "BEATRIX_ROBOT" in os.environ or settings.robot != names.default_robot()
+    given = settings.named or bool(settings.account is not None and settings.account.robot)
     raise typer.Exit(run(settings, theme, language, name_given=given))
 
 
