@@ -140,12 +140,22 @@ def sound_of(place: Place) -> rrb.Container:
     path = of_robot(place, "microphones")
     return rrb.Vertical(
         plot([f"{path}/wave"], f"{titled(place)}, left ear up, right ear down (1 is full scale)", AMPLITUDE),
-        plot([f"{path}/level"], f"{titled(place)}, level (dB)", LEVEL_DB),
+        plot(
+            [f"{path}/level"],
+            f"{titled(place)}, level (0 dB is full scale)",
+            LEVEL_DB,
+            rrb.Corner2D.LeftBottom,  # below the noise of the ears
+        ),
         name=place[0],
     )
 
 
-def plot(paths: Sequence[str], title: str, span: tuple[float, float]) -> rrb.View:
+def plot(
+    paths: Sequence[str],
+    title: str,
+    span: tuple[float, float],
+    legend: rrb.Corner2D = rrb.Corner2D.LeftTop,
+) -> rrb.View:
     """Return a plot of curves over 20 s, with a fixed vertical axis."""
     return rrb.TimeSeriesView(
         origin="/",
@@ -153,7 +163,7 @@ def plot(paths: Sequence[str], title: str, span: tuple[float, float]) -> rrb.Vie
         name=title,
         axis_x=recent(),
         axis_y=rrb.ScalarAxis(range=span),
-        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop),
+        plot_legend=rrb.PlotLegend(corner=legend),
         background=None,
     )
 

@@ -26,8 +26,10 @@ THINNER_M = 0.001
 """Difference in thickness (m) of the ghost, because coincident surfaces would flicker."""
 CURVES = {"arms": ARMS, "commanded": ARMS, "velocity": ARMS, "head": AXES, "head_measured": AXES}
 """Colours of the curves of an entity, by their names."""
-EARS = {"left": AXES["yaw"], "right": AXES["pitch"]}
+EARS = {"left": AXES["yaw"], "right": AXES["roll"]}
 """Colours of the curves of both ears."""
+LEVEL_WIDTHS = (6.0, 2.0)
+"""Widths (points) of the levels of the left and the right ear: equal ones cover each other."""
 MARK_COLOURS = ((88, 96, 110), (116, 124, 138))
 """Colours of notes on the time line."""
 STATE_SIGNS = {
@@ -73,9 +75,13 @@ def of_place(place: Place, figure: Figure) -> Iterator[Item]:
                     yield f"{path}/ghost/{form}", shape(form, thin, [GHOST] * len(thin))
     yield from inside(place, figure)
     yield from curves(place)
-    for what, unit in (("wave", ""), ("level", " (dB)")):
-        ears = {f"{ear} ear{unit}": colour for ear, colour in EARS.items()}
-        yield of_robot(place, "microphones", what), lines(ears, width=2.0)
+    ears = {f"{ear} ear": colour for ear, colour in EARS.items()}
+    yield of_robot(place, "microphones", "wave"), lines(ears, width=2.0)
+    levels = {f"{ear}, {width} (dB)": EARS[ear] for ear, width in (("left", "wide"), ("right", "thin"))}
+    yield (
+        of_robot(place, "microphones", "level"),
+        rr.SeriesLines(names=list(levels), colors=list(levels.values()), widths=LEVEL_WIDTHS),
+    )
     yield of_robot(place, "clock"), rr.SeriesLines(names=["clock offset (s)", "its largest error (s)"])
     yield (
         of_robot(place, "state"),
