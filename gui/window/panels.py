@@ -16,6 +16,7 @@ from gui.window.keys import KeySheet
 from gui.window.theme import style_of
 from gui.window.widgets.arms import ArmsPanel
 from gui.window.widgets.class_page import ClassPage
+from gui.window.widgets.code import CodePanel
 from gui.window.widgets.commands import CommandsPanel, SendingPanel, StopBar
 from gui.window.widgets.eyes import EyesPanel, OutsideView
 from gui.window.widgets.head import HeadPanel
@@ -51,6 +52,7 @@ class Panels(QWidget):
         self.heads, self.eyes, self.plots = OutsideView(texts), EyesPanel(texts), PlotsPanel(texts)
         self.sending, self.commands = SendingPanel(texts), CommandsPanel(texts)
         self.history, self.poses = HistoryPanel(texts), PosesPanel(texts)
+        self.code = CodePanel(texts)
         self.tabs, self.side = QTabWidget(), QTabWidget()
         self.body, self.class_page = QWidget(), ClassPage(texts)
         self.class_page.hide()
@@ -110,6 +112,7 @@ class Panels(QWidget):
             self.sending,
             self.commands,
             self.history,
+            self.code,
             self.poses,
             self.refusal,
             self.stop_bar,
@@ -117,6 +120,8 @@ class Panels(QWidget):
             part.intent.connect(self.intent)
         self.commands.asking.connect(self._ask)
         self.header.keys_asked.connect(self.key_sheet.toggle)
+        self.history.row_chosen.connect(self.code.choose)
+        self.code.row_chosen.connect(self.history.choose)
         self.tabs.currentChanged.connect(self._report_tab)
 
     def _report_tab(self, number: int) -> None:
@@ -141,6 +146,7 @@ class Panels(QWidget):
         home, shown = self.tabs if low else self.side, self.tabs.currentIndex()
         home.addTab(self.history, self._texts("label.history"))
         home.addTab(self.poses, self._texts("label.poses"))
+        self.side.addTab(self.code, self._texts("label.code"))  # a low window has no room for this tab
         self.side.setVisible(not low)
         for column, stretch in enumerate((3, 2, 0) if low else (2, 5, 1)):
             self._columns.setStretch(column, stretch)
@@ -169,6 +175,7 @@ class Panels(QWidget):
         self.sending.show_view(view.sending)
         self.commands.show_view(view.commands)
         self.history.show_view(view.history)
+        self.code.show_view(view.code)
         self.poses.show_view(view.poses)
         self.heads.show_view(view.eyes)
         self.eyes.show_view(view.eyes)

@@ -13,7 +13,7 @@ from pytestqt.qtbot import QtBot
 
 from gui.console.state.intents import Intent, SaveChoreography, SavePose, Stop
 from gui.window.widgets.controls import IntentButton
-from gui.window.widgets.poses import FileDialog
+from gui.window.widgets.files import FileDialog
 from gui.window.window import Window
 
 pytestmark = pytest.mark.qt_log_ignore("This plugin does not support")  # dialogs without a display

@@ -1,9 +1,10 @@
-"""A request as a line of Python, and as a line for the terminal."""
+"""Requests as Python, as a whole program, and as a line for the terminal."""
 
 from __future__ import annotations
 
 import math
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 
 from beatrix_zenoh.client.degrees import arm_angles
@@ -11,6 +12,7 @@ from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, Mot
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state.actions import Govern, Play, Ready, Send, SendCommand, SendLease, SendStop
 from gui.console.state.memory import Request
+from gui.console.state.views import CodeLine
 from gui.console.state.world import World
 
 LEASES = {
@@ -31,6 +33,24 @@ VERBS = {
     Command.CALIBRATE: "calibrate",
     Command.RESET: "reset",
 }
+
+
+def program(lines: Sequence[CodeLine], world: World, title: str) -> tuple[CodeLine, ...]:
+    """Return a whole program that runs these lines of `python` on the robot of the window.
+
+    `title` is the docstring of the program.
+    """
+    calls = "\n".join(line.text for line in lines if not line.text.startswith("#"))
+    router = f", connect={world.endpoint!r}" if world.endpoint != DEFAULT_ENDPOINT else ""
+    head = [f'"""{title}"""', ""]
+    if "time.sleep(" in calls:
+        head += ["import time", ""]
+    head.append("from beatrix_zenoh import Twin")
+    if "play(" in calls:
+        head.append("from beatrix_zenoh.client.choreography import load, play")
+    head += ["", f"with Twin({world.robot!r}{router}) as twin:"]
+    body = lines if calls else [*lines, CodeLine("pass")]
+    return (*map(CodeLine, head), *(CodeLine(f"    {line.text}", line.row) for line in body))
 
 
 def python(request: Request) -> str:

@@ -15,6 +15,7 @@ from gui.console.state import (
     motions,
     pills,
     poses,
+    program,
     refusals,
     sending,
     sound,
@@ -37,6 +38,7 @@ class State:
     def __init__(self, saved: Saved = DEFAULTS, notice: str = "") -> None:
         """Begin with saved choices; `notice` is a sentence to show until the first request."""
         self._memory = Memory(choices_from(saved), saved.poses, notice=notice)
+        self._code = program.CodeCache()
 
     @property
     def saved(self) -> Saved:
@@ -77,6 +79,7 @@ class State:
             eyes=eyes.view(memory, world),
             sound=sound.view(memory, world),
             history=history.view(memory, world),
+            code=program.view(memory, world, self._code),
             record=commands.recording_view(memory, world),
             last=history.last(memory, world),
             stop=commands.stop_button(memory),
@@ -154,6 +157,8 @@ class State:
                 return leases.handle(self._memory, world, intent)
             case intents.TogglePage() | intents.GovernClass() | intents.LimitClass() | intents.MuteSeat():
                 return class_page.handle(self._memory, world, intent)
+            case program.SaveProgram():
+                return program.save(self._memory, world, intent, self._code)
         return poses.handle(self._memory, world, intent)
 
     def _choose(self, name: str, world: World) -> list[Action]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 from beatrix_zenoh.client import Place
 from gui.console.state.intents import Intent, Tab, Theme, WindowPage
@@ -183,6 +184,26 @@ class HistoryRowView:
     """the request as a line for the terminal; empty: there is none"""
 
 
+class CodeLine(NamedTuple):
+    """One line of a program."""
+
+    text: str
+    row: int = 0
+    """number of the row of the history that the line sends; 0: none"""
+
+
+@dataclass(frozen=True)
+class CodeView:
+    """The program so far; its lines are a whole program."""
+
+    lines: tuple[CodeLine, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The program as the text of a file."""
+        return "\n".join(line.text for line in self.lines) + "\n"
+
+
 @dataclass(frozen=True)
 class CommandsView:
     """Calibrate, Home, Enable, Disable, Reset, Undo."""
@@ -360,6 +381,7 @@ class View:
     sound: SoundView
     history: tuple[HistoryRowView, ...]
     """newest first"""
+    code: CodeView
     record: RecordView
     last: str
     """the last request with its outcome"""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtCore import QSignalBlocker, pyqtSignal
 from PyQt5.QtGui import QColor, QGuiApplication
 from PyQt5.QtWidgets import (
     QHBoxLayout,
@@ -25,6 +25,8 @@ class HistoryPanel(QWidget):
     """The list of requests, newest first."""
 
     intent = pyqtSignal(object)
+    row_chosen = pyqtSignal(int)
+    """number of the row that the user has selected"""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
@@ -54,6 +56,7 @@ class HistoryPanel(QWidget):
         self.python.clicked.connect(lambda: self._copy(command_line=False))
         self.command_line.clicked.connect(lambda: self._copy(command_line=True))
         self.list.currentRowChanged.connect(self._show_buttons)
+        self.list.currentRowChanged.connect(self._report_row)
         self.list.itemActivated.connect(self._repeat)
         self._show_buttons()
 
@@ -76,6 +79,18 @@ class HistoryPanel(QWidget):
         """Use the colours of a theme."""
         self._style = style_of(theme)
         self._fill(self._rows, 0)
+
+    def choose(self, number: int) -> None:
+        """Select the row of this number, unless it is no longer shown."""
+        same = [i for i, row in enumerate(self._rows) if row.row == number]
+        with QSignalBlocker(self.list):
+            self.list.setCurrentRow(same[0] if same else -1)
+        self._show_buttons()
+
+    def _report_row(self) -> None:
+        chosen = self._chosen()
+        if chosen is not None:
+            self.row_chosen.emit(chosen.row)
 
     def _fill(self, rows: tuple[HistoryRowView, ...], older: int) -> None:
         """Show `rows`; the last `older` of them are listed already and kept, because replacing all takes milliseconds."""

@@ -1,0 +1,115 @@
+"""The pane Code: the program so far, to copy and to save."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PyQt5.QtCore import QSignalBlocker, pyqtSignal
+from PyQt5.QtGui import QFontDatabase, QGuiApplication
+from PyQt5.QtWidgets import QFileDialog, QHBoxLayout, QListWidget, QPushButton, QVBoxLayout, QWidget
+
+from gui.console.state.program import SaveProgram
+from gui.console.state.views import CodeLine, CodeView
+from gui.console.texts import Texts
+from gui.window.widgets.controls import label
+from gui.window.widgets.files import FileDialog
+
+
+class CodePanel(QWidget):
+    """The lines of the program; a line is tied to the row of the history that it sends."""
+
+    intent = pyqtSignal(object)
+    row_chosen = pyqtSignal(int)
+    """number of the row of the history whose line the user has selected"""
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self._texts = texts
+        self._view = CodeView()
+        self.dialog: FileDialog | None = None
+        self.list = QListWidget()
+        self.list.setAccessibleName(texts("label.code"))
+        self.list.setMinimumHeight(40)
+        self.list.setProperty("code", True)  # noqa: FBT003
+        self.list.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
+        self.list.currentRowChanged.connect(self._report_row)
+        self.copy = self._button(texts, "copy")
+        self.save = self._button(texts, "save")
+        buttons = QHBoxLayout()
+        buttons.setSpacing(4)
+        buttons.addWidget(self.copy, 1)
+        buttons.addWidget(self.save, 1)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(6, 6, 6, 6)
+        layout.setSpacing(4)
+        layout.addWidget(label(texts("label.code_hint"), "dim", wrap=True))
+        layout.addWidget(self.list, 1)
+        layout.addLayout(buttons)
+        self.copy.clicked.connect(self._copy)
+        self.save.clicked.connect(self._choose_file)
+
+    @staticmethod
+    def _button(texts: Texts, name: str) -> QPushButton:
+        button = QPushButton(texts(f"code.{name}"))
+        button.setAutoDefault(False)
+        button.setToolTip(texts(f"code.{name}_tip"))
+        button.setAccessibleName(texts(f"code.{name}_name"))
+        return button
+
+    def show_view(self, view: CodeView) -> None:
+        """Show the program; the lines of the selected row stay selected, and new lines at the end become visible."""
+        if view == self._view:
+            return
+        chosen = self._chosen().row
+        kept = _alike_at_the_start(self._view.lines, view.lines)
+        self._view = view
+        with QSignalBlocker(self.list):
+            while self.list.count() > kept:
+                self.list.takeItem(self.list.count() - 1)
+            for line in view.lines[kept:]:
+                self.list.addItem(line.text)
+                added = self.list.item(self.list.count() - 1)
+                if added is not None:
+                    added.setToolTip(line.text.strip())
+        self.list.scrollToBottom()
+        self.choose(chosen)
+
+    def choose(self, row: int) -> None:
+        """Select the first line of a row of the history; none if the program has no such line."""
+        numbers = [number for number, line in enumerate(self._view.lines) if row > 0 and line.row == row]
+        with QSignalBlocker(self.list):
+            self.list.setCurrentRow(numbers[0] if numbers else -1)
+
+    def _chosen(self) -> CodeLine:
+        number = self.list.currentRow()
+        return self._view.lines[number] if 0 <= number < len(self._view.lines) else CodeLine("")
+
+    def _report_row(self) -> None:
+        if self._chosen().row:
+            self.row_chosen.emit(self._chosen().row)
+
+    def _copy(self) -> None:
+        clipboard = QGuiApplication.clipboard()
+        if clipboard is not None:
+            clipboard.setText(self._view.text)
+
+    def _choose_file(self) -> None:
+        """Open a file dialog, which closes with this widget; STOP works while it is open."""
+        if self.dialog is not None:
+            self.dialog.destroyed.disconnect(self._forget_dialog)
+            self.dialog.close()
+        title = self._texts("code.save_name")
+        dialog = FileDialog(self._texts, self, title, QFileDialog.AcceptMode.AcceptSave, "py")
+        dialog.fileSelected.connect(lambda file: self.intent.emit(SaveProgram(Path(file))))
+        dialog.destroyed.connect(self._forget_dialog)
+        self.dialog = dialog
+        dialog.show()
+
+    def _forget_dialog(self) -> None:
+        self.dialog = None
+
+
+def _alike_at_the_start(one: tuple[CodeLine, ...], other: tuple[CodeLine, ...]) -> int:
+    """Return how many lines at the start of both are equal."""
+    pairs = zip(one, other, strict=False)
+    return next((count for count, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))

@@ -1,0 +1,99 @@
+"""The dialog for files to open and to write."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+from PyQt5.QtCore import QChildEvent, QEvent, Qt, QTimer
+from PyQt5.QtWidgets import QFileDialog, QGridLayout, QLineEdit, QMessageBox, QWidget
+
+from gui.console.texts import Texts
+from gui.window.widgets.controls import label
+
+
+class FileDialog(QFileDialog):
+    """Qt's own dialog, not modal; shows messages in a line instead of Qt's modal boxes."""
+
+    def __init__(
+        self,
+        texts: Texts,
+        parent: QWidget,
+        title: str,
+        mode: QFileDialog.AcceptMode,
+        suffix: str = "csv",
+    ) -> None:
+        """Create a hidden dialog for files with this suffix: `csv` or `py`."""
+        super().__init__(parent, title, str(begin_folder(mode)), texts(f"label.{suffix}_files"))
+        self._texts = texts
+        self.setOption(QFileDialog.Option.DontUseNativeDialog)
+        self.setOption(QFileDialog.Option.DontConfirmOverwrite)
+        self.setOption(QFileDialog.Option.ReadOnly)  # no renaming or deleting: they would open modal boxes
+        self.setModal(False)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setAcceptMode(mode)
+        if mode == QFileDialog.AcceptMode.AcceptOpen:
+            self.setFileMode(QFileDialog.FileMode.ExistingFile)
+        else:
+            self.setDefaultSuffix(suffix)
+        self.notice = label(role="warn", wrap=True)
+        self._overwrites: Path | None = None
+        """the existing file that the next press of Overwrite replaces"""
+        layout = self.layout()
+        if isinstance(layout, QGridLayout):
+            layout.addWidget(self.notice, layout.rowCount(), 0, 1, layout.columnCount())
+        for field in self.findChildren(QLineEdit):
+            field.textChanged.connect(self._clear_notice)
+        self._clear_notice()
+
+    def accept(self) -> None:
+        """Report the file.
+
+        An existing file is overwritten only at the second press; a missing file cannot be opened.
+        """
+        selected = self.selectedFiles()
+        file = Path(selected[0] if selected else "")
+        writes = self.acceptMode() == QFileDialog.AcceptMode.AcceptSave
+        if file.is_dir() or file.exists() != writes or file == self._overwrites:
+            super().accept()
+        elif writes:
+            self._overwrites = file
+            self._show_notice(self._texts("label.file_exists", file=file.name))
+            self.setLabelText(QFileDialog.DialogLabel.Accept, self._texts("label.file_overwrite"))
+        else:
+            self._show_notice(self._texts("label.file_missing", file=file.name))
+
+    def _clear_notice(self) -> None:
+        self._overwrites = None
+        self.notice.hide()
+        writes = self.acceptMode() == QFileDialog.AcceptMode.AcceptSave
+        text = self._texts("label.file_save" if writes else "label.file_open")
+        self.setLabelText(QFileDialog.DialogLabel.Accept, text)
+
+    def childEvent(self, event: QChildEvent) -> None:  # noqa: N802
+        """Close any message box of Qt and show its text in the notice: a modal box would block clicks on STOP."""
+        super().childEvent(event)
+        if event.type() != QEvent.Type.ChildPolished:
+            return
+        box = event.child()
+        if isinstance(box, QMessageBox):
+            self._show_notice(box.text())
+            QTimer.singleShot(0, box.reject)
+
+    def _show_notice(self, text: str) -> None:
+        self.notice.setText(text)
+        self.notice.show()
+
+
+def begin_folder(mode: QFileDialog.AcceptMode) -> Path:
+    """Return the first folder of the dialog.
+
+    For reading: the folder of the shipped choreographies. For writing: the working folder or, if it was
+    deleted, the home folder.
+    """
+    if mode == QFileDialog.AcceptMode.AcceptOpen:
+        return Path(str(resources.files("beatrix_zenoh") / "choreographies"))
+    try:
+        return Path.cwd()
+    except FileNotFoundError:
+        return Path.home()

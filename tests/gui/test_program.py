@@ -1,0 +1,169 @@
+"""The program so far: what the state puts into it, and the pane that shows it."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from gui_worlds import BOTH, accept, state_after, world
+from hypothesis import given
+from hypothesis import strategies as st
+from PyQt5.QtCore import Qt
+from PyQt5.QtGui import QGuiApplication
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QFileDialog
+
+from beatrix_zenoh.contract._generated.messages import Command, Reason
+from gui.console.state import intents
+from gui.console.state.actions import Outcome, WriteFile
+from gui.console.state.intents import AimHead, Intent, Jog, RunCommand, SendHead
+from gui.console.state.program import SaveProgram
+from gui.console.state.state import State
+from gui.window.window import Window
+
+JOG, HOME = "twin.sim.move(5, 0, 0, relative=True, speed=30)", "twin.sim.move(0, 0, 0, speed=30)"
+
+
+def ended(state: State, row: int, reason: Reason, *, accepted: bool = True) -> None:
+    """Report that a request was accepted, if it was, and then ended with this reason."""
+    if accepted:
+        accept(state, row)
+    state.report(Outcome(row, "sim", accepted=reason is Reason.OK, done=True, reason=reason))
+
+
+def code(state: State) -> list[str]:
+    return [line.text.strip() for line in state.view(world()).code.lines]
+
+
+def test_the_program_grows_line_by_line_and_each_line_knows_its_row() -> None:
+    state = state_after(Jog("short", 1), RunCommand(Command.HOME))
+    lines = state.view(world()).code.lines
+    assert [(line.text, line.row) for line in lines[-3:]] == [
+        ("with Twin('bea1') as twin:", 0),
+        (f"    {JOG}", 1),
+        (f"    {HOME}", 2),
+    ]
+    state.handle(Jog("short", 1), world())
+    assert state.view(world()).code.lines[: len(lines)] == lines
+
+
+@pytest.mark.parametrize(
+    ("reason", "accepted", "line"),
+    [
+        (Reason.OK, True, JOG),
+        (Reason.REPLACED, True, JOG),
+        (Reason.STOPPED, True, "# move by +5/0/0: ended early: STOP was pressed"),
+        (Reason.REPLACED, False, "# move by +5/0/0: replaced by a newer motion"),
+    ],
+)
+def test_a_motion_that_did_not_happen_is_a_comment(reason: Reason, accepted: bool, line: str) -> None:
+    state = state_after(Jog("short", 1))
+    ended(state, 1, reason, accepted=accepted)
+    assert code(state)[-2 if line.startswith("#") else -1] == line
+
+
+def test_a_program_without_a_motion_is_a_program(tmp_path: Path) -> None:
+    state = State()
+    assert code(state)[-1] == "pass"
+    state.handle(intents.Stop(), world())
+    assert code(state)[-2:] == ["# stop: sent", "pass"]
+    (write,) = state.handle(SaveProgram(tmp_path / "mine.py"), world())
+    assert write == WriteFile(2, tmp_path / "mine.py", state.view(world()).code.text)
+    assert state.handle(SaveProgram(Path()), world()) == []
+
+
+def test_another_router_and_a_file_are_part_of_the_program() -> None:
+    state = state_after(intents.PlayFile(Path('my "best".csv')))
+    text = state.view(world()).code.text
+    assert "from beatrix_zenoh.client.choreography import load, play" in text
+    elsewhere = replace(world(), endpoint="tcp/10.0.0.1:7447")
+    assert "Twin('bea1', connect='tcp/10.0.0.1:7447')" in state.view(elsewhere).code.text
+
+
+PRESSES = st.sampled_from(
+    [
+        Jog("short", 1),
+        Jog("all", -1),
+        BOTH,
+        AimHead(10.0, -5.0, 2.0),
+        SendHead(),
+        RunCommand(Command.ENABLE),
+        RunCommand(Command.HOME),
+        intents.MakeReady("hw"),
+        intents.Stop(),
+        intents.EmergencyStop(),
+        intents.Undo(),
+        intents.SetLanguage("de"),
+        intents.PlayFile(Path("it's\nmine.csv")),
+        intents.SavePose("nod"),
+        intents.PlayPoses(),
+    ]
+)
+ENDS = st.sampled_from([Reason.OK, Reason.REPLACED, Reason.STOPPED, Reason.OUT_OF_REACH, None])
+
+
+@given(st.lists(st.tuples(PRESSES, ENDS), max_size=12))
+def test_every_history_is_a_program(history: list[tuple[Intent, Reason | None]]) -> None:
+    """Its calls are those of the successful rows, in their order."""
+    state, calls = State(), []
+    for intent, reason in history:
+        for action in state.handle(intent, world()):
+            row: int = getattr(action, "row", 0)
+            if row and reason is not None:
+                ended(state, row, reason)
+            if row and reason in (Reason.OK, Reason.REPLACED, None):
+                calls.append(row)
+    view = state.view(world()).code
+    tree = ast.parse(view.text)
+    rows = [line.row for line in view.lines if line.row and not line.text.strip().startswith("#")]
+    assert rows == sorted(rows)
+    assert set(rows) <= set(calls)
+    (block,) = [node for node in tree.body if isinstance(node, ast.With)]
+    assert len(block.body) == max(1, len(rows))
+
+
+# -- the pane ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def pane(window: Window) -> Window:
+    for intent in (Jog("short", 1), Jog("middle", 1), RunCommand(Command.HOME)):
+        window.handle(intent)
+    window.refresh()
+    window.panels.side.setCurrentWidget(window.panels.code)
+    return window
+
+
+def test_a_line_and_its_row_are_selected_together(pane: Window) -> None:
+    code, history = pane.panels.code, pane.panels.history
+    QTest.mouseClick(
+        code.list.viewport(),
+        Qt.MouseButton.LeftButton,
+        pos=code.list.visualItemRect(code.list.item(code.list.count() - 2)).center(),
+    )
+    assert history.list.currentRow() == 1, "the newest row is the first"
+    history.list.setCurrentRow(2)
+    shown = code.list.currentItem()
+    assert shown is not None
+    assert shown.text().strip() == JOG
+    pane.handle(Jog("short", -1))
+    pane.refresh()
+    shown = code.list.currentItem()
+    assert shown is not None
+    assert shown.text().strip() == JOG, "the selected line stays selected while the program grows"
+
+
+def test_the_program_is_copied_and_saved(pane: Window, tmp_path: Path, state: State) -> None:
+    code = pane.panels.code
+    code.copy.click()
+    clipboard = QGuiApplication.clipboard()
+    assert clipboard is not None
+    assert clipboard.text() == state.view(world()).code.text
+    code.save.click()
+    assert code.dialog is not None
+    assert code.dialog.acceptMode() == QFileDialog.AcceptMode.AcceptSave
+    code.dialog.fileSelected.emit(str(tmp_path / "mine.py"))
+    code.dialog.close()
+    assert "save mine.py" in state.view(world()).last
