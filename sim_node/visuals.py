@@ -15,7 +15,7 @@ import numpy as np
 from beatrix_zenoh.colours import Colour
 from beatrix_zenoh.contract._generated.robot import COLOURS, SIZES, RobotData
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.figure import Figure, Form, Solid, bar, ellipsoid
+from beatrix_zenoh.recording.figure import Figure, Form, Solid, bar, face_details
 from sim_node.shapes import Shape, internal_gear, twisted_rod
 
 VISUAL: Final = 2
@@ -61,7 +61,8 @@ def add_visuals(spec: mujoco.MjSpec, robot: RobotData) -> None:
     for index, name in enumerate(ARMS):
         _motor(spec, robot, index)
         _chain(spec, robot, figure, index, name)
-    _face(spec, robot)
+    for solid in face_details(robot.head):
+        add_solid(spec, "head", solid, VISUAL, material=MATERIALS[solid.colour])
 
 
 def opaque(colour: Colour) -> list[float]:
@@ -196,20 +197,3 @@ def _chain(spec: mujoco.MjSpec, robot: RobotData, figure: Figure, index: int, na
     _, elbow, mount = figure.chains[index]
     rod = twisted_rod(np.array(elbow), np.array(mount), robot.head.arm_length, 0.014, 0.0065)
     _add_mesh(spec, f"rod_{name}", "rod", f"rod_{name}", rod)
-
-
-def _face(spec: mujoco.MjSpec, robot: RobotData) -> None:
-    """Add eyebrows and cheeks."""
-    z = robot.head.centre_height + SIZES.eye_up
-    for side in (1, -1):
-        middle = side * robot.head.eye_baseline / 2
-        arch = [
-            (0.081 + 0.013 - 12.0 * y * y, middle + y, z + 0.029 - 22.0 * y * y)
-            for y in np.linspace(-0.014, 0.014, 7).tolist()
-        ]
-        cheek = (0.068, side * 0.040, robot.head.centre_height - 0.030)
-        for solid in (
-            *bar(arch, 0.0024, COLOURS.visor),
-            ellipsoid(cheek, (0.003, 0.011, 0.008), COLOURS.cheek),
-        ):
-            add_solid(spec, "head", solid, VISUAL, material=MATERIALS[solid.colour])

@@ -220,6 +220,20 @@ class Figure:
         ]
 
 
+def face_details(size: HeadData = ROBOT.head) -> list[Solid]:
+    """Return eyebrows and cheeks, on the body `head`: for pictures that are large enough to show them."""
+    solids, z = [], size.centre_height + SIZES.eye_up
+    for side in (1, -1):
+        middle = side * size.eye_baseline / 2
+        arch = []
+        for step in range(7):
+            y = (step / 3 - 1) * 0.014
+            arch.append((0.094 - 12.0 * y * y, middle + y, z + 0.029 - 22.0 * y * y))
+        cheek = (0.068, side * 0.040, size.centre_height - 0.030)
+        solids += [*bar(arch, 0.0024, COLOURS.visor), ellipsoid(cheek, (0.003, 0.011, 0.008), COLOURS.cheek)]
+    return solids
+
+
 def direction(azimuth: float, across: float, up: float) -> Vector:
     """Return a vector from cylindrical coordinates: azimuth (rad), distance from the vertical axis and height (m)."""
     return across * math.cos(azimuth), across * math.sin(azimuth), up

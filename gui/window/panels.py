@@ -18,8 +18,9 @@ from gui.window.widgets.arms import ArmsPanel
 from gui.window.widgets.class_page import ClassPage
 from gui.window.widgets.code import CodePanel
 from gui.window.widgets.commands import CommandsPanel, SendingPanel, StopBar
-from gui.window.widgets.eyes import EyesPanel, OutsideView
+from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.head import HeadPanel
+from gui.window.widgets.head3d import Head3dPanel
 from gui.window.widgets.header import Header
 from gui.window.widgets.history import HistoryPanel
 from gui.window.widgets.notices import Banner, RefusalNotice, TroubleNotice
@@ -49,7 +50,7 @@ class Panels(QWidget):
         self._question = ""
         self.header, self.banner, self.stop_bar = Header(texts), Banner(), StopBar(texts)
         self.head, self.arms = HeadPanel(texts), ArmsPanel(texts)
-        self.heads, self.eyes, self.plots = OutsideView(texts), EyesPanel(texts), PlotsPanel(texts)
+        self.head3d, self.eyes, self.plots = Head3dPanel(texts), EyesPanel(texts), PlotsPanel(texts)
         self.sending, self.commands = SendingPanel(texts), CommandsPanel(texts)
         self.history, self.poses = HistoryPanel(texts), PosesPanel(texts)
         self.code = CodePanel(texts)
@@ -66,7 +67,7 @@ class Panels(QWidget):
     def _lay_out(self) -> None:
         for tabs in (self.tabs, self.side):
             tabs.setUsesScrollButtons(False)
-        middle = {Tab.HEADS: self.heads, Tab.EYES: self.eyes, Tab.PLOTS: self.plots}
+        middle = {Tab.HEADS: self.head3d, Tab.EYES: self.eyes, Tab.PLOTS: self.plots}
         for name, page in middle.items():
             self.tabs.addTab(page, self._texts(f"label.tab_{name}"))
         left, right = QVBoxLayout(), QVBoxLayout()
@@ -107,6 +108,7 @@ class Panels(QWidget):
             self.banner,
             self.class_page,
             self.head,
+            self.head3d,
             self.arms,
             self.eyes,
             self.sending,
@@ -162,7 +164,7 @@ class Panels(QWidget):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self._theme = theme
-        for part in (self.head, self.history, self.heads, self.eyes, self.plots, self.class_page):
+        for part in (self.head, self.history, self.head3d, self.eyes, self.plots, self.class_page):
             part.show_theme(theme)
         self._arrange()
 
@@ -171,13 +173,13 @@ class Panels(QWidget):
         self.header.show_view(view)
         self.banner.show_view(view.banner)
         self.head.show_view(view.head)
+        self.head3d.show_view(view.head)
         self.arms.show_view(view.arms)
         self.sending.show_view(view.sending)
         self.commands.show_view(view.commands)
         self.history.show_view(view.history)
         self.code.show_view(view.code)
         self.poses.show_view(view.poses)
-        self.heads.show_view(view.eyes)
         self.eyes.show_view(view.eyes)
         self.eyes.sound.show_view(view.sound)
         self.class_page.show_view(view.class_page)
@@ -208,7 +210,6 @@ class Panels(QWidget):
 
     def show_image(self, side: str, image: CameraImage) -> None:
         """Show a picture of a camera."""
-        self.heads.show_image(side, image)
         self.eyes.show_image(side, image)
 
     def _show_notice(self) -> None:

@@ -135,8 +135,6 @@ def linked_window(settings: Settings, state: State, *, name_given: bool) -> Iter
         window = Window(link, state)
         with errors_shown(lambda text: bridge.post(lambda: window.show_error(text))):
             link.start()
-            for action in state.begin():
-                link.do(action)
             yield window
     finally:
         bridge.close()

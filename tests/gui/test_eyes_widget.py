@@ -14,12 +14,11 @@ from beatrix_zenoh.client import CameraImage
 from gui.console.state.views import EyeView
 from gui.console.texts import Texts
 from gui.window.widgets import eyes
-from gui.window.widgets.eyes import CameraPicture, EyesPanel, OutsideView
+from gui.window.widgets.eyes import CameraPicture, EyesPanel
 
 RED, BLUE = (220, 20, 20), (20, 20, 220)
 WORDS = Texts("en")
 ON = EyeView("sim", "left", "Simulation, left eye", watched=True, text="")
-OUTSIDE = EyeView("sim", "outside", "Simulation", watched=True, text="")
 
 
 def picture_of(
@@ -66,7 +65,7 @@ def picture(qtbot: QtBot) -> CameraPicture:
     return made
 
 
-def colour(widget: CameraPicture | EyesPanel | OutsideView, x: float, y: float) -> tuple[int, int, int]:
+def colour(widget: CameraPicture | EyesPanel, x: float, y: float) -> tuple[int, int, int]:
     """Return the colour at a point of the widget; x and y are fractions of its size."""
     image = widget.grab().toImage()
     pixel = image.pixelColor(int(x * image.width()), int(y * image.height()))
@@ -133,11 +132,10 @@ def test_both_eyes_of_both_robots_have_their_places(qtbot: QtBot) -> None:
         for side in ("sim", "hw")
         for eye in ("left", "right")
     ]
-    shown.show_view((*all_eyes, OUTSIDE))
+    shown.show_view(tuple(all_eyes))
     colours = (RED, (20, 220, 20), (220, 220, 20), BLUE)
     for view, painted in zip(all_eyes, colours, strict=True):
         shown.show_image(view.side, picture_of(painted, view.eye))
-    shown.show_image("sim", picture_of((220, 20, 220), "outside"))
     places = ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75))
     for place, painted in zip(places, colours, strict=True):
         assert alike(colour(shown, *place), painted)

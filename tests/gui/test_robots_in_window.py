@@ -206,7 +206,6 @@ def test_cameras_work_only_while_they_are_watched(user: Windowed, hw: Robot) -> 
     def streaming() -> list[bool]:
         return [camera.streaming for camera in hw.status().cameras]
 
-    user.until(lambda: panels.heads.picture._newest is not None, "the head from outside")
     assert not any(streaming())
     panels.tabs.setCurrentWidget(panels.eyes)
     user.check(panels.sending.cameras)

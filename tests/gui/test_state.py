@@ -172,10 +172,7 @@ EYES = frozenset((side, eye) for side in ("sim", "hw") for eye in ("left", "righ
 
 def test_only_visible_pictures_are_subscribed_to() -> None:
     state = State()
-    outside = frozenset({("sim", "outside")})
-    assert state.begin() == [WatchCameras(outside)]
-    assert state.handle(intents.ShowTab(Tab.HEADS), world()) == [WatchCameras(outside)]
-    assert [(eye.side, eye.eye) for eye in state.view(world()).eyes if eye.watched] == [("sim", "outside")]
+    assert state.handle(intents.ShowTab(Tab.HEADS), world()) == [WatchCameras(frozenset())]
     assert state.handle(intents.ShowTab(Tab.EYES), world()) == [WatchCameras(frozenset())]
     assert state.view(world()).tab is Tab.EYES
     assert state.handle(intents.SetCameras(on=True), world()) == [WatchCameras(EYES)]
@@ -199,28 +196,24 @@ def camera(*, connected: bool = True, streaming: bool = True, trouble: str = "")
 
 
 @pytest.mark.parametrize(
-    ("cameras", "left", "outside"),
+    ("cameras", "left"),
     [
-        ((), "This robot has no camera for this eye.", "This simulation draws no pictures."),
-        ((camera(),), "", ""),
-        ((camera(trouble="Coarse pictures."),), "", ""),
-        ((camera(streaming=False),), "The window is waiting for pictures.", ""),
-        ((camera(connected=False, streaming=False),), "The camera is not connected.", ""),
-        ((camera(connected=False, streaming=False, trouble="In use."),), "In use.", "In use."),
+        ((), "This robot has no camera for this eye."),
+        ((camera(),), ""),
+        ((camera(trouble="Coarse pictures."),), ""),
+        ((camera(streaming=False),), "The window is waiting for pictures."),
+        ((camera(connected=False, streaming=False),), "The camera is not connected."),
+        ((camera(connected=False, streaming=False, trouble="In use."),), "In use."),
     ],
 )
-def test_a_missing_picture_has_a_reason(cameras: tuple[CameraStatus, ...], left: str, outside: str) -> None:
+def test_a_missing_picture_has_a_reason(cameras: tuple[CameraStatus, ...], left: str) -> None:
     now = world(robot("sim", known=status("sim", cameras=cameras)), absent("hw"))
     state = state_after(intents.SetCameras(on=True))
     found = {(eye.side, eye.eye): eye.text for eye in state.view(now).eyes}
     assert found["sim", "left"].startswith(left)
     assert bool(found["sim", "left"]) is bool(left)
-    assert found["sim", "outside"].startswith(outside)
-    assert bool(found["sim", "outside"]) is bool(outside)
     assert found["hw", "left"].startswith("The hardware is not online.")
-    assert {eye.text for eye in State().view(world()).eyes if eye.eye != "outside"} == {
-        "The eye cameras are off. Check Eye cameras."
-    }
+    assert {eye.text for eye in State().view(world()).eyes} == {"The eye cameras are off. Check Eye cameras."}
 
 
 def test_the_failure_of_a_child_program_is_shown_in_banner_and_last_line() -> None:

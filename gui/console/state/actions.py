@@ -132,7 +132,7 @@ class WatchCameras(Action):
     """Subscribe to exactly these pictures."""
 
     wanted: frozenset[tuple[str, str]]
-    """side and eye of the visible pictures, for example `("sim", "outside")`"""
+    """side and eye of the visible pictures, for example `("sim", "left")`"""
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,9 @@ class Choices:
     microphones: bool = False
     """never saved: each window begins without listening"""
     lead_s: float = 2.0
+    live: bool = False
+    """never saved: each window begins without motions that no press has sent"""
+    send_on_release: bool = False
     page: WindowPage = WindowPage.ROBOT
     tab: Tab = Tab.HEADS
     target: HeadOrientation | None = None
@@ -51,6 +54,7 @@ def choices_from(saved: Saved) -> Choices:
         increment=saved.increment,
         speed=saved.speed,
         lead_s=saved.lead_s,
+        send_on_release=saved.send_on_release,
     )
 
 
@@ -68,9 +72,6 @@ def changed(choices: Choices, intent: Intent) -> Choices | None:
             new = replace(choices, lead_s=seconds)
         case intents.SetDestination(side=side, checked=checked):
             new = replace(choices, sim=checked) if side == "sim" else replace(choices, hw=checked)
-        case intents.SetCameras(on=on) | intents.SetMicrophones(on=on):
-            cameras = isinstance(intent, intents.SetCameras)
-            new = replace(choices, cameras=on) if cameras else replace(choices, microphones=on)
         case intents.ShowTab(name=name):
             new = replace(choices, tab=name)
         case intents.SetTheme(theme=theme):
@@ -88,5 +89,19 @@ def changed(choices: Choices, intent: Intent) -> Choices | None:
         ):
             new = choices  # no widget reports such a value, so it is ignored
         case _:
-            new = None
+            new = _switched(choices, intent)
     return new
+
+
+def _switched(choices: Choices, intent: Intent) -> Choices | None:
+    """Return the choices after an intent that switches one on or off; None if it is another intent."""
+    match intent:
+        case intents.SetCameras(on=on):
+            return replace(choices, cameras=on)
+        case intents.SetMicrophones(on=on):
+            return replace(choices, microphones=on)
+        case intents.SetLive(on=on):
+            return replace(choices, live=on)
+        case intents.SetSendOnRelease(on=on):
+            return replace(choices, send_on_release=on)
+    return None

@@ -71,6 +71,26 @@ class SendHead(Intent, frozen=True):
     """Send the target of the head pad."""
 
 
+class LiveHead(Intent, frozen=True):
+    """While the user drags: let the simulation follow the target, if that was chosen."""
+
+
+class ReleaseHead(Intent, frozen=True):
+    """End a drag of the head; the target is sent if that was chosen."""
+
+
+class SetLive(Intent, frozen=True):
+    """Choose whether the simulation follows while the user drags the head."""
+
+    on: bool
+
+
+class SetSendOnRelease(Intent, frozen=True):
+    """Choose whether the target is sent when the user releases the head."""
+
+    on: bool
+
+
 class SetRelative(Intent, frozen=True):
     """Choose relative or absolute mode."""
 

@@ -40,7 +40,7 @@ class SavedPose(msgspec.Struct, frozen=True):
 
 
 class Saved(msgspec.Struct, frozen=True):
-    """Theme and language; increment in deg, speed in deg/s, lead in s; poses."""
+    """Theme and language; increment in deg, speed in deg/s, lead in s; poses; whether a released head is sent."""
 
     theme: Theme = Theme.DARK
     language: str = DEFAULT_LANGUAGE
@@ -48,6 +48,7 @@ class Saved(msgspec.Struct, frozen=True):
     speed: Annotated[float, Meta(gt=0, le=SPEED_MAX)] = 30.0
     lead_s: Annotated[float, Meta(ge=0, le=LEAD_MAX_S)] = 2.0
     poses: tuple[SavedPose, ...] = ()
+    send_on_release: bool = False
 
 
 def path(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:
@@ -57,7 +58,7 @@ def path(platform: str = sys.platform, environment: Mapping[str, str] = os.envir
 
 def merged(before: Saved, mine: Saved, theirs: Saved) -> Saved:
     """Return the choices of another window (`theirs`), with the changes of this one since `before`."""
-    fields = ("theme", "language", "increment", "speed", "lead_s")
+    fields = ("theme", "language", "increment", "speed", "lead_s", "send_on_release")
     changed = {name: getattr(mine, name) for name in fields if getattr(mine, name) != getattr(before, name)}
     added = [pose for pose in mine.poses if pose not in before.poses]
     gone = {pose.name for pose in before.poses if pose not in mine.poses} | {pose.name for pose in added}

@@ -9,7 +9,7 @@ from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.client.degrees import head_angles
 from beatrix_zenoh.contract._generated.messages import Head, PoseQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from gui.console.state import refusals
+from gui.console.state import dragging, refusals
 from gui.console.state.actions import AbortPlan, Action, Send, SendPlanNow
 from gui.console.state.intents import Abort, Change, Intent, SendHead, SendNow
 from gui.console.state.memory import Memory
@@ -27,6 +27,7 @@ def head(memory: Memory, world: World) -> HeadView:
     tilt_max, yaw_max = ROBOT.limits.tilt_max, ROBOT.limits.yaw_max
     if world.limits is not None:
         tilt_max, yaw_max = math.degrees(world.limits.tilt_max), math.degrees(world.limits.yaw_max)
+    gap_min = ROBOT.limits.gap_min if world.limits is None else math.degrees(world.limits.gap_min)
     path = world.plan.path if world.plan is not None else None
     return HeadView(
         target=target(memory, world),
@@ -35,6 +36,7 @@ def head(memory: Memory, world: World) -> HeadView:
         tilt_max=tilt_max,
         yaw_max=yaw_max,
         path=() if path is None else tuple(orientation(head) for head in path.head),
+        drag=dragging.view(memory, tilt_max, gap_min),
         send=_send_button(memory, world),
         refusal=refusals.at(memory, (PAD,)),
     )

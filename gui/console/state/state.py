@@ -8,6 +8,7 @@ from gui.console.state import (
     choices,
     class_page,
     commands,
+    dragging,
     eyes,
     history,
     intents,
@@ -20,7 +21,7 @@ from gui.console.state import (
     sending,
     sound,
 )
-from gui.console.state.actions import Action, Connect, Outcome, RunSimulation, Select, Send, WatchCameras
+from gui.console.state.actions import Action, Connect, Outcome, RunSimulation, Select, Send
 from gui.console.state.choices import Choices, choices_from
 from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.memory import Memory
@@ -51,16 +52,13 @@ class State:
             chosen.speed,
             chosen.lead_s,
             self._memory.poses,
+            chosen.send_on_release,
         )
 
     @property
     def choices(self) -> Choices:
         """The present choices."""
         return self._memory.choices
-
-    def begin(self) -> list[Action]:
-        """Return the actions at the start of the window, whose first tab shows pictures."""
-        return [WatchCameras(eyes.wanted(self._memory.choices))]
 
     def view(self, world: World) -> View:
         """Return the present view of the window."""
@@ -119,11 +117,14 @@ class State:
                 | intents.MakeReady()
                 | intents.Repeat()
             ):
+                dragging.interrupt(memory, intent)
                 actions = commands.handle(memory, world, intent)
             case intents.Jog():
                 actions = arms.jog(memory, world, intent)
             case intents.SendHead():
                 actions = motions.send_head(memory, world, sending.target(memory, world), sending.PAD)
+            case intents.LiveHead() | intents.ReleaseHead():
+                actions = dragging.handle(memory, world, intent)
             case intents.SendNow() | intents.Change() | intents.Abort():
                 actions = sending.handle(memory, world, intent)
             case intents.TakeAlternative():

@@ -93,8 +93,24 @@ class HeadOrientation:
 
 
 @dataclass(frozen=True)
+class DragView:
+    """What dragging the head does, and where it may rest."""
+
+    live: bool
+    """whether the simulation follows while the user drags"""
+    send_on_release: bool
+    """whether the target is sent when the user releases the head"""
+    border: tuple[float, ...]
+    """how far the head may lean in each direction (deg): see `beatrix_zenoh.motion.limits.region.border`"""
+    refused: HeadOrientation | None
+    """the target that was refused; None: none, or its refusal is hidden"""
+    reason: str
+    """why, in a word or two; empty: none was refused"""
+
+
+@dataclass(frozen=True)
 class HeadView:
-    """The head pad."""
+    """The head pad, and the head in three dimensions."""
 
     target: HeadOrientation
     sim: HeadOrientation | None
@@ -105,6 +121,7 @@ class HeadView:
     """limit in both directions (deg)"""
     path: tuple[HeadOrientation, ...]
     """the previewed path; empty: none"""
+    drag: DragView
     send: ButtonView
     refusal: RefusalView | None = None
 
@@ -238,7 +255,7 @@ class EyeView:
 
     side: str
     eye: str
-    """`left`, `right` or `outside`"""
+    """`left` or `right`"""
     title: str
     watched: bool
     """whether the window subscribes to the picture"""

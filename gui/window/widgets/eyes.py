@@ -1,4 +1,4 @@
-"""Pictures of cameras: the eyes of both robots, and the simulated head from outside."""
+"""Pictures of cameras: the eyes of both robots."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Final
 
 from PyQt5.QtCore import QBuffer, QRect, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
-from PyQt5.QtWidgets import QGridLayout, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QGridLayout, QSizePolicy, QWidget
 
 from beatrix_zenoh.client import CameraImage
-from beatrix_zenoh.contract.names import EYES, OUTSIDE, SIDES
+from beatrix_zenoh.contract.names import EYES, SIDES
 from gui.console.state.intents import Theme
 from gui.console.state.views import EyeView
 from gui.console.texts import Texts
@@ -200,44 +200,15 @@ class EyesPanel(QWidget):
         grid.addWidget(self.sound, len(SIDES), 0, 1, len(EYES))
 
     def show_view(self, eyes: tuple[EyeView, ...]) -> None:
-        """Show the eyes among these views."""
+        """Show the eyes of both robots."""
         for view in eyes:
-            if view.eye != OUTSIDE:
-                self.pictures[view.side, view.eye].show_view(view)
+            self.pictures[view.side, view.eye].show_view(view)
 
     def show_image(self, side: str, image: CameraImage) -> None:
-        """Show a picture of an eye; ignore the outside view."""
-        picture = self.pictures.get((side, image.eye))
-        if picture is not None:
-            picture.show_image(image)
+        """Show a picture of an eye."""
+        self.pictures[side, image.eye].show_image(image)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         for picture in self.pictures.values():
             picture.show_theme(theme)
-
-
-class OutsideView(QWidget):
-    """The simulated head from outside."""
-
-    def __init__(self, texts: Texts) -> None:
-        super().__init__()
-        self.picture = CameraPicture(texts)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self.picture)
-
-    def show_view(self, eyes: tuple[EyeView, ...]) -> None:
-        """Show the outside view among these views."""
-        for view in eyes:
-            if view.eye == OUTSIDE:
-                self.picture.show_view(view)
-
-    def show_image(self, side: str, image: CameraImage) -> None:  # noqa: ARG002 - only simulations have this view
-        """Show a picture of the outside view; ignore those of the eyes."""
-        if image.eye == OUTSIDE:
-            self.picture.show_image(image)
-
-    def show_theme(self, theme: Theme) -> None:
-        """Use the colours and sizes of a theme."""
-        self.picture.show_theme(theme)

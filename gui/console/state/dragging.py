@@ -1,0 +1,93 @@
+"""Dragging the head: the border of its rest positions, the simulation that follows, and the release."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+from beatrix_zenoh.client.degrees import head_angles, pose_query
+from beatrix_zenoh.contract._generated.messages import Head, PoseQuery, Reason
+from beatrix_zenoh.motion.limits.region import border, reach
+from gui.console.state import motions
+from gui.console.state.actions import Action, Send
+from gui.console.state.intents import EmergencyStop, Intent, LiveHead, Stop
+from gui.console.state.memory import Memory
+from gui.console.state.presence import unreachable
+from gui.console.state.views import DragView, HeadOrientation
+from gui.console.state.world import World
+
+PAD = "head"
+WITHIN_DEG = 0.1
+"""How far inside the border the simulation stays that follows a target beyond it."""
+STOPPED = 0
+"""`Memory.live_row` after a STOP: the simulation does not follow before the next drag."""
+REASONS = {
+    Reason.OUT_OF_REACH: "refused.tilt",
+    Reason.ARM_GAP: "refused.gap",
+    Reason.YAW_LIMIT: "refused.yaw",
+}
+
+
+@cache
+def border_deg(tilt_max: float, gap_min: float) -> tuple[float, ...]:
+    """Return `limits.region.border` in deg, for limits in deg."""
+    return tuple(map(math.degrees, border(math.radians(tilt_max), math.radians(gap_min))))
+
+
+def view(memory: Memory, tilt_max: float, gap_min: float) -> DragView:
+    """Return choices, border and the refused target; limits in deg."""
+    choices, refusal = memory.choices, memory.refusal
+    limits = border_deg(round(tilt_max, 3), round(gap_min, 3))
+    refused, reason = None, ""
+    request = None if refusal is None or refusal.control != PAD else refusal.request
+    if refusal is not None and isinstance(request, Send) and isinstance(request.query, PoseQuery):
+        query = request.query
+        refused = HeadOrientation(*head_angles(Head(query.yaw, query.pitch, query.roll)))
+        reason = choices.texts(REASONS.get(refusal.reason, "refused.other"))
+    return DragView(choices.live, choices.send_on_release, limits, refused, reason)
+
+
+def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
+    """Return the actions of LiveHead and ReleaseHead."""
+    if isinstance(intent, LiveHead):
+        return _follow(memory, world) if memory.choices.live and memory.live_row != STOPPED else []
+    memory.live_row = None
+    target = memory.choices.target
+    if target is None or not memory.choices.send_on_release:
+        return []
+    return motions.send_head(memory, world, target, PAD)
+
+
+def interrupt(memory: Memory, intent: Intent) -> None:
+    """After a STOP, the simulation no longer follows the present drag."""
+    if isinstance(intent, Stop | EmergencyStop) and memory.live_row is not None:
+        memory.live_row = STOPPED
+
+
+def _follow(memory: Memory, world: World) -> list[Action]:
+    """Send the target to the simulation alone; all motions of a drag are one row of the history."""
+    sides, target = ("sim",), memory.choices.target
+    if target is None or unreachable(memory, world, sides, PAD):
+        return []
+    pitch, roll = _inside(world, target)
+    query = pose_query(target.yaw, pitch, roll, relative=False, speed=memory.choices.speed)
+    row = None if memory.live_row is None else memory.row(memory.live_row)
+    if row is None:
+        request = Send(memory.next_row(), query, sides)
+        memory.live_row = request.row
+        return motions.begin(memory, world, request, PAD)
+    request = Send(row.number, query, sides)
+    memory.replace_row(replace(row, request=request))
+    return [request]
+
+
+def _inside(world: World, target: HeadOrientation) -> tuple[float, float]:
+    """Return pitch and roll (deg) of the target, or of the point of the border in its direction."""
+    limits = world.limits
+    if limits is None:
+        return target.pitch, target.roll
+    tilt_max, gap_min = (round(math.degrees(angle), 3) for angle in (limits.tilt_max, limits.gap_min))
+    furthest = reach(border_deg(tilt_max, gap_min), target.pitch, target.roll) - WITHIN_DEG
+    shrink = min(1.0, furthest / max(math.hypot(target.pitch, target.roll), 1e-9))
+    return target.pitch * shrink, target.roll * shrink

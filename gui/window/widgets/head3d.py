@@ -1,0 +1,280 @@
+"""The head in three dimensions: the robots, the outline of the target, and dragging."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Final
+
+from PyQt5.QtCore import QPoint, QPointF, QSize, Qt, QTimer, pyqtSignal
+from PyQt5.QtGui import QFocusEvent, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
+from PyQt5.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+
+from gui.console.state.intents import (
+    AimHead,
+    LiveHead,
+    ReleaseHead,
+    SetLive,
+    SetSendOnRelease,
+    Theme,
+)
+from gui.console.state.views import HeadOrientation, HeadView
+from gui.console.texts import Texts
+from gui.window.theme import Style, style_of
+from gui.window.widgets.controls import Check
+from gui.window.widgets.head import COARSE_DEG, KEYS
+from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, picked
+from gui.window.widgets.head3d_paint import Marks, paint_ground, paint_marks, paint_robots, same
+from gui.window.widgets.head3d_scene import Camera, Screen
+
+VIEWS: Final = {"front": Camera(0.0), "behind": Camera(180.0), "side": Camera(90.0)}
+LIVE_MS: Final = 50
+"""Time between two targets for a simulation that follows a drag."""
+ORBIT_DEG: Final = 0.5
+"""Turn of the camera for a pixel."""
+LOWEST_DEG: Final = -10.0
+HIGHEST_DEG: Final = 80.0
+LEAST_ZOOM: Final = 0.6
+MOST_ZOOM: Final = 3.0
+ZOOM_STEP: Final = 1.15
+"""Factor for a notch of the wheel."""
+
+
+class Head3d(QWidget):
+    """Draws both robots from their positions, and reports new targets. Draws only when the picture changes."""
+
+    intent = pyqtSignal(object)
+    moved = pyqtSignal()
+    """the camera has moved"""
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self._texts = texts
+        self._view: HeadView | None = None
+        self._style: Style = style_of(Theme.DARK)
+        self.camera = VIEWS["behind"]
+        self._drag: Drag | None = None
+        self._orbit: QPointF | None = None
+        self._over: Part | None = None
+        self._layer: tuple[object, QImage] | None = None
+        self._live = QTimer(self)
+        self._live.setInterval(LIVE_MS)
+        self._live.timeout.connect(lambda: self.intent.emit(LiveHead()))
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setMouseTracking(True)
+        self.setToolTip(texts("tip.head3d"))
+        self.setAccessibleName(texts("label.head3d"))
+        self.setAccessibleDescription(texts("tip.head3d"))
+
+    def sizeHint(self) -> QSize:  # noqa: N802 - Qt's name
+        return QSize(420, 320)
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        return QSize(160, 140)
+
+    @property
+    def screen3d(self) -> Screen:
+        """The camera and the size of the picture (px)."""
+        return Screen(self.camera, self.width(), self.height())
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours of a theme."""
+        self._style = style_of(theme)
+        self._layer = None
+        self.update()
+
+    def show_view(self, view: HeadView) -> None:
+        """Show target and robots; draw again only if the picture would change."""
+        old, self._view = self._view, view
+        if old is None or not same(old, view):
+            self.update()
+
+    def look_from(self, camera: Camera) -> None:
+        """Show the head from elsewhere."""
+        if camera != self.camera:
+            self.camera = camera
+            self.moved.emit()
+            self.update()
+
+    # Mouse and keys
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        at, view = event.localPos(), self._view
+        part = None
+        if event.button() == Qt.MouseButton.LeftButton and view is not None:
+            part = picked(self.screen3d, view.target, at.x(), at.y())
+        if part is not None and view is not None:
+            self._drag = Drag.begin(self.screen3d, view.target, part, at.x(), at.y())
+            self.setCursor(Qt.CursorShape.ClosedHandCursor)
+            self.update()
+        elif event.button() in {Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton}:
+            self._orbit = at
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        at, view = event.localPos(), self._view
+        if view is None:
+            return
+        if self._drag is not None:
+            target = self._drag.at(at.x(), at.y(), view.tilt_max * BEYOND, view.yaw_max)
+            self._aim(target)
+            if view.drag.live and not self._live.isActive():
+                self.intent.emit(LiveHead())
+                self._live.start()
+        elif self._orbit is not None:
+            way, self._orbit = at - self._orbit, at
+            camera = self.camera
+            azimuth = (camera.azimuth - way.x() * ORBIT_DEG) % 360.0
+            elevation = max(LOWEST_DEG, min(HIGHEST_DEG, camera.elevation + way.y() * ORBIT_DEG))
+            self.look_from(replace(camera, azimuth=azimuth, elevation=elevation))
+        else:
+            self._hover(picked(self.screen3d, view.target, at.x(), at.y()))
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        self._orbit = None
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._release()
+
+    def _release(self) -> None:
+        if self._drag is None:
+            return
+        follows, self._drag = self._live.isActive(), None
+        self._live.stop()
+        self.setCursor(Qt.CursorShape.OpenHandCursor)
+        if follows:
+            self.intent.emit(LiveHead())  # the last target
+        self.intent.emit(ReleaseHead())
+        self.update()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802
+        zoom = self.camera.zoom * ZOOM_STEP ** (event.angleDelta().y() / 120)
+        self.look_from(replace(self.camera, zoom=max(LEAST_ZOOM, min(MOST_ZOOM, zoom))))
+        event.accept()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
+        step, view = KEYS.get(Qt.Key(event.key())), self._view
+        if step is None or view is None:
+            super().keyPressEvent(event)
+            return
+        size = COARSE_DEG if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1.0
+        yaw, pitch, roll = (part * size for part in step)
+        target = view.target
+        yaw = max(-view.yaw_max, min(view.yaw_max, target.yaw + yaw))
+        self._aim(HeadOrientation(yaw, target.pitch + pitch, target.roll + roll))
+
+    def _aim(self, target: HeadOrientation) -> None:
+        if self._view is None or target != self._view.target:
+            angles = (round(angle, 1) + 0.0 for angle in (target.yaw, target.pitch, target.roll))
+            self.intent.emit(AimHead(*angles))
+
+    def _hover(self, part: Part | None) -> None:
+        if part is not self._over:
+            self._over = part
+            shape = Qt.CursorShape.OpenHandCursor if part else Qt.CursorShape.ArrowCursor
+            self.setCursor(shape)
+            self.update()
+
+    def hideEvent(self, event: object) -> None:  # noqa: N802, ARG002
+        self._release()
+
+    def leaveEvent(self, event: object) -> None:  # noqa: N802, ARG002
+        self._hover(None)
+
+    def focusInEvent(self, event: QFocusEvent) -> None:  # noqa: N802
+        super().focusInEvent(event)
+        self.update()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:  # noqa: N802
+        super().focusOutEvent(event)
+        self.update()
+
+    # Drawing
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
+        painter = QPainter(self)
+        try:
+            view = self._view
+            if view is None:
+                painter.fillRect(self.rect(), Qt.GlobalColor.transparent)
+                return
+            painter.drawImage(QPoint(0, 0), self._robots(view))
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            part = self._over if self._drag is None else self._drag.part
+            marks = Marks(view, self.screen3d, self._style, part, dragged=self._drag is not None)
+            paint_marks(painter, marks, self._texts, focused=self.hasFocus())
+        finally:
+            painter.end()  # Qt aborts if a painter stays active after an error
+
+    def _robots(self, view: HeadView) -> QImage:
+        """Return the picture without target and marks; it is kept while nothing in it changes."""
+        ratio = self.devicePixelRatioF()
+        key = (view.sim and _rounded(view.sim), view.hw and _rounded(view.hw), self.screen3d, ratio)
+        if self._layer is None or self._layer[0] != key:
+            image = QImage(self.size() * ratio, QImage.Format.Format_ARGB32_Premultiplied)
+            image.setDevicePixelRatio(ratio)
+            paint_ground(image, self.screen3d, self._style)
+            paint_robots(image, view, self.screen3d, self._style)
+            self._layer = key, image
+        return self._layer[1]
+
+
+def _rounded(head: HeadOrientation) -> tuple[float, ...]:
+    return tuple(round(angle, 1) for angle in (head.yaw, head.pitch, head.roll))
+
+
+class Head3dPanel(QWidget):
+    """The head in three dimensions, with the buttons of its views and the choices for dragging."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self.head = Head3d(texts)
+        self.head.setProperty("sends", True)  # noqa: FBT003
+        self.views = {name: QPushButton(texts(f"view.{name}")) for name in VIEWS}
+        self.live = Check(texts("label.live"), texts("tip.live"))
+        self.send = Check(texts("label.send_on_release"), texts("tip.send_on_release"))
+        over, row = QHBoxLayout(), QHBoxLayout()
+        over.addStretch(1)
+        row.setContentsMargins(6, 0, 6, 4)
+        for name, button in self.views.items():
+            button.setCheckable(True)
+            button.setAutoDefault(False)
+            button.setToolTip(texts("tip.view"))
+            button.setAccessibleName(button.text())
+            button.clicked.connect(lambda _, name=name: self._look(name))
+            over.addWidget(button)
+        on_picture = QVBoxLayout(self.head)
+        on_picture.addStretch(1)
+        on_picture.addLayout(over)
+        row.addWidget(self.live)
+        row.addWidget(self.send)
+        row.addStretch(1)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(4)
+        layout.addWidget(self.head, 1)
+        layout.addLayout(row)
+        self.live.asked.connect(lambda on: self.intent.emit(SetLive(on)))
+        self.send.asked.connect(lambda on: self.intent.emit(SetSendOnRelease(on)))
+        self.head.intent.connect(self.intent)
+        self.head.moved.connect(self._show_camera)
+        self._show_camera()
+
+    def show_view(self, view: HeadView) -> None:
+        """Show the robots and the choices."""
+        self.head.show_view(view)
+        self.live.setChecked(view.drag.live)
+        self.send.setChecked(view.drag.send_on_release)
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours and sizes of a theme."""
+        self.head.show_theme(theme)
+
+    def _look(self, name: str) -> None:
+        self.head.look_from(VIEWS[name])
+        self._show_camera()
+
+    def _show_camera(self) -> None:
+        for name, button in self.views.items():
+            button.setChecked(math.isclose(self.head.camera.azimuth, VIEWS[name].azimuth))

@@ -1,0 +1,117 @@
+"""Dragging the head in the 3-D view: which part the mouse grabs, and where it turns the head. No Qt."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final
+
+import numpy as np
+
+from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
+from beatrix_zenoh.motion.rotation import Rotation, rotation_of
+from gui.console.state.views import HeadOrientation
+from gui.window.widgets.head3d_scene import Screen
+from gui.window.widgets.head3d_shape import Floats
+
+EAR_PX: Final = 24.0
+"""Distance from an ear within which the mouse grabs it."""
+FACING_DEG: Final = 110.0
+"""Angle between the nose and the viewer up to which the mouse moves the near side of the head, else the far side."""
+HEAD_RADIUS: Final = 0.1
+"""Distance (m) that the mouse moves for 1 rad of yaw or pitch."""
+EAR_LEVER: Final = 0.08
+"""The same for roll."""
+BEYOND: Final = 1.2
+"""Largest lean of a target, divided by the limit: the user may aim beyond the limit, and the refusal explains it."""
+SKULL: Final = (0.0, 0.0, ROBOT.head.centre_height)
+NOSE: Final = (0.102, 0.0, ROBOT.head.centre_height - 0.022)
+EARS: Final = {
+    "left": (-0.006, 0.082, ROBOT.head.centre_height + 0.012),
+    "right": (-0.006, -0.082, ROBOT.head.centre_height + 0.012),
+}
+CROWN: Final = (0.0, 0.0, ROBOT.head.centre_height + 0.102)
+"""Points of the head at home (m, from the neck centre)."""
+FLOOR: Final = SIZES.floor
+
+
+class Part(StrEnum):
+    """What the mouse grabs."""
+
+    FACE = "face"
+    """turns and nods"""
+    LEFT_EAR = "left"
+    """tilts"""
+    RIGHT_EAR = "right"
+
+
+def turned(head: HeadOrientation) -> Rotation:
+    """Return the rows of the rotation of a head."""
+    return rotation_of(*(math.radians(angle) for angle in (head.yaw, head.pitch, head.roll)))
+
+
+def on_screen(screen: Screen, head: HeadOrientation, point: tuple[float, float, float]) -> Floats:
+    """Return x, y (px) and nearness (m) of a point of the head."""
+    place: Floats = screen.place(np.array([point]) @ np.array(turned(head)).T)[0]
+    return place
+
+
+def picked(screen: Screen, head: HeadOrientation, x: float, y: float) -> Part | None:
+    """Return the part of a head at a point of the picture (px); None: the ground."""
+    middle = on_screen(screen, head, SKULL)
+    for part in (Part.LEFT_EAR, Part.RIGHT_EAR):
+        ear = on_screen(screen, head, EARS[part])
+        near = ear[2] > middle[2] - 0.06  # not an ear that the head hides
+        if near and math.hypot(x - ear[0], y - ear[1]) < EAR_PX:
+            return part
+    nose = on_screen(screen, head, NOSE)
+    radius = screen.scale * HEAD_RADIUS
+    if math.hypot(x - middle[0], y - middle[1]) < radius or math.hypot(x - nose[0], y - nose[1]) < EAR_PX:
+        return Part.FACE
+    return None
+
+
+@dataclass(frozen=True)
+class Drag:
+    """A drag of the head, from its begin."""
+
+    part: Part
+    start: HeadOrientation
+    """the target at the begin"""
+    x: float
+    y: float
+    """where the mouse was (px)"""
+    metre: float
+    """px"""
+    towards: float
+    """+1: the mouse moves the side of the head that faces the viewer, -1: the other side"""
+
+    @classmethod
+    def begin(cls, screen: Screen, target: HeadOrientation, part: Part, x: float, y: float) -> Drag:
+        """Begin a drag of a part at a point of the picture (px)."""
+        return cls(part, target, x, y, screen.scale, 1.0 if faces(screen, target) else -1.0)
+
+    def at(self, x: float, y: float, lean_max: float, yaw_max: float) -> HeadOrientation:
+        """Return the target with the mouse at a point of the picture (px).
+
+        lean_max: largest length of (pitch, roll); yaw_max: largest yaw in both directions (deg).
+        """
+        lever = HEAD_RADIUS if self.part is Part.FACE else EAR_LEVER
+        degrees = math.degrees(1 / (lever * self.metre))
+        right, up = (x - self.x) * degrees, (self.y - y) * degrees
+        start = self.start
+        if self.part is Part.FACE:
+            yaw, pitch, roll = start.yaw + self.towards * right, start.pitch - up, start.roll
+        else:
+            yaw, pitch = start.yaw, start.pitch
+            roll = start.roll + (up if self.part is Part.LEFT_EAR else -up)
+        shrink = min(1.0, lean_max / max(math.hypot(pitch, roll), 1e-9))
+        yaw = max(-yaw_max, min(yaw_max, yaw))
+        return HeadOrientation(*(round(angle, 1) + 0.0 for angle in (yaw, pitch * shrink, roll * shrink)))
+
+
+def faces(screen: Screen, head: HeadOrientation) -> bool:
+    """Return whether the near side of the head follows the mouse: the nose points to the viewer or to a side."""
+    yaw = math.radians(head.yaw - screen.camera.azimuth)
+    return math.degrees(math.acos(max(-1.0, min(1.0, math.cos(yaw))))) < FACING_DEG

@@ -1,0 +1,303 @@
+"""Painting for `head3d`: the robots as shaded faces, the outline of the target, handles and limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import Final
+
+import numpy as np
+from PyQt5.QtCore import QPointF, QRectF, Qt
+from PyQt5.QtGui import QBrush, QColor, QImage, QPainter, QPen, QPolygonF, QRadialGradient
+
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.limits.region import reach
+from beatrix_zenoh.recording.figure import Figure
+from gui.console.state.views import HeadOrientation, HeadView
+from gui.console.texts import Texts
+from gui.window.theme import Style
+from gui.window.widgets.head3d_drag import CROWN, EARS, FLOOR, NOSE, Part, on_screen, turned
+from gui.window.widgets.head3d_scene import Drawing, Screen, draw, hull
+from gui.window.widgets.head3d_shape import BASE, HEAD, Floats, meshes, turns
+
+GHOST: Final = 0.5
+"""Opacity of the simulation beside the hardware."""
+TINT: Final = 0.4
+"""Share of the robot's colour in each colour of the ghost."""
+NEAR_DEG: Final = 0.35
+"""Difference of two heads that are drawn as one."""
+GLOW: Final = 0.85
+"""Share of a limit from which its border glows."""
+RING: Final = 0.15
+"""Radius (m) of the ring on the ground."""
+AHEAD: Final = 0.06
+"""Length (m) of the line from the nose."""
+POINT_BYTES: Final = 16
+
+
+@cache
+def _neck() -> Neck:
+    return Neck()
+
+
+@cache
+def _figure() -> Figure:
+    return Figure()
+
+
+def same(one: HeadView, other: HeadView) -> bool:
+    """Return whether two views make the same picture, to a tenth of a degree."""
+
+    def drawn(view: HeadView) -> tuple[object, ...]:
+        heads = (view.target, view.sim, view.hw)
+        rounded = [at and tuple(round(angle, 1) for angle in (at.yaw, at.pitch, at.roll)) for at in heads]
+        return (*rounded, view.tilt_max, view.yaw_max, view.drag.refused, view.drag.border)
+
+    return drawn(one) == drawn(other)
+
+
+def apart(one: HeadOrientation | None, other: HeadOrientation | None) -> bool:
+    """Return whether two heads are drawn separately."""
+    if one is None or other is None:
+        return True
+    return max(abs(one.yaw - other.yaw), abs(one.pitch - other.pitch), abs(one.roll - other.roll)) > NEAR_DEG
+
+
+# -- the robots -------------------------------------------------------------------------------------
+
+
+def paint_ground(image: QImage, screen: Screen, style: Style) -> None:
+    """Fill the picture with the ground, and draw the ring under the robot with a mark ahead."""
+    image.fill(QColor(style.field))
+    painter = QPainter(image)
+    try:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        turn = np.linspace(0.0, math.tau, 49)
+        for radius, colour, width in ((RING, style.line, 2.0), (RING * 1.25, style.line, 1.0)):
+            ring = np.column_stack((np.cos(turn) * radius, np.sin(turn) * radius, np.full(49, FLOOR)))
+            painter.setPen(QPen(QColor(colour), width))
+            painter.setBrush(QColor(style.panel) if radius == RING else Qt.BrushStyle.NoBrush)
+            painter.drawPolyline(_polygon(screen.place(ring)[:, :2]))
+        ahead = np.array([(1.25, 0.0), (1.4, 0.10), (1.4, -0.10)]) * RING
+        arrow = screen.place(np.column_stack((ahead, np.full(3, FLOOR))))[:, :2]
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(style.edge))
+        painter.drawPolygon(_polygon(arrow[[1, 0, 2]]))
+    finally:
+        painter.end()
+
+
+def paint_robots(image: QImage, view: HeadView, screen: Screen, style: Style) -> None:
+    """Draw the hardware, and the simulation as a translucent ghost; the simulation alone is solid."""
+    solid = view.sim if view.hw is None else view.hw
+    if solid is None:
+        return
+    _paint(image, _drawing(solid, screen))
+    if view.hw is None or view.sim is None or not apart(view.sim, view.hw):
+        return
+    ghost = QImage(image.size(), QImage.Format.Format_ARGB32_Premultiplied)
+    ghost.setDevicePixelRatio(image.devicePixelRatio())
+    ghost.fill(Qt.GlobalColor.transparent)
+    _paint(ghost, _tinted(_drawing(view.sim, screen, base=False), QColor(style.sim)))
+    painter = QPainter(image)
+    try:
+        painter.setOpacity(GHOST)
+        painter.drawImage(QPointF(0, 0), ghost)
+    finally:
+        painter.end()
+
+
+def _drawing(head: HeadOrientation, screen: Screen, *, base: bool = True) -> Drawing:
+    """Return the faces of a robot whose head has this orientation; without arms if no arms fit it."""
+    shown = [mesh for mesh in meshes(_figure()) if base or mesh.body != BASE]
+    rows = turned(head)
+    try:
+        arms = _neck().inverse(*(math.radians(angle) for angle in (head.yaw, head.pitch, head.roll)))
+    except Refused:
+        arms = (0.0, 0.0, 0.0)
+        shown = [mesh for mesh in shown if mesh.body in {BASE, HEAD}]
+    return draw(tuple(shown), turns(_figure(), arms, rows), screen)
+
+
+def _tinted(drawing: Drawing, tint: QColor) -> Drawing:
+    parts = np.stack([drawing.colours >> shift & 255 for shift in (16, 8, 0)], axis=1)
+    mixed = parts * (1 - TINT) + np.array([tint.red(), tint.green(), tint.blue()]) * TINT
+    red, green, blue = (mixed.astype(np.int64) & 0xF8).T  # few colours, so that brushes are found again
+    return Drawing(drawing.corners, (red << 16) | (green << 8) | blue)
+
+
+@cache
+def _brush(colour: int) -> QBrush:
+    return QBrush(QColor(colour))
+
+
+def _polygon(points: Floats) -> QPolygonF:
+    """Return a polygon of points, (n, 2), through its buffer: this is much quicker than point by point."""
+    polygon = QPolygonF(len(points))
+    pointer = polygon.data()
+    pointer.setsize(len(points) * POINT_BYTES)
+    np.frombuffer(memoryview(pointer), dtype=np.float64)[:] = points.reshape(-1)  # type: ignore[arg-type]
+    return polygon
+
+
+def _paint(image: QImage, drawing: Drawing) -> None:
+    painter = QPainter(image)
+    try:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(Qt.PenStyle.NoPen)
+        corners, last = _polygon(drawing.corners.reshape(-1, 2)), -1
+        for face, colour in enumerate(drawing.colours.tolist()):
+            if colour != last:
+                painter.setBrush(_brush(colour))
+                last = colour
+            painter.drawConvexPolygon(corners.mid(4 * face, 4))
+    finally:
+        painter.end()
+
+
+# -- target, handles and limits ---------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Marks:
+    """What is drawn over the robots."""
+
+    view: HeadView
+    screen: Screen
+    style: Style
+    part: Part | None
+    """the part under the mouse"""
+    dragged: bool
+
+    @property
+    def strain(self) -> float:
+        """Lean of the target, divided by the limit in its direction."""
+        target = self.view.target
+        furthest = reach(self.view.drag.border, target.pitch, target.roll)
+        return math.hypot(target.pitch, target.roll) / furthest
+
+    @property
+    def twist(self) -> float:
+        """Yaw of the target, divided by the limit."""
+        return abs(self.view.target.yaw) / self.view.yaw_max
+
+
+def paint_marks(painter: QPainter, marks: Marks, texts: Texts, *, focused: bool) -> None:
+    """Draw the border, the outline of the target and the handles."""
+    view = marks.view
+    shown = view.sim if view.hw is None else view.hw
+    aims = marks.dragged or apart(shown, view.target)
+    if aims or marks.strain > GLOW:
+        _paint_border(painter, marks)
+    if aims:
+        _paint_outline(painter, marks)
+    _paint_handles(painter, marks, aims=aims)
+    _paint_letters(painter, marks, texts)
+    if focused:
+        painter.setPen(QPen(QColor(marks.style.accent), 2))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawRect(QRectF(1, 1, marks.screen.width - 2, marks.screen.height - 2))
+
+
+def _paint_border(painter: QPainter, marks: Marks) -> None:
+    """Draw where the crown of the head may be; it glows where the target is near it or beyond."""
+    border = marks.view.drag.border
+    count = len(border)
+    points = np.empty((count, 2))
+    for k, lean in enumerate(border):
+        turn = math.tau * k / count
+        head = HeadOrientation(marks.view.target.yaw, lean * math.sin(turn), lean * math.cos(turn))
+        points[k] = on_screen(marks.screen, head, CROWN)[:2]
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    painter.setPen(QPen(QColor(marks.style.edge), 1.5, Qt.PenStyle.DashLine))
+    painter.drawPolygon(_polygon(points))
+    if marks.strain > GLOW:
+        target = marks.view.target
+        at = round(math.atan2(target.pitch, target.roll) / math.tau * count)
+        near = points[[(at + k) % count for k in range(-6, 7)]]
+        glow = QColor(marks.style.bad if marks.strain > 1 else marks.style.warn)
+        for width, opacity in ((14.0, 50), (8.0, 110), (3.0, 255)):
+            glow.setAlpha(opacity)
+            painter.setPen(QPen(glow, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+            painter.drawPolyline(_polygon(near))
+    if marks.twist > GLOW:
+        _glow_at(painter, on_screen(marks.screen, marks.view.target, NOSE), marks)
+
+
+def _glow_at(painter: QPainter, place: Floats, marks: Marks) -> None:
+    """Let the nose glow where the yaw ends."""
+    middle, colour = QPointF(place[0], place[1]), QColor(marks.style.warn)
+    gradient = QRadialGradient(middle, 30.0)
+    gradient.setColorAt(0.0, colour)
+    colour.setAlpha(0)
+    gradient.setColorAt(1.0, colour)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(gradient)
+    painter.drawEllipse(middle, 30.0, 30.0)
+
+
+def _paint_outline(painter: QPainter, marks: Marks) -> None:
+    """Draw the outline of the head at the target, with eyes if they are turned to the viewer."""
+    screen, target = marks.screen, marks.view.target
+    rows = np.array(turned(target))
+    (head,) = (mesh for mesh in meshes(_figure()) if mesh.body == HEAD)
+    corners = head.corners[:, 0] @ rows.T
+    skull = corners[head.corners[:, 0, 2] > 0.05]
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    refused = marks.strain > 1
+    painter.setPen(QPen(QColor(marks.style.bad if refused else marks.style.text), 2.5))
+    painter.drawPolygon(_polygon(hull(screen.place(skull)[:, :2])))
+    if float(screen.camera.axes[2] @ rows[:, 0]) > 0.1:
+        size = _figure().size
+        for side in (1, -1):
+            eye = on_screen(screen, target, (0.1, side * size.eye_baseline / 2, size.centre_height + 0.018))
+            painter.drawEllipse(QPointF(eye[0], eye[1]), screen.scale * 0.02, screen.scale * 0.02)
+
+
+def _paint_handles(painter: QPainter, marks: Marks, *, aims: bool) -> None:
+    """Draw where to grab: the nose with a line ahead, and the ears."""
+    screen, target, style = marks.screen, marks.view.target, marks.style
+    x, y, z = NOSE
+    nose = on_screen(screen, target, NOSE)
+    tip = on_screen(screen, target, (x + AHEAD, y, z))
+    over = marks.part is Part.FACE
+    painter.setPen(QPen(QColor(style.accent if over else style.text), 3 if over else 2))
+    painter.setBrush(QColor(style.accent) if over else Qt.BrushStyle.NoBrush)
+    if aims or over:
+        painter.drawLine(QPointF(nose[0], nose[1]), QPointF(tip[0], tip[1]))
+        painter.drawEllipse(QPointF(tip[0], tip[1]), 6.0, 6.0)
+    for part in (Part.LEFT_EAR, Part.RIGHT_EAR):
+        if marks.part is part:
+            ear = on_screen(screen, target, EARS[part])
+            painter.setPen(QPen(QColor(style.accent), 3))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.drawEllipse(QPointF(ear[0], ear[1]), 16.0, 16.0)
+
+
+def _paint_letters(painter: QPainter, marks: Marks, texts: Texts) -> None:
+    """Name the robots, and a refused target where it is."""
+    view, style = marks.view, marks.style
+    if view.sim is None and view.hw is None:
+        painter.setPen(QColor(style.text))
+        whole = QRectF(0, 0, marks.screen.width, marks.screen.height)
+        painter.drawText(whole, int(Qt.AlignmentFlag.AlignCenter), texts("label.no_head"))
+    font = painter.font()
+    font.setPixelSize(style.px(12))
+    painter.setFont(font)
+    names = [("■", "hw", style.hw)] * (view.hw is not None) + [("+", "sim", style.sim)] * (
+        view.sim is not None
+    )
+    x = style.px(10)
+    for symbol, side, colour in names:
+        text = f"{symbol} {texts(f'side.{side}')}"
+        painter.setPen(QColor(colour))
+        painter.drawText(QPointF(x, style.px(18)), text)
+        x += painter.fontMetrics().horizontalAdvance(text) + style.px(14)
+    if view.drag.refused is not None:
+        place = on_screen(marks.screen, view.drag.refused, CROWN)
+        painter.setPen(QPen(QColor(style.bad), 3))
+        for way in (QPointF(6, 6), QPointF(6, -6)):
+            painter.drawLine(QPointF(place[0], place[1]) - way, QPointF(place[0], place[1]) + way)
+        painter.drawText(QPointF(place[0] + 12, place[1] + 5), view.drag.reason)

@@ -1,0 +1,138 @@
+"""Faces of a robot on the picture: camera, light, and the order of drawing. Numpy only, no Qt."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from gui.window.widgets.head3d_shape import Floats, Mesh
+
+LOOKED_AT: Final = (0.0, 0.0, 0.055)
+"""Middle of the picture (m, from the neck centre)."""
+HALF_HEIGHT: Final = 0.20
+"""Half of the height (m) that the picture shows in the middle, at zoom 1."""
+AWAY: Final = 1.1
+"""Distance of the camera from the middle of the picture (m)."""
+LIGHT: Final = (-0.45, 0.75, 0.6)
+"""Direction to the light in the camera's frame: right, up, towards the viewer."""
+DARKEST: Final = 0.42
+"""Brightness of a face that is turned away from the light."""
+SHADES: Final = 24
+"""Number of steps from black to the full colour."""
+OVERLAP_PX: Final = 0.7
+"""By how much each face is enlarged, so that no ground shows between neighbours."""
+SLIVER_PX2: Final = 0.4
+"""Twice the area of the smallest face that is drawn."""
+Whole = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where the viewer is: angles in deg."""
+
+    azimuth: float = 180.0
+    """0 is in front of the robot, 90 at its left"""
+    elevation: float = 12.0
+    """above the horizontal"""
+    zoom: float = 1.0
+
+    @property
+    def axes(self) -> Floats:
+        """Rows: right, up, and towards the viewer, in the robot's frame."""
+        a, e = math.radians(self.azimuth), math.radians(self.elevation)
+        back = np.array((math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)))
+        right = np.array((-math.sin(a), math.cos(a), 0.0))
+        return np.stack((right, np.cross(back, right), back))
+
+
+@dataclass(frozen=True)
+class Screen:
+    """A camera, and the picture that it fills (px)."""
+
+    camera: Camera
+    width: float
+    height: float
+
+    @property
+    def scale(self) -> float:
+        """Pixels for a metre in the middle of the picture."""
+        return min(self.height, self.width * 1.1) / (2 * HALF_HEIGHT) * self.camera.zoom
+
+    def place(self, points: Floats) -> Floats:
+        """Return where points, (n, 3) in the robot's frame, are on the picture.
+
+        Returns:
+            (n, 3): x to the right and y down (px), and the nearness to the viewer (m), 0 in the middle.
+        """
+        seen = (points - np.array(LOOKED_AT)) @ self.camera.axes.T
+        size = self.scale * AWAY / np.maximum(AWAY - seen[:, 2], 0.05)
+        x = self.width / 2 + seen[:, 0] * size
+        y = self.height / 2 - seen[:, 1] * size
+        return np.column_stack((x, y, seen[:, 2]))
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """The visible faces of one robot, the furthest first."""
+
+    corners: Floats
+    """(m, 4, 2), px"""
+    colours: Whole
+    """(m), 0xRRGGBB"""
+
+
+def draw(meshes: tuple[Mesh, ...], turns: dict[str, Floats], screen: Screen) -> Drawing:
+    """Return the faces that are turned to the viewer, shaded.
+
+    Args:
+        meshes: the robot.
+        turns: rotation of each body, as from `head3d_shape.turns`.
+        screen: camera and size of the picture.
+    """
+    light = np.array(LIGHT) / np.linalg.norm(LIGHT) @ screen.camera.axes
+    found, depths, colours = [], [], []
+    for mesh in meshes:
+        turn = turns[mesh.body]
+        at = screen.place((mesh.corners.reshape(-1, 3)) @ turn.T).reshape(-1, 4, 3)
+        across, along = at[:, 2] - at[:, 0], at[:, 3] - at[:, 1]
+        front = across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0] < -SLIVER_PX2  # because y is down
+        found.append(at[front])
+        depths.append(at[front, :, 2].mean(axis=1) + mesh.lifts[front])
+        colours.append(_shaded(mesh.colours[front], mesh.normals[front] @ (light @ turn)))
+    order = np.argsort(np.concatenate(depths), kind="stable")
+    corners = np.concatenate(found)[order, :, :2]
+    away = corners - corners.mean(axis=1, keepdims=True)
+    length = np.maximum(np.hypot(away[..., 0], away[..., 1]), 1e-6)[..., None]
+    return Drawing(corners + away / length * OVERLAP_PX, np.concatenate(colours)[order])
+
+
+def _shaded(colours: Floats, bright: Floats) -> Whole:
+    """Return colours for the brightness of each face, -1 to 1, in a limited number of shades."""
+    lit = DARKEST + (1 - DARKEST) * np.clip(0.5 + 0.62 * bright, 0.0, 1.0)
+    steps = np.round(lit * SHADES) / SHADES
+    red, green, blue = np.clip(colours * steps[:, None], 0, 255).astype(np.int64).T
+    shaded: Whole = (red << 16) | (green << 8) | blue
+    return shaded
+
+
+def hull(points: Floats) -> Floats:
+    """Return the convex hull of points, (n, 2), as the corners of a polygon."""
+    order = points[np.lexsort((points[:, 1], points[:, 0]))]
+
+    def chain(sequence: Floats) -> list[Floats]:
+        found: list[Floats] = []
+        for point in sequence:
+            while len(found) > 1 and _turn(found[-2], found[-1], point) <= 0:
+                found.pop()
+            found.append(point)
+        return found[:-1]
+
+    return np.array(chain(order) + chain(order[::-1]))
+
+
+def _turn(a: Floats, b: Floats, c: Floats) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))

@@ -1,0 +1,297 @@
+"""The head in three dimensions: where it is drawn, what the mouse grabs, and where a drag turns it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+from gui_views import posed, ready
+from gui_worlds import NOWHERE, world
+from hypothesis import given
+from hypothesis import strategies as st
+from PyQt5.QtCore import QEvent, QPointF, Qt
+from PyQt5.QtGui import QMouseEvent
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication
+from pytestqt.qtbot import QtBot
+
+from beatrix_zenoh.client.degrees import HeadAngles
+from beatrix_zenoh.recording.figure import Figure
+from gui.console.state.intents import AimHead, Intent, LiveHead, ReleaseHead, SetLive, SetSendOnRelease
+from gui.console.state.state import State
+from gui.console.state.views import HeadOrientation
+from gui.console.state.world import World
+from gui.console.texts import LANGUAGES, Texts
+from gui.window.widgets.head3d import VIEWS, Head3dPanel
+from gui.window.widgets.head3d_drag import EARS, NOSE, SKULL, Drag, Part, on_screen, picked, turned
+from gui.window.widgets.head3d_scene import Camera, Screen, draw, hull
+from gui.window.widgets.head3d_shape import HEAD, meshes, turns
+
+UPRIGHT = HeadOrientation(0.0, 0.0, 0.0)
+angles = st.floats(-30.0, 30.0)
+cameras = st.builds(Camera, st.floats(0.0, 360.0), st.floats(-10.0, 80.0), st.floats(0.6, 3.0))
+LEFT, RIGHT = Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton
+
+
+def screen(name: str) -> Screen:
+    return Screen(VIEWS[name], 600.0, 450.0)
+
+
+# -- geometry ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "sign"), [("behind", -1), ("front", 1)])
+def test_from_behind_the_left_ear_is_at_the_left(name: str, sign: int) -> None:
+    ears = {side: on_screen(screen(name), UPRIGHT, place) for side, place in EARS.items()}
+    assert (ears["left"][0] - ears["right"][0]) * sign > 50
+
+
+@given(camera=cameras, yaw=st.floats(-180, 180), pitch=angles, roll=angles)
+def test_the_middle_of_the_head_is_the_face(camera: Camera, yaw: float, pitch: float, roll: float) -> None:
+    seen, head = Screen(camera, 600.0, 450.0), HeadOrientation(yaw, pitch, roll)
+    middle = on_screen(seen, head, SKULL)
+    ears = [on_screen(seen, head, place) for place in EARS.values()]
+    if min(math.dist(middle[:2], ear[:2]) for ear in ears) > 30:
+        assert picked(seen, head, middle[0], middle[1]) is Part.FACE
+
+
+def test_ears_are_grabbed_at_their_places_and_the_ground_nowhere() -> None:
+    seen = screen("behind")
+    for part in (Part.LEFT_EAR, Part.RIGHT_EAR):
+        ear = on_screen(seen, UPRIGHT, EARS[part])
+        assert picked(seen, UPRIGHT, ear[0], ear[1]) is part
+    assert picked(seen, UPRIGHT, 20.0, 430.0) is None
+
+
+@given(yaw=st.floats(-170, 170), pitch=angles, roll=angles, across=st.floats(-80, 80), up=st.floats(-80, 80))
+def test_a_drag_stays_within_yaw_and_lean_and_back_is_where_it_began(
+    yaw: float, pitch: float, roll: float, across: float, up: float
+) -> None:
+    start = HeadOrientation(round(yaw, 1), round(pitch / 2, 1), round(roll / 2, 1))
+    for part in Part:
+        drag = Drag.begin(screen("front"), start, part, 300.0, 200.0)
+        at = drag.at(300.0 + across, 200.0 - up, 42.0, 180.0)
+        assert abs(at.yaw) <= 180.0
+        assert math.hypot(at.pitch, at.roll) <= 42.2
+        back = drag.at(300.0, 200.0, 42.0, 180.0)
+        assert back == start
+
+
+@pytest.mark.parametrize("name", ["front", "behind"])
+@given(across=st.floats(5, 60), up=st.floats(5, 60))
+def test_the_nose_follows_the_mouse(name: str, across: float, up: float) -> None:
+    seen = screen(name)
+    before = on_screen(seen, UPRIGHT, NOSE)
+    at = Drag.begin(seen, UPRIGHT, Part.FACE, 300.0, 200.0).at(300.0 + across, 200.0 - up, 42.0, 180.0)
+    after = on_screen(seen, at, NOSE)
+    assert after[0] > before[0]
+    assert after[1] < before[1]
+
+
+@pytest.mark.parametrize("name", ["front", "behind"])
+@pytest.mark.parametrize("part", [Part.LEFT_EAR, Part.RIGHT_EAR])
+def test_an_ear_follows_the_mouse(name: str, part: Part) -> None:
+    seen = screen(name)
+    before = on_screen(seen, UPRIGHT, EARS[part])
+    at = Drag.begin(seen, UPRIGHT, part, before[0], before[1]).at(before[0], before[1] - 20, 42.0, 180.0)
+    after = on_screen(seen, at, EARS[part])
+    assert (at.yaw, at.pitch) == (0.0, 0.0)
+    assert after[1] - before[1] == pytest.approx(-20, abs=6)
+
+
+def test_all_drawn_faces_are_turned_to_the_viewer_and_the_nearest_come_last() -> None:
+    figure = Figure()
+    shapes = meshes(figure)
+    rows = turned(HeadOrientation(20.0, 10.0, 5.0))
+    found = draw(shapes, turns(figure, (0.0, 0.0, 0.0), rows), screen("front"))
+    assert 300 < len(found.corners) < sum(len(mesh.corners) for mesh in shapes) * 0.6
+    assert np.isfinite(found.corners).all()
+    (head,) = (mesh for mesh in shapes if mesh.body == HEAD)
+    assert np.allclose(np.linalg.norm(head.normals, axis=1), 1.0)
+    assert len(head.corners) < 1700
+
+
+@given(st.lists(st.tuples(st.integers(0, 20), st.integers(0, 20)), min_size=3, max_size=30, unique=True))
+def test_a_hull_contains_all_points(points: list[tuple[int, int]]) -> None:
+    corners = hull(np.array(points, dtype=float))
+    for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        edge = other - one
+        for point in points:
+            away = np.array(point) - one
+            assert edge[0] * away[1] - edge[1] * away[0] >= -1e-9
+
+
+# -- the widget -------------------------------------------------------------------------------------
+
+
+class Shown:
+    """A panel with the real state, and the intents that it has reported."""
+
+    def __init__(self, qtbot: QtBot, now: World) -> None:
+        self.state, self.now, self.intents = State(), now, list[Intent]()
+        self.panel = Head3dPanel(Texts("en"))
+        qtbot.addWidget(self.panel)
+        self.panel.intent.connect(self.handle)
+        self.panel.resize(640, 480)
+        self.show()
+        self.panel.show()
+        QApplication.processEvents()
+
+    def handle(self, intent: Intent) -> None:
+        self.intents.append(intent)
+        self.state.handle(intent, self.now)
+        self.show()
+
+    def show(self) -> None:
+        self.panel.show_view(self.state.view(self.now).head)
+
+    @property
+    def target(self) -> HeadOrientation:
+        return self.state.view(self.now).head.target
+
+    def mouse(self, kind: QEvent.Type, at: QPointF, button: Qt.MouseButton = LEFT) -> None:
+        event = QMouseEvent(kind, at, button, Qt.MouseButtons(button), Qt.KeyboardModifier.NoModifier)
+        QApplication.sendEvent(self.panel.head, event)
+
+    def drag(self, place: tuple[float, float, float], right: float, down: float) -> None:
+        at = on_screen(self.panel.head.screen3d, self.target, place)
+        start = QPointF(at[0], at[1])
+        self.mouse(QEvent.Type.MouseButtonPress, start)
+        self.mouse(QEvent.Type.MouseMove, start + QPointF(right, down) / 2)
+        self.mouse(QEvent.Type.MouseMove, start + QPointF(right, down))
+        self.mouse(QEvent.Type.MouseButtonRelease, start + QPointF(right, down))
+
+
+@pytest.fixture
+def shown(qtbot: QtBot) -> Iterator[Callable[..., Shown]]:
+    kept = []  # widgets must live until Qt has drawn them for the last time
+
+    def made(now: World | None = None) -> Shown:
+        upright = HeadAngles(0, 0, 0)
+        home = world(posed("sim", (0, 0, 0), upright), posed("hw", (0, 0, 0), upright))
+        kept.append(Shown(qtbot, now or home))
+        return kept[-1]
+
+    yield made
+    for window in kept:
+        window.panel.close()
+
+
+@pytest.mark.parametrize(("view", "sign"), [("front", 1), ("behind", -1)])
+def test_dragging_the_face_to_the_right_turns_the_nose_to_the_right_of_the_picture(
+    shown: Callable[..., Shown], view: str, sign: int
+) -> None:
+    window = shown()
+    QTest.mouseClick(window.panel.views[view], LEFT)
+    window.drag(SKULL, 40, -30)
+    last = [intent for intent in window.intents if isinstance(intent, AimHead)][-1]
+    assert last.yaw * sign > 10
+    assert last.pitch < -8  # nose up
+    assert last.roll == 0
+    assert window.intents[-1] == ReleaseHead()
+
+
+def test_dragging_an_ear_tilts_the_head(shown: Callable[..., Shown]) -> None:
+    window = shown()
+    window.drag(EARS["left"], 0, -40)
+    assert window.target.roll > 10  # right ear down
+    window.drag(EARS["right"], 0, -40)
+    assert abs(window.target.roll) < 3
+
+
+def test_dragging_beside_the_head_or_with_the_right_button_moves_the_camera(
+    shown: Callable[..., Shown],
+) -> None:
+    window = shown()
+    head = window.panel.head
+    for button, start in ((LEFT, QPointF(30, 300)), (RIGHT, QPointF(320, 150))):
+        before = head.camera
+        window.mouse(QEvent.Type.MouseButtonPress, start, button)
+        window.mouse(QEvent.Type.MouseMove, start + QPointF(40, 20), button)
+        window.mouse(QEvent.Type.MouseButtonRelease, start + QPointF(40, 20), button)
+        assert head.camera != before
+    assert not window.intents
+    assert not any(button.isChecked() for button in window.panel.views.values())
+    QTest.mouseClick(window.panel.views["side"], LEFT)
+    assert head.camera == VIEWS["side"]
+    assert window.panel.views["side"].isChecked()
+
+
+def test_keys_turn_the_target_as_on_the_pad(shown: Callable[..., Shown]) -> None:
+    window = shown()
+    window.panel.head.setFocus()
+    for key in (Qt.Key.Key_Left, Qt.Key.Key_Up, Qt.Key.Key_PageUp):
+        QTest.keyClick(window.panel.head, key)
+    assert window.target == HeadOrientation(1.0, -1.0, -1.0)
+
+
+def test_live_reports_while_the_mouse_moves_and_only_if_it_was_chosen(shown: Callable[..., Shown]) -> None:
+    window = shown()
+    window.drag(SKULL, 40, 0)
+    assert LiveHead() not in window.intents
+    QTest.mouseClick(window.panel.live, LEFT, pos=window.panel.live.rect().center())
+    assert SetLive(on=True) in window.intents
+    window.intents.clear()
+    window.drag(SKULL, 40, 0)
+    assert window.intents.count(LiveHead()) >= 2  # the first, and the last before the release
+    assert window.intents[-1] == ReleaseHead()
+
+
+def test_a_hidden_head_reports_no_more_live_targets(shown: Callable[..., Shown]) -> None:
+    window = shown()
+    window.handle(SetLive(on=True))
+    at = on_screen(window.panel.head.screen3d, window.target, SKULL)
+    window.mouse(QEvent.Type.MouseButtonPress, QPointF(at[0], at[1]))
+    window.mouse(QEvent.Type.MouseMove, QPointF(at[0] + 20, at[1]))
+    window.panel.hide()
+    assert window.intents[-1] == ReleaseHead()
+    window.intents.clear()
+    QTest.qWait(120)
+    assert not window.intents
+
+
+def test_the_picture_is_drawn_anew_only_when_a_robot_moves(
+    shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[object] = []
+    monkeypatch.setattr("gui.window.widgets.head3d.paint_robots", lambda *parts: drawn.append(parts))
+    window = shown()
+    window.panel.grab()
+    first = len(drawn)
+    window.show()
+    window.handle(AimHead(20.0, 0.0, 0.0))
+    window.panel.grab()
+    assert len(drawn) == first  # the outline only
+    window.now = ready()
+    window.show()
+    window.panel.grab()
+    assert len(drawn) == first + 1
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_every_state_can_be_drawn_in_every_language(qtbot: QtBot, code: str) -> None:
+    panel = Head3dPanel(Texts(code))
+    qtbot.addWidget(panel)
+    panel.resize(500, 400)
+    only_sim = world(hw=NOWHERE.hw)
+    pictures = []
+    for now in (NOWHERE, only_sim, ready()):
+        for aim in (AimHead(0.0, 0.0, 0.0), AimHead(170.0, 38.0, 10.0)):
+            state = State()
+            state.handle(aim, now)
+            panel.show_view(state.view(now).head)
+            pictures.append(panel.grab().toImage())
+    assert panel.head.accessibleName()
+    assert all(one != other for one, other in itertools.combinations(pictures, 2))
+
+
+def test_the_release_is_remembered_but_live_is_not(shown: Callable[..., Shown]) -> None:
+    window = shown()
+    QTest.mouseClick(window.panel.send, LEFT, pos=window.panel.send.rect().center())
+    assert SetSendOnRelease(on=True) in window.intents
+    window.handle(SetLive(on=True))
+    again = State(window.state.saved).choices
+    assert (again.send_on_release, again.live) == (True, False)
