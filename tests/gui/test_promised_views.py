@@ -14,7 +14,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.views import HeadOrientation
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.head import HeadPad
+from gui.window.widgets.head_pad import HeadPad
 
 SIM, HW = HeadOrientation(-60.0, -15.0, 15.0), HeadOrientation(60.0, 15.0, -15.0)
 DOTS = (HeadOrientation(90.0, 0.0, 20.0), HeadOrientation(120.0, 0.0, 25.0))

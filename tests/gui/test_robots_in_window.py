@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import pytest
 from gui_windows import HOME, Windowed, near
-from PyQt5.QtCore import QPointF, Qt
+from PyQt5.QtCore import QPoint, QPointF, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLabel
 from robots import Stage
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Fault
+from gui.console.state.views import HeadOrientation
+from gui.window.widgets.head3d import Head3d
+from gui.window.widgets.head3d_drag import SKULL, on_screen
 
 pytestmark = [
     pytest.mark.qt_log_ignore("This plugin does not support"),  # popups without a display
@@ -214,3 +217,47 @@ def test_cameras_work_only_while_they_are_watched(user: Windowed, hw: Robot) -> 
     user.until(lambda: all(picture._newest is not None for picture in pictures), "all pictures")
     user.check(panels.sending.cameras, on=False)
     user.until(lambda: not any(streaming()), "they no longer stream")
+
+
+def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
+    head = user.window.panels.head3d.head
+    user.drag(head, *across(head, -40, -15))
+    target = user.state.choices.target
+    assert target is not None
+    assert target.yaw > 10  # from behind, left is left
+    assert target.pitch < -3  # nose up
+    user.window.panels.head.pad.setFocus()
+    user.key(Qt.Key.Key_Return)
+    for robot in (sim, hw):
+        user.until(lambda robot=robot: looks(robot, target), f"{robot} looks at {target}")  # type: ignore[misc]
+
+
+def test_live_moves_the_simulation_while_the_mouse_moves_and_never_the_hardware(
+    user: Windowed, sim: Robot, hw: Robot
+) -> None:
+    panel = user.window.panels.head3d
+    user.check(panel.live)
+    user.drag(panel.head, *across(panel.head, 40, 0))
+    target = user.state.choices.target
+    assert target is not None
+    assert target.yaw < -10
+    user.until(lambda: looks(sim, target), f"the simulation looks at {target}")
+    assert near(hw.positions().arms, HOME)
+    assert not hw.status().moving
+
+
+def across(head: Head3d, right: int, down: int) -> tuple[QPoint, QPoint]:
+    """Return the points of a drag that begins in the middle of the head."""
+    assert head._view is not None
+    middle = on_screen(head.screen3d, head._view.target, SKULL)
+    start = QPoint(round(middle[0]), round(middle[1]))
+    return start, start + QPoint(right, down)
+
+
+def looks(robot: Robot, target: HeadOrientation) -> bool:
+    """Return whether the head of a robot is where it was aimed, within half a degree."""
+    at = robot.positions().head
+    return all(
+        abs(angle - wanted) < 0.5
+        for angle, wanted in zip(at, (target.yaw, target.pitch, target.roll), strict=True)
+    )

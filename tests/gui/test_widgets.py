@@ -39,7 +39,7 @@ from gui.console.state.intents import (
     ToggleRecording,
     Undo,
 )
-from gui.window.widgets.head import HeadPad
+from gui.window.widgets.head_pad import HeadPad
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]

@@ -11,7 +11,7 @@ from beatrix_zenoh.contract._generated.messages import Head, PoseQuery, Reason
 from beatrix_zenoh.motion.limits.region import border, reach
 from gui.console.state import motions
 from gui.console.state.actions import Action, Send
-from gui.console.state.intents import EmergencyStop, Intent, LiveHead, Stop
+from gui.console.state.intents import EmergencyStop, GrabHead, Intent, LiveHead, Stop
 from gui.console.state.memory import Memory
 from gui.console.state.presence import unreachable
 from gui.console.state.views import DragView, HeadOrientation
@@ -21,7 +21,7 @@ PAD = "head"
 WITHIN_DEG = 0.1
 """How far inside the border the simulation stays that follows a target beyond it."""
 STOPPED = 0
-"""`Memory.live_row` after a STOP: the simulation does not follow before the next drag."""
+"""`Memory.live_row` after a STOP: nothing is sent before the next drag."""
 REASONS = {
     Reason.OUT_OF_REACH: "refused.tilt",
     Reason.ARM_GAP: "refused.gap",
@@ -49,19 +49,21 @@ def view(memory: Memory, tilt_max: float, gap_min: float) -> DragView:
 
 
 def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
-    """Return the actions of LiveHead and ReleaseHead."""
+    """Return the actions of GrabHead, LiveHead and ReleaseHead."""
+    if isinstance(intent, GrabHead):
+        memory.live_row = None
+        return []
     if isinstance(intent, LiveHead):
         return _follow(memory, world) if memory.choices.live and memory.live_row != STOPPED else []
-    memory.live_row = None
     target = memory.choices.target
-    if target is None or not memory.choices.send_on_release:
+    if target is None or memory.live_row == STOPPED or not memory.choices.send_on_release:
         return []
     return motions.send_head(memory, world, target, PAD)
 
 
 def interrupt(memory: Memory, intent: Intent) -> None:
-    """After a STOP, the simulation no longer follows the present drag."""
-    if isinstance(intent, Stop | EmergencyStop) and memory.live_row is not None:
+    """After a STOP, the present drag sends nothing more."""
+    if isinstance(intent, Stop | EmergencyStop):
         memory.live_row = STOPPED
 
 

@@ -71,6 +71,10 @@ class SendHead(Intent, frozen=True):
     """Send the target of the head pad."""
 
 
+class GrabHead(Intent, frozen=True):
+    """Begin to drag the head."""
+
+
 class LiveHead(Intent, frozen=True):
     """While the user drags: let the simulation follow the target, if that was chosen."""
 

@@ -123,7 +123,7 @@ class State:
                 actions = arms.jog(memory, world, intent)
             case intents.SendHead():
                 actions = motions.send_head(memory, world, sending.target(memory, world), sending.PAD)
-            case intents.LiveHead() | intents.ReleaseHead():
+            case intents.GrabHead() | intents.LiveHead() | intents.ReleaseHead():
                 actions = dragging.handle(memory, world, intent)
             case intents.SendNow() | intents.Change() | intents.Abort():
                 actions = sending.handle(memory, world, intent)

@@ -12,6 +12,7 @@ from PyQt5.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, 
 
 from gui.console.state.intents import (
     AimHead,
+    GrabHead,
     LiveHead,
     ReleaseHead,
     SetLive,
@@ -22,10 +23,10 @@ from gui.console.state.views import HeadOrientation, HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
 from gui.window.widgets.controls import Check
-from gui.window.widgets.head import COARSE_DEG, KEYS
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, picked
 from gui.window.widgets.head3d_paint import Marks, paint_ground, paint_marks, paint_robots, same
 from gui.window.widgets.head3d_scene import Camera, Screen
+from gui.window.widgets.head_pad import COARSE_DEG, KEYS
 
 VIEWS: Final = {"front": Camera(0.0), "behind": Camera(180.0), "side": Camera(90.0)}
 LIVE_MS: Final = 50
@@ -107,6 +108,7 @@ class Head3d(QWidget):
         if part is not None and view is not None:
             self._drag = Drag.begin(self.screen3d, view.target, part, at.x(), at.y())
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
+            self.intent.emit(GrabHead())
             self.update()
         elif event.button() in {Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton}:
             self._orbit = at

@@ -1,0 +1,317 @@
+"""The head pad, which shows and moves the target."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+
+from PyQt5.QtCore import QPointF, QRectF, QSize, Qt, pyqtSignal
+from PyQt5.QtGui import (
+    QBrush,
+    QColor,
+    QFocusEvent,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+    QPolygonF,
+)
+from PyQt5.QtWidgets import QSizePolicy, QWidget
+
+from gui.console.state.intents import AimHead, Theme
+from gui.console.state.views import HeadOrientation, HeadView
+from gui.console.texts import Texts
+from gui.window.theme import Style, style_of
+
+LEAST_WIDTH, LEAST_HEIGHT = 140, 150
+BEYOND = 1.2
+"""Radius of the disc, divided by that of the limit: the user can choose a target beyond the limit, and the refusal
+explains the limit."""
+RING = 0.13
+"""Width of the ring, divided by the radius of the pad."""
+KEYS = {
+    Qt.Key.Key_Left: (0.0, 0.0, -1.0),
+    Qt.Key.Key_Right: (0.0, 0.0, 1.0),
+    Qt.Key.Key_Up: (0.0, -1.0, 0.0),
+    Qt.Key.Key_Down: (0.0, 1.0, 0.0),
+    Qt.Key.Key_PageUp: (1.0, 0.0, 0.0),
+    Qt.Key.Key_PageDown: (-1.0, 0.0, 0.0),
+}
+"""Step of each key in yaw, pitch and roll (deg)."""
+COARSE_DEG = 5.0
+"""The step with Shift."""
+LINE_PX = 14
+
+
+class Grip(StrEnum):
+    """The part that the mouse drags."""
+
+    RING = "ring"
+    DISC = "disc"
+
+
+class HeadPad(QWidget):
+    """Shows target, simulation and hardware; reports new targets."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self._view: HeadView | None = None
+        self._style: Style = style_of(Theme.DARK)
+        self._grip: Grip | None = None
+        self._captions = {
+            name: texts(f"label.pad_{name}")
+            for name in ("up", "down", "left", "right", "yaw_left", "yaw_right")
+        }
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setToolTip(texts("tip.head_pad"))
+        self.setAccessibleName(texts("label.head"))
+        self.setAccessibleDescription(texts("tip.head_pad"))
+        self.setCursor(Qt.CursorShape.CrossCursor)
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        return QSize(self._style.px(260), self._style.px(260))
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        return QSize(LEAST_WIDTH, LEAST_HEIGHT)
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours of a theme."""
+        self._style = style_of(theme)
+        self.updateGeometry()
+        self.update()
+
+    def show_view(self, view: HeadView) -> None:
+        """Show target and heads; draw again only if the picture would change."""
+        if self._view is None or _drawn(view) != _drawn(self._view):
+            self._view = view
+            self.update()
+        self._view = view
+
+    # Geometry
+
+    @property
+    def _centre(self) -> QPointF:
+        return QPointF(self.width() / 2, self.height() / 2)
+
+    @property
+    def _outer(self) -> float:
+        return min(self.width(), self.height() - 2 * self._line) / 2 - 2
+
+    @property
+    def _line(self) -> float:
+        """Height of a line of the captions (px)."""
+        return self._style.px(LINE_PX)
+
+    @property
+    def _disc(self) -> float:
+        return self._outer * (1 - RING) - 3
+
+    def tilt_point(self, at: HeadOrientation, tilt_max: float) -> QPointF:
+        """Return the point of pitch and roll (deg) on the disc: nose down is down, right ear down is right."""
+        scale = self._disc / (tilt_max * BEYOND)
+        x, y = at.roll * scale, at.pitch * scale
+        shrink = min(1.0, self._disc / max(math.hypot(x, y), 1e-9))
+        return self._centre + QPointF(x, y) * shrink
+
+    @property
+    def border(self) -> QPolygonF:
+        """The orientations in which the head may rest, on the disc."""
+        view = self._view
+        if view is None:
+            return QPolygonF()
+        leans, points = view.drag.border, []
+        for k, lean in enumerate(leans):
+            turn = math.tau * k / len(leans)
+            at = HeadOrientation(0.0, lean * math.sin(turn), lean * math.cos(turn))
+            points.append(self.tilt_point(at, view.tilt_max))
+        return QPolygonF(points)
+
+    def yaw_point(self, yaw: float) -> QPointF:
+        """Return the point of a yaw (deg) on the ring: 0 is up, left is left."""
+        angle, radius = math.radians(yaw), self._outer * (1 - RING / 2)
+        return self._centre + QPointF(-math.sin(angle) * radius, -math.cos(angle) * radius)
+
+    def _aim(self, position: QPointF, grip: Grip) -> None:
+        if self._view is None:
+            return
+        offset, target = position - self._centre, self._view.target
+        if grip is Grip.RING:
+            yaw = math.degrees(math.atan2(-offset.x(), -offset.y()))
+            limit = self._view.yaw_max
+            self._report(max(-limit, min(limit, yaw)), target.pitch, target.roll)
+            return
+        reach = math.hypot(offset.x(), offset.y())
+        offset *= min(1.0, self._disc / max(reach, 1e-9))
+        scale = self._view.tilt_max * BEYOND / self._disc
+        self._report(target.yaw, offset.y() * scale, offset.x() * scale)
+
+    def _report(self, yaw: float, pitch: float, roll: float) -> None:
+        self.intent.emit(AimHead(*(round(angle, 1) + 0.0 for angle in (yaw, pitch, roll))))
+
+    # Mouse and keys
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        if event.button() != Qt.MouseButton.LeftButton:
+            return
+        offset = event.localPos() - self._centre
+        reach = math.hypot(offset.x(), offset.y())
+        if reach > self._outer + 4:
+            return
+        self._grip = Grip.DISC if reach <= self._disc + 1 else Grip.RING
+        self._aim(event.localPos(), self._grip)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        if self._grip is not None:
+            self._aim(event.localPos(), self._grip)
+
+    def mouseReleaseEvent(self, _event: QMouseEvent) -> None:  # noqa: N802
+        self._grip = None
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
+        step = KEYS.get(Qt.Key(event.key()))
+        if step is None or self._view is None:
+            super().keyPressEvent(event)
+            return
+        yaw, pitch, roll = step
+        size = COARSE_DEG if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1.0
+        target = self._view.target
+        limit = self._view.yaw_max
+        turned = max(-limit, min(limit, target.yaw + yaw * size))
+        self._report(turned, target.pitch + pitch * size, target.roll + roll * size)
+
+    def focusInEvent(self, event: QFocusEvent) -> None:  # noqa: N802
+        super().focusInEvent(event)
+        self.update()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:  # noqa: N802
+        super().focusOutEvent(event)
+        self.update()
+
+    # Drawing
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
+        painter = QPainter(self)
+        try:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            self._paint_ground(painter)
+            self._paint_captions(painter)
+            if self._view is not None:
+                self._paint_path(painter, self._view)
+                self._paint_heads(painter, self._view)
+        finally:
+            painter.end()  # Qt aborts if a painter stays active after an error
+
+    def _paint_ground(self, painter: QPainter) -> None:
+        centre, colours = self._centre, self._style
+        painter.setPen(QPen(QColor(colours.accent if self.hasFocus() else colours.line), 2))
+        painter.setBrush(QColor(colours.raised))
+        painter.drawEllipse(centre, self._outer, self._outer)
+        painter.setPen(Qt.PenStyle.NoPen)
+        for brush in (
+            QBrush(QColor(colours.ground)),
+            QBrush(QColor(colours.edge), Qt.BrushStyle.BDiagPattern),
+        ):
+            painter.setBrush(brush)  # hatched: beyond the limit
+            painter.drawEllipse(centre, self._disc, self._disc)
+        limit = self._disc / BEYOND
+        painter.setPen(QPen(QColor(colours.edge), 2))
+        painter.setBrush(QColor(colours.field))
+        painter.drawPolygon(self.border)
+        painter.setPen(QPen(QColor(colours.line), 1))
+        for share in (1 / 3, 2 / 3):
+            painter.drawEllipse(centre, limit * share, limit * share)
+        for way in (QPointF(limit, 0), QPointF(0, limit)):
+            painter.drawLine(centre - way, centre + way)
+        painter.setPen(QPen(QColor(colours.edge), 1.5))
+        for yaw in range(-150, 181, 30):
+            outer = self.yaw_point(yaw) - centre
+            inner = outer * ((1 - RING * 0.75) / (1 - RING / 2))
+            outer *= (1 - RING * 0.25) / (1 - RING / 2)
+            painter.drawLine(centre + inner, centre + outer)
+        if self._view is not None and self._view.yaw_max <= 180:
+            self._paint_yaw_limit(painter, self._view.yaw_max)
+
+    def _paint_yaw_limit(self, painter: QPainter, yaw_max: float) -> None:
+        painter.setPen(QPen(QColor(self._style.edge), 3))
+        for yaw in (-yaw_max, yaw_max):
+            way = (self.yaw_point(yaw) - self._centre) / (1 - RING / 2)
+            painter.drawLine(self._centre + way * (1 - RING), self._centre + way)
+
+    def _paint_captions(self, painter: QPainter) -> None:
+        """Name the directions in words, because signs alone are ambiguous."""
+        font = self.font()
+        font.setPixelSize(self._style.px(LINE_PX - 3))
+        painter.setFont(font)
+        painter.setPen(QColor(self._style.dim))
+        limit, height = self._disc / BEYOND, self._line
+        middle = int(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter)
+        wide = QRectF(-limit, 0, 2 * limit, height).translated(self._centre)
+        painter.drawText(wide.translated(0, -limit + 2), middle, self._captions["up"])
+        painter.drawText(wide.translated(0, limit - height - 2), middle, self._captions["down"])
+        corners = {
+            "yaw_left": Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop,
+            "yaw_right": Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop,
+            "left": Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignBottom,
+            "right": Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignBottom,
+        }
+        block = QRectF(
+            0, self._centre.y() - self._outer - self._line, self.width(), 2 * (self._outer + self._line)
+        )
+        for name, alignment in corners.items():
+            painter.drawText(block, int(alignment), self._captions[name])
+
+    def _paint_path(self, painter: QPainter, view: HeadView) -> None:
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(self._style.dim))
+        for at in view.path:
+            painter.drawEllipse(self.tilt_point(at, view.tilt_max), 1.8, 1.8)
+            painter.drawEllipse(self.yaw_point(at.yaw), 1.8, 1.8)
+
+    def _paint_heads(self, painter: QPainter, view: HeadView) -> None:
+        size = max(5.0, self._disc * 0.075)
+        if view.hw is not None:  # a solid square
+            painter.setPen(QPen(QColor(self._style.field), 1))
+            painter.setBrush(QColor(self._style.hw))
+            for point in (self.tilt_point(view.hw, view.tilt_max), self.yaw_point(view.hw.yaw)):
+                painter.drawRect(QRectF(point.x() - size, point.y() - size, 2 * size, 2 * size))
+        if view.sim is not None:  # a thin cross
+            painter.setPen(QPen(QColor(self._style.sim), 2))
+            for point in (self.tilt_point(view.sim, view.tilt_max), self.yaw_point(view.sim.yaw)):
+                painter.drawLine(point - QPointF(size * 1.5, 0), point + QPointF(size * 1.5, 0))
+                painter.drawLine(point - QPointF(0, size * 1.5), point + QPointF(0, size * 1.5))
+        painter.setPen(QPen(QColor(self._style.text), 2.5))  # a hollow circle
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        for point in (self.tilt_point(view.target, view.tilt_max), self.yaw_point(view.target.yaw)):
+            painter.drawEllipse(point, size * 2, size * 2)
+        if view.drag.refused is not None:
+            self._paint_refused(painter, view, view.drag.refused, size)
+
+    def _paint_refused(
+        self, painter: QPainter, view: HeadView, refused: HeadOrientation, size: float
+    ) -> None:
+        """Cross the refused target out, and give the reason beside it, on the side with more room."""
+        turned = abs(refused.yaw) > view.yaw_max
+        place = self.yaw_point(refused.yaw) if turned else self.tilt_point(refused, view.tilt_max)
+        painter.setPen(QPen(QColor(self._style.bad), 3))
+        for way in (QPointF(size, size), QPointF(size, -size)):
+            painter.drawLine(place - way, place + way)
+        wide, high = painter.fontMetrics().horizontalAdvance(view.drag.reason) + 8, self._line + 2
+        left = place.x() > self._centre.x()
+        box = QRectF(
+            place.x() - wide - 2 * size if left else place.x() + 2 * size, place.y() - high / 2, wide, high
+        )
+        painter.fillRect(box, QColor(self._style.notice))
+        painter.drawText(box, int(Qt.AlignmentFlag.AlignCenter), view.drag.reason)
+
+
+def _drawn(view: HeadView) -> tuple[object, ...]:
+    """Return the drawn part of a view, to a tenth of a degree."""
+    heads = tuple(
+        at and (round(at.yaw, 1), round(at.pitch, 1), round(at.roll, 1))
+        for at in (view.target, view.sim, view.hw)
+    )
+    return heads, view.path, view.tilt_max, view.yaw_max, view.drag

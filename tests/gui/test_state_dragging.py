@@ -1,0 +1,134 @@
+"""Dragging the head: what is sent while the user drags, at the release, and after STOP."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from gui_worlds import absent, accept, refused, sent, state_after, world
+
+from beatrix_zenoh.contract._generated.messages import Detail, Limit, LimitInfo, PoseQuery, Reason
+from gui.console.state import intents
+from gui.console.state.actions import Send, SendStop
+from gui.console.state.intents import (
+    AimHead,
+    GrabHead,
+    LiveHead,
+    ReleaseHead,
+    SetDestination,
+    SetLive,
+    SetSendOnRelease,
+)
+from gui.console.state.state import State
+from gui.console.state.views import HeadOrientation
+
+LIVE = SetLive(on=True)
+LIMITS = LimitInfo(
+    tilt_max=math.radians(20),
+    gap_min=math.radians(30),
+    yaw_max=math.pi,
+    speed_default=0.5,
+    speed_max=1.5,
+    acceleration=3.0,
+)
+
+
+def head_of(send: Send) -> tuple[float, ...]:
+    query = send.query
+    assert isinstance(query, PoseQuery)
+    return tuple(round(math.degrees(angle), 1) + 0.0 for angle in (query.yaw, query.pitch, query.roll))
+
+
+def test_a_drag_sends_nothing_unless_the_user_has_chosen_it() -> None:
+    state = state_after(AimHead(20.0, 5.0, 0.0))
+    assert state.handle(LiveHead(), world()) == []
+    assert state.handle(ReleaseHead(), world()) == []
+    assert not state.view(world()).history
+
+
+def test_send_on_release_sends_the_target_to_the_checked_robots() -> None:
+    state = state_after(SetSendOnRelease(on=True), SetDestination("hw", checked=True))
+    assert state.handle(ReleaseHead(), world()) == []  # a click without a drag has no target
+    state.handle(AimHead(20.0, 5.0, 0.0), world())
+    send = sent(state.handle(ReleaseHead(), world()))
+    assert send.sides == ("sim", "hw")
+    assert head_of(send) == (20.0, 5.0, 0.0)
+
+
+@pytest.mark.parametrize("sides", [("sim",), ("hw",), ("sim", "hw"), ()])
+def test_live_moves_the_simulation_alone_in_one_row_of_the_history(sides: tuple[str, ...]) -> None:
+    state = state_after(LIVE, *(SetDestination(side, checked=side in sides) for side in ("sim", "hw")))
+    rows = set()
+    for yaw in (5.0, 10.0, 15.0):
+        state.handle(AimHead(yaw, 0.0, 0.0), world())
+        send = sent(state.handle(LiveHead(), world()))
+        assert send.sides == ("sim",)
+        assert head_of(send) == (yaw, 0.0, 0.0)
+        rows.add(send.row)
+        accept(state, send.row)
+    assert state.handle(ReleaseHead(), world()) == []
+    (row,) = state.view(world()).history
+    assert rows == {row.row}
+    assert "15" in row.python  # repeating it goes to where the drag has ended
+    for intent in (GrabHead(), AimHead(20.0, 0.0, 0.0)):
+        state.handle(intent, world())
+    assert sent(state.handle(LiveHead(), world())).row not in rows  # the next drag
+
+
+@pytest.mark.parametrize("stop", [intents.Stop(), intents.EmergencyStop()])
+def test_stop_ends_live_until_the_next_drag(stop: intents.Intent) -> None:
+    state = state_after(LIVE, AimHead(5.0, 0.0, 0.0))
+    sent(state.handle(LiveHead(), world()))
+    assert any(isinstance(action, SendStop) for action in state.handle(stop, world()))
+    state.handle(AimHead(10.0, 0.0, 0.0), world())
+    assert state.handle(LiveHead(), world()) == []
+    for intent in (ReleaseHead(), GrabHead()):
+        state.handle(intent, world())
+    state.handle(AimHead(12.0, 0.0, 0.0), world())
+    assert head_of(sent(state.handle(LiveHead(), world()))) == (12.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("live", [True, False])
+def test_a_release_after_stop_sends_nothing(live: bool) -> None:
+    state = state_after(
+        SetLive(on=live), SetSendOnRelease(on=True), GrabHead(), AimHead(5.0, 0.0, 0.0), LiveHead()
+    )
+    state.handle(intents.Stop(), world())
+    assert state.handle(ReleaseHead(), world()) == []
+    for intent in (GrabHead(), AimHead(6.0, 0.0, 0.0)):
+        state.handle(intent, world())
+    assert head_of(sent(state.handle(ReleaseHead(), world()))) == (6.0, 0.0, 0.0)
+
+
+def test_live_stays_at_the_border_beyond_which_the_robot_would_refuse() -> None:
+    now = world(limits=LIMITS)
+    state = state_after(LIVE, AimHead(0.0, 30.0, 0.0), now=now)
+    _, pitch, roll = head_of(sent(state.handle(LiveHead(), now)))
+    assert 19.5 <= pitch <= 20.0
+    assert roll == 0.0
+    view = state.view(now).head
+    assert view.target == HeadOrientation(0.0, 30.0, 0.0)  # shown where the user has dragged it
+    assert max(view.drag.border) < 20.5
+
+
+def test_live_without_a_simulation_says_why() -> None:
+    now = world(absent("sim"))
+    state = state_after(LIVE, AimHead(5.0, 0.0, 0.0), now=now)
+    assert state.handle(LiveHead(), now) == []
+    refusal = state.view(now).head.refusal
+    assert refusal is not None
+    assert "simulation" in refusal.text.lower()
+
+
+def test_a_refused_target_keeps_its_place_and_reason_until_the_user_aims_again() -> None:
+    state = State()
+    for intent in (AimHead(10.0, 38.0, 6.0), intents.SendHead()):
+        state.handle(intent, world())
+    detail = Detail(limit=Limit.TILT, value=0.67, high=0.61, unit="rad", at_goal=True)
+    refused(state, detail, Reason.OUT_OF_REACH)
+    drag = state.view(world()).head.drag
+    assert drag.refused is not None
+    assert (round(drag.refused.pitch), round(drag.refused.roll)) == (38, 6)
+    assert drag.reason == "too far"
+    state.handle(AimHead(10.0, 30.0, 6.0), world())
+    assert state.view(world()).head.drag.refused is None
