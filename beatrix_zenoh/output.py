@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import msgspec
 
-from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import Detail, Reason
 
 FAILED, USAGE, UNREAD = 1, 2, 141
 """Exit codes; 0 means success, shutdown.INTERRUPTED Ctrl-C. Shells use 141 if the reader has closed the pipe."""
@@ -51,9 +51,10 @@ def print_json(content: Mapping[str, object]) -> None:
     print(msgspec.json.encode(content).decode(), flush=True)
 
 
-def print_failure(reason: Reason, message: str) -> None:
-    """Print a failure as JSON."""
-    print_json({"result": False, "reason": reason, "message": message})
+def print_failure(reason: Reason, message: str, detail: Detail | None = None) -> None:
+    """Print a failure as JSON; `detail` is in it if there is one."""
+    data = {} if detail is None else {"detail": detail}
+    print_json({"result": False, "reason": reason, "message": message, **data})
 
 
 def columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

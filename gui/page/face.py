@@ -13,7 +13,7 @@ import msgspec
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.link import Link
-from gui.console.link.link import robots_of
+from gui.console.link.moving import robots_of
 from gui.console.state import class_page, intents, projector
 from gui.console.state.actions import Action, Outcome, SendStop, WatchMicrophones
 from gui.console.state.intents import Intent, Tab

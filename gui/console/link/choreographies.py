@@ -40,6 +40,8 @@ def prepared(
     infos = [robot.info() for robot in both]
     checked = robots_of(infos)
     if isinstance(found, Choreography):
+        if action.gesture:
+            found = found.at_most(min(info.limits.speed_default for info in infos))
         for robot in checked:
             check_choreography(found, robot)
             check()
@@ -53,6 +55,8 @@ def prepared(
 
 def read(action: Play) -> Choreography | motion_file.MotionFile:
     """Return the choreography or path to play; raises WrongUsage if its file cannot be used."""
+    if action.gesture:
+        return choreography.shipped(action.gesture)
     if action.file is None:
         # All times are 0, so that each pose begins when the previous one is reached.
         steps: list[tuple[str, Step]] = [(POSES, ArmPose(0.0, *pose, action.speed)) for pose in action.poses]

@@ -5,12 +5,11 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopSender
-from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.contract.names import SIDES
@@ -19,20 +18,16 @@ from gui.console.link.children import Children, Recordings
 from gui.console.link.connection import Connection, Session
 from gui.console.link.governing import ClassStates, Governing
 from gui.console.link.levels import Levels
-from gui.console.link.outcomes import deselected, done, failed, replaced, stopped
+from gui.console.link.moving import Moving, Request
+from gui.console.link.outcomes import done, failed
 from gui.console.link.pictures import Cameras, OnImage
-from gui.console.link.plans import Plans
-from gui.console.link.playing import Playing
 from gui.console.link.probe import Probe
-from gui.console.link.request_queue import RequestQueue
 from gui.console.link.stopping import send_stop
 from gui.console.link.worker import Part, Worker
 from gui.console.state import actions
 from gui.console.state.actions import Action, Outcome
 from gui.console.state.world import LinkPhase, World
 
-Request = actions.Send | actions.Play | actions.SendCommand | actions.SendLease | actions.Ready
-"""Actions that robots of the shown name answer."""
 OnOutcome = Callable[[Outcome], None]
 CLOSE_S = 2.8
 """Time limit for threads and processes to end; slower threads and processes end by themselves afterwards."""
@@ -69,9 +64,7 @@ class Link:
         self._connection = Connection(
             settings, self._follow, name_given=name_given, source=source, shared=shared
         )
-        self._queues = {side: RequestQueue(side, report) for side in SIDES}
-        self._plans = Plans(report)
-        self._playing = Playing(report)
+        self._moving = Moving(report)
         self._stop_sender = StopSender("window")
         self._governing, self._class = Governing(report), ClassStates()
         self._probes = {side: Probe(side, lambda: self._connection.session) for side in SIDES}
@@ -91,8 +84,7 @@ class Link:
     @property
     def busy(self) -> bool:
         """Whether robots move, or are about to move, for this link."""
-        queued = any(queue.busy for queue in self._queues.values())
-        return queued or self._plans.progress() is not None or bool(self._playing.title)
+        return self._moving.busy
 
     def world(self, robot: str = "") -> World:
         """Return the present world, by default of the selected robot; call it in one thread only, for a window Qt's."""
@@ -113,12 +105,13 @@ class Link:
             names=connection.names(),
             trouble=connection.trouble,
             latency_s=latency_s,
-            plan=self._plans.progress(),
+            plan=self._moving.plans.progress(),
             recording=self._recordings.progress(),
             starting=self._children.starting,
             own_simulation=self._children.own_simulation,
             child_trouble=self._children.trouble,
-            playing=self._playing.title,
+            playing=self._moving.playing.title,
+            face=self._moving.face.progress(),
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
@@ -134,9 +127,9 @@ class Link:
             case actions.SendStop():
                 self._stop(action)
             case actions.SendPlanNow():
-                self._plans.send_now()
+                self._moving.plans.send_now()
             case actions.AbortPlan():
-                self._plans.abort()
+                self._moving.plans.abort()
             case actions.Connect():
                 self._connection.try_now()
             case actions.Select():
@@ -155,6 +148,7 @@ class Link:
                 | actions.SendCommand()
                 | actions.SendLease()
                 | actions.Ready()
+                | actions.FollowFace()
             ):
                 self._request(action)
             case _:
@@ -167,10 +161,7 @@ class Link:
 
     def _select(self, robot: str) -> None:
         if robot != self._connection.robot:
-            self._plans.drop(deselected())
-            self._playing.end(deselected())
-            for queue in self._queues.values():
-                queue.release()
+            self._moving.deselect()
         self._connection.select(robot)
 
     def _do_here(self, action: Action) -> None:
@@ -185,6 +176,10 @@ class Link:
                 self._children.view(action.file)
             case actions.RunSimulation():
                 self._children.simulate(connection.robot, connection.settings.connect)
+            case actions.EndFollowing():
+                self._moving.face.end(None)
+            case actions.CopyProgram():
+                self._moving.face.copy(action)
             case actions.WriteFile():
                 self._files.put(lambda: self._write(action))
             case _:
@@ -218,65 +213,13 @@ class Link:
         session = self._connection.session
         if session is None:
             self._report(self._no_session(action.row))
-            return
-        twin = session.twin
-        sides = (action.side,) if isinstance(action, actions.Ready | actions.SendLease) else action.sides
-        if not robots_of(twin, sides):
-            text = "Neither Simulation nor Hardware is checked. Check one of them."
-            self._report(failed(action.row, "", Refused(Reason.BAD_VALUE, text)))
-            return
-        match action:
-            case actions.Send():
-                self._send(action, twin)
-            case actions.Play():
-                self._play(action, twin)
-            case actions.SendCommand():
-                for robot in robots_of(twin, action.sides):
-                    self._queues[robot.side].command(action.row, robot, action.command, value=action.value)
-            case actions.SendLease():
-                (robot,) = robots_of(twin, sides)
-                self._queues[robot.side].lease(action.row, robot, action.action)
-            case actions.Ready():
-                (robot,) = robots_of(twin, sides)
-                self._queues[robot.side].make_ready(action.row, robot)
-
-    def _send(self, action: actions.Send, twin: Twin) -> None:
-        robots = robots_of(twin, action.sides)
-        self._playing.end(replaced())
-        if len(robots) > 1:
-            for queue in self._queues.values():
-                queue.replace()
-            self._plans.send(action.row, twin, action.query, action.lead_s, self._wait_for_play)
-            return
-        self._plans.drop_trying(replaced())
-        for robot in robots:
-            self._queues[robot.side].move(
-                action.row,
-                robot,
-                action.query,
-                self._wait_for_play,
-                lambda: self._plans.drop_leading(replaced()),
-            )
+        else:
+            settings = replace(self._connection.settings, robot=session.twin.name)
+            self._moving.request(action, session.twin, settings)
 
     def make_way(self) -> None:
         """End what must not run beside a motion that the face itself sends to the robots of `session`."""
-        self._playing.end(replaced())
-        self._plans.drop_trying(replaced())
-        self._plans.drop_leading(replaced())
-        for queue in self._queues.values():
-            queue.replace()
-
-    def _wait_for_play(self) -> None:
-        self._playing.wait_ended()
-
-    def _play(self, action: actions.Play, twin: Twin) -> None:
-        robots = robots_of(twin, action.sides)
-        for robot in robots:
-            self._queues[robot.side].replace()
-        self._plans.drop_trying(replaced())
-        self._playing.begin(
-            action, twin if len(robots) > 1 else robots[0], lambda: self._plans.drop_leading(replaced())
-        )
+        self._moving.make_way()
 
     # -- STOP ---------------------------------------------------------------------------------------
 
@@ -298,11 +241,8 @@ class Link:
         return failed(row, "", NoAnswer(reason, trouble))
 
     def drop(self) -> None:
-        """Drop waiting requests, and end plans and plays, because STOP was pressed."""
-        self._plans.drop(stopped())
-        self._playing.end(stopped())
-        for queue in self._queues.values():
-            queue.stop()
+        """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
+        self._moving.drop()
 
     # -- the end ------------------------------------------------------------------------------------
 
@@ -310,9 +250,7 @@ class Link:
         """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
         deadline_s = time.monotonic() + CLOSE_S
         parts: tuple[Part, ...] = (
-            self._playing,
-            self._plans,
-            *self._queues.values(),
+            *self._moving.parts,
             *self._probes.values(),
             self._stop_sender,
             self._governing,
@@ -333,8 +271,3 @@ class Link:
         self._connection.join(deadline_s)
         self._outcomes.close()
         self._outcomes.join(deadline_s)
-
-
-def robots_of(twin: Twin, sides: tuple[str, ...]) -> tuple[Robot, ...]:
-    """Return the robots of these sides, the simulation first."""
-    return tuple(robot for robot in (twin.sim, twin.hw) if robot.side in sides)

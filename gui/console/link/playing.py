@@ -12,7 +12,7 @@ from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract.errors import BeatrixError
 from gui.console.link.outcomes import accepted, closed, done, failed, replaced
 from gui.console.link.worker import Worker
-from gui.console.state.actions import POSES, Outcome, Play
+from gui.console.state.actions import Outcome, Play
 
 END_S = 1.0
 """Longest time that a newer motion waits for the end of the play that it replaces."""
@@ -58,7 +58,7 @@ class Playing(Worker):
 
     def begin(self, action: Play, robots: Twin | Robot, clear: Callable[[], None]) -> None:
         """Start a play, which replaces the current one; `clear` ends other motions, on the play's thread."""
-        job = PlayJob(action, robots, POSES if action.file is None else action.file.stem)
+        job = PlayJob(action, robots, action.title)
         with self._lock:
             if self._job is not None:
                 self._job.ending = replaced()

@@ -111,11 +111,40 @@ class Play(Action):
     row: int
     sides: tuple[str, ...]
     file: Path | None = None
-    """None: the poses are played"""
+    """None: the gesture or the poses are played"""
     poses: tuple[tuple[float, float, float], ...] = ()
     speed: float = 30.0
     """speed between poses, deg/s"""
     lead_s: float = 0.0
+    gesture: str = ""
+    """name of a shipped choreography; empty: file or poses"""
+
+    @property
+    def title(self) -> str:
+        """The name of the gesture or of the file, or POSES."""
+        return self.gesture or (POSES if self.file is None else self.file.stem)
+
+
+@dataclass(frozen=True)
+class FollowFace(Action):
+    """Start the program that follows a face."""
+
+    row: int
+    sides: tuple[str, ...]
+    """the robots that move; the first one's left eye sees"""
+
+
+@dataclass(frozen=True)
+class EndFollowing(Action):
+    """End the program that follows a face."""
+
+
+@dataclass(frozen=True)
+class CopyProgram(Action):
+    """Copy the program that follows a face to a file of the user, unless the file exists."""
+
+    row: int
+    file: Path
 
 
 @dataclass(frozen=True)
@@ -176,6 +205,8 @@ class RunSimulation(Action):
     """Start a simulation, and a router if there is none, as children of the window."""
 
 
+PROGRAM_FAILED = "The program that follows the face has failed."
+"""Message of an outcome; the last line of the program is in `FaceProgress.line`."""
 DESELECTED = "Another robot was selected in this window."
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Sequence
-from pathlib import Path
 
 from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery
@@ -67,9 +66,9 @@ def python(request: Request) -> str:
             line = "twin.stop()"
         case SendLease(action=LeaseAction.TAKE, side=side):
             line = f"twin.{side}.lease()"
-        case Play(sides=sides, file=Path() as file, lead_s=lead_s):
+        case Play(sides=sides, lead_s=lead_s) if _played(request):
             lead = f", lead_s={_number(lead_s)}" if lead_s and len(sides) > 1 else ""
-            line = f"play({_robot(sides)}, load({str(file)!r}){lead})"
+            line = f"play({_robot(sides)}, load({_played(request)!r}){lead})"
     return line
 
 
@@ -90,8 +89,8 @@ def command_line(request: Request, world: World) -> str:
             words = ["lease", *LEASES[action], *_where((side,), world)]
         case Govern(action=action) if action in GOVERNS:
             words = [*_governed(request), *_router(world)]
-        case Play(sides=sides, file=Path() as file, lead_s=lead_s):
-            words = ["play", str(file), *_where(sides, world), *_lead(sides, lead_s)]
+        case Play(sides=sides, lead_s=lead_s) if _played(request):
+            words = ["play", _played(request), *_where(sides, world), *_lead(sides, lead_s)]
         case _:
             return ""
     return shlex.join(["beatrix", *words])
@@ -108,6 +107,11 @@ def _governed(request: Govern) -> list[str]:
 
 def _verb(command: Command, *, on: bool) -> str:
     return "disable" if command is Command.ENABLE and not on else VERBS[command]
+
+
+def _played(request: Play) -> str:
+    """Return the name of the gesture or file that is played; empty: poses of the window."""
+    return request.gesture or ("" if request.file is None else str(request.file))
 
 
 def _robot(sides: tuple[str, ...]) -> str:

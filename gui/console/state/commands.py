@@ -7,6 +7,7 @@ from gui.console.state import refusals
 from gui.console.state.actions import (
     Action,
     BeginRecording,
+    CopyProgram,
     EndRecording,
     Govern,
     Play,
@@ -136,7 +137,9 @@ def repeat(memory: Memory, world: World, number: int) -> list[Action]:
         memory.mark_dropped()
         return begin(memory, world, again(memory, row.request), row.control)
     sides = memory.choices.sides if isinstance(row.request, Send | Play) else row.sides
-    if not isinstance(row.request, WriteFile | Govern) and unreachable(memory, world, sides, row.control):
+    if not isinstance(row.request, WriteFile | CopyProgram | Govern) and unreachable(
+        memory, world, sides, row.control
+    ):
         return []
     return begin(memory, world, again(memory, row.request), row.control)
 

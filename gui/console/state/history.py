@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from datetime import datetime
-from pathlib import Path
 
 from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery, Reason
 from gui.console.state import code_lines, other_seats
 from gui.console.state.actions import (
+    CopyProgram,
+    FollowFace,
     Govern,
     Outcome,
     Play,
@@ -251,15 +252,27 @@ def _other(request: Request, texts: Texts) -> str:
             text = texts(other_seats.WHATS[action.value])
         case Govern():
             text = _governed(request, texts)
-        case Play(file=None, poses=poses):
-            text = texts("what.play_poses", count=float(len(poses)))
-        case Play(file=Path() as file):
-            text = texts("what.play", title=file.name)
-        case WriteFile(file=file):
-            text = texts("what.save", title=file.name)
+        case Play() | FollowFace() | WriteFile() | CopyProgram():
+            text = _of_files(request, texts)
         case Send(query=query):
             text = _motion(query, texts, undoes=False)
     return text
+
+
+def _of_files(request: Play | FollowFace | WriteFile | CopyProgram, texts: Texts) -> str:
+    """Return a play, a program, or the writing of a file in a few words."""
+    match request:
+        case FollowFace():
+            return texts("what.follow_face")
+        case CopyProgram(file=file):
+            return texts("what.copy_program", file=str(file))
+        case WriteFile(file=file):
+            return texts("what.save", title=file.name)
+    if request.gesture:
+        return texts("what.gesture", title=texts(f"gesture.{request.gesture}"))
+    if request.file is None:
+        return texts("what.play_poses", count=float(len(request.poses)))
+    return texts("what.play", title=request.file.name)
 
 
 def _governed(request: Govern, texts: Texts) -> str:

@@ -257,6 +257,21 @@ class PlayFile(Intent, frozen=True):
     file: Path
 
 
+class PlayGesture(Intent, frozen=True):
+    """Play a shipped gesture."""
+
+    name: str
+    """one of `GESTURES`"""
+
+
+class ToggleFollowing(Intent, frozen=True):
+    """Start or end the program that follows a face."""
+
+
+class OpenProgram(Intent, frozen=True):
+    """Copy the program that follows a face to a folder of the user, and show its path."""
+
+
 class SaveChoreography(Intent, frozen=True):
     """Write the saved poses as a choreography."""
 

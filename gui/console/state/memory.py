@@ -11,6 +11,8 @@ from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import (
     Action,
+    CopyProgram,
+    FollowFace,
     Govern,
     Outcome,
     Play,
@@ -27,7 +29,9 @@ from gui.console.state.views import HistoryRowView
 
 KEPT = 200
 """Largest number of rows of the history."""
-Request = Send | SendCommand | SendLease | Ready | SendStop | Govern | Play | WriteFile
+Request = (
+    Send | SendCommand | SendLease | Ready | SendStop | Govern | Play | WriteFile | FollowFace | CopyProgram
+)
 """Actions with a row in the history."""
 
 
@@ -62,7 +66,7 @@ class RequestRow:
     def sides(self) -> tuple[str, ...]:
         """Robots that the request was sent to."""
         match self.request:
-            case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides):
+            case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides) | FollowFace(sides=sides):
                 return sides
             case Ready(side=side) | SendLease(side=side):
                 return (side,)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from beatrix_zenoh.client.degrees import ArmAngles, motion_query, pose_query
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.state.actions import Action, Govern, Play, Send, SendLease
+from gui.console.state.actions import Action, FollowFace, Govern, Play, Send, SendLease
 from gui.console.state.memory import Memory, Refusal, Request, RequestRow
 from gui.console.state.presence import commanded, troubles, unreachable
 from gui.console.state.views import HeadOrientation
@@ -85,4 +85,4 @@ def begin(
 
 
 def _before(world: World, request: Request) -> ArmAngles | None:
-    return commanded(world, request.sides) if isinstance(request, Send | Play) else None
+    return commanded(world, request.sides) if isinstance(request, Send | Play | FollowFace) else None

@@ -21,7 +21,16 @@ from beatrix_zenoh.contract._generated.messages import (
     Reason,
     Vector3,
 )
-from gui.console.state.actions import DESELECTED, Action, Outcome, Ready, Send, SendCommand, SendLease
+from gui.console.state.actions import (
+    DESELECTED,
+    PROGRAM_FAILED,
+    Action,
+    Outcome,
+    Ready,
+    Send,
+    SendCommand,
+    SendLease,
+)
 from gui.console.state.intents import AimHead, Intent, SetDestination, SetRelative, TakeAlternative
 from gui.console.state.memory import Memory, Refusal, RequestRow
 from gui.console.state.motions import again, begin
@@ -58,6 +67,8 @@ def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) 
     """
     if detail is not None:
         return texts.refusal(reason, detail)
+    if message == PROGRAM_FAILED:
+        return texts("result.program_failed")
     message = NAMED.sub("", message, count=1)
     if texts.code == "en" and message:
         return message

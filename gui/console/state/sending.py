@@ -9,7 +9,7 @@ from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.client.degrees import head_angles
 from beatrix_zenoh.contract._generated.messages import Head, PoseQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from gui.console.state import dragging, refusals
+from gui.console.state import dragging, gestures, refusals
 from gui.console.state.actions import AbortPlan, Action, Send, SendPlanNow
 from gui.console.state.intents import Abort, Change, Intent, SendHead, SendNow
 from gui.console.state.memory import Memory
@@ -71,7 +71,10 @@ def view(memory: Memory, world: World) -> SendingView:
     if plan is not None:
         title, text = _under_way(plan, texts)
     elif world.playing:
-        title, text = texts("sending.playing", title=world.playing), texts("sending.playing_text")
+        title, text = (
+            texts("sending.playing", title=gestures.title(world.playing, texts)),
+            texts("sending.playing_text"),
+        )
     else:
         title, text = _idle(memory)
     countdown, progress = "", None

@@ -10,6 +10,7 @@ from gui.console.state import (
     commands,
     dragging,
     eyes,
+    gestures,
     history,
     intents,
     leases,
@@ -74,6 +75,7 @@ class State:
             sending=sending.view(memory, world),
             commands=commands.view(memory),
             poses=poses.view(memory, world),
+            gestures=gestures.view(memory, world),
             eyes=eyes.view(memory, world),
             sound=sound.view(memory, world),
             history=history.view(memory, world),
@@ -152,7 +154,7 @@ class State:
         return []
 
     def _about_others(self, intent: Intent, world: World) -> list[Action]:
-        """Handle intents about leases, the class and poses."""
+        """Handle intents about leases, the class, gestures and poses."""
         match intent:
             case intents.AskLease() | intents.DismissNotice():
                 return leases.handle(self._memory, world, intent)
@@ -160,6 +162,8 @@ class State:
                 return class_page.handle(self._memory, world, intent)
             case program.SaveProgram():
                 return program.save(self._memory, world, intent, self._code)
+            case intents.PlayGesture() | intents.ToggleFollowing() | intents.OpenProgram():
+                return gestures.handle(self._memory, world, intent)
         return poses.handle(self._memory, world, intent)
 
     def _choose(self, name: str, world: World) -> list[Action]:

@@ -250,6 +250,22 @@ class PosesView:
 
 
 @dataclass(frozen=True)
+class GesturesView:
+    """Gestures, and the program that follows a face."""
+
+    gestures: tuple[tuple[str, ButtonView], ...]
+    """name and button of each gesture"""
+    follow: ButtonView
+    following: bool
+    open: ButtonView
+    note: str
+    """what runs, or where the program of the user is; empty: nothing to say"""
+    details: str
+    """the last line of the program, as it is; empty: none"""
+    refusal: RefusalView | None = None
+
+
+@dataclass(frozen=True)
 class EyeView:
     """One picture: its camera, and the text in its place."""
 
@@ -394,6 +410,7 @@ class View:
     sending: SendingView
     commands: CommandsView
     poses: PosesView
+    gestures: GesturesView
     eyes: tuple[EyeView, ...]
     sound: SoundView
     history: tuple[HistoryRowView, ...]

@@ -64,6 +64,24 @@ class RecordingProgress:
 
 
 @dataclass(frozen=True)
+class FaceProgress:
+    """The program that follows a face."""
+
+    running: bool = False
+    file: Path = Path()
+    """the program that the next press starts: that of the user, or the shipped one"""
+    own_file: Path = Path()
+    """where the program of the user is, or would be"""
+    line: str = ""
+    """last line of its output, for details; empty: none yet"""
+
+    @property
+    def own(self) -> bool:
+        """Whether the user has a program of their own."""
+        return bool(self.own_file.name) and self.file == self.own_file
+
+
+@dataclass(frozen=True)
 class World:
     """Everything that a view is made from, at one moment; degrees and seconds unless a name contains another unit."""
 
@@ -93,6 +111,7 @@ class World:
     """why a router, simulation or viewer of this window did not start or has failed; empty: no failure"""
     playing: str = ""
     """title of the current play; empty: none"""
+    face: FaceProgress = FaceProgress()
     wall_s: float = 0.0
     """wall clock at `now_s`, since 1970; 0: unknown"""
     session: str = ""

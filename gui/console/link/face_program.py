@@ -1,0 +1,178 @@
+"""The program that follows a face, as a child process: it ends with a newer motion, STOP, or the window."""
+
+from __future__ import annotations
+
+import shutil
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from beatrix_zenoh.contract._generated.messages import Detail, Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.processes import POLL_S, Child, Supervisor
+from beatrix_zenoh.settings import Settings
+from gui.console.link.outcomes import accepted, closed, done, failed, replaced
+from gui.console.link.worker import Worker
+from gui.console.state.actions import PROGRAM_FAILED, CopyProgram, FollowFace, Outcome
+from gui.console.state.world import FaceProgress
+
+NAME: Final = "follow_the_face.py"
+SHIPPED: Final = Path(str(resources.files("beatrix_zenoh"))) / "examples" / NAME
+END_S = 1.0
+"""Time (s) in which the program ends itself; after it the program is killed."""
+WAIT_S = 2.0
+"""Longest time (s) that a newer motion waits for the end of the program."""
+
+
+class Failure(msgspec.Struct, frozen=True):
+    """The last line of a program that an error of the SDK has ended, as `beatrix` prints it."""
+
+    reason: Reason
+    message: str
+    detail: Detail | None = None
+
+
+@dataclass(eq=False)
+class FaceJob:
+    """One run of the program, from the request to its end."""
+
+    action: FollowFace
+    environment: Mapping[str, str]
+    ending: BeatrixError | None = None
+    """why the program must end; None: it may go on"""
+    unwanted: bool = False
+    """whether the user has ended it with the button"""
+
+    @property
+    def ends(self) -> bool:
+        """Whether the program must end."""
+        return self.unwanted or self.ending is not None
+
+
+class FaceProgram(Worker):
+    """Runs the program; methods except `wait_ended` and `join` return at once."""
+
+    def __init__(self, report: Callable[[Outcome], None]) -> None:
+        super().__init__("window-face")
+        self._report = report
+        self._lock = threading.Lock()
+        self._job: FaceJob | None = None
+        self._idle = threading.Event()
+        self._idle.set()
+        self._own = Path.home() / "beatrix-programs" / NAME
+        self._file = self._own if self._own.is_file() else SHIPPED
+        self._line = ""
+
+    def progress(self) -> FaceProgress:
+        """Return whether the program runs, its files, and its last line."""
+        return FaceProgress(self._job is not None, self._file, self._own, self._line)
+
+    def begin(self, action: FollowFace, settings: Settings, clear: Callable[[], None]) -> None:
+        """Start the program for the robot of the settings; `clear` ends other motions, on the program's thread."""
+        environment = {
+            "BEATRIX_ROBOT": settings.robot,
+            "BEATRIX_CONNECT": settings.connect,
+            "BEATRIX_WHO": settings.who,
+            "PYTHONUNBUFFERED": "1",
+            "PYTHONIOENCODING": "utf-8",
+        }
+        job = FaceJob(action, environment)
+        with self._lock:
+            if self._job is not None:
+                self._job.ending = replaced()
+            self._job = job
+            self._idle.clear()
+        self.put(lambda: self._run(job, clear))
+
+    def end(self, why: BeatrixError | None) -> None:
+        """End the program for a reason; None: the user has ended it."""
+        job = self._job
+        if job is not None and not job.ends:
+            job.ending, job.unwanted = why, why is None
+
+    def wait_ended(self) -> bool:
+        """Wait for the end of the program; return False after `WAIT_S`."""
+        return self._idle.wait(WAIT_S)
+
+    def copy(self, action: CopyProgram) -> None:
+        """Copy the shipped program to the file of the action, unless it exists."""
+        self.put(lambda: self._copy(action))
+
+    # -- the program's thread -----------------------------------------------------------------------
+
+    def _copy(self, action: CopyProgram) -> None:
+        try:
+            if not action.file.exists():
+                action.file.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(SHIPPED, action.file)
+        except OSError as error:
+            text = f"{action.file} cannot be written: {error.strerror}. Make its folder writable."
+            self._report(failed(action.row, "", Refused(Reason.BAD_VALUE, text)))
+        else:
+            self._file = action.file
+            self._report(done(action.row, "", f"{action.file}: copied."))
+
+    def _run(self, job: FaceJob, clear: Callable[[], None]) -> None:
+        row, began_s, self._line = job.action.row, time.monotonic(), ""
+        self._file = self._own if self._own.is_file() else SHIPPED
+        try:
+            clear()
+            self._perform(job)
+            outcome = done(row, "", "Ended.", time.monotonic() - began_s)
+        except BeatrixError as error:
+            outcome = failed(row, "", error)
+        except OSError as error:
+            self._line = str(error)
+            outcome = failed(row, "", Refused(Reason.BAD_VALUE, PROGRAM_FAILED))
+        finally:
+            with self._lock:
+                if self._job is job:
+                    self._job = None
+                    self._idle.set()
+        self._report(outcome)
+
+    def _perform(self, job: FaceJob) -> None:
+        """Run the program until its end; raises the reason why it must end, or its failure."""
+        children = Supervisor(job.environment)
+        try:
+            if not job.ends:
+                child = children.start("program", "--program", str(self._file), *job.action.sides)
+                self._report(accepted(job.action.row, "", "Started.", 0.0))
+                self._watch(job, child)
+        finally:
+            children.end()
+        if job.ending is not None:
+            raise job.ending
+
+    def _watch(self, job: FaceJob, child: Child) -> None:
+        while child.code is None and not job.ends:
+            time.sleep(POLL_S)
+        if job.ends:
+            child.end(END_S)
+            return
+        lines = [line for line in child.lines() if line.strip()]
+        self._line = lines[-1] if lines else ""
+        if child.code:
+            error = failure(self._line)
+            self._line = self._line if error.message == PROGRAM_FAILED else error.message
+            raise error
+
+    def close(self) -> None:
+        """End the program and the thread; returns at once."""
+        self.end(closed())
+        super().close()
+
+
+def failure(line: str) -> BeatrixError:
+    """Return the error that the last line of a program contains, or one that says that it has failed."""
+    try:
+        found = msgspec.json.decode(line, type=Failure)
+    except msgspec.DecodeError:
+        return Refused(Reason.BAD_VALUE, PROGRAM_FAILED)
+    return Refused(found.reason, found.message, found.detail)

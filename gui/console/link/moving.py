@@ -1,0 +1,145 @@
+"""What moves the robots of the shown name: queues of requests, motions of both, plays, and the program for faces.
+
+A newer motion ends what it replaces, and begins when that has ended.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.names import SIDES
+from beatrix_zenoh.settings import Settings
+from gui.console.link.face_program import FaceProgram
+from gui.console.link.outcomes import deselected, failed, replaced, stopped
+from gui.console.link.plans import Plans
+from gui.console.link.playing import Playing
+from gui.console.link.request_queue import RequestQueue
+from gui.console.link.worker import Part
+from gui.console.state import actions
+from gui.console.state.actions import Outcome
+
+Request = (
+    actions.Send | actions.Play | actions.SendCommand | actions.SendLease | actions.Ready | actions.FollowFace
+)
+"""Actions that robots of the shown name answer."""
+
+
+class Moving:
+    """Carries out requests for one robot or both; no method waits for a robot."""
+
+    def __init__(self, report: Callable[[Outcome], None]) -> None:
+        """Start the threads; `report` is called with the outcomes of requests."""
+        self._report = report
+        self._queues = {side: RequestQueue(side, report) for side in SIDES}
+        self.plans, self.playing, self.face = Plans(report), Playing(report), FaceProgram(report)
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """What has threads, in the order in which the link closes it."""
+        return self.playing, self.face, self.plans, *self._queues.values()
+
+    @property
+    def busy(self) -> bool:
+        """Whether robots move, or are about to move, for the link."""
+        programs = bool(self.playing.title) or self.face.progress().running
+        return programs or self.plans.progress() is not None or any(q.busy for q in self._queues.values())
+
+    def request(self, action: Request, twin: Twin, settings: Settings) -> None:
+        """Carry out an action; programs get the robot, the router and the seat of the settings."""
+        sides = (action.side,) if isinstance(action, actions.Ready | actions.SendLease) else action.sides
+        robots = robots_of(twin, sides)
+        if not robots:
+            text = "Neither Simulation nor Hardware is checked. Check one of them."
+            self._report(failed(action.row, "", Refused(Reason.BAD_VALUE, text)))
+            return
+        match action:
+            case actions.Send():
+                self._send(action, twin, robots)
+            case actions.Play():
+                self._clear(robots)
+                self.playing.begin(action, twin if len(robots) > 1 else robots[0], self._cleared_for_play)
+            case actions.FollowFace():
+                self._clear(robots)
+                self.face.begin(action, settings, self._cleared_for_program)
+            case actions.SendCommand(row=row, command=command, value=value):
+                for robot in robots:
+                    self._queues[robot.side].command(row, robot, command, value=value)
+            case actions.SendLease(row=row, action=asked):
+                self._queues[robots[0].side].lease(row, robots[0], asked)
+            case actions.Ready(row=row):
+                self._queues[robots[0].side].make_ready(row, robots[0])
+
+    def make_way(self) -> None:
+        """End what must not run beside a motion that the face itself sends."""
+        self._end_programs()
+        self.plans.drop_trying(replaced())
+        self.plans.drop_leading(replaced())
+        for queue in self._queues.values():
+            queue.replace()
+
+    def drop(self) -> None:
+        """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
+        self.plans.drop(stopped())
+        self.playing.end(stopped())
+        self.face.end(stopped())
+        for queue in self._queues.values():
+            queue.stop()
+
+    def deselect(self) -> None:
+        """End all motions, because the user selects another robot."""
+        self.plans.drop(deselected())
+        self.playing.end(deselected())
+        self.face.end(deselected())
+        for queue in self._queues.values():
+            queue.release()
+
+    def _send(self, action: actions.Send, twin: Twin, robots: tuple[Robot, ...]) -> None:
+        self._end_programs()
+        if len(robots) > 1:
+            for queue in self._queues.values():
+                queue.replace()
+            self.plans.send(action.row, twin, action.query, action.lead_s, self._wait_for_programs)
+            return
+        self.plans.drop_trying(replaced())
+        for robot in robots:
+            self._queues[robot.side].move(
+                action.row,
+                robot,
+                action.query,
+                self._wait_for_programs,
+                lambda: self.plans.drop_leading(replaced()),
+            )
+
+    def _clear(self, robots: tuple[Robot, ...]) -> None:
+        """End what a play or a program of these robots replaces."""
+        for robot in robots:
+            self._queues[robot.side].replace()
+        self.plans.drop_trying(replaced())
+        self._end_programs()
+
+    def _end_programs(self) -> None:
+        self.playing.end(replaced())
+        self.face.end(replaced())
+
+    def _wait_for_programs(self) -> None:
+        self.playing.wait_ended()
+        self.face.wait_ended()
+
+    def _cleared_for_play(self) -> None:
+        """Wait on the thread of a play until no program moves the robots."""
+        self.face.wait_ended()
+        self.plans.drop_leading(replaced())
+
+    def _cleared_for_program(self) -> None:
+        """Wait on the thread of a program until no play moves the robots."""
+        self.playing.wait_ended()
+        self.plans.drop_leading(replaced())
+
+
+def robots_of(twin: Twin, sides: tuple[str, ...]) -> tuple[Robot, ...]:
+    """Return the robots of these sides, the simulation first."""
+    return tuple(robot for robot in (twin.sim, twin.hw) if robot.side in sides)

@@ -1,0 +1,165 @@
+"""The link of the window: gestures, and the program that follows a face, as a child process."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from gui_links import Linked, at_home, look, short
+from robots import END_S, Stage
+
+from beatrix_zenoh.contract._generated.messages import Reason
+from gui.console.link.face_program import SHIPPED
+from gui.console.state.actions import (
+    PROGRAM_FAILED,
+    CopyProgram,
+    EndFollowing,
+    FollowFace,
+    Play,
+    Send,
+    SendStop,
+)
+
+START_S = 60.0
+TURNS = """
+import math, time
+from beatrix_zenoh import Robot
+with Robot() as robot:
+    begin = time.monotonic()
+    while True:
+        robot.look(yaw=20 * math.sin(time.monotonic() - begin), wait=False)
+        time.sleep(0.04)
+"""
+"""A program of a user that turns the head to and fro until it is ended; it needs no eye."""
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The file of the user's own program, in a home folder of this test; it does not exist yet."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    return tmp_path / "beatrix-programs/follow_the_face.py"
+
+
+@pytest.fixture
+def linked(stage: Stage, own: Path) -> Iterator[Linked]:
+    with Linked(stage.endpoint) as made:
+        at_home(made)
+        yield made
+
+
+def write(own: Path, text: str) -> None:
+    own.parent.mkdir()
+    own.write_text(text, encoding="utf-8")
+
+
+def turning(linked: Linked, row: int) -> None:
+    """Start the user's program, and wait until the simulation turns."""
+    linked.do(FollowFace(row, ("sim",)))
+    assert linked.world.face.running
+    linked.until(lambda world: abs(short(world, "sim")) > 3, "the head turns", START_S)
+
+
+def test_the_program_is_copied_once_and_then_it_is_the_one_that_runs(linked: Linked, own: Path) -> None:
+    assert (linked.world.face.file, linked.world.face.own_file, linked.world.face.own) == (
+        SHIPPED,
+        own,
+        False,
+    )
+    linked.do(CopyProgram(1, own))
+    assert linked.end_of(1).accepted
+    assert own.read_text(encoding="utf-8") == SHIPPED.read_text(encoding="utf-8")
+    assert linked.world.face.own
+    own.write_text(TURNS, encoding="utf-8")
+    linked.do(CopyProgram(2, own))
+    assert linked.end_of(2).accepted
+    assert own.read_text(encoding="utf-8") == TURNS
+    turning(linked, 3)
+    linked.do(EndFollowing())
+    assert linked.end_of(3).accepted
+    world = linked.until(
+        lambda world: world.sim.status is not None and not world.sim.status.moving, "the head rests"
+    )
+    assert not world.face.running
+
+
+def test_a_program_that_cannot_be_copied_is_reported(linked: Linked, tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("", encoding="utf-8")
+    linked.do(CopyProgram(1, tmp_path / "taken" / "follow.py"))
+    end = linked.end_of(1)
+    assert (end.accepted, "cannot be written" in end.message) == (False, True)
+
+
+def test_a_newer_motion_or_play_replaces_the_program(linked: Linked, own: Path) -> None:
+    write(own, TURNS)
+    turning(linked, 1)
+    linked.do(Send(2, look(-30), ("sim",)))
+    assert linked.end_of(2, "sim").accepted
+    assert linked.end_of(1).reason is Reason.REPLACED
+    assert short(linked.world, "sim") == pytest.approx(-30, abs=0.2)
+    turning(linked, 3)
+    linked.do(Play(4, ("sim",), gesture="no"))
+    assert linked.end_of(3).reason is Reason.REPLACED
+    assert linked.end_of(4, "sim").accepted
+    assert short(linked.world, "sim") == pytest.approx(0, abs=0.2)
+
+
+def test_stop_ends_the_program(linked: Linked, own: Path) -> None:
+    write(own, TURNS)
+    turning(linked, 1)
+    linked.do(SendStop(2))
+    assert linked.end_of(1).reason is Reason.STOPPED
+    world = linked.until(
+        lambda world: world.sim.status is not None and not world.sim.status.moving, "the head rests"
+    )
+    assert not world.face.running
+
+
+@pytest.mark.parametrize(
+    ("text", "reason", "line"),
+    [
+        ("raise ValueError('no face')", Reason.BAD_VALUE, "ValueError: no face"),
+        ("from beatrix_zenoh import Robot\nRobot().look(yaw=500)", Reason.YAW_LIMIT, "500"),
+        ("from beatrix_zenoh import Robot\nRobot('nobody').positions()", Reason.NO_SUCH_ROBOT, "nobody"),
+    ],
+)
+def test_a_program_that_fails_gives_a_reason_and_its_last_line(
+    linked: Linked, own: Path, text: str, reason: Reason, line: str
+) -> None:
+    write(own, text)
+    linked.do(FollowFace(1, ("sim",)))
+    end = linked.end_of(1, timeout_s=START_S)
+    assert (end.accepted, end.reason) == (False, reason)
+    assert (end.message == PROGRAM_FAILED) == (reason is Reason.BAD_VALUE)
+    assert line in linked.world.face.line
+    assert (end.detail is None) == (reason is Reason.BAD_VALUE)
+
+
+def test_a_program_that_ends_by_itself_is_done(linked: Linked, own: Path) -> None:
+    write(own, "import sys\nprint(sys.argv[1:])")
+    linked.do(FollowFace(1, ("hw", "sim")))
+    assert linked.end_of(1, timeout_s=START_S).accepted
+    assert linked.world.face.line == "['hw', 'sim']"
+
+
+def test_the_program_ends_with_the_link(stage: Stage, own: Path) -> None:
+    write(own, TURNS)
+    with Linked(stage.endpoint) as linked:
+        at_home(linked)
+        turning(linked, 1)
+    assert linked.end_of(1).reason is Reason.SHUTDOWN
+
+
+def test_the_program_ends_when_its_parent_is_killed(tmp_path: Path) -> None:
+    program = tmp_path / "waits.py"
+    program.write_text("import time\nprint('ready', flush=True)\ntime.sleep(100)", encoding="utf-8")
+    command = [sys.executable, "-m", "beatrix_zenoh.cli", "--with-parent", "--program", str(program)]
+    child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    with child:
+        assert child.stdout is not None
+        assert child.stdin is not None
+        assert child.stdout.readline() == b"ready\n"
+        child.stdin.close()  # as the end of the parent does
+        assert child.wait(END_S) != 0

@@ -1,0 +1,179 @@
+"""Gestures and following a face: buttons, requests, refusals and texts, without a network."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from gui_worlds import BOTH, NOT_SIM, NOWHERE, robot, state_after, status, world
+
+from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.client.choreography import GESTURES, load, shipped
+from beatrix_zenoh.contract._generated.messages import CameraStatus, Reason
+from beatrix_zenoh.contract.refusals import not_enabled
+from gui.console.state.actions import (
+    PROGRAM_FAILED,
+    CopyProgram,
+    EndFollowing,
+    FollowFace,
+    Outcome,
+    Play,
+)
+from gui.console.state.intents import (
+    Intent,
+    OpenProgram,
+    PlayGesture,
+    Repeat,
+    SetDestination,
+    SetLanguage,
+    ToggleFollowing,
+)
+from gui.console.state.state import State
+from gui.console.state.world import FaceProgress, World
+
+SHIPPED, OWN = Path("shipped/follow_the_face.py"), Path("beatrix-programs/follow_the_face.py")
+GERMAN = SetLanguage("de")
+
+
+def seeing(side: str, *, connected: bool = True) -> RobotState:
+    """Return a robot with cameras."""
+    cameras = tuple(
+        CameraStatus(eye=eye, connected=connected, streaming=False, hz=0.0, width=0, height=0, source="")
+        for eye in ("left", "right")
+    )
+    return robot(side, known=status(side, cameras=cameras))
+
+
+def faces(*, sim: bool = True, hw: bool = False, running: bool = False, file: Path = SHIPPED) -> World:
+    """Return a world with robots that see, and the program that follows a face."""
+    return world(
+        seeing("sim") if sim else robot("sim"),
+        seeing("hw") if hw else robot("hw"),
+        face=FaceProgress(running, file, OWN, "ValueError: no"),
+    )
+
+
+@pytest.mark.parametrize("gesture", GESTURES)
+@pytest.mark.parametrize(("given", "sides", "lead_s"), [((), ("sim",), 0.0), ((BOTH,), ("sim", "hw"), 2.0)])
+def test_a_press_plays_a_gesture_on_the_checked_robots(
+    gesture: str, given: tuple[Intent, ...], sides: tuple[str, ...], lead_s: float
+) -> None:
+    state = state_after(*given)
+    assert state.handle(PlayGesture(gesture), world()) == [Play(1, sides, lead_s=lead_s, gesture=gesture)]
+    (row,) = state.view(world()).history
+    twin = "twin" if len(sides) > 1 else "twin.sim"
+    assert row.what.startswith(f"gesture: {gesture.capitalize()}")
+    assert row.python.startswith(f"play({twin}, load('{gesture}')")
+    assert row.command_line.startswith(f"beatrix play {gesture} --on ")
+    assert load(gesture) == shipped(gesture)
+
+
+def test_a_gesture_is_repeated_on_the_robots_that_are_checked_then() -> None:
+    state = state_after(PlayGesture("yes"), BOTH)
+    assert state.handle(Repeat(1), world()) == [Play(2, ("sim", "hw"), lead_s=2.0, gesture="yes")]
+
+
+def test_titles_are_in_the_language_of_the_window() -> None:
+    state = state_after(GERMAN, PlayGesture("sleepy"))
+    view = state.view(world(playing="sleepy"))
+    assert (view.history[0].what, view.sending.title) == ("Geste: Müde (Simulation)", "Spielt Müde")
+    assert [button.text for _, button in view.gestures.gestures][:2] == ["Ja", "Nein"]
+
+
+def test_without_a_checked_robot_all_buttons_give_the_reason() -> None:
+    view = state_after(SetDestination("sim", checked=False)).view(faces()).gestures
+    for button in (*(button for _, button in view.gestures), view.follow):
+        assert not button.enabled
+        assert "Check" in button.tooltip
+    assert view.open.enabled
+
+
+def test_a_gesture_without_a_robot_is_refused_beside_the_gestures() -> None:
+    state = State()
+    assert state.handle(PlayGesture("yes"), NOWHERE) == []
+    refusal = state.view(NOWHERE).gestures.refusal
+    assert refusal is not None
+    assert refusal.control == "gestures"
+
+
+@pytest.mark.parametrize(
+    ("given", "now", "sides"),
+    [
+        ((), faces(), ("sim",)),
+        ((BOTH,), faces(), ("sim", "hw")),
+        ((BOTH,), faces(hw=True), ("hw", "sim")),
+        ((BOTH, NOT_SIM), faces(hw=True), ("hw",)),
+    ],
+)
+def test_the_hardware_sees_if_it_moves_and_has_an_eye(
+    given: tuple[Intent, ...], now: World, sides: tuple[str, ...]
+) -> None:
+    state = state_after(*given)
+    assert state.handle(ToggleFollowing(), now) == [FollowFace(1, sides)]
+
+
+@pytest.mark.parametrize(
+    ("given", "now"),
+    [
+        ((), faces(sim=False)),
+        ((), world(seeing("sim", connected=False))),
+        ((BOTH,), faces(sim=False)),
+        ((BOTH, NOT_SIM), faces()),
+    ],
+)
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_a_robot_without_a_working_eye_follows_no_face(
+    given: tuple[Intent, ...], now: World, language: str
+) -> None:
+    state = state_after(*given, SetLanguage(language))
+    assert state.handle(ToggleFollowing(), now) == []
+    refusal = state.view(now).gestures.refusal
+    assert refusal is not None
+    assert ("eye" if language == "en" else "Auge") in refusal.text
+
+
+def test_a_second_press_ends_the_program_even_if_no_robot_is_checked() -> None:
+    state, now = state_after(SetDestination("sim", checked=False)), faces(running=True)
+    view = state.view(now).gestures
+    assert (view.following, view.follow.enabled) == (True, True)
+    assert state.handle(ToggleFollowing(), now) == [EndFollowing()]
+
+
+def test_the_program_of_the_user_is_named_while_it_runs_and_while_it_waits() -> None:
+    state = State()
+    assert state.view(faces()).gestures.note == ""
+    assert str(OWN) in state.view(faces(file=OWN)).gestures.note
+    assert str(OWN) in state.view(faces(running=True, file=OWN)).gestures.note
+    assert str(SHIPPED) not in state.view(faces(running=True)).gestures.note
+
+
+def test_opening_the_program_copies_it_and_the_history_shows_the_path() -> None:
+    state, now = State(), faces()
+    assert state.handle(OpenProgram(), now) == [CopyProgram(1, OWN)]
+    state.report(Outcome(1, "", accepted=True, done=True))
+    assert str(OWN) in state.view(now).history[0].what
+    assert str(OWN) in state.view(now).last
+    assert state.handle(Repeat(1), NOWHERE) == [CopyProgram(2, OWN)]
+
+
+@pytest.mark.parametrize(("language", "word"), [("en", "failed"), ("de", "gescheitert")])
+def test_a_failed_program_is_a_sentence_and_its_last_line_a_detail(language: str, word: str) -> None:
+    state, now = state_after(SetLanguage(language)), faces()
+    state.handle(ToggleFollowing(), now)
+    reason = Reason.BAD_VALUE
+    state.report(Outcome(1, "", accepted=True, done=False))
+    state.report(Outcome(1, "", accepted=False, done=True, reason=reason, message=PROGRAM_FAILED))
+    view = state.view(now)
+    assert word in view.history[0].result
+    assert "ValueError" not in view.history[0].result + view.last
+    assert "ValueError" in view.gestures.details
+
+
+def test_a_refusal_of_the_robot_ends_the_program_in_the_language_of_the_window() -> None:
+    state, now, refused = state_after(GERMAN), faces(), not_enabled()
+    state.handle(ToggleFollowing(), now)
+    end = Outcome(1, "", accepted=True, done=False)
+    state.report(end)
+    state.report(replace(end, accepted=False, done=True, reason=refused.reason, detail=refused.detail))
+    assert "Motoren" in state.view(now).history[0].result
