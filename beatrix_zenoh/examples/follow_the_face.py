@@ -18,6 +18,7 @@ GAIN = 3.0  # 1/s: how fast the head turns, for each degree that is missing
 FASTEST = 28.0  # deg/s
 REACH_YAW, REACH_PITCH = 60.0, 18.0  # deg: the head turns no further
 VIEW = 60.0  # deg from the top to the bottom of a picture
+LOST = 2.0  # s without a person, after which the head looks straight ahead
 PATIENCE = 5.0  # s without a picture, after which the program ends
 
 
@@ -35,12 +36,13 @@ def find_face(picture):
 
 
 def find_cap(picture):
-    """Return column and row of the magenta cap that the person of the simulation wears, or None."""
+    """Return column and row of the face below a magenta cap, as the person of the simulation wears one, or None."""
     red, green, blue = (picture[..., i].astype(int) for i in range(3))
     rows, columns = np.nonzero((red > 100) & (green < 60) & (blue > 60) & (red > blue + 30))
     if len(rows) < red.size / 2000:  # less is something else
         return None
-    return np.median(columns), np.median(rows)  # a few pixels of something else do not move the median
+    below = 0.8 * math.sqrt(len(rows))  # the face is below the cap
+    return np.median(columns), np.median(rows) + below  # a few other pixels do not move the median
 
 
 def find_person(picture):
@@ -82,7 +84,9 @@ def follow(robots):
     """Turn the heads of all robots after the person that the first one sees."""
     with robots[0].stream() as positions, robots[0].camera("left", timeout_s=PATIENCE) as pictures:
         readings = deque([positions.next()], maxlen=200)
-        last, (yaw, pitch, _) = readings[0].t, readings[0].head
+        last = seen_at = readings[0].t
+        yaw, pitch, _ = readings[0].head
+        goal = yaw, pitch
         for image in pictures:
             readings.extend(positions.take())
             t = image.t_mono_ns / 1e9
@@ -92,8 +96,12 @@ def follow(robots):
                 times = [reading.t for reading in readings]
                 head_yaw = np.interp(t, times, [reading.head.yaw for reading in readings])
                 head_pitch = np.interp(t, times, [reading.head.pitch for reading in readings])
-                yaw += step(within(REACH_YAW, head_yaw + seen[0]) - yaw, dt)
-                pitch += step(within(REACH_PITCH, head_pitch + seen[1]) - pitch, dt)
+                seen_at = t
+                goal = within(REACH_YAW, head_yaw + seen[0]), within(REACH_PITCH, head_pitch + seen[1])
+            elif t - seen_at > LOST:
+                goal = 0.0, 0.0
+            yaw += step(goal[0] - yaw, dt)
+            pitch += step(goal[1] - pitch, dt)
             for robot in robots:
                 robot.look(yaw=yaw, pitch=pitch, wait=False)
 

@@ -19,6 +19,7 @@ from gui.console.state.actions import (
     EndFollowing,
     FollowFace,
     Play,
+    Select,
     Send,
     SendStop,
 )
@@ -115,6 +116,31 @@ def test_stop_ends_the_program(linked: Linked, own: Path) -> None:
         lambda world: world.sim.status is not None and not world.sim.status.moving, "the head rests"
     )
     assert not world.face.running
+
+
+def test_stop_of_another_seat_ends_the_program_and_names_the_seat(
+    stage: Stage, linked: Linked, own: Path
+) -> None:
+    write(own, TURNS)
+    turning(linked, 1)
+    with Linked(stage.endpoint, who="ben") as other:
+        other.online("sim")
+        other.do(SendStop(1))
+        assert other.end_of(1, "sim").accepted
+        end = linked.end_of(1)
+    assert (end.reason, end.detail and end.detail.presser) == (Reason.STOPPED, "ben")
+
+
+def test_the_loss_of_the_robot_ends_the_program(stage: Stage, linked: Linked, own: Path) -> None:
+    simulation = stage.process("sim_node", "--name", "gone", "--connect", stage.endpoint, "--ready")
+    simulation.expect("ready")
+    write(own, TURNS)
+    linked.do(Select("gone"))
+    linked.online("sim")
+    turning(linked, 1)
+    simulation.end()
+    end = linked.end_of(1)
+    assert (end.accepted, end.message == PROGRAM_FAILED) == (False, False), end
 
 
 @pytest.mark.parametrize(
