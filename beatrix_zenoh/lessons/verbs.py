@@ -38,7 +38,7 @@ LABELS = {
 HEADS = ("lesson", "title", "minutes", "level", "needs", "state")
 LESSON = "`beatrix lesson"
 WIDTH = 100
-"""Length of a line of a hint (characters)."""
+"""Longest line of a hint or an explanation (characters)."""
 
 lesson = typer.Typer(
     name="lesson",
@@ -63,6 +63,14 @@ LatestNumber = Annotated[
         metavar="[N]", min=1, help="Number of the lesson; default: the one whose program was saved last."
     ),
 ]
+
+
+def _filled(text: str, indent: str = "") -> str:
+    """Return a text in lines that fit into the terminal, each after `indent`."""
+    width = min(WIDTH, shutil.get_terminal_size().columns)
+    return textwrap.fill(
+        " ".join(text.split()), width, initial_indent=indent, subsequent_indent=indent, break_long_words=False
+    )
 
 
 def _shown(path: Path) -> Path:
@@ -133,6 +141,7 @@ def list_lessons(as_json: Json = False) -> None:
             ],
         )
     )
+    note(f"Levels: S schools (from 14 years), U universities. Start one: {LESSON} start {found[0].number}`.")
 
 
 def _state(record: Record | None) -> str:
@@ -285,13 +294,13 @@ def _print(found: Lesson, verdict: Verdict, record: Record) -> None:
         say(further.format(number=found.number))
         return
     if verdict.result is Result.NOT_MEASURABLE:
-        say(verdict.means)
+        say(_filled(verdict.means))
         return
     say(not_yet.format(title=found.title, tries=record.tries))
     width = max(len(asked), len(wrong))
     say(f"  {asked:<{width}}  {verdict.asked}")
     say(f"  {wrong:<{width}}  {verdict.found}")
-    say(f"  {verdict.means}")
+    say(_filled(verdict.means, "  "))
     if verdict.hint:
         say(f"  {hint}: beatrix lesson hint {found.number}")
 
@@ -315,7 +324,7 @@ def hint(number: LatestNumber = None) -> None:
         workspace.save()
         reporting.report(found.name, record)
     text = f"{LABELS[found.language][4]} {chosen}/{len(found.hints)}: {found.hints[chosen - 1]}"
-    say(textwrap.fill(" ".join(text.split()), min(WIDTH, shutil.get_terminal_size().columns)))
+    say(_filled(text))
 
 
 @lesson.command()

@@ -229,6 +229,15 @@ def test_an_endless_function_ends_the_check(function: str, monkeypatch: pytest.M
     assert "Your function double" in document["found"]
 
 
+def test_an_explanation_fits_into_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    good("start", "1")
+    START.write_text("def twice(x):\n    return 2 * x\n")
+    explained = [line for line in checked("1").stdout.splitlines()[3:] if "Hint:" not in line]
+    assert len(explained) > 1
+    assert all(line.startswith("  ") and len(line) <= 40 for line in explained)
+
+
 def test_tries_at_one_figure_are_counted() -> None:
     good("start", "1")
     for _ in range(3):
