@@ -98,6 +98,7 @@ def main() -> None:
         "bench_following.py",
         "bench_twin.py",
         "bench_window.py",
+        "bench_head3d.py",
         "bench_classroom.py",
     ):
         console.print(f"\n{script}")

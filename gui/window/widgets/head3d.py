@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
@@ -24,7 +25,16 @@ from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
 from gui.window.widgets.controls import Check
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, picked
-from gui.window.widgets.head3d_paint import Marks, paint_ground, paint_marks, paint_robots, same
+from gui.window.widgets.head3d_paint import (
+    GHOST,
+    Marks,
+    apart,
+    paint_ghost,
+    paint_marks,
+    paint_robot,
+    rounded,
+    same,
+)
 from gui.window.widgets.head3d_scene import Camera, Screen
 from gui.window.widgets.head_pad import COARSE_DEG, KEYS
 
@@ -57,7 +67,7 @@ class Head3d(QWidget):
         self._drag: Drag | None = None
         self._orbit: QPointF | None = None
         self._over: Part | None = None
-        self._layer: tuple[object, QImage] | None = None
+        self._pictures: dict[str, tuple[object, QImage]] = {}
         self._live = QTimer(self)
         self._live.setInterval(LIVE_MS)
         self._live.timeout.connect(lambda: self.intent.emit(LiveHead()))
@@ -82,7 +92,7 @@ class Head3d(QWidget):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
         self._style = style_of(theme)
-        self._layer = None
+        self._pictures.clear()
         self.update()
 
     def show_view(self, view: HeadView) -> None:
@@ -199,7 +209,7 @@ class Head3d(QWidget):
             if view is None:
                 painter.fillRect(self.rect(), Qt.GlobalColor.transparent)
                 return
-            painter.drawImage(QPoint(0, 0), self._robots(view))
+            self._paint_robots(painter, view)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             part = self._over if self._drag is None else self._drag.part
             marks = Marks(view, self.screen3d, self._style, part, dragged=self._drag is not None)
@@ -207,21 +217,35 @@ class Head3d(QWidget):
         finally:
             painter.end()  # Qt aborts if a painter stays active after an error
 
-    def _robots(self, view: HeadView) -> QImage:
-        """Return the picture without target and marks; it is kept while nothing in it changes."""
+    def _paint_robots(self, painter: QPainter, view: HeadView) -> None:
+        """Draw the hardware, and the simulation as a translucent ghost; the simulation alone is solid.
+
+        Each picture is kept while its robot rests.
+        """
+        screen, style = self.screen3d, self._style
+        solid = view.sim if view.hw is None else view.hw
+        painter.drawImage(
+            QPoint(0, 0),
+            self._picture("solid", solid, lambda image: paint_robot(image, solid, screen, style)),
+        )
+        ghost = view.sim
+        if ghost is not None and view.hw is not None and apart(ghost, view.hw):
+            image = self._picture("ghost", ghost, lambda image: paint_ghost(image, ghost, screen, style))
+            painter.setOpacity(GHOST)
+            painter.drawImage(QPoint(0, 0), image)
+            painter.setOpacity(1.0)
+
+    def _picture(self, name: str, head: HeadOrientation | None, paint: Callable[[QImage], None]) -> QImage:
         ratio = self.devicePixelRatioF()
-        key = (view.sim and _rounded(view.sim), view.hw and _rounded(view.hw), self.screen3d, ratio)
-        if self._layer is None or self._layer[0] != key:
-            image = QImage(self.size() * ratio, QImage.Format.Format_ARGB32_Premultiplied)
-            image.setDevicePixelRatio(ratio)
-            paint_ground(image, self.screen3d, self._style)
-            paint_robots(image, view, self.screen3d, self._style)
-            self._layer = key, image
-        return self._layer[1]
-
-
-def _rounded(head: HeadOrientation) -> tuple[float, ...]:
-    return tuple(round(angle, 1) for angle in (head.yaw, head.pitch, head.roll))
+        key = (None if head is None else rounded(head), self.screen3d, ratio)
+        known = self._pictures.get(name)
+        if known is not None and known[0] == key:
+            return known[1]
+        image = QImage(self.size() * ratio, QImage.Format.Format_ARGB32_Premultiplied)
+        image.setDevicePixelRatio(ratio)
+        paint(image)
+        self._pictures[name] = key, image
+        return image
 
 
 class Head3dPanel(QWidget):

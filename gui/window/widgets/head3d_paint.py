@@ -22,7 +22,7 @@ from gui.window.widgets.head3d_drag import CROWN, EARS, FLOOR, NOSE, Part, on_sc
 from gui.window.widgets.head3d_scene import Drawing, Screen, draw, hull
 from gui.window.widgets.head3d_shape import BASE, HEAD, Floats, meshes, turns
 
-GHOST: Final = 0.5
+GHOST: Final = 0.42
 """Opacity of the simulation beside the hardware."""
 TINT: Final = 0.4
 """Share of the robot's colour in each colour of the ghost."""
@@ -47,13 +47,23 @@ def _figure() -> Figure:
     return Figure()
 
 
+def rounded(head: HeadOrientation) -> tuple[float, float, float]:
+    """Return yaw, pitch and roll to a tenth of a degree, less than a pixel."""
+    return round(head.yaw, 1), round(head.pitch, 1), round(head.roll, 1)
+
+
 def same(one: HeadView, other: HeadView) -> bool:
     """Return whether two views make the same picture, to a tenth of a degree."""
 
     def drawn(view: HeadView) -> tuple[object, ...]:
         heads = (view.target, view.sim, view.hw)
-        rounded = [at and tuple(round(angle, 1) for angle in (at.yaw, at.pitch, at.roll)) for at in heads]
-        return (*rounded, view.tilt_max, view.yaw_max, view.drag.refused, view.drag.border)
+        return (
+            *(at and rounded(at) for at in heads),
+            view.tilt_max,
+            view.yaw_max,
+            view.drag.refused,
+            view.drag.border,
+        )
 
     return drawn(one) == drawn(other)
 
@@ -68,8 +78,8 @@ def apart(one: HeadOrientation | None, other: HeadOrientation | None) -> bool:
 # -- the robots -------------------------------------------------------------------------------------
 
 
-def paint_ground(image: QImage, screen: Screen, style: Style) -> None:
-    """Fill the picture with the ground, and draw the ring under the robot with a mark ahead."""
+def paint_robot(image: QImage, head: HeadOrientation | None, screen: Screen, style: Style) -> None:
+    """Draw the ground, the ring under the robot with an arrow ahead, and a robot; None: no robot."""
     image.fill(QColor(style.field))
     painter = QPainter(image)
     try:
@@ -78,33 +88,24 @@ def paint_ground(image: QImage, screen: Screen, style: Style) -> None:
         for radius, colour, width in ((RING, style.line, 2.0), (RING * 1.25, style.line, 1.0)):
             ring = np.column_stack((np.cos(turn) * radius, np.sin(turn) * radius, np.full(49, FLOOR)))
             painter.setPen(QPen(QColor(colour), width))
-            painter.setBrush(QColor(style.panel) if radius == RING else Qt.BrushStyle.NoBrush)
             painter.drawPolyline(_polygon(screen.place(ring)[:, :2]))
-        ahead = np.array([(1.25, 0.0), (1.4, 0.10), (1.4, -0.10)]) * RING
-        arrow = screen.place(np.column_stack((ahead, np.full(3, FLOOR))))[:, :2]
+        ahead = np.array([(1.4, 0.10), (1.25, 0.0), (1.4, -0.10)]) * RING
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(style.edge))
-        painter.drawPolygon(_polygon(arrow[[1, 0, 2]]))
+        painter.drawPolygon(_polygon(screen.place(np.column_stack((ahead, np.full(3, FLOOR))))[:, :2]))
+        if head is not None:
+            _paint(painter, _drawing(head, screen))
     finally:
         painter.end()
 
 
-def paint_robots(image: QImage, view: HeadView, screen: Screen, style: Style) -> None:
-    """Draw the hardware, and the simulation as a translucent ghost; the simulation alone is solid."""
-    solid = view.sim if view.hw is None else view.hw
-    if solid is None:
-        return
-    _paint(image, _drawing(solid, screen))
-    if view.hw is None or view.sim is None or not apart(view.sim, view.hw):
-        return
-    ghost = QImage(image.size(), QImage.Format.Format_ARGB32_Premultiplied)
-    ghost.setDevicePixelRatio(image.devicePixelRatio())
-    ghost.fill(Qt.GlobalColor.transparent)
-    _paint(ghost, _tinted(_drawing(view.sim, screen, base=False), QColor(style.sim)))
+def paint_ghost(image: QImage, head: HeadOrientation, screen: Screen, style: Style) -> None:
+    """Draw head and arms in the colour of the simulation on a transparent picture."""
+    image.fill(Qt.GlobalColor.transparent)
     painter = QPainter(image)
     try:
-        painter.setOpacity(GHOST)
-        painter.drawImage(QPointF(0, 0), ghost)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        _paint(painter, _tinted(_drawing(head, screen, base=False), QColor(style.sim)))
     finally:
         painter.end()
 
@@ -142,19 +143,14 @@ def _polygon(points: Floats) -> QPolygonF:
     return polygon
 
 
-def _paint(image: QImage, drawing: Drawing) -> None:
-    painter = QPainter(image)
-    try:
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(Qt.PenStyle.NoPen)
-        corners, last = _polygon(drawing.corners.reshape(-1, 2)), -1
-        for face, colour in enumerate(drawing.colours.tolist()):
-            if colour != last:
-                painter.setBrush(_brush(colour))
-                last = colour
-            painter.drawConvexPolygon(corners.mid(4 * face, 4))
-    finally:
-        painter.end()
+def _paint(painter: QPainter, drawing: Drawing) -> None:
+    painter.setPen(Qt.PenStyle.NoPen)
+    corners, last = _polygon(drawing.corners.reshape(-1, 2)), -1
+    for face, colour in enumerate(drawing.colours.tolist()):
+        if colour != last:
+            painter.setBrush(_brush(colour))
+            last = colour
+        painter.drawConvexPolygon(corners.mid(4 * face, 4))
 
 
 # -- target, handles and limits ---------------------------------------------------------------------
@@ -205,11 +201,12 @@ def _paint_border(painter: QPainter, marks: Marks) -> None:
     """Draw where the crown of the head may be; it glows where the target is near it or beyond."""
     border = marks.view.drag.border
     count = len(border)
-    points = np.empty((count, 2))
+    crowns, yaw = [], marks.view.target.yaw
     for k, lean in enumerate(border):
         turn = math.tau * k / count
-        head = HeadOrientation(marks.view.target.yaw, lean * math.sin(turn), lean * math.cos(turn))
-        points[k] = on_screen(marks.screen, head, CROWN)[:2]
+        rows = turned(HeadOrientation(yaw, lean * math.sin(turn), lean * math.cos(turn)))
+        crowns.append([row[2] * CROWN[2] for row in rows])  # the crown is on the axis z of the head
+    points = marks.screen.place(np.array(crowns))[:, :2]
     painter.setBrush(Qt.BrushStyle.NoBrush)
     painter.setPen(QPen(QColor(marks.style.edge), 1.5, Qt.PenStyle.DashLine))
     painter.drawPolygon(_polygon(points))

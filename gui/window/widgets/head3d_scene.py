@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -25,8 +26,8 @@ SHADES: Final = 24
 """Number of steps from black to the full colour."""
 OVERLAP_PX: Final = 0.7
 """By how much each face is enlarged, so that no ground shows between neighbours."""
-SLIVER_PX2: Final = 0.4
-"""Twice the area of the smallest face that is drawn."""
+HULL: Final = 60
+"""Number of directions of an outline."""
 Whole = npt.NDArray[np.int64]
 
 
@@ -40,13 +41,12 @@ class Camera:
     """above the horizontal"""
     zoom: float = 1.0
 
-    @property
+    @cached_property
     def axes(self) -> Floats:
         """Rows: right, up, and towards the viewer, in the robot's frame."""
         a, e = math.radians(self.azimuth), math.radians(self.elevation)
-        back = np.array((math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)))
-        right = np.array((-math.sin(a), math.cos(a), 0.0))
-        return np.stack((right, np.cross(back, right), back))
+        ca, sa, ce, se = math.cos(a), math.sin(a), math.cos(e), math.sin(e)
+        return np.array(((-sa, ca, 0.0), (-se * ca, -se * sa, ce), (ce * ca, ce * sa, se)))
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Screen:
         Returns:
             (n, 3): x to the right and y down (px), and the nearness to the viewer (m), 0 in the middle.
         """
-        seen = (points - np.array(LOOKED_AT)) @ self.camera.axes.T
+        seen = _turned(points - np.array(LOOKED_AT), self.camera.axes)
         size = self.scale * AWAY / np.maximum(AWAY - seen[:, 2], 0.05)
         x = self.width / 2 + seen[:, 0] * size
         y = self.height / 2 - seen[:, 1] * size
@@ -93,21 +93,36 @@ def draw(meshes: tuple[Mesh, ...], turns: dict[str, Floats], screen: Screen) -> 
         turns: rotation of each body, as from `head3d_shape.turns`.
         screen: camera and size of the picture.
     """
-    light = np.array(LIGHT) / np.linalg.norm(LIGHT) @ screen.camera.axes
+    axes = screen.camera.axes
+    light = np.array(LIGHT) / np.linalg.norm(LIGHT) @ axes
+    viewer = np.array(LOOKED_AT) + axes[2] * AWAY
     found, depths, colours = [], [], []
     for mesh in meshes:
         turn = turns[mesh.body]
-        at = screen.place((mesh.corners.reshape(-1, 3)) @ turn.T).reshape(-1, 4, 3)
-        across, along = at[:, 2] - at[:, 0], at[:, 3] - at[:, 1]
-        front = across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0] < -SLIVER_PX2  # because y is down
-        found.append(at[front])
-        depths.append(at[front, :, 2].mean(axis=1) + mesh.lifts[front])
-        colours.append(_shaded(mesh.colours[front], mesh.normals[front] @ (light @ turn)))
+        front = _times(viewer @ turn - mesh.centres, mesh.normals) > 0
+        at = screen.place(_turned(mesh.corners[front].reshape(-1, 3), turn)).reshape(-1, 4, 3)
+        found.append(at)
+        depths.append(at[..., 2].mean(axis=1) + mesh.lifts[front])
+        colours.append(_shaded(mesh.colours[front], _turned(mesh.normals[front], (light @ turn)[None])[:, 0]))
     order = np.argsort(np.concatenate(depths), kind="stable")
     corners = np.concatenate(found)[order, :, :2]
     away = corners - corners.mean(axis=1, keepdims=True)
     length = np.maximum(np.hypot(away[..., 0], away[..., 1]), 1e-6)[..., None]
     return Drawing(corners + away / length * OVERLAP_PX, np.concatenate(colours)[order])
+
+
+def _turned(vectors: Floats, rows: Floats) -> Floats:
+    """Return the products of vectors, (n, 3), with some rows, (m, 3): (n, m).
+
+    `@` would wake the threads of the library for linear algebra, which take more time than these small products.
+    """
+    products: Floats = np.einsum("ij,kj->ik", vectors, rows)
+    return products
+
+
+def _times(one: Floats, other: Floats) -> Floats:
+    products: Floats = np.einsum("ij,ij->i", one, other)
+    return products
 
 
 def _shaded(colours: Floats, bright: Floats) -> Whole:
@@ -120,19 +135,12 @@ def _shaded(colours: Floats, bright: Floats) -> Whole:
 
 
 def hull(points: Floats) -> Floats:
-    """Return the convex hull of points, (n, 2), as the corners of a polygon."""
-    order = points[np.lexsort((points[:, 1], points[:, 0]))]
+    """Return the corners of the convex hull of points, (n, 2), without those that differ little from their neighbours.
 
-    def chain(sequence: Floats) -> list[Floats]:
-        found: list[Floats] = []
-        for point in sequence:
-            while len(found) > 1 and _turn(found[-2], found[-1], point) <= 0:
-                found.pop()
-            found.append(point)
-        return found[:-1]
-
-    return np.array(chain(order) + chain(order[::-1]))
-
-
-def _turn(a: Floats, b: Floats, c: Floats) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    They are the furthest points in HULL directions.
+    """
+    turn = np.arange(HULL) / HULL * math.tau
+    away = np.outer(points[:, 0], np.cos(turn)) + np.outer(points[:, 1], np.sin(turn))
+    furthest = away.argmax(axis=0)
+    corners: Floats = points[furthest[furthest != np.roll(furthest, 1)]]
+    return corners

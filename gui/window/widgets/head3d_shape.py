@@ -25,13 +25,17 @@ SIDES_OF_BAR: Final = 6
 SIDES_OF_THIN_BAR: Final = 4
 SIDES_OF_CYLINDER: Final = 16
 THIN: Final = 0.003
-"""Radius (m) below which a bar has fewer sides, and no ends."""
+"""Radius (m) below which a bar has fewer sides. Bars have no ends, because they end in other parts."""
+PIN: Final = 0.006
+"""Radius (m) below which a cylinder has as few sides as a bar."""
 WIDE: Final = 0.03
 """Radius (m) from which the ends of a cylinder are fans of triangles."""
 SMALL: Final = 0.025
 """Largest half axis (m) below which an ellipsoid has fewer faces."""
-FINENESS: Final = {True: (12, 6), False: (22, 14)}
-"""Faces around and from bottom to top, for small and other ellipsoids."""
+FINENESS: Final = {"small": (12, 6), "large": (20, 12), "angular": (30, 14)}
+"""Faces around and from bottom to top of ellipsoids."""
+ANGULAR: Final = 0.7
+"""Roundness below which an ellipsoid needs more faces."""
 HALVINGS: Final = 12
 LIFT: Final = 0.006
 """By how much (m) the parts on the skull count as nearer when faces are sorted; the last ones twice as much."""
@@ -45,6 +49,8 @@ class Mesh:
     """name as in `Figure.rotations`: the last part of the path"""
     corners: Floats
     """(m, 4, 3), in m, counter-clockwise seen from outside; a triangle repeats its last corner"""
+    centres: Floats
+    """(m, 3), in m"""
     normals: Floats
     """(m, 3), unit vectors"""
     colours: Floats
@@ -83,7 +89,7 @@ def _mesh(name: str, solids: list[Solid]) -> Mesh:
     at = np.concatenate(corners)
     normals = np.cross(at[:, 2] - at[:, 0], at[:, 3] - at[:, 1])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    return Mesh(name, at, normals, np.concatenate(colours), np.concatenate(lifts))
+    return Mesh(name, at, at.mean(axis=1), normals, np.concatenate(colours), np.concatenate(lifts))
 
 
 def _cut(points: Floats, faces: Numbers, inside: Flags, other: Solid) -> Floats:
@@ -118,10 +124,10 @@ def _surface(solid: Solid) -> tuple[Floats, Numbers]:
         return _ellipsoid(solid)
     radius, length = solid.size
     if solid.form is Form.CYLINDER:
-        return _tube(radius, (-length / 2, length / 2), SIDES_OF_CYLINDER)
-    thin = radius < THIN
-    sides = SIDES_OF_THIN_BAR if thin else SIDES_OF_BAR
-    return _tube(radius, (-radius / 2, length + radius / 2), sides, closed=not thin)
+        sides = SIDES_OF_CYLINDER if radius > PIN else SIDES_OF_BAR
+        return _tube(radius, (-length / 2, length / 2), sides)
+    sides = SIDES_OF_THIN_BAR if radius < THIN else SIDES_OF_BAR
+    return _tube(radius, (-radius / 2, length + radius / 2), sides, closed=False)
 
 
 def _tube(
@@ -144,7 +150,8 @@ def _tube(
 
 def _ellipsoid(solid: Solid) -> tuple[Floats, Numbers]:
     """Return a superquadric: `roundness` 1 is an ellipsoid, towards 0 it becomes a box."""
-    around, high = FINENESS[max(solid.size) < SMALL]
+    kind = "small" if max(solid.size) < SMALL else "angular" if solid.roundness < ANGULAR else "large"
+    around, high = FINENESS[kind]
     u = np.arange(around) / around * math.tau
     v = (np.arange(1, high) / high - 0.5) * math.pi
     e = solid.roundness
