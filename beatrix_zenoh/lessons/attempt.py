@@ -279,7 +279,10 @@ class Attempt:
             try:
                 self._wait(run, stage, seconds)
             except Unmet as unmet:
-                if unmet.figure in ("runs", "uncaught") and not OWN_ERROR.match(str(unmet.values["error"])):
+                if unmet.figure == "ends":
+                    self._judge(stage, run)
+                    self.doubt = ""  # short gaps do not make a program endless
+                elif unmet.figure in ("runs", "uncaught") and not OWN_ERROR.match(str(unmet.values["error"])):
                     self._judge(stage, run)  # the robot may have stopped because this computer was busy
                 raise
             return self._judge(stage, run)

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import cast
+from dataclasses import replace
+from pathlib import Path
+from typing import ClassVar, cast
 
 import numpy as np
 import pytest
 
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Phase, Reason
+from beatrix_zenoh.lessons import attempt
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
 from beatrix_zenoh.lessons.lesson import find
-from beatrix_zenoh.lessons.stage import SEAT
+from beatrix_zenoh.lessons.program import Program
+from beatrix_zenoh.lessons.stage import SEAT, Stage
+from beatrix_zenoh.lessons.unmet import NotMeasurable, busy
 
 PERIOD_S, MOTION_S = 0.02, 0.4
 NODS = [(0.0, pitch, 0.0) for pitch in (15, -5, 15, -5, 0)]
@@ -54,6 +59,52 @@ def figure(number: int, seen: Seen) -> str:
     except Unmet as unmet:
         return unmet.figure
     return ""
+
+
+class EndlessRun:
+    """A program that does not end."""
+
+    running, seconds, began_ns = True, 99.0, 0
+    output: ClassVar[list[str]] = []
+
+    def __init__(self, *_arguments: object) -> None: ...
+    def close(self) -> None: ...
+
+
+class FakeStage:
+    """A stage whose only robot publishes nothing new; `seen` is what it has shown, None: the computer was too busy."""
+
+    names, path, robot_file = ("bea",), "still", None
+    endpoint = ""
+
+    def __init__(self, seen: Seen | None) -> None:
+        self._seen, self.watches = seen, {"bea": self}
+
+    def tidy(self) -> None: ...
+    def begin(self) -> None: ...
+
+    def end(self, *_arguments: object) -> Seen:
+        if self._seen is None:
+            raise busy("For 2126 ms there was no position.")
+        return self._seen
+
+
+@pytest.mark.parametrize(
+    ("seen", "error"),
+    [
+        (drawn([]), Unmet),
+        (replace(drawn([]), doubt="For 120 ms there was no position."), Unmet),
+        (None, NotMeasurable),
+    ],
+)
+def test_a_program_that_does_not_end_is_excused_only_by_a_computer_that_stood_still(
+    seen: Seen | None, error: type[Exception], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(attempt, "Run", EndlessRun)
+    tried = Attempt(Program(tmp_path / "start.py", ""), limit_s=40, stage=cast("Stage", FakeStage(seen)))
+    with pytest.raises(error), tried:
+        tried.observe()
+    assert not tried.doubt
 
 
 @pytest.mark.parametrize(
