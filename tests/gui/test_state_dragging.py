@@ -132,3 +132,18 @@ def test_a_refused_target_keeps_its_place_and_reason_until_the_user_aims_again()
     assert drag.reason == "too far"
     state.handle(AimHead(10.0, 30.0, 6.0), world())
     assert state.view(world()).head.drag.refused is None
+
+
+@pytest.mark.parametrize(
+    ("reason", "ends"), [(Reason.NOT_ENABLED, True), (Reason.ARM_GAP, False), (Reason.REPLACED, False)]
+)
+def test_live_ends_at_a_refusal_that_the_next_target_would_meet_again(reason: Reason, ends: bool) -> None:
+    state = state_after(LIVE, GrabHead(), AimHead(5.0, 0.0, 0.0), LiveHead())
+    refused(state, None, reason, "The motors are off.")
+    state.handle(AimHead(6.0, 0.0, 0.0), world())
+    assert bool(state.handle(LiveHead(), world())) is not ends
+    assert (state.view(world()).head.refusal is not None) is ends  # it stays while the user drags on
+    for intent in (ReleaseHead(), GrabHead(), AimHead(7.0, 0.0, 0.0)):
+        state.handle(intent, world())
+    assert state.view(world()).head.refusal is None
+    assert sent(state.handle(LiveHead(), world())).sides == ("sim",)

@@ -10,7 +10,7 @@ from beatrix_zenoh.client.degrees import head_angles, pose_query
 from beatrix_zenoh.contract._generated.messages import Head, PoseQuery, Reason
 from beatrix_zenoh.motion.limits.region import border, reach
 from gui.console.state import motions
-from gui.console.state.actions import Action, Send
+from gui.console.state.actions import Action, Outcome, Send
 from gui.console.state.intents import EmergencyStop, GrabHead, Intent, LiveHead, Stop
 from gui.console.state.memory import Memory
 from gui.console.state.presence import unreachable
@@ -22,6 +22,8 @@ WITHIN_DEG = 0.1
 """How far inside the border the simulation stays that follows a target beyond it."""
 STOPPED = 0
 """`Memory.live_row` after a STOP: nothing is sent before the next drag."""
+REFUSED = -1
+"""`Memory.live_row` after a refusal that further targets would meet again: Live sends nothing before the next drag."""
 REASONS = {
     Reason.OUT_OF_REACH: "refused.tilt",
     Reason.ARM_GAP: "refused.gap",
@@ -54,9 +56,12 @@ def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
         memory.live_row = None
         return []
     if isinstance(intent, LiveHead):
-        return _follow(memory, world) if memory.choices.live and memory.live_row != STOPPED else []
-    target = memory.choices.target
-    if target is None or memory.live_row == STOPPED or not memory.choices.send_on_release:
+        ended = memory.live_row in (STOPPED, REFUSED)
+        return _follow(memory, world) if memory.choices.live and not ended else []
+    target, ended = memory.choices.target, memory.live_row in (STOPPED, REFUSED)
+    if memory.live_row == REFUSED:
+        memory.live_row = None
+    if target is None or ended or not memory.choices.send_on_release:
         return []
     return motions.send_head(memory, world, target, PAD)
 
@@ -67,10 +72,20 @@ def interrupt(memory: Memory, intent: Intent) -> None:
         memory.live_row = STOPPED
 
 
+def note_refusal(memory: Memory, outcome: Outcome) -> None:
+    """After a refusal that is not about the place of the target, Live ends until the next drag."""
+    passing = outcome.accepted or outcome.reason in (Reason.OK, Reason.REPLACED, *REASONS)
+    if outcome.row == memory.live_row and not passing:
+        memory.live_row = REFUSED
+
+
 def _follow(memory: Memory, world: World) -> list[Action]:
     """Send the target to the simulation alone; all motions of a drag are one row of the history."""
     sides, target = ("sim",), memory.choices.target
-    if target is None or unreachable(memory, world, sides, PAD):
+    if target is None:
+        return []
+    if unreachable(memory, world, sides, PAD):
+        memory.live_row = REFUSED
         return []
     pitch, roll = _inside(world, target)
     query = pose_query(target.yaw, pitch, roll, relative=False, speed=memory.choices.speed)

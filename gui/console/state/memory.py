@@ -149,7 +149,7 @@ class Memory:
     """row of each accepted motion, and the arms (deg) before it; oldest first"""
     refusal: Refusal | None = None
     live_row: int | None = None
-    """row of the motions that follow the present drag of the head; None: none, 0: STOP has ended the drag"""
+    """row of the motions that follow the present drag of the head; None: none, not positive: it has ended, see `dragging`"""
     notice: str = ""
     """a sentence to show until the first request"""
     troubles: Mapping[str, str] = field(default_factory=dict)

@@ -115,7 +115,10 @@ def hide_answered(memory: Memory, intent: Intent) -> None:
     refusal = memory.refusal
     if refusal is None:
         return
-    aimed = isinstance(intent, AimHead) and refusal.control == "head"
+    dragged = (
+        memory.live_row is not None and memory.live_row < 0
+    )  # the refusal of Live stays until the release
+    aimed = isinstance(intent, AimHead) and refusal.control == "head" and not dragged
     if aimed or (isinstance(intent, SetDestination | SetRelative) and refusal.key):
         memory.refusal = None
 

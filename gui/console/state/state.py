@@ -193,6 +193,7 @@ class State:
         """Apply the outcome of an action to history, refusal and undo list."""
         row = self._memory.row(outcome.row)
         if row is not None:
+            dragging.note_refusal(self._memory, outcome)
             refusals.record(self._memory, row, outcome)
             poses.note_accepted(self._memory, row, outcome)
             self._memory.replace_row(row.after(outcome))
