@@ -297,4 +297,7 @@ def _paint_letters(painter: QPainter, marks: Marks, texts: Texts) -> None:
         painter.setPen(QPen(QColor(style.bad), 3))
         for way in (QPointF(6, 6), QPointF(6, -6)):
             painter.drawLine(QPointF(place[0], place[1]) - way, QPointF(place[0], place[1]) + way)
-        painter.drawText(QPointF(place[0] + 12, place[1] + 5), view.drag.reason)
+        wide = painter.fontMetrics().horizontalAdvance(view.drag.reason) + style.px(8)
+        box = QRectF(place[0] + 12, place[1] - style.px(9), wide, style.px(18))
+        painter.fillRect(box, QColor(style.notice))
+        painter.drawText(box, int(Qt.AlignmentFlag.AlignCenter), view.drag.reason)
