@@ -19,6 +19,7 @@ from gui.window.widgets.class_page import ClassPage
 from gui.window.widgets.code import CodePanel
 from gui.window.widgets.commands import CommandsPanel, SendingPanel, StopBar
 from gui.window.widgets.eyes import EyesPanel
+from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
 from gui.window.widgets.head3d import Head3dPanel
 from gui.window.widgets.header import Header
@@ -30,6 +31,8 @@ from gui.window.widgets.projector import ProjectorScreen
 
 LOW_PX = 680
 """Window height at scale 1 below which history and poses are tabs of the middle column."""
+LOWER_PX = {LOW_PX: 150, 600: 122, 0: 40}
+"""Height of the low area in the middle by the least height of the window, both at scale 1."""
 ROOMY_PX = 768
 """Window height at scale 1 below which `SendingPanel` has no heading and reserves no room for the countdown."""
 
@@ -54,7 +57,10 @@ class Panels(QWidget):
         self.sending, self.commands = SendingPanel(texts), CommandsPanel(texts)
         self.history, self.poses = HistoryPanel(texts), PosesPanel(texts)
         self.code = CodePanel(texts)
+        self.gestures = GesturesPanel(texts)
         self.tabs, self.side = QTabWidget(), QTabWidget()
+        self.low_area = QTabWidget()
+        """the low area of the middle column, visible beside every tab"""
         self.body, self.class_page = QWidget(), ClassPage(texts)
         self.class_page.hide()
         self.projector = ProjectorScreen()
@@ -65,12 +71,14 @@ class Panels(QWidget):
         self._connect()
 
     def _lay_out(self) -> None:
-        for tabs in (self.tabs, self.side):
+        for tabs in (self.tabs, self.side, self.low_area):
             tabs.setUsesScrollButtons(False)
-        middle = {Tab.HEADS: self.head3d, Tab.EYES: self.eyes, Tab.PLOTS: self.plots}
-        for name, page in middle.items():
+        views = {Tab.HEADS: self.head3d, Tab.EYES: self.eyes, Tab.PLOTS: self.plots}
+        for name, page in views.items():
             self.tabs.addTab(page, self._texts(f"label.tab_{name}"))
-        left, right = QVBoxLayout(), QVBoxLayout()
+        self.low_area.setTabBarAutoHide(True)
+        self.low_area.addTab(self.gestures, self._texts("label.gestures"))
+        left, middle, right = (QVBoxLayout() for _ in range(3))
         left.addWidget(self.head, 1)
         left.addWidget(self.arms)
         right.addWidget(self.sending)
@@ -79,11 +87,11 @@ class Panels(QWidget):
         columns = self._columns = QHBoxLayout(self.body)
         columns.setContentsMargins(0, 0, 0, 0)
         columns.setSpacing(4)
-        for column in (left, right):
+        middle.addWidget(self.tabs, 1)
+        middle.addWidget(self.low_area)
+        for column in (left, middle, right):
             column.setSpacing(4)
-        columns.addLayout(left)
-        columns.addWidget(self.tabs)
-        columns.addLayout(right)
+            columns.addLayout(column)
         inner = QVBoxLayout()
         inner.setContentsMargins(4, 4, 4, 4)
         inner.setSpacing(4)
@@ -116,6 +124,7 @@ class Panels(QWidget):
             self.history,
             self.code,
             self.poses,
+            self.gestures,
             self.refusal,
             self.stop_bar,
         ):
@@ -142,6 +151,8 @@ class Panels(QWidget):
         colours = style_of(self._theme)
         self.sending.show_compact(compact=self.height() < colours.px(ROOMY_PX))
         low = self.height() < colours.px(LOW_PX)
+        bounds = (least for least in LOWER_PX if self.height() >= colours.px(least))
+        self.low_area.setFixedHeight(colours.px(LOWER_PX[next(bounds, 0)]))
         if low == self._low:
             return
         self._low = low
@@ -164,7 +175,15 @@ class Panels(QWidget):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self._theme = theme
-        for part in (self.head, self.history, self.head3d, self.eyes, self.plots, self.class_page):
+        for part in (
+            self.head,
+            self.history,
+            self.gestures,
+            self.head3d,
+            self.eyes,
+            self.plots,
+            self.class_page,
+        ):
             part.show_theme(theme)
         self._arrange()
 
@@ -180,6 +199,7 @@ class Panels(QWidget):
         self.history.show_view(view.history)
         self.code.show_view(view.code)
         self.poses.show_view(view.poses)
+        self.gestures.show_view(view.gestures)
         self.eyes.show_view(view.eyes)
         self.eyes.sound.show_view(view.sound)
         self.class_page.show_view(view.class_page)
@@ -188,7 +208,7 @@ class Panels(QWidget):
         self._show_page(view.page)
         self.stop_bar.show_view(view)
         self.stop_bar.show_last(view.last)
-        refusals = (view.head.refusal, view.arms.refusal, view.commands.refusal)
+        refusals = (view.head.refusal, view.arms.refusal, view.commands.refusal, view.gestures.refusal)
         self._refusal = next((refusal for refusal in refusals if refusal is not None), None)
         self._show_notice()
 
@@ -224,4 +244,4 @@ class Panels(QWidget):
         """Return the widget beside which a refusal is shown."""
         if name in {*ARMS, ALL_ARMS}:
             return self.arms.rows[name].hw
-        return {"head": self.head, "commands": self.commands}.get(name, self.head)
+        return {"head": self.head, "commands": self.commands, "gestures": self.gestures}.get(name, self.head)

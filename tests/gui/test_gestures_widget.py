@@ -51,7 +51,7 @@ def show(qtbot: QtBot) -> Show:
         panel.show_theme(theme)
         now = world(face=face or FaceProgress(own_file=OWN))
         panel.show_view(gestures.view(Memory(Choices(language=code)), now))
-        outer.resize(width, panel.minimumSizeHint().height())
+        outer.resize(width, style_of(theme).px(122))
         outer.show()
         qtbot.waitExposed(outer)
         rows = 2 if width == NARROW_PX else 1
@@ -117,7 +117,16 @@ def test_the_running_program_is_shown_with_its_file_and_its_last_line(show: Show
     assert "ValueError: no face" in panel.follow.toolTip()
     panel.show_view(gestures.view(Memory(Choices()), world()))
     assert (panel.follow.text(), panel.follow.property("running"), panel.note.text()) == (
-        "Follow face",
+        "Follow",
         "",
         "",
     )
+
+
+def test_a_low_panel_shows_pictures_only_and_names_are_tooltips(show: Show, qtbot: QtBot) -> None:
+    panel = show(Theme.DARK, "en", NARROW_PX)
+    panel.window().resize(NARROW_PX, panel.minimumSizeHint().height())
+    qtbot.waitUntil(lambda: len({button.y() for button in buttons(panel)}) == 1)
+    for button in buttons(panel):
+        assert panel.rect().contains(button.geometry())
+        assert button.toolTip().startswith(f"{button.accessibleName()}: ")

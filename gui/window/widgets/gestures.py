@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from enum import Enum
+
 from PyQt5.QtCore import QRectF, QSize, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PyQt5.QtWidgets import QGridLayout, QLayout, QSizePolicy, QStyle, QStyleOptionButton, QWidget
@@ -17,10 +19,19 @@ from gui.window.widgets.gesture_icons import FOLLOW, PROGRAM, paint
 PICTURE_PX, SMALL_PX = 44, 26
 """Side of a picture at scale 1, in a wide and in a narrow panel."""
 AIR_PX, GAP_PX = 5, 4
+LOW_AIR_PX, LOW_GAP_PX = 4, 2
 COLUMNS = 5
 """Number of buttons in a row of a narrow panel."""
 NOTE_PX = 100
 """Least width of the note in a wide panel."""
+
+
+class Room(Enum):
+    """How much room the panel has."""
+
+    WIDE = "one row of large pictures with names, and the note"
+    NARROW = "two rows of small pictures with names"
+    LOW = "one row of small pictures, whose names are tooltips"
 
 
 class PictureButton(IntentButton):
@@ -30,7 +41,7 @@ class PictureButton(IntentButton):
         super().__init__()
         self._picture = picture
         self._style = style_of(Theme.DARK)
-        self._narrow = False
+        self._room = Room.WIDE
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
 
     def show_theme(self, theme: Theme) -> None:
@@ -39,20 +50,28 @@ class PictureButton(IntentButton):
         self.updateGeometry()
         self.update()
 
-    def show_narrow(self, *, narrow: bool) -> None:
-        """Use the small picture, or the large one."""
-        self._narrow = narrow
+    def show_room(self, room: Room) -> None:
+        """Use the picture, and the name, for which there is room."""
+        self._room = room
+        self._show_text()
         self.updateGeometry()
 
-    def size_of(self, *, narrow: bool) -> QSize:
-        """Return the size with the small or the large picture."""
-        side, metrics = self._style.px(SMALL_PX if narrow else PICTURE_PX), self.fontMetrics()
-        words = metrics.horizontalAdvance(self.text().replace("&&", "&"))
-        air = self._style.px(AIR_PX if narrow else 2 * AIR_PX)
+    def _show_text(self) -> None:
+        super()._show_text()
+        if self._room is Room.LOW:
+            self.setText("")
+
+    def size_in(self, room: Room) -> QSize:
+        """Return the size in a panel with this room."""
+        side, metrics = self._style.px(PICTURE_PX if room is Room.WIDE else SMALL_PX), self.fontMetrics()
+        if room is Room.LOW:
+            return QSize(side + LOW_AIR_PX, side + LOW_AIR_PX)
+        words = metrics.horizontalAdvance("" if self._view is None else self._view.text)
+        air = self._style.px(2 * AIR_PX if room is Room.WIDE else AIR_PX)
         return QSize(max(side, words) + air + 4, side + metrics.height() + air + 4)
 
     def sizeHint(self) -> QSize:  # noqa: N802 - Qt's name
-        return self.size_of(narrow=self._narrow)
+        return self.size_in(self._room)
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
         return self.sizeHint()
@@ -66,8 +85,8 @@ class PictureButton(IntentButton):
         style = self.style()
         if style is not None:
             style.drawControl(QStyle.ControlElement.CE_PushButton, option, painter, self)
-        words = self.fontMetrics().height()
-        side = self._style.px(SMALL_PX if self._narrow else PICTURE_PX)
+        words = 0 if self._room is Room.LOW else self.fontMetrics().height()
+        side = self._style.px(PICTURE_PX if self._room is Room.WIDE else SMALL_PX)
         top = max(2.0, (self.height() - side - words - 2) / 2)
         colours = self._style
         line, mark = (
@@ -75,6 +94,8 @@ class PictureButton(IntentButton):
         )
         box = QRectF((self.width() - side) / 2, top, side, side)
         paint(painter, self._picture, box, QColor(line), QColor(colours.field), QColor(mark))
+        if not words:
+            return
         painter.setPen(QColor(line))
         place = QRectF(0.0, box.bottom() + 2, self.width(), words)
         painter.drawText(place, int(Qt.AlignmentFlag.AlignCenter), self.text().replace("&&", "&"))
@@ -83,7 +104,7 @@ class PictureButton(IntentButton):
 class GesturesPanel(QWidget):
     """A button for each gesture; after them the program that follows a face.
 
-    In a narrow panel the pictures are smaller and stand in two rows, and the note is only a tooltip.
+    `Room` lists its arrangements. Without room for the note it is only a tooltip.
     """
 
     intent = pyqtSignal(object)
@@ -91,7 +112,7 @@ class GesturesPanel(QWidget):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._view: GesturesView | None = None
-        self._narrow: bool | None = None
+        self._room: Room | None = None
         self.buttons = {name: PictureButton(name) for name in GESTURES}
         self.follow, self.open = PictureButton(FOLLOW), PictureButton(PROGRAM)
         self.note = label(role="dim", wrap=True)
@@ -100,32 +121,39 @@ class GesturesPanel(QWidget):
         for button in self._all:
             button.intent.connect(self.intent)
         self._grid = QGridLayout(self)
-        self._grid.setContentsMargins(GAP_PX, GAP_PX, GAP_PX, GAP_PX)
-        self._grid.setSpacing(GAP_PX)
         self._grid.setSizeConstraint(QLayout.SizeConstraint.SetNoConstraint)  # a wide panel may become narrow
-        self._arrange(narrow=False)
+        self._arrange(Room.WIDE)
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
-        sizes = [button.size_of(narrow=True) for button in self._all]
-        widths = (max(size.width() for size in sizes[column::COLUMNS]) for column in range(COLUMNS))
-        return QSize(sum(widths) + GAP_PX * (COLUMNS + 1), 2 * sizes[0].height() + 3 * GAP_PX)
+        least = self._all[0].size_in(Room.LOW)
+        gaps = LOW_GAP_PX * (len(self._all) + 1)
+        return QSize(least.width() * len(self._all) + gaps, least.height() + 2 * LOW_GAP_PX)
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         super().resizeEvent(event)
-        wide = sum(button.size_of(narrow=False).width() + GAP_PX for button in self._all)
-        self._arrange(narrow=self.width() < wide + NOTE_PX)
+        wide = sum(button.size_in(Room.WIDE).width() + GAP_PX for button in self._all)
+        sizes = [button.size_in(Room.NARROW) for button in self._all]
+        columns = (max(size.width() for size in sizes[column::COLUMNS]) for column in range(COLUMNS))
+        narrow = QSize(sum(columns) + GAP_PX * (COLUMNS + 1), 2 * sizes[0].height() + 3 * GAP_PX)
+        if self.height() < narrow.height() or self.width() < narrow.width():
+            self._arrange(Room.LOW)
+        else:
+            self._arrange(Room.NARROW if self.width() < wide + NOTE_PX else Room.WIDE)
 
-    def _arrange(self, *, narrow: bool) -> None:
-        if narrow == self._narrow:
+    def _arrange(self, room: Room) -> None:
+        if room is self._room:
             return
-        self._narrow = narrow
-        columns = COLUMNS if narrow else len(self._all)
+        self._room = room
+        gap = LOW_GAP_PX if room is Room.LOW else GAP_PX
+        self._grid.setContentsMargins(gap, gap, gap, gap)
+        self._grid.setSpacing(gap)
+        columns = COLUMNS if room is Room.NARROW else len(self._all)
         for number, button in enumerate(self._all):
-            button.show_narrow(narrow=narrow)
+            button.show_room(room)
             self._grid.addWidget(button, number // columns, number % columns)
         self._grid.addWidget(self.note, 0, len(self._all))
-        self._grid.setColumnStretch(len(self._all), 0 if narrow else 1)
-        self.note.setVisible(not narrow)
+        self._grid.setColumnStretch(len(self._all), int(room is Room.WIDE))
+        self.note.setVisible(room is Room.WIDE)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
@@ -139,10 +167,12 @@ class GesturesPanel(QWidget):
         self._view = view
         for name, button_view in view.gestures:
             self.buttons[name].show_view(button_view)
+            self.buttons[name].setToolTip(f"{button_view.text}: {button_view.tooltip}")
         self.follow.show_view(view.follow)
         self.open.show_view(view.open)
         set_role(self.follow, "running", "yes" if view.following else "")
-        tooltip = (view.follow.tooltip, view.note, view.details)
+        self.open.setToolTip(f"{view.open.text}: {view.open.tooltip}")
+        tooltip = (f"{view.follow.text}: {view.follow.tooltip}", view.note, view.details)
         self.follow.setToolTip("\n".join(text for text in tooltip if text))
         set_text(self.note, view.note)
         self.note.setToolTip(view.details)

@@ -1,0 +1,136 @@
+"""Gestures and following a face in a window with both robots: what is pressed, and how the heads move."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from gui_windows import HOME, Windowed
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh.client.choreography import GESTURES
+from beatrix_zenoh.client.degrees import HeadAngles, Reading
+
+pytestmark = [
+    pytest.mark.qt_log_ignore("This plugin does not support"),
+    pytest.mark.no_cover,  # the tests of state, link and widget cover the same code
+]
+SEEN_S = 60.0
+"""Time limit (s) of the first pictures and of the start of a program on a busy computer."""
+
+
+@pytest.fixture(autouse=True)
+def home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A home folder without programs of the user."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    return tmp_path
+
+
+@pytest.fixture
+def watched(robots: dict[str, Robot]) -> Iterator[dict[str, Callable[[], list[HeadAngles]]]]:
+    """For each robot, a function that returns the orientations since its last call."""
+    streams = {side: robot.stream() for side, robot in robots.items()}
+
+    def heads(side: str) -> Callable[[], list[HeadAngles]]:
+        def taken() -> list[HeadAngles]:
+            found: list[Reading] = streams[side].take()
+            return [reading.head for reading in found]
+
+        return taken
+
+    yield {side: heads(side) for side in streams}
+    for stream in streams.values():
+        stream.close()
+
+
+def turns(angles: list[float], least: float) -> int:
+    """Return how often an angle changes from above `least` to below minus `least`, or back."""
+    sides = [angle > 0 for angle in angles if abs(angle) > least]
+    return sum(one != other for one, other in itertools.pairwise(sides))
+
+
+MOVES: dict[str, Callable[[list[HeadAngles]], bool]] = {
+    "yes": lambda heads: turns([head.pitch for head in heads], 4) >= 3,
+    "no": lambda heads: turns([head.yaw for head in heads], 10) >= 2,
+    "hello": lambda heads: turns([head.roll for head in heads], 10) >= 2,
+    "surprised": lambda heads: min(head.pitch for head in heads) < -15,
+    "sleepy": lambda heads: max(head.pitch for head in heads) > 15,
+    "curious": lambda heads: turns([head.roll for head in heads], 8) == 1,
+    "dance": lambda heads: turns([head.roll for head in heads], 7) >= 3,
+}
+"""What the positions of each robot show."""
+
+
+def test_each_gesture_moves_both_heads_and_ends_at_home(
+    user: Windowed,
+    robots: dict[str, Robot],
+    watched: dict[str, Callable[[], list[HeadAngles]]],
+) -> None:
+    panel = user.window.panels.gestures
+    seen: dict[str, list[HeadAngles]] = {}
+    for gesture in GESTURES:
+        for side, taken in watched.items():
+            taken()
+            seen[side] = []
+        user.press(panel.buttons[gesture])
+        user.until_last("gesture", "under way")
+
+        def ended() -> bool:
+            for side, taken in watched.items():
+                seen[side] += taken()
+            return "done" in user.last
+
+        user.until(ended, f"{gesture} has ended")
+        for side, robot in robots.items():
+            assert MOVES[gesture](seen[side]), (gesture, side, seen[side])
+            user.until_at(robot, *HOME)
+
+
+def test_stop_ends_a_gesture(user: Windowed, robots: dict[str, Robot]) -> None:
+    user.press(user.window.panels.gestures.buttons["dance"])
+    user.until(lambda: all(robot.status().moving for robot in robots.values()), "both move")
+    QTest.mousePress(user.window.panels.stop_bar, Qt.MouseButton.LeftButton)
+    user.until_last("stop done")
+    user.until(lambda: not any(robot.status().moving for robot in robots.values()), "both rest")
+    assert user.state.view(user.window._link.world()).history[1].result == "stopped"
+
+
+def test_the_simulated_head_follows_a_person_who_walks_until_the_second_press(
+    user: Windowed, sim: Robot, hw: Robot
+) -> None:
+    panel = user.window.panels.gestures
+    user.send_to("sim")
+    for press in (1, 2):
+        sim.move_target(1.0, 0.5, 0.1)
+        user.press(panel.follow)
+        user.until(lambda: sim.positions().head.yaw > 20, "the head has turned to the left", SEEN_S)
+        assert panel.follow.property("running") == "yes"
+        sim.move_target(1.0, 0.0, 0.1)
+        user.until(lambda: abs(sim.positions().head.yaw) < 6, "the head looks ahead", SEEN_S)
+        sim.move_target(1.0, -0.5, 0.1)
+        user.until(lambda: sim.positions().head.yaw < -20, "the head has turned to the right", SEEN_S)
+        if press == 1:
+            user.press(panel.follow)
+            user.until_last("follow the face done")
+        else:
+            QTest.mousePress(user.window.panels.stop_bar, Qt.MouseButton.LeftButton)
+        user.until(lambda: panel.follow.property("running") != "yes", "the program has ended")
+        user.until(lambda: not sim.status().moving, "the head rests")
+    assert near_home(hw), "the hardware was not checked"
+
+
+def near_home(robot: Robot) -> bool:
+    return all(abs(angle) < 0.5 for angle in robot.positions().head)
+
+
+def test_the_program_is_opened_as_a_file_of_the_user(user: Windowed, home_folder: Path) -> None:
+    panel = user.window.panels.gestures
+    user.press(panel.open)
+    user.until_last("copy the program", "done")
+    copied = home_folder / "beatrix-programs/follow_the_face.py"
+    assert "def follow(" in copied.read_text(encoding="utf-8")
+    user.until(lambda: str(copied) in panel.note.text(), "the panel shows the path")
