@@ -22,7 +22,11 @@ from gui.window.theme import apply_theme, style_of
 SIZES = ((1366, 768), (1024, 768), (1024, 600))
 
 
-def draw(view: View, size: tuple[int, int], file: Path) -> None:
+PARTS = {"class-full": ("robots", "lessons", "projector")}
+"""By state: parts of the window of which each has a picture of its own."""
+
+
+def draw(view: View, size: tuple[int, int], file: Path, part: str) -> None:
     """Save a picture of the window that shows a view, and print the present and the smallest size of the window."""
     window = QMainWindow()
     panels = Panels(Texts(view.language))
@@ -33,6 +37,10 @@ def draw(view: View, size: tuple[int, int], file: Path) -> None:
     window.show()
     panels.show_theme(view.theme)
     panels.show_view(view)
+    panels.class_page.tabs.setCurrentIndex(int(part == "lessons"))
+    for shown in (panels.header, panels.pages):
+        shown.setVisible(part != "projector")
+    panels.projector.setVisible(part == "projector")
     for _ in range(5):
         QApplication.processEvents()
     panels.show_view(view)
@@ -59,8 +67,10 @@ def main() -> int:
             continue
         for theme in Theme:
             for size in SIZES:
-                name = f"window-{state}-{theme}-{size[0]}x{size[1]}-{options.language}.png"
-                draw(example(state, theme, options.language), size, options.folder / name)
+                for part in PARTS.get(state, ("",)):
+                    name = "-".join(filter(None, ("window", state, part, theme)))
+                    file = options.folder / f"{name}-{size[0]}x{size[1]}-{options.language}.png"
+                    draw(example(state, theme, options.language), size, file, part)
     del application
     return 0
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from typing import Final, NamedTuple
 
@@ -61,19 +62,19 @@ def read(client: Client, timeout_s: float = ANSWER_S) -> list[Row]:
             f"You are {client.settings.who}; only the seat `teacher` reads the reports of the class. `beatrix lesson list` "
             "shows your own lessons.",
         )
-    rows, deadline_s = [], time.monotonic() + timeout_s
-    query = client.bus.query(keys.lesson("*", "*"), timeout_s=timeout_s)
-    try:
-        while (reply := query.next(deadline_s - time.monotonic())) is not None:
+    rows, bus, begin_s = [], client.bus, time.monotonic()
+    query = bus.query(keys.lesson("*", "*"), timeout_s=timeout_s)
+    with contextlib.closing(query), contextlib.suppress(TimeoutError):
+        while (reply := query.next(timeout_s - (time.monotonic() - begin_s))) is not None:
             parts = keys.parse(reply.key)
             state = None if reply.error or parts is None else client.read(reply, LessonState)
             if parts is not None and state is not None:
                 rows.append(Row(parts.who, reply.key.rpartition("/")[2], state))
-    except TimeoutError:
-        raise NoAnswer(
-            Reason.TIMED_OUT,
-            f"The router has not sent all reports of the class within {timeout_s:g} s. Try again.",
-        ) from None
-    finally:
-        query.close()
-    return sorted(rows)
+    # Zenoh also ends the replies of a query whose time is over, or whose router is lost.
+    if time.monotonic() - begin_s >= timeout_s or not bus.router_answers(timeout_s):
+        text = (
+            f"The router at {bus.endpoint} has not sent all reports of the class within {timeout_s:g} s. "
+            "Try again; `beatrix doctor` checks the router."
+        )
+        raise NoAnswer(Reason.TIMED_OUT, text)
+    return sorted(rows, key=lambda row: row[:2])

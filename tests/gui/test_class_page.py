@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
-from gui_views import class_world
+from gui_views import class_world, full_class, lesson
 from gui_worlds import robot, status, world
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication
 from recording_link import RecordingLink, WatchedState
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction
@@ -111,3 +114,56 @@ def test_the_button_of_a_pill_takes_the_robot(window: Window, link: RecordingLin
     assert pill.notes.text() == "waiting: 1 · limit 20 °/s · 2 ms"
     QTest.mouseClick(pill.lease, LEFT)
     assert link.done[-1] == SendLease(1, LeaseAction.TAKE, "sim")
+
+
+def test_the_lessons_of_a_class_fit_and_follow_the_reports(
+    window: Window, page: ClassPage, link: RecordingLink
+) -> None:
+    link.known = full_class()
+    window.resize(1366, 768)
+    window.refresh()
+    page.tabs.setCurrentIndex(1)
+    table = page.lessons.list
+    assert page.tabs.tabText(1) == "Lessons: 3 stuck"
+    assert (table.topLevelItemCount(), table.columnCount()) == (30, 11)
+    first = table.topLevelItem(0)
+    assert first is not None
+    assert [first.text(column) for column in range(4)] == [
+        "Emil Müller (emil)",
+        "05-inverse",
+        "▲ stuck: nods (5 x)",
+        "4",
+    ]
+    assert [first.text(column) for column in range(4, 11)] == ["✓", "✓", "✓", "✓", "▲", "–", "–"]
+    bar = table.horizontalScrollBar()
+    assert bar is not None
+    assert bar.maximum() == 0, "no column is outside"
+
+    table.setCurrentItem(table.topLevelItem(2))
+    reports = (*(full_class().reports or ()), lesson("zoe", "02-steps", stuck=9))
+    link.known = replace(full_class(), reports=reports)
+    window.refresh()
+    chosen = table.currentItem()
+    assert chosen is not None
+    assert chosen.text(0) == "Wim Müller (wim)", "the selected seat stays selected"
+    assert page.tabs.tabText(1) == "Lessons: 4 stuck"
+
+    link.known = replace(full_class(), reports=())
+    window.refresh()
+    assert not table.isVisible()
+    assert "beatrix join" in page.lessons.empty.text()
+
+
+def test_the_projector_shows_ten_robots_without_a_cut(
+    window: Window, page: ClassPage, link: RecordingLink
+) -> None:
+    link.known = full_class()
+    window.refresh()
+    QTest.mouseClick(page.project, LEFT)
+    text = window.panels.projector.text
+    for size in ((1366, 768), (1024, 600)):
+        window.showNormal()
+        window.resize(*size)
+        QApplication.processEvents()
+        assert text.text().count("(hardware)") == 10
+        assert text.heightForWidth(text.width()) <= text.height(), size

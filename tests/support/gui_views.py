@@ -11,12 +11,14 @@ from gui_worlds import absent, robot, status, world
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, Path
+from beatrix_zenoh.client.lesson_reports import STUCK, Row
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Detail,
     Fault,
     Head,
     LeaseAction,
+    LessonState,
     Limit,
     Reason,
 )
@@ -40,7 +42,7 @@ from gui.console.state.views import View
 from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, World
 
 ROBOTS = ("well", "preview", "refusal", "fault", "no-router", "refused", "driven")
-STATES = (*ROBOTS, "taken", "turn", "frozen", "class")
+STATES = (*ROBOTS, "taken", "turn", "frozen", "class", "class-full")
 ARMS = (12.0, -4.5, 7.2)
 PATH = Path(
     [i / 20 for i in range(21)],
@@ -142,6 +144,44 @@ def class_world() -> World:
     )
 
 
+PUPILS = (
+    *("ana", "ben", "cleo", "dora", "emil", "finn", "greta", "hanna", "ida", "jonas"),
+    *("karl", "lena", "mia", "noah", "olga", "paul", "quentin", "rosa", "samir", "tim"),
+    *("ula", "vera", "wim", "xenia", "yara", "zoe", "seat-27", "seat-28", "seat-29", "seat-30"),
+)
+LESSONS = ("01-hello", "02-steps", "03-arms", "04-look-there", "05-inverse", "06-edge", "07-smooth")
+
+
+def lesson(seat: str, name: str, *, passed: bool = False, stuck: int = 0, tries: int = 2) -> Row:
+    """Return the report of one seat about one lesson; `stuck`: checks in a row that have ended at the figure `nods`."""
+    figure = "nods" if stuck else ""
+    return Row(
+        seat, name, LessonState(version=1, tries=tries, hints=0, stuck=stuck, passed=passed, figure=figure)
+    )
+
+
+def full_class() -> World:
+    """Return the world of a teacher with ten robots and thirty seats, which are at different lessons."""
+    robots, reports = [], []
+    for number in range(10):
+        seat, others = PUPILS[number], tuple(PUPILS[number + 10 : number + 10 + number])
+        known = status("hw", holder=seat, lease=number + 1, waiting=others, turn_s=43 if others else 0)
+        robots.append(replace(robot("hw", known=known), robot=f"bea{number + 1}"))
+    for number, seat in enumerate(PUPILS[:28]):
+        at = number % len(LESSONS)
+        reports += [lesson(seat, name, passed=True) for name in LESSONS[:at]]
+        reports.append(lesson(seat, LESSONS[at], stuck=STUCK if number % 9 == 4 else 0, tries=number + 1))
+    pupils = {seat: f"{seat.capitalize()} Müller ({seat})" for seat in PUPILS[:26]}
+    return replace(
+        ready(),
+        seat="teacher",
+        robots=tuple(robots),
+        seats=(*PUPILS, "teacher"),
+        pupils=pupils,
+        reports=tuple(sorted(reports)),
+    )
+
+
 def example(state: str, theme: Theme, language: str) -> View:
     """Return the view of one of STATES."""
     now = ready()
@@ -174,8 +214,8 @@ def example(state: str, theme: Theme, language: str) -> View:
         now = world(absent("sim"), absent("hw"), phase=LinkPhase.REFUSED, names=())
     elif state in SHARED:
         now = shared(deciding, now, **SHARED[state])
-    elif state == "class":
-        now = class_world()
+    elif state in {"class", "class-full"}:
+        now = class_world() if state == "class" else full_class()
         deciding.handle(TogglePage(), now)
         reported(deciding, GovernClass(LeaseAction.FREEZE), now)
     elif state == "driven":

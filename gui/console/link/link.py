@@ -17,6 +17,7 @@ from beatrix_zenoh.settings import Settings
 from gui.console.link.children import Children, Recordings
 from gui.console.link.connection import Connection, Session
 from gui.console.link.governing import ClassStates, Governing
+from gui.console.link.lesson_reports import LessonReports
 from gui.console.link.levels import Levels
 from gui.console.link.moving import Moving, Request
 from gui.console.link.outcomes import done, failed
@@ -67,6 +68,7 @@ class Link:
         self._moving = Moving(report)
         self._stop_sender = StopSender("window")
         self._governing, self._class = Governing(report), ClassStates()
+        self._lessons = LessonReports(lambda: self._connection.session)
         self._probes = {side: Probe(side, lambda: self._connection.session) for side in SIDES}
         self._children = Children(self._connection.try_now)
         self._recordings = Recordings()
@@ -118,6 +120,8 @@ class Link:
             seats=() if session is None else tuple(session.seats.names()),
             pupils={} if account is None else {seat: account.shown(seat) for seat in account.names},
             robots=self._class.states(session, now_s),
+            reports=self._lessons.rows,
+            reports_failed=self._lessons.failed,
             levels=self._levels.newest,
         )
 
@@ -140,6 +144,7 @@ class Link:
                 self._levels.watch(action.sides)
             case actions.WatchClass():
                 self._class.watch(on=action.on)
+                self._lessons.watch(on=action.on)
             case actions.Govern():
                 self._govern(action)
             case (
@@ -254,6 +259,7 @@ class Link:
             *self._probes.values(),
             self._stop_sender,
             self._governing,
+            self._lessons,
             self._cameras,
             self._levels,
             self._recordings,

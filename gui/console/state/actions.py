@@ -85,7 +85,7 @@ class Govern(Action):
 
 @dataclass(frozen=True)
 class WatchClass(Action):
-    """Begin or end reading the states of all robots."""
+    """Begin or end reading the states of all robots, and the reports of lessons."""
 
     on: bool
 

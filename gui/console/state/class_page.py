@@ -13,7 +13,7 @@ from beatrix_zenoh.client.monitor import SeatStops, stops_by_seat
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
-from gui.console.state import history, pills, projector, refusals, sound
+from gui.console.state import history, lessons, pills, projector, refusals, sound
 from gui.console.state.actions import Action, Govern, SendStop, WatchCameras, WatchClass, WatchMicrophones
 from gui.console.state.eyes import wanted
 from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat, TogglePage, WindowPage
@@ -28,6 +28,8 @@ from gui.console.texts import Texts
 CONTROL: Final = "class"
 STOPS_SHOWN: Final = 8
 """Largest number of seats whose STOPs are shown."""
+SEATS_NAMED: Final = 12
+"""Largest number of seats that the summary names; more would take the room of the lists, which name them, too."""
 
 
 def view(memory: Memory, world: World) -> ClassView | None:
@@ -56,12 +58,17 @@ def view(memory: Memory, world: World) -> ClassView | None:
         good=good,
         toggle=button(toggle, TogglePage()),
         projector=projector.view(world, texts),
+        lessons=lessons.view(world, texts),
     )
 
 
 def _summary(world: World, texts: Texts) -> str:
-    seats = _shown(world, world.seats) or texts("unknown")
-    text = texts("class.summary", robots=float(len(world.robots)), count=float(len(world.seats)), seats=seats)
+    robots, count = float(len(world.robots)), float(len(world.seats))
+    if count > SEATS_NAMED:
+        text = texts("class.summary_many", robots=robots, count=count)
+    else:
+        seats = _shown(world, world.seats) or texts("unknown")
+        text = texts("class.summary", robots=robots, count=count, seats=seats)
     frozen = sum(robot.status is not None and robot.status.frozen for robot in world.robots)
     if frozen:
         text += " " + texts("class.frozen", frozen=float(frozen), robots=float(len(world.robots)))
@@ -163,6 +170,7 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
             texts(f"side.{robot.side}"),
             f"{pills.SYMBOLS[found.condition]} {found.text}",
             _driver(status, world, texts),
+            texts("class.turn", seconds=float(status.turn_s)) if status is not None and status.turn_s else "",
             "" if status is None else ", ".join(status.waiting),
             texts("class.rate", hz=float(robot.hz)),
             texts("unknown")
@@ -206,8 +214,7 @@ def _driver(status: Status | None, world: World, texts: Texts) -> str:
     if status is None or not status.holder:
         return ""
     holder = world.pupils.get(status.holder, status.holder)
-    text = texts("class.taken", holder=holder) if status.lease else holder
-    return f"{text}, {texts('class.turn_left', seconds=float(status.turn_s))}" if status.turn_s else text
+    return texts("class.taken", holder=holder) if status.lease else holder
 
 
 def _freeze(place: tuple[str, str], *, frozen: bool) -> GovernClass:

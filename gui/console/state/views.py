@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from beatrix_zenoh.client import Place
 from gui.console.state.intents import Intent, Tab, Theme, WindowPage
+from gui.console.state.lessons import LessonsView
 
 
 class Condition(StrEnum):
@@ -319,7 +320,7 @@ class ClassRowView:
     place: Place
     """name and side"""
     cells: tuple[str, ...]
-    """robot, side, state, holder, waiting seats, positions per second, age of the last positions, remarks"""
+    """robot, side, state, holder, time left of its turn, waiting seats, positions per second, age of the last positions, remarks"""
     condition: Condition
     details: str
     """text of the tooltip"""
@@ -393,6 +394,7 @@ class ClassView:
     toggle: ButtonView
     """switches between this page and the robot"""
     projector: ProjectorView
+    lessons: LessonsView
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.degrees import Path as MotionPath
+from beatrix_zenoh.client.lesson_reports import Row
 from beatrix_zenoh.contract._generated.messages import LimitInfo
 from beatrix_zenoh.contract.names import TEACHER
 
@@ -124,7 +125,10 @@ class World:
     """for the teacher of a class: seats that have the name of a pupil, and the texts that show it"""
     robots: tuple[RobotState, ...] = ()
     """all robots online, while the page of the class is shown"""
-
+    reports: tuple[Row, ...] | None = None
+    """reports of lessons, by seat and lesson, while the teacher's page of the class is shown; None: not read yet"""
+    reports_failed: bool = False
+    """whether the last read of the reports failed, so that they may be old"""
     levels: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """by side, while the window listens: loudness of the left and the right ear (dB), -120 is silence"""
 

@@ -20,11 +20,14 @@ function show(parts) {
   byId("empty").textContent = empty;
   byId("empty").hidden = !empty;
   byId("hint").textContent = stop;
+  const columns = 1 + (rows.length > 3) + (rows.length > 8);
+  byId("turns").className = `columns-${columns}`;
+  byId("turns").style.setProperty("--lines", Math.max(1, Math.ceil(rows.length / columns)));
   byId("turns").replaceChildren(...rows.map((row) => {
     const item = document.createElement("li");
     item.classList.toggle("frozen", row.frozen);
-    item.append(line("robot", row.robot), line("driver", row.driver), line("left", row.left),
-      line("state", row.state), line("next", row.waiting));
+    item.append(line("robot", row.robot), line("state", row.state), line("driver", row.driver),
+      line("left", row.left), line("next", row.waiting));
     return item;
   }));
 }

@@ -10,7 +10,7 @@ const LEADS = [0, 1, 2, 5]; // s
 // Parts of the head with the signs of their left and right button; yaw to the left is positive.
 const ROTATIONS = { yaw: [1, -1], pitch: [-1, 1], roll: [-1, 1] };
 const ARMS = ["short", "middle", "long"];
-const COLUMNS = ["robot", "side", "state", "driver", "waiting", "rate", "age", "remarks"];
+const COLUMNS = ["robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks"];
 const KEYS = { ArrowLeft: "yaw-plus", ArrowRight: "yaw-minus", ArrowUp: "pitch-minus", ArrowDown: "pitch-plus" };
 const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "SavePose", "DeletePose"];
 

@@ -1,9 +1,9 @@
-"""The page of the class: a row for each robot, requests to all robots, and requests to the selected one."""
+"""The page of the class: a row for each robot with requests to one or all of them, and the lessons of each seat."""
 
 from __future__ import annotations
 
 from PyQt5.QtCore import Qt, QTimer, pyqtSignal
-from PyQt5.QtGui import QColor
+from PyQt5.QtGui import QColor, QResizeEvent
 from PyQt5.QtWidgets import (
     QComboBox,
     QFrame,
@@ -11,9 +11,11 @@ from PyQt5.QtWidgets import (
     QHeaderView,
     QLineEdit,
     QPushButton,
+    QTabWidget,
     QTreeWidget,
     QTreeWidgetItem,
     QVBoxLayout,
+    QWidget,
 )
 
 from gui.console.state.intents import LimitClass, Theme
@@ -21,13 +23,24 @@ from gui.console.state.views import ClassRowView, ClassView, SeatView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import IntentButton, label, set_role, set_text
+from gui.window.widgets.lessons import LessonsTable
 
-COLUMNS = ("robot", "side", "state", "driver", "waiting", "rate", "age", "remarks")
+COLUMNS = ("robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks")
 STATE = COLUMNS.index("state")
-RIGHT = (COLUMNS.index("rate"), COLUMNS.index("age"))
-WIDTHS_PX = (90, 84, 124, 130, 120, 56, 50)
+TIPS = ("turn", "rate", "age")
+"""Columns of numbers, whose headings have a tooltip."""
+RIGHT = tuple(COLUMNS.index(name) for name in TIPS)
+WIDTHS_PX = (90, 84, 124, 130, 46, 120, 56, 50)
 """Widths (px) of all columns but the last, at scale 1."""
+WIDER_PX = {"robot": 60, "driver": 130, "waiting": 150}
+"""What these columns get (px at scale 1) in a wide window, of the room that the last one does not need."""
+REMARKS_PX = 200
+"""Room (px) at scale 1 that the last column keeps."""
 LIMIT_PX = 70
+SEAT_CHARACTERS = 10
+"""Width of the box of seats."""
+NAMES_PX = 240
+"""Least width (px) of its list, at scale 1, which shows whole names."""
 
 
 class ClassPage(QFrame):
@@ -54,12 +67,15 @@ class ClassPage(QFrame):
         self.limit.returnPressed.connect(self._report_limit)
         self.set_limit.clicked.disconnect()
         self.set_limit.clicked.connect(lambda: self._report_limit())  # noqa: PLW0108 - `clicked` has an argument
-        self.list = self._list(texts)
+        self.list, self.lessons = self._list(texts), LessonsTable(texts)
+        self.tabs = QTabWidget()
         self.empty = label(role="dim", wrap=True)
         self.result = label(wrap=True)
         self.selected = label(role="title")
         self.freeze, self.take, self.show_robot = IntentButton(), IntentButton(), IntentButton()
         self.seats, self.mute = QComboBox(), IntentButton()
+        self.seats.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self.seats.setMinimumContentsLength(SEAT_CHARACTERS)
         self.seats.setAccessibleName(texts("label.class_seat"))
         self.seats.currentIndexChanged.connect(lambda *_: self._show_seat())
         self.seat_label = label(texts("label.class_seat"), "title")
@@ -83,7 +99,7 @@ class ClassPage(QFrame):
             header.setSectionsMovable(False)
         head = found.headerItem()
         if head is not None:
-            for name in ("rate", "age"):
+            for name in TIPS:
                 head.setToolTip(COLUMNS.index(name), texts(f"tip.class_{name}"))
         found.currentItemChanged.connect(lambda *_: self._show_selected())
         # The button is clicked later, because Qt passes the same Enter on to the parent widgets: if the pad already had
@@ -119,19 +135,40 @@ class ClassPage(QFrame):
         layout.setSpacing(6)
         layout.addLayout(top)
         layout.addLayout(every)
-        layout.addWidget(self.list, 1)
-        layout.addWidget(self.empty, 1)
-        layout.addLayout(one)
+        layout.addWidget(self.tabs, 1)
+        robots = QWidget()
+        inner = QVBoxLayout(robots)
+        inner.setContentsMargins(0, 0, 0, 4)
+        inner.setSpacing(6)
+        inner.addWidget(self.list, 1)
+        inner.addWidget(self.empty, 1)
+        inner.addLayout(one)
+        self.tabs.addTab(robots, texts("label.class_robots"))
+        self.tabs.addTab(self.lessons, "")
         layout.addWidget(self.result)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self._style = style_of(theme)
         self.limit.setFixedWidth(self._style.px(LIMIT_PX))
-        for column, width in enumerate(WIDTHS_PX):
-            self.list.setColumnWidth(column, self._style.px(width))
+        self._widen()
+        names = self.seats.view()
+        if names is not None:
+            names.setMinimumWidth(self._style.px(NAMES_PX))
+        self.lessons.show_theme(theme)
         if self._view is not None:
             self._show_rows(self._view.rows)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        super().resizeEvent(event)
+        self._widen()
+
+    def _widen(self) -> None:
+        """Share the width of the window among the columns."""
+        free = self.width() - self._style.px(sum(WIDTHS_PX) + REMARKS_PX)
+        share = min(1.0, max(0.0, free / self._style.px(sum(WIDER_PX.values()))))
+        for column, (name, width) in enumerate(zip(COLUMNS, WIDTHS_PX, strict=False)):
+            self.list.setColumnWidth(column, self._style.px(width + share * WIDER_PX.get(name, 0)))
 
     def show_view(self, view: ClassView | None) -> None:
         """Show all robots; the selected one stays selected while it is online."""
@@ -152,6 +189,8 @@ class ClassPage(QFrame):
         if old is None or old.rows != view.rows:
             self._show_rows(view.rows)
         self._show_selected()
+        self.tabs.setTabText(1, view.lessons.title)
+        self.lessons.show_view(view.lessons)
         if old is None or old.seats != view.seats:
             self._show_seats(view.seats)
 

@@ -5,16 +5,18 @@ from __future__ import annotations
 import signal
 from pathlib import Path
 
-from class_router import ClassRouter, start_node
+from class_router import ClassRouter, settled, start_node
 from gui_links import Linked
+from gui_views import lesson
 from robots import Stage
 
+from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
 from gui.console.state.actions import Govern, SendStop, WatchClass
 from gui.console.state.intents import MuteSeat, TogglePage
 from gui.console.state.state import State
-from gui.console.state.world import World
+from gui.console.state.world import LinkPhase, World
 
 
 def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> None:
@@ -92,3 +94,36 @@ def test_the_teachers_window_opens_on_a_robot_of_the_class() -> None:
             linked.until(lambda world: len(world.names) == 3, "all names are online")
             linked.until(lambda world: world.hw.status is not None, "the robot of the settings is shown")
             assert linked.world.robot == "bea2"
+
+
+def test_the_reports_of_the_class_are_read_while_its_page_is_shown(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path) as router:
+        ana, teacher = router.session("ana"), router.account("teacher")
+        report = lesson("ana", "01-hello", stuck=5)
+        ana.put(keys.lesson("ana", "01-hello"), codec.encode(report.state), codec.MSGPACK)
+        settled(ana)
+        with Linked(teacher.connect, "bea1", "teacher", account=teacher) as linked:
+            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "a session")
+            assert linked.world.reports is None
+            linked.do(WatchClass(on=True))
+            linked.until(lambda world: world.reports == (report,), "the report is read")
+            passed = lesson("ana", "01-hello", passed=True)
+            ana.put(keys.lesson("ana", "01-hello"), codec.encode(passed.state), codec.MSGPACK)
+            linked.until(lambda world: world.reports == (passed,), "a later report is read")
+            router.process.send(signal.SIGSTOP)
+            try:
+                late = linked.until(lambda world: world.reports_failed, "a read fails")
+                assert late.reports == (passed,), "the last reports stay"
+            finally:
+                router.process.send(signal.SIGCONT)
+            linked.until(lambda world: not world.reports_failed, "they are read again")
+            linked.do(WatchClass(on=False))
+            assert linked.world.reports is None
+
+
+def test_only_the_teacher_reads_reports(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path) as router:
+        account = router.account("ana")
+        with Linked(account.connect, "bea1", "ana", account=account) as linked:
+            linked.do(WatchClass(on=True))
+            assert linked.until(lambda world: world.reports_failed, "refused").reports is None

@@ -1,0 +1,129 @@
+"""The lessons of the class: what each seat has reached, from the reports that the class's router keeps."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import groupby
+from typing import Final
+
+from beatrix_zenoh.client.lesson_reports import PASSED, STUCK_AT, TRYING, Row
+from beatrix_zenoh.contract.names import TEACHER
+from gui.console.state.world import LinkPhase, World
+from gui.console.texts import Texts
+
+COLUMNS_MAX: Final = 16
+"""Largest number of columns of lessons, so that a seat that reports invented lessons cannot fill the page."""
+LESSON: Final = re.compile(r"(\d\d)-[a-z0-9-]{1,40}")
+"""A name of a lesson; its number is the heading of a column. Other names are ignored."""
+
+
+class Progress(StrEnum):
+    """What a seat has reached in a lesson; each has a symbol, a word and a colour."""
+
+    NONE = "none"
+    """the seat has not checked the lesson"""
+    TRYING = TRYING
+    STUCK = STUCK_AT
+    """several checks in a row have ended at the same figure"""
+    PASSED = PASSED
+
+
+SYMBOLS: Final = {Progress.NONE: "–", Progress.TRYING: "○", Progress.STUCK: "▲", Progress.PASSED: "✓"}
+
+
+@dataclass(frozen=True)
+class LessonRowView:
+    """One seat: its lesson, how many it has passed, and a mark for each lesson of the class."""
+
+    seat: str
+    cells: tuple[str, ...]
+    """seat as shown, lesson, progress as symbol and words, number of passed lessons"""
+    progress: Progress
+    """that of the lesson in `cells`"""
+    marks: tuple[Progress, ...]
+    """by column of the lessons"""
+    details: str
+    """all lessons of the seat, for the tooltip, one a line"""
+
+
+@dataclass(frozen=True)
+class LessonsView:
+    """What each seat has reached; the stuck ones first, then by name."""
+
+    title: str
+    """`Lessons`, with the number of seats that are stuck"""
+    columns: tuple[str, ...]
+    """numbers of the lessons that seats have reported, for example `03`"""
+    rows: tuple[LessonRowView, ...]
+    empty: str
+    """why there is no row; else empty"""
+    notice: str
+    """why the rows may be old; empty: they are not"""
+
+
+def view(world: World, texts: Texts) -> LessonsView:
+    """Return what the page of the class shows about lessons; it has rows only while the page is shown."""
+    reports = [row for row in world.reports or () if LESSON.fullmatch(row.lesson)]
+    columns = tuple(sorted({row.lesson[:2] for row in reports})[:COLUMNS_MAX])
+    by_seat = {seat: list(rows) for seat, rows in groupby(reports, lambda row: row.seat)}
+    seats = {*by_seat, *(world.seats if by_seat else ())} - {TEACHER}
+    rows = [_row(seat, by_seat.get(seat, []), columns, world, texts) for seat in seats]
+    rows.sort(key=lambda row: (row.progress is not Progress.STUCK, row.cells[0].casefold(), row.seat))
+    stuck = sum(row.progress is Progress.STUCK for row in rows)
+    old = world.reports_failed or world.phase is not LinkPhase.ONLINE
+    return LessonsView(
+        title=texts("lessons.stuck", count=float(stuck)) if stuck else texts("lessons.title"),
+        columns=columns,
+        rows=tuple(rows),
+        empty="" if rows else _empty(world, texts),
+        notice=texts("lessons.old") if rows and old else "",
+    )
+
+
+def _empty(world: World, texts: Texts) -> str:
+    if world.phase is not LinkPhase.ONLINE:
+        return texts("reason.no_router", endpoint=world.endpoint)
+    if world.reports is None:
+        return texts("lessons.unread" if world.reports_failed else "lessons.reading")
+    return texts("lessons.empty")
+
+
+def _row(
+    seat: str, reports: list[Row], columns: tuple[str, ...], world: World, texts: Texts
+) -> LessonRowView:
+    reached = {row.lesson[:2]: Progress(row.progress) for row in reports}
+    shown = _present(reports)
+    progress = Progress.NONE if shown is None else Progress(shown.progress)
+    passed = sum(one is Progress.PASSED for one in reached.values())
+    return LessonRowView(
+        seat=seat,
+        cells=(
+            world.pupils.get(seat, seat),
+            "" if shown is None else shown.lesson,
+            texts("lessons.none") if shown is None else _words(shown, texts),
+            str(passed) if reports else "",
+        ),
+        progress=progress,
+        marks=tuple(reached.get(number, Progress.NONE) for number in columns),
+        details="\n".join(f"{row.lesson}: {_words(row, texts)}" for row in reports),
+    )
+
+
+def _present(reports: list[Row]) -> Row | None:
+    """Return the report of the lesson that a seat works at: one it is stuck at, else open, else passed; the last of them."""
+    order = (PASSED, TRYING, STUCK_AT)
+    return max(reports, key=lambda row: (order.index(row.progress), row.lesson), default=None)
+
+
+def _words(row: Row, texts: Texts) -> str:
+    progress, state = Progress(row.progress), row.state
+    match progress:
+        case Progress.STUCK:
+            words = texts("lessons.stuck_at", figure=state.figure, count=float(state.stuck))
+        case Progress.PASSED:
+            words = texts("lessons.passed", count=float(state.tries))
+        case _:
+            words = texts("lessons.trying", count=float(state.tries))
+    return f"{SYMBOLS[progress]} {words}"
