@@ -12,13 +12,14 @@ from unittest.mock import MagicMock, create_autospec
 import pytest
 import typer.main
 from golden import same
-from gui_worlds import robot, status, world
+from gui_worlds import absent, robot, status, world
 
+import beatrix_zenoh
 from beatrix_zenoh.cli.verbs import application
 from beatrix_zenoh.client import Plan, Robot, Twin
 from beatrix_zenoh.client.choreography import Choreography, choreography
 from beatrix_zenoh.client.motion_file import parse
-from beatrix_zenoh.contract._generated.messages import Command, Event, EventKind, Phase, Reason
+from beatrix_zenoh.contract._generated.messages import Command, Event, EventKind, LeaseAction, Phase, Reason
 from beatrix_zenoh.contract.refusals import not_enabled
 from gui.console.state import intents
 from gui.console.state.actions import Outcome, Play, Send, SendCommand, WriteFile
@@ -165,11 +166,56 @@ def specified_twin() -> MagicMock:
     return twin
 
 
-@pytest.mark.parametrize("python", [python for _, python, _ in LINES])
-def test_the_copied_python_calls_methods_of_the_sdk(python: str) -> None:
-    twin, play, load = specified_twin(), MagicMock(), MagicMock()
-    eval(compile(python, "history", "eval"), {"twin": twin, "play": play, "load": load})
-    assert twin.mock_calls or twin.sim.mock_calls or twin.hw.mock_calls or play.mock_calls
+def calls_of(program: str, monkeypatch: pytest.MonkeyPatch) -> tuple[list[Any], list[Any]]:
+    """Run a copied program with robots that only record; return how it opens them, and its calls."""
+    opened, play, twin = MagicMock(), MagicMock(), specified_twin()
+    robot = create_autospec(Robot, instance=True)
+    robot.lease = MagicMock()  # its decorator hides the signature
+    for name, kind in (("Twin", twin), ("Robot", robot)):
+        kind.__enter__.return_value = kind
+        monkeypatch.setattr(beatrix_zenoh, name, getattr(opened, name), raising=False)
+        getattr(opened, name).return_value = kind
+    monkeypatch.setattr("beatrix_zenoh.client.choreography.play", play)
+    monkeypatch.setattr("beatrix_zenoh.client.choreography.load", MagicMock())
+    exec(compile(program, "copied.py", "exec"), {})
+    made = [call for one in (twin, twin.sim, twin.hw, robot, play) for call in one.mock_calls]
+    return [opened.Twin.call_args or opened.Robot.call_args], [call for call in made if "__" not in call[0]]
+
+
+MORE: list[tuple[Intent, ...]] = [
+    (*HW_ONLY, intents.SetIncrement(12), Jog("long", 1)),
+    (*HW_ONLY, RunCommand(Command.HOME)),
+    (BOTH, RunCommand(Command.HOME)),
+    (intents.SetSpeed(55.5), *LOOK),
+    (intents.AskLease(LeaseAction.TAKE, "sim"),),
+    (intents.AskLease(LeaseAction.WAIT, "hw"),),
+    (intents.SavePose("a"), intents.SavePose("b"), intents.PlayPoses()),
+    (BOTH, intents.SavePose("a"), intents.SavePose("b"), intents.PlayPoses()),
+    (intents.PlayFile(Path("it's.csv")),),
+]
+
+
+@pytest.mark.parametrize("given", [*[given for given, _, _ in LINES], *MORE])
+def test_a_row_is_copied_as_a_whole_program_that_runs(
+    given: tuple[Intent, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    [opened], calls = calls_of(newest(*given).program, monkeypatch)
+    assert opened.args == ("bea1",)
+    assert set(opened.kwargs) <= {"side"}
+    assert calls, "the program asks the robot for something"
+
+
+def test_a_program_has_router_and_seat_only_if_it_would_choose_others() -> None:
+    away = replace(world(), endpoint="tcp/192.168.1.2:7447", who="anna")
+    assert newest(*HW_ONLY, *LOOK, now=away).program == (
+        "from beatrix_zenoh import Robot\n\n"
+        'with Robot("bea1", side="hw", connect="tcp/192.168.1.2:7447", who="anna") as robot:\n'
+        "    robot.look(yaw=20, pitch=-10, roll=0, speed=30)\n"
+    )
+
+
+def test_a_copied_stop_leaves_a_robot_out_that_is_not_online() -> None:
+    assert "\n    robot.stop()\n" in newest(intents.Stop(), now=world(hw=absent("hw"))).program
 
 
 @pytest.mark.parametrize("line", [line for _, _, line in LINES])

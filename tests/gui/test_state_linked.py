@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from functools import partial
 
@@ -10,9 +12,9 @@ from gui_links import Linked
 from robots import Stage, until
 
 from beatrix_zenoh.client.degrees import ArmAngles
-from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import intents
-from gui.console.state.intents import Intent, Jog, SetDestination
+from gui.console.state.intents import Intent, Jog, RunCommand, SetDestination
 from gui.console.state.state import State
 from gui.console.state.views import Condition, View
 
@@ -25,6 +27,14 @@ def linked() -> Iterator[Linked]:
         with Linked(stage.endpoint) as made:
             made.online("sim", "hw")
             yield made
+
+
+def run_copied(program: str) -> None:
+    """Run a copied program unchanged, in a process of its own."""
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60.0, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
 
 
 class BareWindow:
@@ -90,6 +100,12 @@ def test_both_robots_carry_out_next_steps_motions_alternatives_and_undo(linked: 
     window.want(intents.Undo())
     assert window.ends(), window.view().last
     assert [round(angle, 1) for angle in window.commanded("hw")] == [5, 5, 5]
-    with Twin("bea", connect=linked.world.endpoint, who=linked.world.seat) as twin:
-        eval(line, {"twin": twin})
-    assert max(window.commanded("hw")) > 10, "the copied line does what the window did"
+    run_copied(window.view().history[1].program)
+    assert max(window.commanded("hw")) > 10, "the copied program does what the window did"
+    window.want(SetDestination("sim", checked=False))
+    window.want(RunCommand(Command.HOME))
+    assert window.ends(), window.view().last
+    window.want(Jog("long", 1))
+    assert window.ends(), window.view().last
+    run_copied(window.view().history[0].program)
+    assert [round(angle, 1) for angle in window.commanded("hw")] == [0, 0, 10]

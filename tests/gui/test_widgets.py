@@ -162,7 +162,7 @@ def test_a_row_of_the_history_is_sent_again_and_copied(window: Window, intents: 
     assert intents() == [Repeat(row.row)]
     clipboard = QGuiApplication.clipboard()
     assert clipboard is not None
-    for button, text in ((history.python, row.python), (history.command_line, row.command_line)):
+    for button, text in ((history.python, row.program), (history.command_line, row.command_line)):
         assert text
         QTest.mouseClick(button, LEFT)
         assert clipboard.text() == text

@@ -10,6 +10,7 @@ from functools import partial
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.client.stopping import StopSender
+from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.contract.names import SIDES
@@ -59,6 +60,7 @@ class Link:
             shared: a session whose states of robots and seats this link reads; None: it receives them itself.
         """
         self._on_outcome, self._caller = on_outcome, threading.get_ident()
+        self._default_seat = names.default_seat() if settings.account is None else settings.account.name
         self._outcomes = Worker("window-outcomes")
         report = self._report
         self._cameras, self._levels = Cameras(on_image), Levels()
@@ -101,6 +103,7 @@ class Link:
             phase=connection.phase,
             endpoint=connection.settings.connect,
             seat=connection.settings.who,
+            who="" if connection.settings.who == self._default_seat else connection.settings.who,
             robot=robot,
             sim=sim,
             hw=hw,

@@ -8,9 +8,11 @@ from collections.abc import Sequence
 
 from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery
+from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state.actions import Govern, Play, Ready, Send, SendCommand, SendLease, SendStop
 from gui.console.state.memory import Request
+from gui.console.state.presence import online
 from gui.console.state.views import CodeLine
 from gui.console.state.world import World
 
@@ -40,36 +42,82 @@ def program(lines: Sequence[CodeLine], world: World, title: str) -> tuple[CodeLi
     `title` is the docstring of the program.
     """
     calls = "\n".join(line.text for line in lines if not line.text.startswith("#"))
-    router = f", connect={world.endpoint!r}" if world.endpoint != DEFAULT_ENDPOINT else ""
     head = [f'"""{title}"""', ""]
     if "time.sleep(" in calls:
         head += ["import time", ""]
     head.append("from beatrix_zenoh import Twin")
     if "play(" in calls:
         head.append("from beatrix_zenoh.client.choreography import load, play")
-    head += ["", f"with Twin({world.robot!r}{router}) as twin:"]
+    head += ["", opening(world)]
     body = lines if calls else [*lines, CodeLine("pass")]
     return (*map(CodeLine, head), *(CodeLine(f"    {line.text}", line.row) for line in body))
 
 
-def python(request: Request) -> str:
-    """Return a line of Python that sends the request, where `twin` is a `Twin`; empty if there is no such line."""
-    line = ""
+def whole_program(request: Request, world: World) -> str:
+    """Return a program that sends the request to the robot shown and runs as it is; empty if there is none."""
+    sides = _sides(request)
+    if isinstance(request, SendStop):  # `Twin.stop` raises the error of a robot that is not online
+        sides = tuple(side for side in SIDES if online(world, side)) or SIDES
+    side = sides[0] if len(sides) == 1 else ""
+    lines = python(request, "robot" if side else "twin").splitlines()
+    if not lines:
+        return ""
+    imports = [f"from beatrix_zenoh import {'Robot' if side else 'Twin'}"]
+    if isinstance(request, Play) and _played(request):
+        imports.append("from beatrix_zenoh.client.choreography import load, play")
+    return "\n".join((*imports, "", opening(world, side), *(f"    {line}" for line in lines), ""))
+
+
+def opening(world: World, side: str = "") -> str:
+    """Return the line that opens both robots shown as `twin` or, with a side, one of them as `robot`.
+
+    It contains router and seat only if a program would choose others by itself.
+    """
+    words = [f'"{world.robot}"', *([f'side="{side}"'] if side else [])]
+    words += [f'connect="{world.endpoint}"'] if world.endpoint != DEFAULT_ENDPOINT else []
+    words += [f'who="{world.who}"'] if world.who else []
+    return f"with {'Robot' if side else 'Twin'}({', '.join(words)}) as {'robot' if side else 'twin'}:"
+
+
+def _sides(request: Request) -> tuple[str, ...]:
     match request:
-        case Send(query=query, sides=sides, lead_s=lead_s):
-            line = _motion_python(query, sides, lead_s)
-        case SendCommand(command=command, value=value, sides=sides):
-            line = f"{_robot(sides)}.{_verb(command, on=value)}()"
-        case Ready(side=side):
-            line = f"twin.{side}.make_ready()"
+        case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides):
+            return sides
+        case Ready(side=side) | SendLease(side=side):
+            return (side,)
+    return SIDES
+
+
+def python(request: Request, variable: str = "twin") -> str:
+    """Return Python that sends the request, usually one line; empty if there is none.
+
+    `variable` is `twin` for a `Twin`, or `robot` for a `Robot`.
+    """
+    sides = _sides(request)
+    both = len(sides) > 1
+    robot = f"{variable}.{sides[0]}" if variable == "twin" and not both else variable
+    text = ""
+    match request:
+        case Send(query=query, lead_s=lead_s):
+            text = _motion_python(query, robot, lead_s, both=both)
+        case SendCommand(command=command, value=value) if command is not Command.EMERGENCY_STOP:
+            text = f"{robot}.{_verb(command, on=value)}()"
+        case Ready():
+            text = f"{robot}.make_ready()"
         case SendStop(everywhere=False, emergency=False):
-            line = "twin.stop()"
-        case SendLease(action=LeaseAction.TAKE, side=side):
-            line = f"twin.{side}.lease()"
-        case Play(sides=sides, lead_s=lead_s) if _played(request):
-            lead = f", lead_s={_number(lead_s)}" if lead_s and len(sides) > 1 else ""
-            line = f"play({_robot(sides)}, load({_played(request)!r}){lead})"
-    return line
+            text = f"{robot}.stop()"
+        case SendLease(action=LeaseAction.TAKE):
+            text = f"{robot}.lease()"
+        case SendLease(action=LeaseAction.WAIT):
+            text = f"{robot}.lease(wait_s=60)"
+        case Play(lead_s=lead_s) if _played(request):
+            lead = f", lead_s={_number(lead_s)}" if lead_s and both else ""
+            text = f"play({robot}, load({_played(request)!r}){lead})"
+        case Play(poses=poses, speed=speed, lead_s=lead_s):
+            rows = ", ".join(f"({', '.join(_number(angle) for angle in pose)})" for pose in poses)
+            call = f"{robot}.{'preview_arms' if both else 'move'}(*arms, speed={_number(speed)})"
+            text = f"for arms in [{rows}]:\n    {call}{_commit(lead_s) if both else ''}"
+    return text
 
 
 def command_line(request: Request, world: World) -> str:
@@ -114,12 +162,7 @@ def _played(request: Play) -> str:
     return request.gesture or ("" if request.file is None else str(request.file))
 
 
-def _robot(sides: tuple[str, ...]) -> str:
-    return "twin" if len(sides) > 1 else f"twin.{sides[0]}"
-
-
-def _motion_python(query: MotionQuery | PoseQuery, sides: tuple[str, ...], lead_s: float) -> str:
-    both = len(sides) > 1
+def _motion_python(query: MotionQuery | PoseQuery, robot: str, lead_s: float, *, both: bool) -> str:
     if isinstance(query, PoseQuery):
         call = "preview" if both else "look"
         angles = [f"{name}={text}" for name, text in _head(query).items()]
@@ -130,10 +173,11 @@ def _motion_python(query: MotionQuery | PoseQuery, sides: tuple[str, ...], lead_
         speeds = _speeds(query)
         speed = speeds[0] if len(speeds) == 1 else f"({', '.join(speeds)})" if speeds else None
     words = [*angles, *([] if query.absolute else ["relative=True"]), *([f"speed={speed}"] if speed else [])]
-    line = f"{_robot(sides)}.{call}({', '.join(words)})"
-    if not both:
-        return line
-    return f"{line}.commit({f'lead_s={_number(lead_s)}' if lead_s else ''})"
+    return f"{robot}.{call}({', '.join(words)})" + (_commit(lead_s) if both else "")
+
+
+def _commit(lead_s: float) -> str:
+    return f".commit({f'lead_s={_number(lead_s)}' if lead_s else ''})"
 
 
 def _motion_words(query: MotionQuery | PoseQuery) -> list[str]:
@@ -168,13 +212,14 @@ def _where(sides: tuple[str, ...], world: World) -> list[str]:
 
 
 def _names(world: World) -> list[str]:
-    """Return the options for robot and router, except those whose defaults are right."""
+    """Return the options for robot, router and seat, except those whose defaults are right."""
     name = ["--name", world.robot] if len(world.names) > 1 else []
     return [*name, *_router(world)]
 
 
 def _router(world: World) -> list[str]:
-    return ["--connect", world.endpoint] if world.endpoint != DEFAULT_ENDPOINT else []
+    router = ["--connect", world.endpoint] if world.endpoint != DEFAULT_ENDPOINT else []
+    return [*router, *(["--who", world.who] if world.who else [])]
 
 
 def _number(value: float) -> str:

@@ -47,7 +47,7 @@ GOOD, BAD, OPEN = "✓", "✕", "…"
 def view(memory: Memory, world: World) -> tuple[HistoryRowView, ...]:
     """Return the rows of this window and of other seats, newest first; unchanged rows come from the cache."""
     cache, texts = memory.history_cache, memory.choices.texts
-    context = (world.seat, world.session, world.robot, world.names, world.endpoint, texts.code)
+    context = (world.seat, world.session, world.robot, world.names, world.endpoint, world.who, texts.code)
     events = (world.sim.events, world.hw.events)
     if cache.context != context:
         cache = memory.history_cache = HistoryCache(context)
@@ -98,6 +98,7 @@ def row_view(row: RequestRow, world: World, texts: Texts) -> HistoryRowView:
         symbol=symbol(good),
         good=good,
         python=code_lines.python(row.request),
+        program=code_lines.whole_program(row.request, world),
         command_line=code_lines.command_line(row.request, world),
     )
 
@@ -121,6 +122,7 @@ def _foreign(group: other_seats.Group, texts: Texts) -> HistoryRowView:
         symbol=symbol(good),
         good=good,
         python="",
+        program="",
         command_line="",
     )
 

@@ -35,7 +35,7 @@ class CodeCache:
 def view(memory: Memory, world: World, cache: CodeCache) -> CodeView:
     """Return the program so far; unchanged, it comes from the cache."""
     texts = memory.choices.texts
-    made_from = (memory.rows, world.robot, world.endpoint, texts.code)
+    made_from = (memory.rows, world.robot, world.endpoint, world.who, texts.code)
     if cache.made_from != made_from:
         lines = [line for row in memory.rows for line in lines_of(row, texts)]
         cache.made_from = made_from

@@ -197,7 +197,9 @@ class HistoryRowView:
     good: bool | None
     """whether the request succeeded; None: it has not ended"""
     python: str
-    """the request as a line of Python; empty: there is none"""
+    """the request as Python, usually one line, where `twin` is a `Twin`; empty: there is none"""
+    program: str
+    """the request as a whole program; empty: there is none"""
     command_line: str
     """the request as a line for the terminal; empty: there is none"""
 

@@ -113,6 +113,8 @@ class World:
     playing: str = ""
     """title of the current play; empty: none"""
     face: FaceProgress = FaceProgress()
+    who: str = ""
+    """the seat, if programs and command lines would choose another one by themselves; empty: they would not"""
     wall_s: float = 0.0
     """wall clock at `now_s`, since 1970; 0: unknown"""
     session: str = ""

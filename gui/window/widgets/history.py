@@ -138,7 +138,7 @@ class HistoryPanel(QWidget):
     def _copy(self, *, command_line: bool) -> None:
         chosen, clipboard = self._chosen(), QGuiApplication.clipboard()
         if chosen is not None and clipboard is not None:
-            clipboard.setText(chosen.command_line if command_line else chosen.python)
+            clipboard.setText(chosen.command_line if command_line else chosen.program)
 
 
 def _alike_at_the_end(one: tuple[HistoryRowView, ...], other: tuple[HistoryRowView, ...]) -> int:
