@@ -3,7 +3,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from beatrix_zenoh.lessons.attempt import Attempt
+from beatrix_zenoh.lessons.attempt import Attempt, Seen
 
 TURN = 200 * 8 * 68 / 26
 STEP = 360 / TURN
@@ -27,12 +27,19 @@ def check(attempt: Attempt) -> None:
     attempt.require("back", abs(degrees - 116 * STEP) < 0.01, value=degrees)
     seen = attempt.observe()
     own = [(time, event.phase) for time, event in seen.motions]
-    ends = [after for (_, phase), (after, _) in pairwise([*own, (seen.t[-1], "")]) if phase == "done"]
-    before = np.searchsorted(seen.t, ends) - 1  # the last reading at rest
-    stops = [float(seen.short[index]) for index in before if index >= 0]
+    rests = [
+        (begin, end) for (begin, phase), (end, _) in pairwise([*own, (seen.t[-1], "")]) if phase == "done"
+    ]
+    stops = [resting(seen, begin, end) for begin, end in rests]
     for asked in ANGLES:
         nearest = min(stops, key=lambda stop: abs(stop - asked), default=0.0)
         attempt.require("angles", abs(nearest - asked) < AS_ASKED, asked=asked, nearest=nearest)
     moves = [abs(b - a) for a, b in pairwise(stops) if abs(b - a) > STEP / 2]
     smallest = min(moves, default=0.0)
     attempt.require("smallest", abs(smallest - STEP) < SMALLEST, smallest=smallest)
+
+
+def resting(seen: Seen, begin: float, end: float) -> float:
+    """Return the angle (deg) of the short arm between the end of a motion and the next one, the median of the readings."""
+    inside = (seen.t >= begin + 0.02) & (seen.t <= end - 0.02)
+    return float(np.median(seen.short[inside]) if inside.any() else np.interp(end, seen.t, seen.short))
