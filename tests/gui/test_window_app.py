@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -11,6 +12,9 @@ from pathlib import Path
 
 import pytest
 from golden import same
+
+from beatrix_zenoh.contract.errors import Refused
+from gui.window import app
 
 PROGRAM = "import sys; from gui.window.app import main; sys.exit(main(sys.argv[1:]))"
 NOWHERE = "tcp/127.0.0.1:1"
@@ -51,3 +55,21 @@ def test_without_a_display_the_window_is_refused(tmp_path: Path) -> None:
     assert (process.returncode, output) == (1, "")
     same("window app.without a display the window is refused", errors)
     assert errors.count("\n") == 1
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere Qt brings its libraries")
+def test_a_library_of_qt_that_cannot_be_loaded_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "libqwayland-generic.so").write_text("no library")
+    monkeypatch.setenv(app.PLUGINS, str(tmp_path))
+    monkeypatch.setenv("QT_QPA_PLATFORM", "wayland")
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.setenv("WAYLAND_DISPLAY", "here")
+    with socket.socket(socket.AF_UNIX) as compositor:
+        compositor.bind(str(tmp_path / "here"))
+        with pytest.raises(Refused, match="there is no display"):
+            app.check_display()
+        compositor.listen()
+        with pytest.raises(Refused, match=r"libqwayland-generic\.so: .*Install the missing library"):
+            app.check_display()
