@@ -13,9 +13,11 @@ import msgspec
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.link import Link
+from gui.console.link.jogging import Press
 from gui.console.link.moving import robots_of
 from gui.console.state import class_page, intents, projector
 from gui.console.state.actions import Action, Outcome, SendStop, WatchMicrophones
+from gui.console.state.holding import AHEAD_S, ROTATIONS, jog_query
 from gui.console.state.intents import Intent, Tab
 from gui.console.state.presence import online
 from gui.console.state.saved import Saved
@@ -23,8 +25,7 @@ from gui.console.state.state import State
 from gui.console.state.views import BannerView, ButtonView, View
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts, load
-from gui.page.jog import AHEAD_S, Jogging, Press, jog_query
-from gui.page.messages import DRIVING, OWN, ROTATIONS, Hold
+from gui.page.messages import DRIVING, OWN, Hold
 
 HISTORY: Final = 40
 """Largest number of rows of the history of a page."""
@@ -45,7 +46,6 @@ class Driver:
     """What a page has while it drives, or waits for a robot."""
 
     link: Link
-    jog: Jogging
     robot: str
     seat: str
     beat_s: float
@@ -62,7 +62,7 @@ class Driver:
     @property
     def busy(self) -> bool:
         """Whether robots move, or are about to move, for the page."""
-        return self.link.busy or self.jog.busy
+        return self.link.busy
 
 
 class Face:
@@ -150,7 +150,7 @@ class Face:
             "you": {
                 "seat": "" if driver is None else driver.seat,
                 "drives": driver is not None,
-                "over": 0 if driver is None else driver.jog.over,
+                "over": 0 if driver is None else driver.link.jogging.over,
                 "text": self._role(world, texts),
                 "notice": texts(key, **slots) if key else "",
             },
@@ -207,7 +207,7 @@ class Face:
             return
         if self.driver is not None and isinstance(intent, DRIVING):
             self.notify("")
-            self.driver.jog.end()
+            self.driver.link.jogging.end()
         for action in self.state.handle(intent, self._world):
             self._do(action)
 
@@ -215,8 +215,6 @@ class Face:
         if isinstance(action, WatchMicrophones):
             return  # the server listens once for all pages
         if self.driver is not None:
-            if isinstance(action, SendStop):
-                self.driver.jog.end(stopped=True)
             self.driver.link.do(action)
         if isinstance(action, SendStop) and (
             self.driver is None or self._world.phase is not LinkPhase.ONLINE
@@ -237,8 +235,8 @@ class Face:
         if driver is None or session is None:
             self.notify("page.watching")
             return
-        press = driver.jog.held(hold.press)
-        if press is None and driver.jog.is_new(hold.press):
+        press = driver.link.jogging.held(hold.press)
+        if press is None and driver.link.jogging.is_new(hold.press):
             choices = self.state.choices
             robots = robots_of(session.twin, choices.sides)
             control = "head" if hold.part in ROTATIONS else hold.part
@@ -250,12 +248,12 @@ class Face:
             driver.link.make_way()
             press = Press(hold.press, hold.part, hold.sign, choices.speed, robots, row)
         if press is not None:
-            driver.jog.hold(press)
+            driver.link.jogging.hold(press)
 
     def release(self, number: int) -> None:
         """End the motion of a held button."""
         if self.driver is not None:
-            self.driver.jog.release(number)
+            self.driver.link.jogging.release(number)
 
     def stop_moving(self) -> None:
         """Stop the robots if they move for this page, because the page is silent or hidden."""
@@ -266,7 +264,6 @@ class Face:
     def drop(self) -> None:
         """Drop what waits to be sent, because another page has sent STOP."""
         if self.driver is not None:
-            self.driver.jog.end(stopped=True)
             self.driver.link.drop()
 
 

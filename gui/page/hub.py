@@ -27,7 +27,6 @@ from gui.console.link.pictures import CameraStream
 from gui.console.link.stopping import send_stop
 from gui.console.state.actions import Outcome, SendStop
 from gui.page.face import Driver, Face
-from gui.page.jog import Jogging
 from gui.page.protection import Visitor
 
 DEAD_MAN_S: Final = 0.4
@@ -166,7 +165,7 @@ class Hub:
         link = Link(settings, report, lambda _, __: None, source=Source.PAGE, shared=session)
         link.start()
         face.notify("")
-        face.driver = Driver(link, Jogging(report), face.robot, seat, time.monotonic())
+        face.driver = Driver(link, face.robot, seat, time.monotonic())
 
     def _reporter(self, face: Face) -> Callable[[Outcome], None]:
         """Return a function that reports outcomes to a page; any thread may call it."""
@@ -189,7 +188,7 @@ class Hub:
         driver, face.driver = face.driver, None
         if driver is None:
             return
-        driver.jog.close()
+        driver.link.jogging.end(stopped=True)
         self._close_later(driver.link.close)
         face.state.leave()
         face.notify(key)

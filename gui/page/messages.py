@@ -13,8 +13,6 @@ from gui.console.state import intents
 from gui.console.state.saved import LEAD_MAX_S, SPEED_MAX, Saved
 from gui.console.texts import LANGUAGES
 
-ROTATIONS: Final = ("yaw", "pitch", "roll")
-
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
 Press = Annotated[int, Meta(ge=1, le=2**53)]
 """Number of a press of a button; a page counts its presses."""

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from beatrix_zenoh.contract.names import ARMS
+from gui.console.state.holding import ROTATIONS
 from gui.console.texts import LANGUAGES, Texts, load
-from gui.page.messages import ROTATIONS
 
 GUI = Path(__file__).resolve().parents[2] / "gui"
 CALLERS = ("texts", "_texts", "words")

@@ -14,11 +14,12 @@ from golden import same
 
 from beatrix_zenoh.contract._generated.messages import MotionQuery
 from beatrix_zenoh.contract.errors import WrongUsage
+from gui.console.link.jogging import BRAKE_S
 from gui.console.state import intents
+from gui.console.state.holding import AHEAD_S, FASTEST_DEG_S, jog_query
 from gui.page import connections, messages, protection
 from gui.page.handlers import FULL
 from gui.page.hub import DEAD_MAN_S
-from gui.page.jog import AHEAD_S, BRAKE_S, FASTEST_DEG_S, jog_query
 from gui.page.protection import Attempts, Login, Visitors
 from gui.page.server import STATIC
 

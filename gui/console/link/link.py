@@ -18,9 +18,10 @@ from beatrix_zenoh.settings import Settings
 from gui.console.link.children import Children, Recordings
 from gui.console.link.connection import Connection, Session
 from gui.console.link.governing import ClassStates, Governing
+from gui.console.link.jogging import Jogging, Press
 from gui.console.link.lesson_reports import LessonReports
 from gui.console.link.levels import Levels
-from gui.console.link.moving import Moving, Request
+from gui.console.link.moving import Moving, Request, robots_of
 from gui.console.link.outcomes import done, failed
 from gui.console.link.pictures import Cameras, OnImage
 from gui.console.link.probe import Probe
@@ -67,7 +68,7 @@ class Link:
         self._connection = Connection(
             settings, self._follow, name_given=name_given, source=source, shared=shared
         )
-        self._moving = Moving(report)
+        self._moving, self.jogging = Moving(report), Jogging(report)
         self._stop_sender = StopSender("window")
         self._governing, self._class = Governing(report), ClassStates()
         self._lessons = LessonReports(lambda: self._connection.session)
@@ -88,7 +89,7 @@ class Link:
     @property
     def busy(self) -> bool:
         """Whether robots move, or are about to move, for this link."""
-        return self._moving.busy
+        return self._moving.busy or self.jogging.busy
 
     def world(self, robot: str = "") -> World:
         """Return the present world, by default of the selected robot; call it in one thread only, for a window Qt's."""
@@ -137,6 +138,8 @@ class Link:
                 self._moving.plans.send_now()
             case actions.AbortPlan():
                 self._moving.plans.abort()
+            case actions.Hold() | actions.Release():
+                self._hold(action)
             case actions.Connect():
                 self._connection.try_now()
             case actions.Select():
@@ -169,6 +172,7 @@ class Link:
 
     def _select(self, robot: str) -> None:
         if robot != self._connection.robot:
+            self.jogging.end()
             self._moving.deselect()
         self._connection.select(robot)
 
@@ -222,11 +226,28 @@ class Link:
         if session is None:
             self._report(self._no_session(action.row))
         else:
+            self.jogging.end()
             settings = replace(self._connection.settings, robot=session.twin.name)
             self._moving.request(action, session.twin, settings)
 
+    def _hold(self, action: actions.Hold | actions.Release) -> None:
+        """Begin, continue or end a hold; ignore the heartbeats of one that has ended."""
+        if isinstance(action, actions.Release):
+            self.jogging.release(action.row)
+            return
+        press, session = self.jogging.held(action.row), self._connection.session
+        if press is None and self.jogging.is_new(action.row):
+            if session is None:
+                self._report(self._no_session(action.row))
+                return
+            self.make_way()
+            robots = robots_of(session.twin, action.sides)
+            press = Press(action.row, action.part, action.sign, action.speed, robots, action.row)
+        if press is not None:
+            self.jogging.hold(press)
+
     def make_way(self) -> None:
-        """End what must not run beside a motion that the face itself sends to the robots of `session`."""
+        """End what must not run beside a held button."""
         self._moving.make_way()
 
     # -- STOP ---------------------------------------------------------------------------------------
@@ -250,6 +271,7 @@ class Link:
 
     def drop(self) -> None:
         """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
+        self.jogging.end(stopped=True)
         self._moving.drop()
 
     # -- the end ------------------------------------------------------------------------------------
@@ -258,6 +280,7 @@ class Link:
         """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
         deadline_s = time.monotonic() + CLOSE_S
         parts: tuple[Part, ...] = (
+            self.jogging,
             *self._moving.parts,
             *self._probes.values(),
             self._stop_sender,

@@ -34,6 +34,27 @@ class Send(Action):
 
 
 @dataclass(frozen=True)
+class Hold(Action):
+    """Move some robots while a button is held; repeated as a heartbeat, without which they stop within 0.5 s."""
+
+    row: int
+    """also the number of the press"""
+    part: str
+    """an arm, or `all`"""
+    sign: int
+    speed: float
+    """deg/s"""
+    sides: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Release(Action):
+    """End a hold."""
+
+    row: int
+
+
+@dataclass(frozen=True)
 class SendCommand(Action):
     """A command for some robots."""
 

@@ -69,7 +69,7 @@ def _button(memory: Memory, world: World, jog: Jog) -> ButtonView:
     text = texts("arm.plus") if jog.sign > 0 else texts("arm.minus")
     if not memory.choices.sides:
         return ButtonView(text, texts("off.unchecked"), jog, enabled=False)
-    return ButtonView(text, _effect(memory, world, jog), jog)
+    return ButtonView(text, f"{_effect(memory, world, jog)}\n{texts('arm.hold')}", jog)
 
 
 def _effect(memory: Memory, world: World, jog: Jog) -> str:

@@ -150,6 +150,10 @@ class Memory:
     refusal: Refusal | None = None
     live_row: int | None = None
     """row of the motions that follow the present drag of the head; None: none, not positive: it has ended, see `dragging`"""
+    held_row: int | None = None
+    """row of the button that is held; None: none, 0: the press was refused"""
+    open_hold: int = 0
+    """row of the newest hold until its end; 0: none"""
     notice: str = ""
     """a sentence to show until the first request"""
     troubles: Mapping[str, str] = field(default_factory=dict)

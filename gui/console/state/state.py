@@ -12,6 +12,7 @@ from gui.console.state import (
     eyes,
     gestures,
     history,
+    holding,
     intents,
     leases,
     motions,
@@ -22,11 +23,10 @@ from gui.console.state import (
     sending,
     sound,
 )
-from gui.console.state.actions import Action, Connect, Outcome, RunSimulation, Select, Send
+from gui.console.state.actions import Action, Connect, Outcome, RunSimulation, Select
 from gui.console.state.choices import Choices, choices_from
 from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.memory import Memory
-from gui.console.state.presence import unreachable
 from gui.console.state.saved import Saved
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
@@ -92,8 +92,9 @@ class State:
         )
 
     def follow(self, world: World) -> None:
-        """Compare leases with those at the last call, to show a lease that this seat gained or lost."""
+        """Compare leases with those at the last call, to show one gained or lost; complete the row of a hold."""
         leases.follow(self._memory, world)
+        holding.follow(self._memory, world)
 
     def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
         """Return history and last line, the part of the view that an outcome changes."""
@@ -123,6 +124,8 @@ class State:
                 actions = commands.handle(memory, world, intent)
             case intents.Jog():
                 actions = arms.jog(memory, world, intent)
+            case holding.HoldArm() | holding.ReleaseArm():
+                actions = holding.handle(memory, world, intent)
             case intents.SendHead():
                 actions = motions.send_head(memory, world, sending.target(memory, world), sending.PAD)
             case intents.GrabHead() | intents.LiveHead() | intents.ReleaseHead():
@@ -178,11 +181,7 @@ class State:
 
     def hold(self, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:
         """Add a motion that the face itself sends to the checked robots; return its row, or None if it is refused."""
-        if unreachable(self._memory, world, self.choices.sides, control):
-            return None
-        request = Send(self._memory.next_row(), query, self.choices.sides)
-        motions.begin(self._memory, world, request, control)
-        return request.row
+        return holding.begin(self._memory, world, query, control)
 
     def leave(self) -> None:
         """Forget leases and unfinished requests, because the session of this seat was closed."""

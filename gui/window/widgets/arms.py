@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtCore import QEvent, Qt, QTimer, pyqtSignal
+from PyQt5.QtGui import QHideEvent, QMouseEvent
 from PyQt5.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.contract.names import ARMS
+from gui.console.state.holding import HoldArm, ReleaseArm
 from gui.console.state.intents import ALL_ARMS, SetIncrement, SetRelative, SetSpeed
 from gui.console.state.views import ArmRowView, ArmsView
 from gui.console.texts import Texts
@@ -16,6 +18,60 @@ LEAST_INCREMENT = 0.1
 """deg"""
 LEAST_SPEED = 1.0
 """deg/s"""
+HOLD_MS = 300
+"""Time after which a press is a hold."""
+BEAT_MS = 100
+"""Period of the heartbeats of a hold: if the window hangs, the robots stop."""
+
+
+class HoldButton(IntentButton):
+    """+ or - of an arm: a press reports the intent of its view, a hold reports HoldArm until its end."""
+
+    def __init__(self, arm: str, sign: int) -> None:
+        super().__init__()
+        self._arm, self._sign = arm, sign
+        self._holding = self._held = False
+        self._beat = QTimer(self)
+        self._beat.timeout.connect(self._hold)
+        self.pressed.connect(self._begin)
+        self.released.connect(self.end)
+
+    def end(self) -> None:
+        """End the hold, if there is one."""
+        self._beat.stop()
+        if self._holding:
+            self._holding = False
+            self.intent.emit(ReleaseArm())
+
+    def _begin(self) -> None:
+        if not self._held:  # the mouse has not left a held button and come back
+            self._beat.start(HOLD_MS)
+
+    def _hold(self) -> None:
+        self._beat.setInterval(BEAT_MS)
+        self._holding = self._held = True
+        self.intent.emit(HoldArm(self._arm, self._sign))
+
+    def _press(self) -> None:
+        if not self._held:
+            super()._press()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        self._held = False
+        super().mousePressEvent(event)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        super().mouseReleaseEvent(event)
+        self._held = False
+
+    def hideEvent(self, event: QHideEvent) -> None:  # noqa: N802
+        self.end()
+        super().hideEvent(event)
+
+    def event(self, event: QEvent) -> bool:
+        if event.type() in {QEvent.Type.WindowDeactivate, QEvent.Type.UngrabMouse, QEvent.Type.FocusOut}:
+            self.end()
+        return super().event(event)
 
 
 class ArmRow:
@@ -27,7 +83,7 @@ class ArmRow:
         if arm in colours.ARMS:
             colour = colours.hexadecimal(colours.ARMS[arm])
             self.title.setStyleSheet(f"border-left: 4px solid {colour}; padding-left: 4px")
-        self.minus, self.plus = IntentButton(), IntentButton()
+        self.minus, self.plus = HoldButton(arm, -1), HoldButton(arm, +1)
         self.sim, self.hw = label(role="sim"), label(role="hw")
         for column, widget in enumerate((self.title, self.minus, self.plus, self.sim, self.hw)):
             grid.addWidget(widget, row, column)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 from collections.abc import Callable
@@ -11,20 +10,15 @@ from typing import Final
 
 from beatrix_zenoh.client import Motion, Robot
 from beatrix_zenoh.client.stopping import publish_stop
-from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Vector3
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.contract.names import ARMS
 from gui.console.link.outcomes import accepted, done, failed
 from gui.console.link.worker import Worker
 from gui.console.state.actions import Outcome
-from gui.page.messages import ROTATIONS
+from gui.console.state.holding import AHEAD_S, jog_query
 
-AHEAD_S: Final = 0.5
-"""Time to each goal of a jog, longer than network delays; without a new goal the jog ends by itself."""
 BRAKE_S: Final = 0.12
 """Like AHEAD_S, for the last goal of a jog: an arm at 40 deg/s needs 0.11 s to come to rest."""
-FASTEST_DEG_S: Final = 40.0
-"""Largest speed of a jog (deg/s)."""
 SMALLEST_DEG: Final = 0.5
 """Shortest motion of a jog near a limit."""
 LIMITS: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT)
@@ -48,28 +42,17 @@ class Press:
         return jog_query(self.part, self.sign, self.speed, ahead_s)
 
 
-def jog_query(part: str, sign: int, speed_deg_s: float, ahead_s: float) -> MotionQuery | PoseQuery:
-    """Return the motion of one part of the head from the present set point for `ahead_s`."""
-    speed = math.radians(min(speed_deg_s, FASTEST_DEG_S))
-    angle = sign * speed * ahead_s
-    if part in ROTATIONS:
-        yaw, pitch, roll = (angle if part == name else 0.0 for name in ROTATIONS)
-        return PoseQuery(absolute=False, yaw=yaw, pitch=pitch, roll=roll, speed=speed)
-    x, y, z = (angle if part == name else 0.0 for name in ARMS)
-    return MotionQuery(absolute=False, position=Vector3(x, y, z), speed=Vector3(speed, speed, speed))
-
-
 class Jogging(Worker):
     """Sends the goals of held buttons on a thread of its own; the newest goal replaces one that waits."""
 
     def __init__(self, report: Callable[[Outcome], None]) -> None:
-        super().__init__("page-jog")
+        super().__init__("window-jog")
         self._report = report
         self._lock = threading.Lock()
         self._press: Press | None = None
         self._goal: tuple[Press, float] | None = None
         self.over = 0
-        """All presses up to this number have ended; read by the page, which then shows its button released."""
+        """All presses up to this number have ended; read by a page, which then shows its button released."""
         self._stops = 0
         self._running: dict[str, tuple[int, Motion]] = {}
         """By side: the row and motion begun last, until its end."""

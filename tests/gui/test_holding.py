@@ -1,0 +1,121 @@
+"""Held + and -: what is sent while a button is held, and the robots that move until its release."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+
+import pytest
+from gui_windows import Windowed
+from gui_worlds import state_after, world
+from PyQt5.QtCore import QEvent, Qt
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh.contract._generated.messages import MotionQuery
+from gui.console.state.actions import Hold, Outcome, Release
+from gui.console.state.holding import AHEAD_S, FASTEST_DEG_S, HoldArm, ReleaseArm, jog_query
+from gui.console.state.intents import SetDestination, SetSpeed
+from gui.console.state.state import State
+from gui.window.widgets.arms import HoldButton
+
+LEFT = Qt.MouseButton.LeftButton
+BRAKE_DEG = 10.0
+"""Largest angle between release and rest at 30 deg/s: 0.1 s of the way, 0.12 s to the last goal, and slow tests."""
+pytestmark = pytest.mark.no_cover
+
+
+def test_all_heartbeats_of_a_press_are_one_row() -> None:
+    state = state_after(SetSpeed(30.0))
+    first, second = (state.handle(HoldArm("short", -1), world()) for _ in range(2))
+    assert first == second == [Hold(1, "short", -1, 30.0, ("sim",))]
+    assert state.handle(ReleaseArm(), world()) == [Release(1)]
+    assert state.handle(ReleaseArm(), world()) == []
+    assert state.handle(HoldArm("short", -1), world()) == [Hold(2, "short", -1, 30.0, ("sim",))]
+    assert len(state.view(world()).history) == 2
+
+
+def test_a_refused_press_is_refused_once() -> None:
+    state = State()
+    state.handle(SetDestination("sim", checked=False), world())
+    assert state.handle(HoldArm("short", 1), world()) == []
+    assert state.handle(HoldArm("short", 1), world()) == []
+    assert state.handle(ReleaseArm(), world()) == []
+    assert not state.view(world()).history
+
+
+def test_the_row_of_a_hold_gets_the_angles_at_rest() -> None:
+    state = State()
+    state.handle(HoldArm("long", 1), world())
+    state.handle(ReleaseArm(), world())
+    state.report(Outcome(1, "sim", accepted=True, done=True))
+    state.follow(world())
+    (row,) = state.view(world()).history
+    assert "relative" not in row.python
+
+
+@pytest.mark.parametrize(("part", "moved"), [("short", 1), ("all", 3)])
+def test_the_goal_of_a_hold_lies_ahead_at_a_limited_speed(part: str, moved: int) -> None:
+    query = jog_query(part, 1, 90.0, AHEAD_S)
+    assert isinstance(query, MotionQuery)
+    angles = [query.position.x, query.position.y, query.position.z]
+    assert sum(math.isclose(math.degrees(angle), FASTEST_DEG_S * AHEAD_S) for angle in angles) == moved
+
+
+# -- with robots ------------------------------------------------------------------------------------
+
+
+def leave(button: HoldButton) -> None:
+    QTest.mouseRelease(button, LEFT)
+
+
+def deactivate(button: HoldButton) -> None:
+    QApplication.sendEvent(button, QEvent(QEvent.Type.WindowDeactivate))
+
+
+def hide(button: HoldButton) -> None:
+    button.hide()
+
+
+def test_both_robots_move_while_a_button_is_held(user: Windowed, sim: Robot, hw: Robot) -> None:
+    panels, robots = user.window.panels, (sim, hw)
+    user.type_number(panels.arms.speed.box, 30)
+    ends: tuple[Callable[[HoldButton], None], ...] = (leave, deactivate, hide)
+    for sign, end in zip((1, -1, 1), ends, strict=True):
+        rows = len(user.state.view(user.window._world).history)
+        row = panels.arms.rows["all"]
+        button = row.plus if sign > 0 else row.minus
+        start = [robot.positions().arms.long for robot in robots]
+        QTest.mousePress(button, LEFT)
+        user.until(
+            lambda start=start, sign=sign: all(  # type: ignore[misc]
+                sign * (robot.positions().arms.long - begin) > 20
+                for robot, begin in zip(robots, start, strict=True)
+            ),
+            "both have moved on by more than one increment",
+        )
+        end(button)
+        here, released_s = [robot.positions().arms.long for robot in robots], time.monotonic()
+        user.until(lambda: not any(robot.status().moving for robot in robots), "both rest")
+        assert time.monotonic() - released_s < 2.0
+        for robot, angle in zip(robots, here, strict=True):
+            assert abs(robot.positions().arms.long - angle) < BRAKE_DEG
+        QTest.mouseRelease(button, LEFT)
+        button.show()
+        user.until_last("done")
+        assert len(user.state.view(user.window._world).history) == rows + 1, "a hold is one row"
+
+
+def test_stop_ends_a_hold_that_goes_on(user: Windowed, sim: Robot, hw: Robot) -> None:
+    panels, robots = user.window.panels, (sim, hw)
+    button = panels.arms.rows["all"].plus
+    QTest.mousePress(button, LEFT)
+    user.until(lambda: all(robot.status().moving for robot in robots), "both move")
+    QTest.mouseClick(panels.stop_bar, LEFT)
+    user.until(lambda: not any(robot.status().moving for robot in robots), "both rest")
+    here = [robot.positions().arms.long for robot in robots]
+    QTest.qWait(500)
+    assert [robot.positions().arms.long for robot in robots] == pytest.approx(here, abs=0.1)
+    QTest.mouseRelease(button, LEFT)
