@@ -90,13 +90,13 @@ def _answers_x11() -> bool:
     except OSError:
         return True  # `_load_plugin` names the missing library
     xcb.xcb_connect.restype = ctypes.c_void_p
-    xcb.xcb_connection_has_error.argtypes = xcb.xcb_disconnect.argtypes = (ctypes.c_void_p,)
+    xcb.xcb_connection_has_error.argtypes = (ctypes.c_void_p,)
     errors: list[int] = []
 
     def connect() -> None:
         connection = xcb.xcb_connect(None, None)  # waits without limit for an address that does not answer
         errors.append(xcb.xcb_connection_has_error(connection))
-        xcb.xcb_disconnect(connection)
+        # It stays open: a server without other clients would reset itself, and refuse Qt's connection meanwhile.
 
     threads.start(connect, "window-display").join(CONNECT_S)
     return errors == [0]
