@@ -116,8 +116,17 @@ def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> Non
     assert shown is not None
     same("state refusals.a refusal by one of two robots names it in the chosen language 2", shown.text)
     assert shown.alternative is not None
-    assert shown.alternative.text == "Bereit machen"
-    assert state.handle(intents.TakeAlternative(), world()) == [Ready(2, "hw")]
+    assert shown.alternative.text == "Einschalten"
+    assert state.handle(intents.TakeAlternative(), world()) == [
+        SendCommand(2, Command.ENABLE, value=True, sides=("hw",))
+    ]
+
+
+def test_the_next_step_of_a_refusal_keeps_the_target_of_the_pad() -> None:
+    state = state_after(BOTH, intents.AimHead(20.0, 5.0, 0.0), intents.SendHead())
+    refused(state, not_enabled().detail, Reason.NOT_ENABLED, side="sim")
+    assert state.handle(intents.TakeAlternative(), world()) == [Ready(2, "sim")]
+    assert state.view(world()).head.target.yaw == 20.0
 
 
 def test_the_robot_that_refused_is_read_from_the_message() -> None:

@@ -134,13 +134,14 @@ def take_alternative(memory: Memory, world: World) -> list[Action]:
             return []
         return begin(memory, world, again(memory, request), refusal.control)
     actions: list[Action] = []
-    next_step = next_step_of(refusal)
+    next_step, target = next_step_of(refusal), memory.choices.target
     for side in _sides(refusal) if next_step else ():
         if unreachable(memory, world, (side,), refusal.control):
             return actions
         actions += begin(
             memory, world, _next_step_action(next_step, side, memory.next_row()), refusal.control
         )
+    memory.choices = replace(memory.choices, target=target)  # it was refused, so the user will send it again
     return actions
 
 
@@ -163,8 +164,8 @@ def next_step_of(refusal: Refusal) -> str:
     if refusal.reason is Reason.NOT_HOLDER and detail is not None and detail.value is None:
         return WAIT  # another seat holds the robot; with a `value`, a lease of this seat has ended
     needs = [] if detail is None else detail.needs
-    if needs[:2] == ["ENABLE", "CALIBRATE"]:
-        return MAKE_READY
+    if needs[:2] == ["ENABLE", "CALIBRATE"] and _sides(refusal) == ("sim",):
+        return MAKE_READY  # of the hardware only ENABLE: before CALIBRATE the user sets its head upright
     return needs[0] if needs and needs[0] in NEXT_STEPS else ""
 
 
