@@ -279,7 +279,8 @@ def _paint_letters(painter: QPainter, marks: Marks, texts: Texts) -> None:
     if view.sim is None and view.hw is None:
         painter.setPen(QColor(style.text))
         whole = QRectF(0, 0, marks.screen.width, marks.screen.height)
-        painter.drawText(whole, int(Qt.AlignmentFlag.AlignCenter), texts("label.no_head"))
+        wrapped = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
+        painter.drawText(whole, wrapped, texts("label.no_head"))
     font = painter.font()
     font.setPixelSize(style.px(12))
     painter.setFont(font)
