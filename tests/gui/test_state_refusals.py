@@ -151,6 +151,7 @@ def test_a_motion_that_this_window_stops_or_aborts_is_not_a_refusal() -> None:
         view = state.view(now)
         assert view.arms.refusal is None
         assert view.history[-1].result == result
+        assert view.history[-1].on_purpose is isinstance(intent, intents.Abort)
 
 
 def test_a_stop_of_another_seat_is_shown_with_its_pause() -> None:
@@ -211,3 +212,10 @@ def test_undo_goes_back_through_accepted_motions() -> None:
     accept(state, further.row)
     assert not state.view(here).commands.undo.enabled
     assert state.handle(intents.Undo(), here) == []
+
+
+def test_a_replaced_motion_is_no_error_in_the_history() -> None:
+    state = state_after(Jog("short", 1))
+    state.report(Outcome(1, "sim", accepted=False, done=True, reason=Reason.REPLACED, message="Replaced."))
+    row = state.view(world()).history[-1]
+    assert (row.on_purpose, row.symbol, row.good) == (True, "–", False)

@@ -41,7 +41,7 @@ STOP_MISSED = {
     Reason.TIMED_OUT: "result.stop_unconfirmed",
 }
 """texts of a STOP or EMERGENCY_STOP without a reply: no robot has refused it"""
-GOOD, BAD, OPEN = "✓", "✕", "…"
+GOOD, BAD, OPEN, REPLACED = "✓", "✕", "…", "–"
 
 
 def view(memory: Memory, world: World) -> tuple[HistoryRowView, ...]:
@@ -89,14 +89,16 @@ def last(memory: Memory, world: World) -> str:
 def row_view(row: RequestRow, world: World, texts: Texts) -> HistoryRowView:
     """Return the view of a row of this window."""
     text, good = result(row, texts)
+    on_purpose = _ended_on_purpose(row)
     return HistoryRowView(
         row=row.number,
         time=clock(row.began_s),
         who=texts("who.you"),
         what=_what_of(row, texts),
         result=text,
-        symbol=symbol(good),
+        symbol=REPLACED if on_purpose else symbol(good),
         good=good,
+        on_purpose=on_purpose,
         python=code_lines.python(row.request),
         program=code_lines.whole_program(row.request, world),
         command_line=code_lines.command_line(row.request, world),
@@ -121,6 +123,7 @@ def _foreign(group: other_seats.Group, texts: Texts) -> HistoryRowView:
         result=text_of_result,
         symbol=symbol(good),
         good=good,
+        on_purpose=False,
         python="",
         program="",
         command_line="",
@@ -208,6 +211,13 @@ def _bad(row: RequestRow, bad: list[Outcome], texts: Texts) -> tuple[str, bool |
         # This window has ended the motion, and the message contains the reason.
         return texts("result.ended", text=text), False
     return failure(worst.reason, text, texts, began=began)
+
+
+def _ended_on_purpose(row: RequestRow) -> bool:
+    """Return whether a newer motion of this window has replaced a request, or the user has aborted it."""
+    bad = [outcome.reason for outcome in row.outcomes.values() if not outcome.accepted]
+    aborted = {Reason.REPLACED, *([Reason.STOPPED] if row.aborted else [])}
+    return bool(bad) and set(bad) <= aborted
 
 
 def _what_of(row: RequestRow, texts: Texts) -> str:

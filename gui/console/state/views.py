@@ -196,6 +196,8 @@ class HistoryRowView:
     symbol: str
     good: bool | None
     """whether the request succeeded; None: it has not ended"""
+    on_purpose: bool
+    """whether it did not succeed because the user has replaced or aborted it, which is no error"""
     python: str
     """the request as Python, usually one line, where `twin` is a `Twin`; empty: there is none"""
     program: str

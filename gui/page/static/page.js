@@ -260,7 +260,7 @@ function showPoses(poses) {
 }
 
 function historyRow(row) {
-  const line = make("li", "", row.good === false ? "bad" : row.good ? "good" : "");
+  const line = make("li", "", row.on_purpose ? "" : row.good === false ? "bad" : row.good ? "good" : "");
   line.append(make("b", `${row.symbol} ${row.what}`), make("span", ` ${row.result}`), make("small", `${row.time} ${row.who}`));
   if (row.row >= 0) {
     const again = { text: "↻", tooltip: text("label.repeat"), intent: { do: "Repeat", row: row.row }, enabled: true };

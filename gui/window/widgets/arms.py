@@ -164,7 +164,7 @@ class ArmsPanel(QFrame):
     @staticmethod
     def _slider(texts: Texts, name: str, least: float) -> SliderBox:
         unit = texts(f"label.{name}_unit")
-        return SliderBox(texts(f"label.{name}"), unit, texts(f"tip.{name}"), least=least)
+        return SliderBox(texts, texts(f"label.{name}"), unit, texts(f"tip.{name}"), least=least)
 
     def show_view(self, view: ArmsView) -> None:
         """Show rows, mode, increment and speed."""

@@ -16,7 +16,8 @@ from PyQt5.QtWidgets import (
 from gui.console.state.intents import SetCameras, SetDestination, SetLead
 from gui.console.state.views import CommandsView, SendingView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import Check, IntentButton, NumberBox, label, set_role, set_text
+from gui.window.widgets.controls import Check, IntentButton, label, set_role, set_text
+from gui.window.widgets.number_box import NumberBox
 
 LEAD_MAX_S = 60.0
 LINES = 4
@@ -41,7 +42,7 @@ class SendingPanel(QFrame):
         self.hw = Check(texts("label.hw"), texts("tip.hw"))
         self.cameras = Check(texts("label.cameras"), texts("tip.cameras"))
         self.lead_name = label(texts("label.lead"))
-        self.lead = NumberBox(texts("label.lead_unit"), 0.0)
+        self.lead = NumberBox(texts, texts("label.lead_unit"), 0.0)
         self.lead.setMaximum(LEAD_MAX_S)
         self.lead.setSingleStep(0.5)
         self.lead.setAccessibleName(f"{texts('label.lead')} (s)")

@@ -7,7 +7,6 @@ from PyQt5.QtGui import QColor, QFocusEvent, QPainter, QPaintEvent, QPen, QPolyg
 from PyQt5.QtWidgets import (
     QAbstractButton,
     QCheckBox,
-    QDoubleSpinBox,
     QHBoxLayout,
     QLabel,
     QPushButton,
@@ -18,6 +17,8 @@ from PyQt5.QtWidgets import (
 )
 
 from gui.console.state.views import ButtonView
+from gui.console.texts import Texts
+from gui.window.widgets.number_box import NumberBox
 
 STEPS = 10
 """Positions of a slider per unit."""
@@ -195,7 +196,7 @@ class SliderBox(QWidget):
 
     changed = pyqtSignal(float)
 
-    def __init__(self, name: str, unit: str, tooltip: str, *, least: float) -> None:
+    def __init__(self, texts: Texts, name: str, unit: str, tooltip: str, *, least: float) -> None:
         super().__init__()
         self._value = self._maximum = -1.0
         self._name = QLabel(name)
@@ -204,7 +205,7 @@ class SliderBox(QWidget):
         self.slider.setSingleStep(STEPS)
         self.slider.setPageStep(5 * STEPS)
         self.slider.setMinimumWidth(60)
-        self.box = NumberBox(unit, least)
+        self.box = NumberBox(texts, unit, least)
         for control in (self.slider, self.box):
             control.setToolTip(tooltip)
             control.setAccessibleName(f"{name} ({unit.strip()})")
@@ -235,27 +236,6 @@ class SliderBox(QWidget):
             self.slider.setValue(round(value * STEPS))
             self.box.setMaximum(maximum)
             self.box.setValue(value)
-
-
-class NumberBox(QDoubleSpinBox):
-    """A number with its unit; reports a typed number at Enter or when it loses the focus."""
-
-    def __init__(self, unit: str, least: float) -> None:
-        super().__init__()
-        self.setDecimals(1)
-        self.setMinimum(least)
-        self.setSuffix(unit)
-        self.setKeyboardTracking(False)
-        self.setButtonSymbols(QDoubleSpinBox.ButtonSymbols.NoButtons)
-        self.setAlignment(Qt.AlignmentFlag.AlignRight)
-        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
-
-    def sizeHint(self) -> QSize:  # noqa: N802
-        metrics = self.fontMetrics()
-        return QSize(metrics.horizontalAdvance(f"180.0{self.suffix()}") + 22, super().sizeHint().height())
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return self.sizeHint()
 
 
 class ElidedLabel(QLabel):

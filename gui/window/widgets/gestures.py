@@ -19,7 +19,7 @@ from gui.window.widgets.gesture_icons import FOLLOW, PROGRAM, paint
 PICTURE_PX, SMALL_PX = 44, 26
 """Side of a picture at scale 1, in a wide and in a narrow panel."""
 AIR_PX, GAP_PX = 5, 4
-LOW_AIR_PX, LOW_GAP_PX = 4, 2
+LOW_AIR_PX, LOW_GAP_PX = 3, 2
 COLUMNS = 5
 """Number of buttons in a row of a narrow panel."""
 NOTE_PX = 100

@@ -116,7 +116,7 @@ class HistoryPanel(QWidget):
     def _item(self, row: HistoryRowView) -> QListWidgetItem:
         item = QListWidgetItem(f"{row.time}  {row.who}: {row.what}\n{row.symbol} {row.result}")
         colours = {True: self._style.text, False: self._style.bad, None: self._style.dim}
-        item.setForeground(QColor(colours[row.good]))
+        item.setForeground(QColor(colours[None if row.on_purpose else row.good]))
         item.setToolTip("\n".join(line for line in (row.python, row.command_line) if line))
         return item
 
