@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 from gui_views import example
@@ -39,6 +40,7 @@ from gui.console.state.intents import (
     ToggleRecording,
     Undo,
 )
+from gui.console.state.views import ButtonView, RecordView
 from gui.console.texts import Texts
 from gui.window.widgets.head_pad import HeadPad
 from gui.window.widgets.number_box import NumberBox
@@ -287,3 +289,21 @@ def test_what_is_no_number_is_not_typed(qtbot: QtBot, typed: str) -> None:
     qtbot.addWidget(box)
     box.setMaximum(90.0)
     assert box.validate(typed + " °", 0)[0] == QValidator.State.Invalid
+
+
+@pytest.mark.parametrize("theme", Theme)
+def test_record_stays_where_it_was_pressed(window: Window, shown: ShownState, theme: Theme) -> None:
+    """The second press in the same place ends the recording, and no button of the pills moves meanwhile."""
+    shown.shown = example("well", theme, "en")
+    window.refresh()
+    header = window.panels.header
+    watched = (header.record.toggle, header.pills["sim"].lease, header.pills["hw"].lease)
+    QApplication.processEvents()
+    before = [widget.geometry() for widget in watched]
+    toggle = ButtonView("End recording", "End the recording", ToggleRecording())
+    shown.shown = replace(shown.shown, record=RecordView(toggle, running=True, text="12:34", open=None))
+    window.refresh()
+    QApplication.processEvents()
+    assert header.record.toggle.text() == "■ 12:34"
+    assert header.record.toggle.accessibleName() == "End recording"
+    assert [widget.geometry() for widget in watched] == before

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QPoint, QSignalBlocker, pyqtSignal
+from PyQt5.QtCore import QPoint, QSignalBlocker, QSize, pyqtSignal
 from PyQt5.QtWidgets import (
     QAction,
     QActionGroup,
@@ -32,33 +32,55 @@ from gui.window.widgets.controls import (
     set_text,
 )
 
+LONGEST = "■ 888:88"
+"""The widest duration of a recording."""
+
+
+class RecordButton(IntentButton):
+    """Begins and ends a recording and shows its duration; always as wide, so that it stays under the mouse."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._texts = {LONGEST}
+        """every text so far, and the longest duration"""
+
+    def show_record(self, view: RecordView) -> None:
+        """Show what a press does, or the duration while a recording runs."""
+        self.show_view(view.toggle)
+        if view.running:
+            self.setText(f"■ {view.text}")
+        else:
+            self._texts.add(self.text())
+        set_role(self, "recording", "yes" if view.running else "")
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        hint, metrics = super().sizeHint(), self.fontMetrics()
+        widest = max(metrics.horizontalAdvance(text) for text in {*self._texts, self.text()})
+        return QSize(hint.width() + widest - metrics.horizontalAdvance(self.text()), hint.height())
+
 
 class RecordButtons(QWidget):
-    """The buttons that begin, end and open a recording, and its duration."""
+    """The buttons that open the last recording, and begin and end one."""
 
     intent = pyqtSignal(object)
 
     def __init__(self) -> None:
         super().__init__()
         self._view: RecordView | None = None
-        self.toggle, self.open = IntentButton(), IntentButton()
-        self.text = label(role="bad")
+        self.toggle, self.open = RecordButton(), IntentButton()
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(4)
-        for widget in (self.toggle, self.text, self.open):
-            layout.addWidget(widget)
-        for button in (self.toggle, self.open):
+        for button in (self.open, self.toggle):
+            layout.addWidget(button)
             button.intent.connect(self.intent)
 
     def show_view(self, view: RecordView) -> None:
-        """Show the buttons, and the duration while a recording runs."""
+        """Show the buttons."""
         if view == self._view:
             return
         self._view = view
-        self.toggle.show_view(view.toggle)
-        set_text(self.text, f"● {view.text}" if view.running else view.text)
-        self.text.setVisible(bool(view.text))
+        self.toggle.show_record(view)
         if view.open is not None:
             self.open.show_view(view.open)
         self.open.setVisible(view.open is not None)
