@@ -102,6 +102,8 @@ class Refusal:
     """the robots that refused, if the request was sent to several"""
     request: Request | None = None
     """the refused request"""
+    seen: bool = False
+    """whether the state of a robot has shown the cause since"""
 
 
 @dataclass(frozen=True)

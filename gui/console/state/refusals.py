@@ -135,7 +135,7 @@ def take_alternative(memory: Memory, world: World) -> list[Action]:
         return begin(memory, world, again(memory, request), refusal.control)
     actions: list[Action] = []
     next_step, target = next_step_of(refusal), memory.choices.target
-    for side in _sides(refusal) if next_step else ():
+    for side in sides_of(refusal) if next_step else ():
         if unreachable(memory, world, (side,), refusal.control):
             return actions
         actions += begin(
@@ -152,7 +152,7 @@ def _button(refusal: Refusal, texts: Texts) -> ButtonView | None:
             _alternative_text(request, refusal, texts), texts("alternative.tip"), TakeAlternative()
         )
     next_step = next_step_of(refusal)
-    if not next_step or not _sides(refusal):
+    if not next_step or not sides_of(refusal):
         return None
     shown = next_step_button(next_step, "", texts)
     return ButtonView(shown.text, shown.tooltip, TakeAlternative())
@@ -164,12 +164,12 @@ def next_step_of(refusal: Refusal) -> str:
     if refusal.reason is Reason.NOT_HOLDER and detail is not None and detail.value is None:
         return WAIT  # another seat holds the robot; with a `value`, a lease of this seat has ended
     needs = [] if detail is None else detail.needs
-    if needs[:2] == ["ENABLE", "CALIBRATE"] and _sides(refusal) == ("sim",):
+    if needs[:2] == ["ENABLE", "CALIBRATE"] and sides_of(refusal) == ("sim",):
         return MAKE_READY  # of the hardware only ENABLE: before CALIBRATE the user sets its head upright
     return needs[0] if needs and needs[0] in NEXT_STEPS else ""
 
 
-def _sides(refusal: Refusal) -> tuple[str, ...]:
+def sides_of(refusal: Refusal) -> tuple[str, ...]:
     """Return the robots that refused."""
     if refusal.side:
         return (refusal.side,)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 from gui.console.state import (
     arms,
+    causes,
     choices,
     class_page,
     commands,
@@ -92,8 +93,9 @@ class State:
         )
 
     def follow(self, world: World) -> None:
-        """Compare leases with those at the last call, to show one gained or lost; complete the row of a hold."""
+        """Show leases gained or lost since the last call, hide a refusal without a cause, and complete the row of a hold."""
         leases.follow(self._memory, world)
+        causes.follow(self._memory, world)
         holding.follow(self._memory, world)
 
     def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
