@@ -19,7 +19,7 @@ FASTEST = 28.0  # deg/s
 REACH_YAW, REACH_PITCH = 60.0, 18.0  # deg: the head turns no further
 VIEW = 60.0  # deg from the top to the bottom of a picture
 LOST = 2.0  # s without a person, after which the head looks straight ahead
-PATIENCE = 5.0  # s without a picture, after which the program ends
+PATIENCE = 15.0  # s without a picture, after which the program ends; the first one may take long
 
 
 # %% Where the person is in a picture

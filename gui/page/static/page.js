@@ -81,9 +81,11 @@ function choose(list, values, value, name) {
 }
 
 function showRefusal(id, refusal) {
-  const box = byId(id);
+  const box = byId(id), content = JSON.stringify(refusal);
   box.hidden = !refusal;
-  if (!refusal) return;
+  // A button that is replaced between press and release reports no click.
+  if (!refusal || box.dataset.content === content) return;
+  box.dataset.content = content;
   const close = { text: "✕", tooltip: text("label.dismiss"), intent: { do: "DismissRefusal" }, enabled: true };
   box.replaceChildren(make("p", refusal.text), bind(make("button"), close));
   if (refusal.alternative) box.append(bind(make("button", "", "main alternative"), refusal.alternative));
