@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import threading
 import time
@@ -303,7 +304,10 @@ class TwinRun:
         try:
             self._finish(self._follow())
         except BaseException as error:  # noqa: BLE001  # it is raised by `result`
-            self._failed(error)
+            with contextlib.suppress(
+                Exception
+            ):  # what the STOP raises, too, for example when the client is closed
+                self._failed(error)
 
     def _finish(self, replies: TwinReplies) -> None:
         self._measure()

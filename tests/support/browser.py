@@ -131,16 +131,30 @@ class Browser:
         self._mouse("mouseReleased", selector)
 
     def click(self, selector: str) -> None:
-        """Click an element."""
-        self.press(selector)
-        self.release(selector)
+        """Click an element where it is now, even if it moves meanwhile."""
+        x, y = self._still(selector)
+        for kind in ("mousePressed", "mouseReleased"):
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
     def _mouse(self, kind: str, selector: str) -> None:
-        self.run(f"document.querySelector({json.dumps(selector)}).scrollIntoView({{block: 'center'}})")
-        box = self.run(
-            f"(({{x, y, width, height}}) => [x + width / 2, y + height / 2])(document.querySelector({json.dumps(selector)}).getBoundingClientRect())"
-        )
-        self.call("Input.dispatchMouseEvent", type=kind, x=box[0], y=box[1], button="left", clickCount=1)
+        x, y = self._still(selector)
+        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+
+    def _still(self, selector: str) -> tuple[float, float]:
+        """Return the middle of an element (CSS pixels), once it keeps its place from one frame to the next."""
+        find = f"document.querySelector({json.dumps(selector)})"
+        x, y = self.run(f"""new Promise((resolve) => {{
+            {find}.scrollIntoView({{ block: "center" }});
+            let last = "";
+            const look = () => {{
+                const {{ x, y, width, height }} = {find}.getBoundingClientRect();
+                const now = [x, y, width, height].join();
+                if (now === last) resolve([x + width / 2, y + height / 2]);
+                else {{ last = now; requestAnimationFrame(look); }}
+            }};
+            look();
+        }})""")
+        return x, y
 
     def key(self, key: str) -> None:
         """Press and release a key."""
