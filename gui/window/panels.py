@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QLocale, pyqtSignal
+from PyQt5.QtCore import QLocale, Qt, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QTabWidget, QVBoxLayout, QWidget
 
@@ -77,6 +77,7 @@ class Panels(QWidget):
         for name, page in views.items():
             self.tabs.addTab(page, self._texts(f"label.tab_{name}"))
         self.low_area.setTabBarAutoHide(True)
+        self.low_area.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Tab would stop at its hidden bar
         self.low_area.addTab(self.gestures, self._texts("label.gestures"))
         left, middle, right = (QVBoxLayout() for _ in range(3))
         left.addWidget(self.head, 1)

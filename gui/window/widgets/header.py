@@ -67,7 +67,7 @@ class RecordButtons(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self._view: RecordView | None = None
-        self.toggle, self.open = RecordButton(), IntentButton()
+        self.open, self.toggle = IntentButton(), RecordButton()
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(4)
