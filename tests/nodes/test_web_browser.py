@@ -77,6 +77,8 @@ def drive(browser: Browser) -> None:
         button = f"#pills > :{pill}-child button"
         browser.wait(lambda button=button, step=step: browser.text(button) == step, step)  # type: ignore[misc]
         browser.click(button)
+        if step == "Make ready":  # then this pill needs less room, and the button of the other one moves
+            browser.wait(lambda: "Simulation: ready" in browser.text("#pills"), "the simulation is ready")
     browser.wait(lambda: browser.text("#pills").count("ready") == 2, "both are ready")
 
 
