@@ -35,7 +35,7 @@ class Settings:
     account: Account | None = None
     """name and credentials for the router of a class; None: no account"""
     named: bool = True
-    """whether argument, environment or beatrix.toml names the robot; otherwise `robot` is the account's or a default"""
+    """whether argument, environment or beatrix.toml has a valid name; otherwise `robot` is the account's or a default"""
 
     def shown(self, seat: str) -> str:
         """Return a seat with the name of its pupil, if the teacher's account has it."""
@@ -85,8 +85,10 @@ def resolve_valid(
             return default
 
     cameras = {eye: value(field, str, "") for eye, field in CAMERAS.items()}
+    wanted = robot or environment["robot"] or stored.get("robot")
+    name = value("robot", names.check_name, (own and own.robot) or names.default_robot())
     settings = Settings(
-        robot=value("robot", names.check_name, (own and own.robot) or names.default_robot()),
+        robot=name,
         connect=value("connect", str, own.connect if own else DEFAULT_ENDPOINT),
         who=value(
             "who", own.check_seat if own else names.check_seat, own.name if own else names.default_seat()
@@ -94,7 +96,7 @@ def resolve_valid(
         cameras=tuple(f"{eye}={source}" for eye, source in cameras.items() if source),
         microphones=value("microphones", str, ""),
         account=own,
-        named=bool(robot or environment["robot"] or stored.get("robot")),
+        named=name == wanted,
     )
     return settings, errors
 
