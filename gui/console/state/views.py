@@ -92,6 +92,11 @@ class HeadOrientation:
     pitch: float
     roll: float
 
+    @property
+    def tenths(self) -> tuple[float, float, float]:
+        """Yaw, pitch and roll to a tenth of a degree, less than a pixel."""
+        return round(self.yaw, 1) + 0.0, round(self.pitch, 1) + 0.0, round(self.roll, 1) + 0.0
+
 
 @dataclass(frozen=True)
 class DragView:

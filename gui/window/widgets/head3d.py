@@ -32,11 +32,10 @@ from gui.window.widgets.head3d_paint import (
     paint_ghost,
     paint_marks,
     paint_robot,
-    rounded,
     same,
 )
 from gui.window.widgets.head3d_scene import Camera, Screen
-from gui.window.widgets.head_pad import COARSE_DEG, KEYS
+from gui.window.widgets.head_pad import after_key
 
 VIEWS: Final = {"front": Camera(0.0), "behind": Camera(180.0), "side": Camera(90.0)}
 LIVE_MS: Final = 50
@@ -164,20 +163,15 @@ class Head3d(QWidget):
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
-        step, view = KEYS.get(Qt.Key(event.key())), self._view
-        if step is None or view is None:
+        target = None if self._view is None else after_key(event, self._view)
+        if target is None:
             super().keyPressEvent(event)
-            return
-        size = COARSE_DEG if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1.0
-        yaw, pitch, roll = (part * size for part in step)
-        target = view.target
-        yaw = max(-view.yaw_max, min(view.yaw_max, target.yaw + yaw))
-        self._aim(HeadOrientation(yaw, target.pitch + pitch, target.roll + roll))
+        else:
+            self._aim(target)
 
     def _aim(self, target: HeadOrientation) -> None:
         if self._view is None or target != self._view.target:
-            angles = (round(angle, 1) + 0.0 for angle in (target.yaw, target.pitch, target.roll))
-            self.intent.emit(AimHead(*angles))
+            self.intent.emit(AimHead(*target.tenths))
 
     def _hover(self, part: Part | None) -> None:
         if part is not self._over:
@@ -237,7 +231,7 @@ class Head3d(QWidget):
 
     def _picture(self, name: str, head: HeadOrientation | None, paint: Callable[[QImage], None]) -> QImage:
         ratio = self.devicePixelRatioF()
-        key = (None if head is None else rounded(head), self.screen3d, ratio)
+        key = (head and head.tenths, self.screen3d, ratio)
         known = self._pictures.get(name)
         if known is not None and known[0] == key:
             return known[1]

@@ -47,18 +47,13 @@ def _figure() -> Figure:
     return Figure()
 
 
-def rounded(head: HeadOrientation) -> tuple[float, float, float]:
-    """Return yaw, pitch and roll to a tenth of a degree, less than a pixel."""
-    return round(head.yaw, 1), round(head.pitch, 1), round(head.roll, 1)
-
-
 def same(one: HeadView, other: HeadView) -> bool:
     """Return whether two views make the same picture, to a tenth of a degree."""
 
     def drawn(view: HeadView) -> tuple[object, ...]:
         heads = (view.target, view.sim, view.hw)
         return (
-            *(at and rounded(at) for at in heads),
+            *(at and at.tenths for at in heads),
             view.tilt_max,
             view.yaw_max,
             view.drag.refused,

@@ -142,15 +142,15 @@ class HeadPad(QWidget):
         if grip is Grip.RING:
             yaw = math.degrees(math.atan2(-offset.x(), -offset.y()))
             limit = self._view.yaw_max
-            self._report(max(-limit, min(limit, yaw)), target.pitch, target.roll)
+            self._report(HeadOrientation(max(-limit, min(limit, yaw)), target.pitch, target.roll))
             return
         reach = math.hypot(offset.x(), offset.y())
         offset *= min(1.0, self._disc / max(reach, 1e-9))
         scale = self._view.tilt_max * BEYOND / self._disc
-        self._report(target.yaw, offset.y() * scale, offset.x() * scale)
+        self._report(HeadOrientation(target.yaw, offset.y() * scale, offset.x() * scale))
 
-    def _report(self, yaw: float, pitch: float, roll: float) -> None:
-        self.intent.emit(AimHead(*(round(angle, 1) + 0.0 for angle in (yaw, pitch, roll))))
+    def _report(self, target: HeadOrientation) -> None:
+        self.intent.emit(AimHead(*target.tenths))
 
     # Mouse and keys
 
@@ -172,16 +172,11 @@ class HeadPad(QWidget):
         self._grip = None
 
     def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
-        step = KEYS.get(Qt.Key(event.key()))
-        if step is None or self._view is None:
+        target = None if self._view is None else after_key(event, self._view)
+        if target is None:
             super().keyPressEvent(event)
-            return
-        yaw, pitch, roll = step
-        size = COARSE_DEG if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1.0
-        target = self._view.target
-        limit = self._view.yaw_max
-        turned = max(-limit, min(limit, target.yaw + yaw * size))
-        self._report(turned, target.pitch + pitch * size, target.roll + roll * size)
+        else:
+            self._report(target)
 
     def focusInEvent(self, event: QFocusEvent) -> None:  # noqa: N802
         super().focusInEvent(event)
@@ -308,10 +303,19 @@ class HeadPad(QWidget):
         painter.drawText(box, int(Qt.AlignmentFlag.AlignCenter), view.drag.reason)
 
 
+def after_key(event: QKeyEvent, view: HeadView) -> HeadOrientation | None:
+    """Return the target that a key chooses, turned within the limit of yaw; None for other keys."""
+    step = KEYS.get(Qt.Key(event.key()))
+    if step is None:
+        return None
+    size = COARSE_DEG if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1.0
+    yaw, pitch, roll = (part * size for part in step)
+    target, limit = view.target, view.yaw_max
+    turned = max(-limit, min(limit, target.yaw + yaw))
+    return HeadOrientation(turned, target.pitch + pitch, target.roll + roll)
+
+
 def _drawn(view: HeadView) -> tuple[object, ...]:
     """Return the drawn part of a view, to a tenth of a degree."""
-    heads = tuple(
-        at and (round(at.yaw, 1), round(at.pitch, 1), round(at.roll, 1))
-        for at in (view.target, view.sim, view.hw)
-    )
+    heads = tuple(at and at.tenths for at in (view.target, view.sim, view.hw))
     return heads, view.path, view.tilt_max, view.yaw_max, view.drag
