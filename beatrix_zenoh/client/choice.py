@@ -9,7 +9,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
 
 
-def chosen_name(client: Client, *, acts: bool = True) -> str:
+def chosen_name(client: Client, *, acts: bool = True, present: Collection[Place] | None = None) -> str:
     """Return the name in the settings or, if they name none, that of the only robot online.
 
     A robot online under the default name `user-host` takes precedence over all others.
@@ -18,6 +18,7 @@ def chosen_name(client: Client, *, acts: bool = True) -> str:
         client: the session.
         acts: whether robots are moved or changed. Then the robot of an account counts as named: a student whose
             simulation is not running must not move the robot of the class by mistake.
+        present: the robots online; None: ask the router, if they matter.
 
     Raises:
         NoAnswer: no robot is named, and none is online.
@@ -27,7 +28,8 @@ def chosen_name(client: Client, *, acts: bool = True) -> str:
     own = settings.account is not None and settings.account.robot
     if settings.named or (acts and own):
         return settings.robot
-    present = client.robots()
+    if present is None:
+        present = client.robots()
     if any(robot == settings.robot for robot, _ in present):
         return settings.robot
     return only_name(present, client.bus.endpoint)

@@ -67,10 +67,10 @@ def open_targets(
     """
     settings = resolve(selection.name, selection.connect, selection.who)
     with Client(settings, source=Source.CLI) as client:
-        name = chosen_name(client, acts=acts)
+        present = client.robots()
+        name = chosen_name(client, acts=acts, present=present)
         if name != settings.robot:
             note(f"Using robot {name}, the only one online.")
-        present = client.robots()
         if both and which is None and {(name, side) for side in names.SIDES} <= {*present}:
             which = Which.BOTH
         sides = select_sides(name, which, present, client.bus.endpoint)
