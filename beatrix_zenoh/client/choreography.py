@@ -81,14 +81,16 @@ class Choreography(msgspec.Struct, frozen=True):
     def at_speed(self, speed: float) -> Choreography:
         """Return this choreography with one speed (deg/s) for all steps; raises WrongUsage unless it is above 0."""
         speed = checked_speed(speed)
-        return replace(self, steps=[(title, replace(pose, speed=speed)) for title, pose in self.steps])
+        return self._with_speeds(lambda _: speed)
 
     def at_most(self, speed: float) -> Choreography:
         """Return this choreography with no speed above `speed` (deg/s); raises WrongUsage unless it is above 0."""
-        speed = checked_speed(speed)
-        return replace(
-            self, steps=[(title, replace(pose, speed=min(pose.speed, speed))) for title, pose in self.steps]
-        )
+        most = checked_speed(speed)
+        return self._with_speeds(lambda speed: min(speed, most))
+
+    def _with_speeds(self, change: Callable[[float], float]) -> Choreography:
+        steps = [(title, replace(pose, speed=change(pose.speed))) for title, pose in self.steps]
+        return replace(self, steps=steps)
 
     def where(self, index: int) -> str:
         """Return the place of a step for error messages: file, line or number, and time."""
