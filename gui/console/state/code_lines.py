@@ -41,14 +41,8 @@ def program(lines: Sequence[CodeLine], world: World, title: str) -> tuple[CodeLi
 
     `title` is the docstring of the program.
     """
-    calls = "\n".join(line.text for line in lines if not line.text.startswith("#"))
-    head = [f'"""{title}"""', ""]
-    if "time.sleep(" in calls:
-        head += ["import time", ""]
-    head.append("from beatrix_zenoh import Twin")
-    if "play(" in calls:
-        head.append("from beatrix_zenoh.client.choreography import load, play")
-    head += ["", opening(world)]
+    calls = [line.text for line in lines if not line.text.startswith("#")]
+    head = [f'"""{title}"""', "", *_beginning(calls, world)]
     body = lines if calls else [*lines, CodeLine("pass")]
     return (*map(CodeLine, head), *(CodeLine(f"    {line.text}", line.row) for line in body))
 
@@ -62,13 +56,18 @@ def whole_program(request: Request, world: World) -> str:
     lines = python(request, "robot" if side else "twin").splitlines()
     if not lines:
         return ""
+    return "\n".join((*_beginning(lines, world, side), *(f"    {line}" for line in lines), ""))
+
+
+def _beginning(calls: Sequence[str], world: World, side: str = "") -> list[str]:
+    """Return the imports that calls need, and the line that opens the robots."""
     imports = [f"from beatrix_zenoh import {'Robot' if side else 'Twin'}"]
-    if isinstance(request, Play) and _played(request):
+    if any(call.startswith("play(") for call in calls):
         imports.append("from beatrix_zenoh.client.choreography import load, play")
-    return "\n".join((*imports, "", opening(world, side), *(f"    {line}" for line in lines), ""))
+    return [*imports, "", _opening(world, side)]
 
 
-def opening(world: World, side: str = "") -> str:
+def _opening(world: World, side: str) -> str:
     """Return the line that opens both robots shown as `twin` or, with a side, one of them as `robot`.
 
     It contains router and seat only if a program would choose others by itself.
