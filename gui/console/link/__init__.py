@@ -2,7 +2,8 @@
 
 `link` joins the parts. `connection` finds router and robots. `moving` joins what moves robots: a `request_queue` for
 each robot sends the requests to that robot alone, `plans` sends the motions of both, `playing` plays choreographies,
-`face_program` runs the program that follows a face. `governing` sends the teacher's lease queries, `stopping` STOP. `cameras` and `probe` read; `recordings` and `children` start other programs.
+`face_program` runs the program that follows a face. `governing` sends the teacher's lease queries, `stopping` STOP.
+`cameras` and `probe` read; `recordings` and `children` start other programs.
 """
 
 from __future__ import annotations

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -17,7 +16,8 @@ from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from beatrix_zenoh.settings import Settings
-from gui.console.link.outcomes import accepted, closed, done, failed, replaced
+from gui.console.link.newest import Newest
+from gui.console.link.outcomes import accepted, closed, done, failed
 from gui.console.link.worker import Worker
 from gui.console.state.actions import PROGRAM_FAILED, CopyProgram, FollowFace, Outcome
 from gui.console.state.world import FaceProgress
@@ -61,17 +61,14 @@ class FaceProgram(Worker):
     def __init__(self, report: Callable[[Outcome], None]) -> None:
         super().__init__("window-face")
         self._report = report
-        self._lock = threading.Lock()
-        self._job: FaceJob | None = None
-        self._idle = threading.Event()
-        self._idle.set()
+        self._newest: Newest[FaceJob] = Newest()
         self._own = Path.home() / "beatrix-programs" / NAME
-        self._file = self._own if self._own.is_file() else SHIPPED
+        self._file = self._chosen()
         self._line = ""
 
     def progress(self) -> FaceProgress:
         """Return whether the program runs, its files, and its last line."""
-        return FaceProgress(self._job is not None, self._file, self._own, self._line)
+        return FaceProgress(self._newest.job is not None, self._file, self._own, self._line)
 
     def begin(self, action: FollowFace, settings: Settings, clear: Callable[[], None]) -> None:
         """Start the program for the robot of the settings; `clear` ends other motions, on the program's thread."""
@@ -83,26 +80,26 @@ class FaceProgram(Worker):
             "PYTHONIOENCODING": "utf-8",
         }
         job = FaceJob(action, environment)
-        with self._lock:
-            if self._job is not None:
-                self._job.ending = replaced()
-            self._job = job
-            self._idle.clear()
+        self._newest.begin(job)
         self.put(lambda: self._run(job, clear))
 
     def end(self, why: BeatrixError | None) -> None:
         """End the program for a reason; None: the user has ended it."""
-        job = self._job
+        job = self._newest.job
         if job is not None and not job.ends:
             job.ending, job.unwanted = why, why is None
 
     def wait_ended(self) -> bool:
         """Wait for the end of the program; return False after `WAIT_S`."""
-        return self._idle.wait(WAIT_S)
+        return self._newest.wait_ended(WAIT_S)
 
     def copy(self, action: CopyProgram) -> None:
         """Copy the shipped program to the file of the action, unless it exists."""
         self.put(lambda: self._copy(action))
+
+    def _chosen(self) -> Path:
+        """Return the user's copy if there is one, otherwise the shipped program."""
+        return self._own if self._own.is_file() else SHIPPED
 
     # -- the program's thread -----------------------------------------------------------------------
 
@@ -120,7 +117,7 @@ class FaceProgram(Worker):
 
     def _run(self, job: FaceJob, clear: Callable[[], None]) -> None:
         row, began_s, self._line = job.action.row, time.monotonic(), ""
-        self._file = self._own if self._own.is_file() else SHIPPED
+        self._file = self._chosen()
         try:
             clear()
             self._perform(job)
@@ -131,10 +128,7 @@ class FaceProgram(Worker):
             self._line = str(error)
             outcome = failed(row, "", Refused(Reason.BAD_VALUE, PROGRAM_FAILED))
         finally:
-            with self._lock:
-                if self._job is job:
-                    self._job = None
-                    self._idle.set()
+            self._newest.finish(job)
         self._report(outcome)
 
     def _perform(self, job: FaceJob) -> None:

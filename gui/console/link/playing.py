@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +9,8 @@ from dataclasses import dataclass
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract.errors import BeatrixError
-from gui.console.link.outcomes import accepted, closed, done, failed, replaced
+from gui.console.link.newest import Newest
+from gui.console.link.outcomes import accepted, closed, done, failed
 from gui.console.link.worker import Worker
 from gui.console.state.actions import Outcome, Play
 
@@ -45,36 +45,29 @@ class Playing(Worker):
     def __init__(self, report: Callable[[Outcome], None]) -> None:
         super().__init__("window-play")
         self._report = report
-        self._lock = threading.Lock()
-        self._job: PlayJob | None = None
-        self._idle = threading.Event()
-        self._idle.set()
+        self._newest: Newest[PlayJob] = Newest()
 
     @property
     def title(self) -> str:
         """Title of the current play; empty if there is none."""
-        job = self._job
+        job = self._newest.job
         return "" if job is None else job.title
 
     def begin(self, action: Play, robots: Twin | Robot, clear: Callable[[], None]) -> None:
         """Start a play, which replaces the current one; `clear` ends other motions, on the play's thread."""
         job = PlayJob(action, robots, action.title)
-        with self._lock:
-            if self._job is not None:
-                self._job.ending = replaced()
-            self._job = job
-            self._idle.clear()
+        self._newest.begin(job)
         self.put(lambda: self._run(job, clear))
 
     def end(self, why: BeatrixError) -> None:
         """End the current play; its robots are stopped, unless a newer request replaces the play."""
-        job = self._job
+        job = self._newest.job
         if job is not None:
             job.ending = job.ending or why
 
     def wait_ended(self, timeout_s: float = END_S) -> bool:
         """Wait for the end of the current play; return False on timeout."""
-        return self._idle.wait(timeout_s)
+        return self._newest.wait_ended(timeout_s)
 
     # -- the play's thread --------------------------------------------------------------------------
 
@@ -93,10 +86,7 @@ class Playing(Worker):
         except BeatrixError as error:
             outcome = failed(job.action.row, job.side, error)
         finally:
-            with self._lock:
-                if self._job is job:
-                    self._job = None
-                    self._idle.set()
+            self._newest.finish(job)
         self._report(outcome)
 
     def close(self) -> None:
