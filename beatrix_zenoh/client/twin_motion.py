@@ -304,9 +304,8 @@ class TwinRun:
         try:
             self._finish(self._follow())
         except BaseException as error:  # noqa: BLE001  # it is raised by `result`
-            with contextlib.suppress(
-                Exception
-            ):  # what the STOP raises, too, for example when the client is closed
+            # What its STOP raises is raised by `result`, too; for example when the client is closed.
+            with contextlib.suppress(Exception):
                 self._failed(error)
 
     def _finish(self, replies: TwinReplies) -> None:
