@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh.motion.rotation import rotation_of
+from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.rotation import Rotation, rotation_of
 from beatrix_zenoh.recording.figure import Figure, Form, Quaternion, Solid
 
 Array = npt.NDArray[np.float64]
@@ -58,15 +59,11 @@ class Drawing:
 
     def _drawn(self, pose: tuple[float, ...]) -> Pixels:
         short, middle, long, *head = (math.radians(angle) for angle in pose)
-        turns = self._figure.rotations((short, middle, long), rotation_of(*head))
+        turns = orientations(self._figure, (short, middle, long), rotation_of(*head))
         depth, colour = self._base[0].copy(), self._base[1].copy()
         for body in self._figure.bodies:
             if body.path in turns:
-                parent, _, _ = body.path.rpartition("/")
-                turn = matrix(turns[body.path])
-                self._draw_body(
-                    (depth, colour), body.solids, matrix(turns[parent]) @ turn if parent else turn
-                )
+                self._draw_body((depth, colour), body.solids, turns[body.path])
         return averaged(colour)
 
     def _empty(self) -> tuple[Array, Pixels]:
@@ -180,6 +177,22 @@ def camera() -> Array:
     right = np.cross((0.0, 0.0, 1.0), towards)
     right /= np.linalg.norm(right)
     return np.array((right, np.cross(towards, right), towards))
+
+
+def orientations(figure: Figure, arms: Arms, head: Rotation) -> dict[str, Array]:
+    """Return the rotation matrix of each body that turns, from its frame to that of the robot, by its path.
+
+    Args:
+        figure: the robot.
+        arms: angles from home (rad).
+        head: rows of the head's orientation.
+    """
+    found: dict[str, Array] = {}
+    for path, quaternion in figure.rotations(arms, head).items():
+        parent, _, _ = path.rpartition("/")
+        turn = matrix(quaternion)
+        found[path] = found[parent] @ turn if parent else turn
+    return found
 
 
 def matrix(turn: Quaternion) -> Array:

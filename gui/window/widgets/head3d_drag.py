@@ -108,7 +108,7 @@ class Drag:
             roll = start.roll + (up if self.part is Part.LEFT_EAR else -up)
         shrink = min(1.0, lean_max / max(math.hypot(pitch, roll), 1e-9))
         yaw = max(-yaw_max, min(yaw_max, yaw))
-        return HeadOrientation(*(round(angle, 1) + 0.0 for angle in (yaw, pitch * shrink, roll * shrink)))
+        return HeadOrientation(*HeadOrientation(yaw, pitch * shrink, roll * shrink).tenths)
 
 
 def faces(screen: Screen, head: HeadOrientation) -> bool:

@@ -13,7 +13,8 @@ import numpy.typing as npt
 from beatrix_zenoh.contract._generated.robot import COLOURS
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.rotation import Rotation
-from beatrix_zenoh.recording.figure import Figure, Form, Quaternion, Solid, face_details
+from beatrix_zenoh.recording.drawing import matrix, orientations
+from beatrix_zenoh.recording.figure import Figure, Form, Solid, face_details
 
 Floats = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -169,18 +170,6 @@ def _ellipsoid(solid: Solid) -> tuple[Floats, Numbers]:
     return points, np.array(faces, dtype=np.intp)
 
 
-def matrix(quaternion: Quaternion) -> Floats:
-    """Return the rotation matrix of a quaternion."""
-    x, y, z, w = quaternion
-    return np.array(
-        (
-            (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
-            (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
-            (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
-        )
-    )
-
-
 def turns(figure: Figure, arms: Arms, head: Rotation) -> dict[str, Floats]:
     """Return the rotation matrix of each body from its frame to that of the base.
 
@@ -189,9 +178,5 @@ def turns(figure: Figure, arms: Arms, head: Rotation) -> dict[str, Floats]:
         arms: angles from home (rad).
         head: rows of the head's orientation.
     """
-    found = {BASE: np.eye(3)}
-    for path, quaternion in figure.rotations(arms, head).items():
-        parent, _, name = path.rpartition("/")
-        turn = matrix(quaternion)
-        found[name] = found[parent] @ turn if parent else turn
-    return found
+    by_path = orientations(figure, arms, head)
+    return {BASE: np.eye(3)} | {path.rpartition("/")[2]: turn for path, turn in by_path.items()}

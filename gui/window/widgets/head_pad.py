@@ -23,11 +23,9 @@ from gui.console.state.intents import AimHead, Theme
 from gui.console.state.views import HeadOrientation, HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
+from gui.window.widgets.head3d_drag import BEYOND
 
 LEAST_WIDTH, LEAST_HEIGHT = 140, 150
-BEYOND = 1.2
-"""Radius of the disc, divided by that of the limit: the user can choose a target beyond the limit, and the refusal
-explains the limit."""
 RING = 0.13
 """Width of the ring, divided by the radius of the pad."""
 KEYS = {
