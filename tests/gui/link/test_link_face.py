@@ -148,7 +148,7 @@ def test_the_loss_of_the_robot_ends_the_program(stage: Stage, linked: Linked, ow
     [
         ("raise ValueError('no face')", Reason.BAD_VALUE, "ValueError: no face"),
         ("from beatrix_zenoh import Robot\nRobot().look(yaw=500)", Reason.YAW_LIMIT, "500"),
-        ("from beatrix_zenoh import Robot\nRobot('nobody').positions()", Reason.NO_SUCH_ROBOT, "nobody"),
+        ("from beatrix_zenoh import Robot\nRobot('absent').positions()", Reason.NO_SUCH_ROBOT, "absent"),
     ],
 )
 def test_a_program_that_fails_gives_a_reason_and_its_last_line(
