@@ -77,10 +77,12 @@ def hold_button(
 
     def held(view: dict[str, Any]) -> bool:
         nonlocal press
-        if view["you"]["notice"]:
-            press = next(PRESSES)  # this computer was too busy for a heartbeat: press again
+        if holds(view):
+            return True
+        if view["you"]["over"] >= press:
+            press = next(PRESSES)  # no heartbeat arrived in time: press again
         page.send("hold", press=press, part=part, sign=1)
-        return holds(view)
+        return False
 
     page.send("SetSpeed", degrees_per_s=20)
     found = page.state(held, what)
@@ -96,12 +98,8 @@ def jog(page: WebSocket, part: str, moved: float) -> None:
 def slowly_home(page: WebSocket) -> None:
     """Begin a motion that takes longer than the test."""
     page.send("SetSpeed", degrees_per_s=2)
-    home(page)
-    page.state(lambda view: view["history"][0]["what"].startswith("home") and moving(view), "moves")
-
-
-def home(page: WebSocket) -> None:
     page.send("RunCommand", command=Command.HOME.value)
+    page.state(lambda view: view["history"][0]["what"].startswith("home") and moving(view), "moves")
 
 
 # -- driving -------------------------------------------------------------------------------------------
@@ -176,8 +174,8 @@ def test_one_page_drives_and_the_next_gets_the_robot_when_it_leaves(
         other.send_raw(json.dumps(request))
         other.state(lambda view: "press Drive first" in view["you"]["notice"], "only watches")
     other.send("drive", name="ben")
-    other.state(lambda view: view["you"]["seat"] == "web-ben", "waits")
-    until(lambda: robot.status().waiting == ["web-ben"], "waits")
+    other.state(lambda view: view["you"]["text"] == "You wait as web-ben.", "waits")
+    assert robot.status().waiting == ["web-ben"]
     driver.send("leave")
     other.state(lambda view: "yours" in view["pills"][1]["notes"], "drives")
     assert "It is your turn" in other.state(lambda view: view["banner"], "a banner")["banner"]["text"]
@@ -217,7 +215,7 @@ def test_each_page_with_a_name_without_latin_letters_has_a_guest_seat_of_its_own
 def test_the_teacher_takes_the_robot_from_a_page(driver: WebSocket, stage: Stage) -> None:
     with stage.robot("bea1", "hw", "teacher").lease():
         driver.state(lambda view: view["banner"] and "teacher" in view["banner"]["text"], "lost")
-        home(driver)
+        driver.send("RunCommand", command=Command.HOME.value)
         refusal = driver.state(lambda view: view["commands"]["refusal"], "refused")["commands"]["refusal"]
         assert refusal["alternative"]["intent"]["do"] == "TakeAlternative"  # waits for the robot
 

@@ -94,7 +94,13 @@ class WebSocket:
                 self.send("beat")
             return holds(self.view)
 
-        until(look, what)
+        try:
+            until(look, what)
+        except AssertionError as error:
+            error.add_note(
+                f"The page shows: {[self.view.get(part) for part in ('you', 'last', 'banner', 'pills')]}"
+            )
+            raise
         return self.view
 
     def drive(self, name: str) -> Self:
