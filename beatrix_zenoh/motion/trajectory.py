@@ -68,6 +68,25 @@ class _Piece(NamedTuple):
 _Profile = tuple[_Piece, ...]
 
 
+def shortest_s(way: float, speed: float, acceleration: float) -> float:
+    """Return the shortest duration (s) of a motion of one arm from rest to rest over `way` (rad or deg, >= 0).
+
+    speed: top speed, > 0; acceleration: > 0; both with the unit of `way`.
+    """
+    if way * acceleration > speed * speed:
+        return way / speed + speed / acceleration
+    return 2 * math.sqrt(way / acceleration)
+
+
+def speed_for(way: float, duration: float, acceleration: float) -> float:
+    """Return the top speed with which one arm needs `duration` (s) from rest to rest over `way` (rad or deg, >= 0).
+
+    If the duration is too short even without a top speed, return the highest speed that the arm reaches.
+    """
+    gained = acceleration * duration
+    return 0.5 * (gained - math.sqrt(max(0.0, gained * gained - 4 * acceleration * way)))
+
+
 def plan(
     start: Arms, velocity: Arms, target: Arms, speed: Arms, acceleration: float, *, straight: bool
 ) -> Trajectory:

@@ -26,11 +26,11 @@ from gui.window.widgets.header import Header
 from gui.window.widgets.history import HistoryPanel
 from gui.window.widgets.notices import Banner, RefusalNotice, TroubleNotice
 from gui.window.widgets.plots import PlotsPanel
-from gui.window.widgets.poses import PosesPanel
 from gui.window.widgets.projector import ProjectorScreen
+from gui.window.widgets.sequence import SequencePanel
 
 LOW_PX = 680
-"""Window height at scale 1 below which history and poses are tabs of the middle column."""
+"""Window height at scale 1 below which history and sequence are tabs of the middle column."""
 LOWER_PX = {LOW_PX: 150, 600: 122, 0: 40}
 """Height of the low area in the middle by the least height of the window, both at scale 1."""
 ROOMY_PX = 768
@@ -55,7 +55,7 @@ class Panels(QWidget):
         self.head, self.arms = HeadPanel(texts), ArmsPanel(texts)
         self.head3d, self.eyes, self.plots = Head3dPanel(texts), EyesPanel(texts), PlotsPanel(texts)
         self.sending, self.commands = SendingPanel(texts), CommandsPanel(texts)
-        self.history, self.poses = HistoryPanel(texts), PosesPanel(texts)
+        self.history, self.sequence = HistoryPanel(texts), SequencePanel(texts)
         self.code = CodePanel(texts)
         self.gestures = GesturesPanel(texts)
         self.tabs, self.side = QTabWidget(), QTabWidget()
@@ -124,7 +124,7 @@ class Panels(QWidget):
             self.commands,
             self.history,
             self.code,
-            self.poses,
+            self.sequence,
             self.gestures,
             self.refusal,
             self.stop_bar,
@@ -147,7 +147,7 @@ class Panels(QWidget):
     def _arrange(self) -> None:
         """Arrange the widgets for the height of the window.
 
-        In a low window, history and poses move to the middle column, so that the pad has more width.
+        In a low window, history and sequence move to the middle column, so that the pad has more width.
         """
         colours = style_of(self._theme)
         self.sending.show_compact(compact=self.height() < colours.px(ROOMY_PX))
@@ -159,7 +159,7 @@ class Panels(QWidget):
         self._low = low
         home, shown = self.tabs if low else self.side, self.tabs.currentIndex()
         home.addTab(self.history, self._texts("label.history"))
-        home.addTab(self.poses, self._texts("label.poses"))
+        (self.tabs if low else self.low_area).addTab(self.sequence, self._texts("label.sequence"))
         self.side.addTab(self.code, self._texts("label.code"))  # a low window has no room for this tab
         self.side.setVisible(not low)
         for column, stretch in enumerate((3, 2, 0) if low else (2, 5, 1)):
@@ -179,6 +179,7 @@ class Panels(QWidget):
         for part in (
             self.head,
             self.history,
+            self.sequence,
             self.gestures,
             self.head3d,
             self.eyes,
@@ -199,7 +200,7 @@ class Panels(QWidget):
         self.commands.show_view(view.commands)
         self.history.show_view(view.history)
         self.code.show_view(view.code)
-        self.poses.show_view(view.poses)
+        self.sequence.show_view(view.sequence)
         self.gestures.show_view(view.gestures)
         self.eyes.show_view(view.eyes)
         self.eyes.sound.show_view(view.sound)
@@ -245,4 +246,9 @@ class Panels(QWidget):
         """Return the widget beside which a refusal is shown."""
         if name in {*ARMS, ALL_ARMS}:
             return self.arms.rows[name].hw
-        return {"head": self.head, "commands": self.commands, "gestures": self.gestures}.get(name, self.head)
+        return {
+            "head": self.head,
+            "commands": self.commands,
+            "sequence": self.sequence,
+            "gestures": self.gestures,
+        }.get(name, self.head)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from gui_worlds import BOTH, accept, state_after, world
+from gui_worlds import BOTH, accept, robot, state_after, world
 from hypothesis import given
 from hypothesis import strategies as st
 from PyQt5.QtCore import Qt
@@ -53,7 +53,7 @@ def test_the_program_grows_line_by_line_and_each_line_knows_its_row() -> None:
     ("reason", "accepted", "line"),
     [
         (Reason.OK, True, JOG),
-        (Reason.REPLACED, True, JOG),
+        (Reason.REPLACED, True, "# move by +5/0/0: replaced by a newer motion"),
         (Reason.STOPPED, True, "# move by +5/0/0: ended early: STOP was pressed"),
         (Reason.REPLACED, False, "# move by +5/0/0: replaced by a newer motion"),
     ],
@@ -62,6 +62,14 @@ def test_a_motion_that_did_not_happen_is_a_comment(reason: Reason, accepted: boo
     state = state_after(Jog("short", 1))
     ended(state, 1, reason, accepted=accepted)
     assert code(state)[-2 if line.startswith("#") else -1] == line
+
+
+def test_a_relative_motion_after_one_that_did_not_end_counts_from_where_the_arms_were() -> None:
+    state = state_after(Jog("short", 1))
+    state.handle(Jog("short", 1), world(robot("sim", arms=(3.2, 0.0, 0.0))))
+    ended(state, 1, Reason.REPLACED)
+    state.handle(Jog("short", 1), world(robot("sim", arms=(8.2, 0.0, 0.0))))
+    assert code(state)[-2:] == ["twin.sim.move(8.2, 0, 0, speed=30)", JOG]
 
 
 def test_a_program_without_a_motion_is_a_program(tmp_path: Path) -> None:
@@ -113,7 +121,7 @@ def test_every_history_is_a_program(history: list[tuple[Intent, Reason | None]])
             row: int = getattr(action, "row", 0)
             if row and reason is not None:
                 ended(state, row, reason)
-            if row and reason in (Reason.OK, Reason.REPLACED, None):
+            if row and reason in (Reason.OK, None):
                 calls.append(row)
     view = state.view(world()).code
     tree = ast.parse(view.text)

@@ -73,10 +73,11 @@ def stop_in_a_box(user: Windowed) -> None:
 
 
 def stop_in_a_name(user: Windowed) -> None:
-    poses = user.window.panels.poses
-    user.window.panels.side.setCurrentWidget(poses)
-    poses.name.setFocus()
-    user.until(poses.name.hasFocus, "the name has the focus")
+    duration = user.window.panels.sequence.duration
+    user.window.panels.low_area.setCurrentWidget(user.window.panels.sequence)
+    user.press(user.window.panels.sequence.add)
+    duration.setFocus()
+    user.until(duration.hasFocus, "the duration has the focus")
     user.key(Qt.Key.Key_Escape)
 
 

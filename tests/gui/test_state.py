@@ -47,7 +47,7 @@ def motion_buttons(view: View) -> list[ButtonView]:
         view.commands.home,
         view.commands.undo,
         view.poses.go,
-        view.poses.play_file,
+        view.poses.play,
     ]
 
 

@@ -17,12 +17,10 @@ from gui_worlds import absent, robot, status, world
 import beatrix_zenoh
 from beatrix_zenoh.cli.verbs import application
 from beatrix_zenoh.client import Plan, Robot, Twin
-from beatrix_zenoh.client.choreography import Choreography, choreography
-from beatrix_zenoh.client.motion_file import parse
 from beatrix_zenoh.contract._generated.messages import Command, Event, EventKind, LeaseAction, Phase, Reason
 from beatrix_zenoh.contract.refusals import not_enabled
 from gui.console.state import intents
-from gui.console.state.actions import Outcome, Play, Send, SendCommand, WriteFile
+from gui.console.state.actions import Outcome, Play, Send, SendCommand
 from gui.console.state.intents import Intent, Jog, RunCommand, SetDestination
 from gui.console.state.state import State
 from gui.console.state.views import HistoryRowView
@@ -326,7 +324,7 @@ def test_a_stop_with_the_session_of_this_window_is_its_own_only_under_its_seat(
 # -- poses -------------------------------------------------------------------------------------------
 
 
-def test_poses_are_saved_sent_played_and_written() -> None:
+def test_poses_are_saved_sent_and_played() -> None:
     state = State()
     state.handle(intents.SavePose(" bow, low "), world(robot("sim", arms=(10, 20.5, -5))))
     state.handle(intents.SavePose("up"), world())
@@ -336,14 +334,7 @@ def test_poses_are_saved_sent_played_and_written() -> None:
     assert go.query.absolute
     (play,) = state.handle(intents.PlayPoses(), world())
     assert isinstance(play, Play)
-    assert play.poses == ((10, 20.5, -5), (0, 0, 0))
-    (write,) = state.handle(intents.SaveChoreography(Path("bow.csv")), world())
-    assert isinstance(write, WriteFile)
-    found: Choreography = choreography(parse(write.text, "bow.csv"))
-    assert [(title, pose.at, pose.speed) for title, pose in found.steps] == [
-        ("bow, low", 0.0, 30.0),
-        ("up", pytest.approx(20.5 / 30 + 0.5, abs=1e-3), 30.0),
-    ]
+    assert [(pose.short, pose.middle, pose.long) for pose in play.poses] == [(10, 20.5, -5), (0, 0, 0)]
     state.handle(intents.DeletePose("up"), world())
     assert [pose.name for pose in state.saved.poses] == ["bow, low"]
 
@@ -354,8 +345,7 @@ def test_invalid_requests_about_poses_are_refused_with_a_reason() -> None:
         (intents.SavePose(" "), world(), "needs a name"),
         (intents.SavePose("a"), unknown, "present angles are unknown"),
         (intents.GoToPose("b"), world(), "no pose named 'b'"),
-        (intents.PlayPoses(), world(), "no saved poses"),
-        (intents.SaveChoreography(Path("a.csv")), world(), "no saved poses"),
+        (intents.PlayPoses(), world(), "no pose yet"),
     ]
     for intent, now, text in given:
         state = State()

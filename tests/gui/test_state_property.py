@@ -41,6 +41,19 @@ from gui.console.state.actions import (
     SendStop,
 )
 from gui.console.state.intents import ALL_ARMS, Intent, Tab, Theme, WindowPage
+from gui.console.state.program import SaveProgram
+from gui.console.state.sequence_intents import (
+    AddPose,
+    DuplicatePose,
+    MovePose,
+    OpenSequence,
+    PlaySequence,
+    RenamePose,
+    SaveSequence,
+    SetDuration,
+    SetLoop,
+    UndoSequence,
+)
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, World
 
@@ -108,7 +121,15 @@ INTENTS: st.SearchStrategy[Intent] = st.one_of(
     st.builds(intents.DeletePose, NAMES),
     st.builds(intents.GoToPose, NAMES),
     st.builds(intents.PlayFile, FILES),
-    st.builds(intents.SaveChoreography, FILES),
+    st.sampled_from([AddPose(), UndoSequence(), PlaySequence("sim"), PlaySequence("hw")]),
+    st.builds(DuplicatePose, NAMES),
+    st.builds(MovePose, NAMES, st.integers(-1, 5)),
+    st.builds(RenamePose, NAMES, NAMES),
+    st.builds(SetDuration, NAMES, st.floats()),
+    st.builds(SetLoop, st.booleans()),
+    st.builds(SaveSequence, FILES, st.booleans()),
+    st.builds(OpenSequence, FILES, st.text(max_size=20), NAMES),
+    st.builds(SaveProgram, FILES),
     st.builds(intents.ChooseRobot, NAMES),
     st.builds(intents.ShowTab, st.sampled_from(Tab)),
     st.builds(intents.SetTheme, st.sampled_from(Theme)),

@@ -29,7 +29,7 @@ def test_choices_and_poses_are_those_of_the_previous_window(tmp_path: Path) -> N
     assert [path.name for path in file.parent.iterdir()] == ["window.json"]
     found, sentence = saved.load(file)
     assert sentence == ""
-    assert found == Saved(Theme.PROJECTOR, "de", 2.5, 45, 0, (SavedPose("bow", 10, -5, 2.5),))
+    assert found == Saved(Theme.PROJECTOR, "de", 2.5, 45, 0, (SavedPose("bow", 10, -5, 2.5, 1.0),))
     view = State(found).view(now)
     assert (view.theme, view.language, view.poses.names) == (Theme.PROJECTOR, "de", ("bow",))
     assert (view.arms.increment, view.arms.speed, view.sending.lead_s) == (2.5, 45, 0)

@@ -21,10 +21,8 @@ from gui.console.state.intents import (
     Change,
     DeletePose,
     DismissRefusal,
-    GoToPose,
     Intent,
     Jog,
-    PlayPoses,
     Repeat,
     RunCommand,
     SendHead,
@@ -40,6 +38,7 @@ from gui.console.state.intents import (
     ToggleRecording,
     Undo,
 )
+from gui.console.state.sequence_intents import AddPose, PlaySequence
 from gui.console.state.views import ButtonView, RecordView
 from gui.console.texts import Texts
 from gui.window.widgets.head_pad import HeadPad
@@ -69,9 +68,9 @@ BUTTONS: dict[str, tuple[Callable[[Window], QAbstractButton], Intent]] = {
     "reset": (lambda window: window.panels.commands.buttons["reset"], RunCommand(Command.RESET)),
     "undo": (lambda window: window.panels.commands.buttons["undo"], Undo()),
     "record": (lambda window: window.panels.header.record.toggle, ToggleRecording()),
-    "go": (lambda window: window.panels.poses.go, GoToPose("nod")),
-    "delete": (lambda window: window.panels.poses.delete, DeletePose("nod")),
-    "play": (lambda window: window.panels.poses.play, PlayPoses()),
+    "add": (lambda window: window.panels.sequence.add, AddPose()),
+    "delete": (lambda window: window.panels.sequence.delete, DeletePose("nod")),
+    "play": (lambda window: window.panels.sequence.play, PlaySequence("sim")),
 }
 
 
@@ -110,8 +109,8 @@ def intents(window: Window, shown: ShownState) -> Taken:
 def test_each_button_reports_its_intent(qtbot: QtBot, window: Window, intents: Taken, name: str) -> None:
     find, intent = BUTTONS[name]
     button = find(window)
-    if window.panels.poses.isAncestorOf(button):
-        window.panels.side.setCurrentWidget(window.panels.poses)
+    if window.panels.sequence.isAncestorOf(button):
+        window.panels.low_area.setCurrentWidget(window.panels.sequence)
     assert button.isEnabled()
     assert button.toolTip()
     assert button.accessibleName()

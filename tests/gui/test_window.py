@@ -26,7 +26,6 @@ from gui.console.state.intents import (
     Jog,
     PlayFile,
     RunCommand,
-    SaveChoreography,
     SavePose,
     SetDestination,
     SetLanguage,
@@ -34,6 +33,7 @@ from gui.console.state.intents import (
     Stop,
     Theme,
 )
+from gui.console.state.sequence_intents import SaveSequence
 from gui.window.run import Bridge, errors_shown
 from gui.window.theme import style_of
 from gui.window.window import Window
@@ -133,13 +133,10 @@ def test_a_file_is_chosen_without_blocking_the_window(
     qtbot: QtBot, window: Window, link: RecordingLink, intents: Taken, tmp_path: Path
 ) -> None:
     window.handle(SavePose("nod"))
-    poses = window.panels.poses
-    for button, intent, action in (
-        (poses.save_file, SaveChoreography, WriteFile),
-        (poses.play_file, PlayFile, Play),
-    ):
+    poses = window.panels.sequence
+    for entry, intent, action in (("save_file", SaveSequence, WriteFile), ("play_file", PlayFile, Play)):
         intents()
-        button.click()
+        poses.entries[entry].trigger()
         dialog = poses.dialog
         assert dialog is not None
         dialog.setDirectory(str(tmp_path))

@@ -11,8 +11,8 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QFileDialog, QLineEdit
 from pytestqt.qtbot import QtBot
 
-from gui.console.state.intents import Intent, SaveChoreography, SavePose, Stop
-from gui.window.widgets.controls import IntentButton
+from gui.console.state.intents import Intent, SavePose, Stop
+from gui.console.state.sequence_intents import SaveSequence
 from gui.window.widgets.files import FileDialog
 from gui.window.window import Window
 
@@ -28,13 +28,13 @@ def _poses(window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> I
     (tmp_path / "inner").mkdir()
     window.handle(SavePose("nod"))
     yield
-    if window.panels.poses.dialog is not None:
-        window.panels.poses.dialog.close()
+    if window.panels.sequence.dialog is not None:
+        window.panels.sequence.dialog.close()
 
 
-def opened(qtbot: QtBot, window: Window, button: IntentButton) -> FileDialog:
-    button.click()
-    dialog = window.panels.poses.dialog
+def opened(qtbot: QtBot, window: Window, entry: str) -> FileDialog:
+    window.panels.sequence.entries[entry].trigger()
+    dialog = window.panels.sequence.dialog
     assert dialog is not None
     qtbot.waitUntil(lambda: QApplication.activeWindow() is dialog)  # keys go to the active window
     return dialog
@@ -67,25 +67,25 @@ def enter(dialog: FileDialog, name: str) -> None:
 def test_an_existing_file_is_overwritten_only_at_the_second_press(
     qtbot: QtBot, window: Window, intents: Taken, tmp_path: Path
 ) -> None:
-    dialog = opened(qtbot, window, window.panels.poses.save_file)
+    dialog = opened(qtbot, window, "save_file")
     intents()
     enter(dialog, "dance")
     assert dialog.labelText(QFileDialog.DialogLabel.Accept) == "Overwrite"
     enter(dialog, "dance2")
-    assert intents() == [SaveChoreography(tmp_path / "dance2.csv")]
-    dialog = opened(qtbot, window, window.panels.poses.save_file)
+    assert intents() == [SaveSequence(tmp_path / "dance2.csv")]
+    dialog = opened(qtbot, window, "save_file")
     enter(dialog, "dance")
     assert intents() == []
     field = dialog.findChild(QLineEdit, "fileNameEdit")
     assert field is not None
     QTest.keyClick(field, Qt.Key.Key_Return)
-    assert intents() == [SaveChoreography(tmp_path / "dance.csv")]
+    assert intents() == [SaveSequence(tmp_path / "dance.csv")]
 
 
 def test_a_file_that_exists_is_not_written_at_the_first_press(
     qtbot: QtBot, window: Window, intents: Taken, tmp_path: Path
 ) -> None:
-    dialog = opened(qtbot, window, window.panels.poses.save_file)
+    dialog = opened(qtbot, window, "save_file")
     intents()
     enter(dialog, "dance")
     assert dialog.isVisible()
@@ -98,4 +98,4 @@ def test_a_file_that_exists_is_not_written_at_the_first_press(
     assert dialog.directory().dirName() == "inner"
     assert not dialog.notice.isVisible()
     enter(dialog, "dance")
-    assert intents() == [SaveChoreography(tmp_path / "inner" / "dance.csv")]
+    assert intents() == [SaveSequence(tmp_path / "inner" / "dance.csv")]

@@ -24,6 +24,7 @@ from gui.console.state.intents import (
     ToggleRecording,
     Undo,
 )
+from gui.console.state.sequence_intents import RenamePose
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]
@@ -86,15 +87,18 @@ def test_stop_works_with_any_focus(
 @pytest.mark.parametrize("key", STOP_KEYS)
 def test_stop_works_while_a_name_is_typed(qtbot: QtBot, window: Window, intents: Taken, key: Qt.Key) -> None:
     panels = window.panels
-    panels.side.setCurrentWidget(panels.poses)
-    focus(qtbot, panels.poses.name)
-    QTest.keyClicks(panels.poses.name, "nod")
+    window.handle(SavePose("yes"))
+    window.refresh()
+    panels.low_area.setCurrentWidget(panels.sequence)
+    focus(qtbot, panels.sequence.name)
+    panels.sequence.name.selectAll()
+    QTest.keyClicks(panels.sequence.name, "nod")
     intents()
     press(key)
     assert intents() == [Stop()]
-    assert panels.poses.name.text() == "nod", "the key is not typed into the name"
+    assert panels.sequence.name.text() == "nod", "the key is not typed into the name"
     press(Qt.Key.Key_Return)
-    assert intents() == [SavePose("nod")]
+    assert intents() == [RenamePose("yes", "nod")]
 
 
 @pytest.mark.parametrize("key", STOP_KEYS)
@@ -117,8 +121,8 @@ def test_stop_works_while_the_menu_is_open(window: Window, intents: Taken, key: 
 
 @pytest.mark.parametrize("key", STOP_KEYS)
 def test_stop_works_while_a_file_is_chosen(qtbot: QtBot, window: Window, intents: Taken, key: Qt.Key) -> None:
-    poses = window.panels.poses
-    poses.play_file.click()
+    poses = window.panels.sequence
+    poses.entries["play_file"].trigger()
     dialog = poses.dialog
     assert dialog is not None
     assert not dialog.isModal()

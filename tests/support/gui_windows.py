@@ -46,21 +46,8 @@ class Windowed:
         self.until_shown()
 
     def drag(self, widget: QWidget, start: QPoint, goal: QPoint) -> None:
-        """Drag with the mouse; QTest cannot, because it moves the mouse without a pressed button."""
-        steps = (
-            (QEvent.Type.MouseButtonPress, start),
-            (QEvent.Type.MouseMove, (start + goal) / 2),
-            (QEvent.Type.MouseMove, goal),
-            (QEvent.Type.MouseButtonRelease, goal),
-        )
-        left = Qt.MouseButton.LeftButton
-        for kind, place in steps:
-            held = Qt.MouseButton.NoButton if kind == QEvent.Type.MouseButtonRelease else left
-            button = Qt.MouseButton.NoButton if kind == QEvent.Type.MouseMove else left
-            event = QMouseEvent(
-                kind, QPointF(place), button, Qt.MouseButtons(held), Qt.KeyboardModifier.NoModifier
-            )
-            QApplication.sendEvent(widget, event)
+        """Drag with the mouse."""
+        drag(widget, start, goal)
 
     def check(self, box: QAbstractButton, *, on: bool = True) -> None:
         """Click a box unless it has this state already."""
@@ -116,6 +103,24 @@ class Windowed:
         """Wait until the window shows that these robots are ready."""
         pills = self.window.panels.header.pills
         self.until(lambda: all("ready" in pills[side].state.text() for side in sides), f"{sides} ready")
+
+
+def drag(widget: QWidget, start: QPoint, goal: QPoint) -> None:
+    """Drag with the mouse; QTest cannot, because it moves the mouse without a pressed button."""
+    steps = (
+        (QEvent.Type.MouseButtonPress, start),
+        (QEvent.Type.MouseMove, (start + goal) / 2),
+        (QEvent.Type.MouseMove, goal),
+        (QEvent.Type.MouseButtonRelease, goal),
+    )
+    left = Qt.MouseButton.LeftButton
+    for kind, place in steps:
+        held = Qt.MouseButton.NoButton if kind == QEvent.Type.MouseButtonRelease else left
+        button = Qt.MouseButton.NoButton if kind == QEvent.Type.MouseMove else left
+        event = QMouseEvent(
+            kind, QPointF(place), button, Qt.MouseButtons(held), Qt.KeyboardModifier.NoModifier
+        )
+        QApplication.sendEvent(widget, event)
 
 
 def near(arms: ArmAngles, goal: tuple[float, ...], by: float = NEAR_DEG) -> bool:

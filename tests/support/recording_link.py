@@ -7,6 +7,7 @@ from gui_views import ready
 from gui.console.link import Link
 from gui.console.state.actions import Action
 from gui.console.state.intents import Intent
+from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.console.state.views import View
 from gui.console.state.world import World
@@ -29,8 +30,8 @@ class RecordingLink(Link):
 class WatchedState(State):
     """The real state, which also records intents."""
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, saved: Saved | None = None) -> None:
+        super().__init__(saved or Saved())
         self.intents: list[Intent] = []
 
     def handle(self, intent: Intent, world: World) -> list[Action]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Iterable
 
 from beatrix_zenoh.client import choreography, motion_file
 from beatrix_zenoh.client.choreography import ArmPose, Choreography, Step, play
@@ -22,11 +23,15 @@ the play."""
 
 
 def prepared(
-    action: Play, robots: Twin | Robot, check: Callable[[], None]
+    action: Play,
+    robots: Twin | Robot,
+    check: Callable[[], None],
+    played: Callable[[int], None] = lambda _rounds: None,
 ) -> tuple[float, Callable[[], None]]:
     """Check a play for each robot; return its least duration (s) and the function that performs it.
 
-    `check` is called many times a second during the play; an error that it raises ends the play.
+    `check` is called many times a second during the play; an error that it raises ends the play. `played` is called
+    after each round of a play that repeats, with the number of rounds.
 
     Raises:
         WrongUsage: the file is too large or cannot be read.
@@ -43,14 +48,26 @@ def prepared(
         if action.gesture:
             found = found.at_most(min(info.limits.speed_default for info in infos))
         for robot in checked:
-            check_choreography(found, robot)
+            check_choreography(_poses((*action.poses, *action.again)) if action.again else found, robot)
             check()
         lasts_s = found.steps[-1][1].at
-        return lasts_s, lambda: play(robots, found, lambda _title, _pose: None, lead_s=lead_s, check=check)
+
+        def perform() -> None:
+            play(robots, found, lead_s=lead_s, check=check)
+            for rounds in itertools.count(1) if action.again else ():
+                played(rounds)
+                play(robots, _poses(action.again), lead_s=lead_s, check=check)
+
+        return lasts_s, perform
     path = path_of(found, MotionLimits(checked[0]))
     check()
     following, *_ = [follow(path, robot) for robot in checked]
     return following.duration_s, lambda: replay(robots, following, lambda _passed_s: check(), lead_s=lead_s)
+
+
+def _poses(poses: Iterable[ArmPose]) -> Choreography:
+    steps: list[tuple[str, Step]] = [(POSES, pose) for pose in poses]
+    return Choreography(steps)
 
 
 def read(action: Play) -> Choreography | motion_file.MotionFile:
@@ -58,9 +75,7 @@ def read(action: Play) -> Choreography | motion_file.MotionFile:
     if action.gesture:
         return choreography.shipped(action.gesture)
     if action.file is None:
-        # All times are 0, so that each pose begins when the previous one is reached.
-        steps: list[tuple[str, Step]] = [(POSES, ArmPose(0.0, *pose, action.speed)) for pose in action.poses]
-        return Choreography(steps)
+        return _poses(action.poses)
     try:
         size = action.file.stat().st_size
         if size > LARGEST_BYTES:

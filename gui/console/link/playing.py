@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin import Twin
@@ -78,9 +78,13 @@ class Playing(Worker):
             clear()
             from gui.console.link.choreographies import prepared  # noqa: PLC0415  # numpy and the planner would delay the window
 
-            lasts_s, perform = prepared(job.action, job.robots, job.check)
+            def begun(rounds: int = 0) -> None:
+                told = accepted(job.action.row, job.side, f"{job.title}: checked.", lasts_s)
+                self._report(replace(told, rounds=rounds))
+
+            lasts_s, perform = prepared(job.action, job.robots, job.check, begun)
             job.check()
-            self._report(accepted(job.action.row, job.side, f"{job.title}: checked.", lasts_s))
+            begun()
             perform()
             outcome = done(job.action.row, job.side, f"{job.title}: played.", time.monotonic() - began_s)
         except BeatrixError as error:

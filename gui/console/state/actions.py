@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from beatrix_zenoh.client import Place
+from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.contract._generated.messages import (
     Command,
     Detail,
@@ -127,15 +128,15 @@ POSES = "poses"
 
 @dataclass(frozen=True)
 class Play(Action):
-    """Play a file, or poses (deg: short, middle, long) one after the other."""
+    """Play a file, or poses that begin at their times."""
 
     row: int
     sides: tuple[str, ...]
     file: Path | None = None
     """None: the gesture or the poses are played"""
-    poses: tuple[tuple[float, float, float], ...] = ()
-    speed: float = 30.0
-    """speed between poses, deg/s"""
+    poses: tuple[ArmPose, ...] = ()
+    again: tuple[ArmPose, ...] = ()
+    """played after `poses`, over and over until a newer request or STOP; empty: the play ends"""
     lead_s: float = 0.0
     gesture: str = ""
     """name of a shipped choreography; empty: file or poses"""
@@ -253,3 +254,5 @@ class Outcome:
     """number of robots that a request to several robots was sent to"""
     failed: tuple[str, ...] = ()
     """robots that refused the request or did not answer, for example `bea1 (hw)`; `reason` is that of the first"""
+    rounds: int = 0
+    """how often the poses of a play that repeats were played to their end"""

@@ -88,7 +88,7 @@ def _sides(request: Request) -> tuple[str, ...]:
 
 
 def python(request: Request, variable: str = "twin") -> str:
-    """Return Python that sends the request, usually one line; empty if there is none.
+    """Return Python that sends the request, one line; for a play of poses, one for each. Empty if there is none.
 
     `variable` is `twin` for a `Twin`, or `robot` for a `Robot`.
     """
@@ -112,10 +112,8 @@ def python(request: Request, variable: str = "twin") -> str:
         case Play(lead_s=lead_s) if _played(request):
             lead = f", lead_s={_number(lead_s)}" if lead_s and both else ""
             text = f"play({robot}, load({_played(request)!r}){lead})"
-        case Play(poses=poses, speed=speed, lead_s=lead_s):
-            rows = ", ".join(f"({', '.join(_number(angle) for angle in pose)})" for pose in poses)
-            call = f"{robot}.{'preview_arms' if both else 'move'}(*arms, speed={_number(speed)})"
-            text = f"for arms in [{rows}]:\n    {call}{_commit(lead_s) if both else ''}"
+        case Play(file=None, poses=poses, lead_s=lead_s):
+            text = "\n".join(_motion_python(pose.query(), robot, lead_s, both=both) for pose in poses)
     return text
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from beatrix_zenoh.contract._generated.messages import Command
-from gui.console.state import refusals
+from gui.console.state import refusals, sequence
 from gui.console.state.actions import (
     Action,
     BeginRecording,
@@ -50,7 +50,7 @@ def view(memory: Memory) -> CommandsView:
         disable=_button(memory, "disable", RunCommand(Command.ENABLE, value=False), question),
         reset=_button(memory, "reset", RunCommand(Command.RESET)),
         undo=_undo(memory),
-        refusal=refusals.at(memory, (CONTROL,)),
+        refusal=refusals.at(memory, (CONTROL, sequence.CONTROL)),
     )
 
 

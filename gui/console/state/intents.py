@@ -272,12 +272,6 @@ class OpenProgram(Intent, frozen=True):
     """Copy the program that follows a face to a folder of the user, and show its path."""
 
 
-class SaveChoreography(Intent, frozen=True):
-    """Write the saved poses as a choreography."""
-
-    file: Path
-
-
 class ToggleRecording(Intent, frozen=True):
     """Begin or end a recording."""
 

@@ -137,12 +137,27 @@ class HistoryCache:
     views: tuple[HistoryRowView, ...] = ()
 
 
+@dataclass(frozen=True)
+class Sequence:
+    """What the sequence editor knows beside its poses."""
+
+    loop: bool = False
+    undo: tuple[tuple[SavedPose, ...], ...] = ()
+    """the poses before each change, oldest first"""
+    begun: tuple[int, tuple[object, ...]] = (0, ())
+    """row and content of the newest play on the simulation"""
+    rehearsed: tuple[object, ...] = ()
+    """content of the last play on the simulation that went well"""
+
+
 @dataclass
 class Memory:
     """State of one window; intents, outcomes and leases change it."""
 
     choices: Choices
     poses: tuple[SavedPose, ...] = ()
+    """the sequence, whose names are unique"""
+    sequence: Sequence = Sequence()
     rows: tuple[RequestRow, ...] = ()
     """oldest first"""
     numbers: int = 0

@@ -1,4 +1,4 @@
-"""Saved poses, choreographies, and undo."""
+"""Saved poses as the page lists them, files to play, and undo of motions."""
 
 from __future__ import annotations
 
@@ -6,21 +6,17 @@ from pathlib import Path
 from typing import Final
 
 from beatrix_zenoh.client.degrees import ArmAngles
-from beatrix_zenoh.client.motion_file import ARMS, FIGURE, SPEED, TIME
 from beatrix_zenoh.contract._generated.messages import Command
-from gui.console.state import intents
-from gui.console.state.actions import Action, Outcome, Play, Ready, SendCommand, WriteFile
+from gui.console.state import intents, sequence
+from gui.console.state.actions import Action, Outcome, Play, Ready, SendCommand
 from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory, Request, RequestRow
 from gui.console.state.motions import begin, lead_of, send_arms
 from gui.console.state.presence import commanded, unreachable
-from gui.console.state.saved import SavedPose
 from gui.console.state.views import ButtonView, PosesView
 from gui.console.state.world import World
 
 CONTROL = "commands"
-PAUSE_S: Final = 0.5
-"""Pause (s) after each pose of a saved choreography."""
 UNDO_KEPT: Final = 50
 
 
@@ -42,10 +38,6 @@ def view(memory: Memory, world: World) -> PosesView:
             "play",
             intents.PlayPoses(),
             reason or playing or ("" if count > 1 else "off.one_pose"),
-        ),
-        play_file=_button(memory, world, "play_file", intents.PlayFile(Path()), reason or playing),
-        save_file=_button(
-            memory, world, "save_file", intents.SaveChoreography(Path()), "" if count else "off.no_pose"
         ),
         playing=world.playing,
     )
@@ -73,20 +65,17 @@ def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
         case intents.SavePose(name=name):
             _save(memory, world, name.strip())
         case intents.DeletePose(name=name):
-            memory.poses = tuple(pose for pose in memory.poses if pose.name != name)
+            sequence.change(memory, tuple(pose for pose in memory.poses if pose.name != name))
         case intents.GoToPose(name=name):
             found = next((pose for pose in memory.poses if pose.name == name), None)
             if found is None:
                 return memory.refuse(CONTROL, "cannot.pose", name=name)
             actions = send_arms(memory, world, found.arms, CONTROL)
         case intents.PlayPoses():
-            if not memory.poses:
-                return memory.refuse(CONTROL, "cannot.poses")
-            actions = _play(memory, world, None, tuple(pose.arms for pose in memory.poses))
+            sides = memory.choices.sides
+            actions = sequence.play(memory, world, sides, lead_of(memory, sides))
         case intents.PlayFile(file=file):
-            actions = _play(memory, world, file, ())
-        case intents.SaveChoreography(file=file):
-            actions = _write(memory, world, file)
+            actions = _play(memory, world, file)
     return actions
 
 
@@ -95,41 +84,15 @@ def _save(memory: Memory, world: World, name: str) -> None:
     if not name or arms is None:
         memory.refuse(CONTROL, "off.no_position" if name else "cannot.name")
         return
-    kept = tuple(pose for pose in memory.poses if pose.name != name)
-    memory.poses = (*kept, SavedPose(name, *(round(angle, 3) + 0.0 for angle in arms)))
+    pose = sequence.new_pose(memory, world, name, arms)
+    sequence.change(memory, (*(kept for kept in memory.poses if kept.name != name), pose))
 
 
-def _play(
-    memory: Memory, world: World, file: Path | None, poses: tuple[tuple[float, float, float], ...]
-) -> list[Action]:
+def _play(memory: Memory, world: World, file: Path) -> list[Action]:
     sides = memory.choices.sides
     if unreachable(memory, world, sides, CONTROL):
         return []
-    lead_s = lead_of(memory, sides)
-    request = Play(memory.next_row(), sides, file, poses, memory.choices.speed, lead_s)
-    return begin(memory, world, request, CONTROL)
-
-
-def _write(memory: Memory, world: World, file: Path) -> list[Action]:
-    if not memory.poses:
-        return memory.refuse(CONTROL, "cannot.poses")
-    if not file.name:
-        return memory.refuse(CONTROL, "cannot.file")
-    text = choreography_of(memory.poses, memory.choices.speed)
-    return begin(memory, world, WriteFile(memory.next_row(), file, text), CONTROL)
-
-
-def choreography_of(poses: tuple[SavedPose, ...], speed: float) -> str:
-    """Return poses as a choreography (CSV); each begins PAUSE_S after the previous one is reached at `speed` (deg/s)."""
-    lines, at_s, before = [",".join((TIME, *ARMS, SPEED, FIGURE))], 0.0, (0.0, 0.0, 0.0)
-    for pose in poses:
-        numbers = (at_s, *pose.arms, speed)
-        name = pose.name.replace('"', '""')
-        lines.append(",".join(f"{number:z.3f}" for number in numbers) + f',"{name}"')
-        furthest = max(abs(goal - start) for goal, start in zip(pose.arms, before, strict=True))
-        at_s += furthest / speed + PAUSE_S
-        before = pose.arms
-    return "\n".join(lines) + "\n"
+    return begin(memory, world, Play(memory.next_row(), sides, file, lead_s=lead_of(memory, sides)), CONTROL)
 
 
 def last_undo(memory: Memory) -> tuple[int, ArmAngles] | None:

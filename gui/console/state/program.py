@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from beatrix_zenoh.contract._generated.messages import Reason
+from msgspec import structs
+
+from beatrix_zenoh.client.degrees import ArmAngles, arm_angles, motion_query
+from beatrix_zenoh.contract._generated.messages import MotionQuery
 from gui.console.state import code_lines, history
-from gui.console.state.actions import Action, SendStop, WriteFile
+from gui.console.state.actions import Action, Play, Send, SendStop, WriteFile
 from gui.console.state.intents import Intent
-from gui.console.state.memory import Memory, RequestRow
+from gui.console.state.memory import Memory, Request, RequestRow
 from gui.console.state.motions import begin
 from gui.console.state.views import CodeLine, CodeView
 from gui.console.state.world import World
@@ -37,27 +40,56 @@ def view(memory: Memory, world: World, cache: CodeCache) -> CodeView:
     texts = memory.choices.texts
     made_from = (memory.rows, world.robot, world.endpoint, world.who, texts.code)
     if cache.made_from != made_from:
-        lines = [line for row in memory.rows for line in lines_of(row, texts)]
+        lines = _lines(memory.rows, texts)
         cache.made_from = made_from
         cache.view = CodeView(code_lines.program(lines, world, texts("code.title", robot=world.robot)))
     return cache.view
 
 
-def lines_of(row: RequestRow, texts: Texts) -> list[CodeLine]:
+def lines_of(row: RequestRow, texts: Texts, *, from_set_point: bool = False) -> list[CodeLine]:
     """Return the lines of one row; a request that did not do what was asked is a comment.
 
-    A motion that a newer one has replaced stays a call: a relative motion counts from its goal.
+    from_set_point: whether the motion before it is a comment. Then a relative motion becomes an absolute one, from where
+    the arms were at its request.
     """
-    calls = [] if isinstance(row.request, SendStop) else code_lines.python(row.request).splitlines()
+    request = row.request
+    if from_set_point:
+        request = _absolute(request, row.before)
+    calls = [] if isinstance(request, SendStop) else code_lines.python(request).splitlines()
     result, good = history.result(row, texts)
-    replaced = any(outcome.reason is Reason.REPLACED for outcome in row.outcomes.values()) and row.accepted
-    if calls and (good is not False or replaced):
+    if calls and good is not False:
         return [CodeLine(call, row.number) for call in calls]
-    if not calls and not isinstance(row.request, SendStop):
+    if not calls and not isinstance(request, SendStop):
         return []  # it is no request to the robot of the window, or has no line of Python
     first, _, _ = result.partition(". ")
     comment = " ".join(f"# {history.what(row, texts)}: {first}".split())
     return [CodeLine(comment.removesuffix("."), row.number)]
+
+
+def _lines(rows: tuple[RequestRow, ...], texts: Texts) -> list[CodeLine]:
+    lines: list[CodeLine] = []
+    missed: set[str] = set()
+    """robots whose last motion is a comment"""
+    for row in rows:
+        added = lines_of(row, texts, from_set_point=bool(missed & set(row.sides)))
+        lines += added
+        if isinstance(row.request, Send | Play):
+            missed -= set(row.sides)
+            missed |= {side for line in added if line.text.startswith("#") for side in row.sides}
+    return lines
+
+
+def _absolute(request: Request, before: ArmAngles | None) -> Request:
+    """Return a relative motion of the arms as an absolute one from `before` (deg); other requests as they are."""
+    if not isinstance(request, Send) or not isinstance(request.query, MotionQuery) or request.query.absolute:
+        return request
+    if before is None:
+        return request
+    way = arm_angles(request.query.position)
+    goal = motion_query(
+        *(start + by for start, by in zip(before, way, strict=True)), relative=False, speed=None
+    )
+    return replace(request, query=structs.replace(goal, speed=request.query.speed))
 
 
 def save(memory: Memory, world: World, intent: SaveProgram, cache: CodeCache) -> list[Action]:

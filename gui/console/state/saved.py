@@ -24,14 +24,19 @@ SPEED_MAX: Final = 1000.0
 LEAD_MAX_S: Final = 3600.0
 """Longest lead that is kept (s)."""
 
+DURATION_MAX_S: Final = 60.0
+"""Longest duration of a pose (s)."""
+
 
 class SavedPose(msgspec.Struct, frozen=True):
-    """Arm angles (deg) under a name."""
+    """Arm angles (deg) under a name, and the time (s) in which a sequence reaches them from its previous pose."""
 
     name: str
     short: float
     middle: float
     long: float
+    duration_s: Annotated[float, Meta(ge=0, le=DURATION_MAX_S)] = 0.0
+    """0: unknown, because an older window has saved the pose"""
 
     @property
     def arms(self) -> tuple[float, float, float]:
@@ -61,6 +66,8 @@ def merged(before: Saved, mine: Saved, theirs: Saved) -> Saved:
     fields = ("theme", "language", "increment", "speed", "lead_s", "send_on_release")
     changed = {name: getattr(mine, name) for name in fields if getattr(mine, name) != getattr(before, name)}
     added = [pose for pose in mine.poses if pose not in before.poses]
+    if theirs.poses == before.poses:  # so that a changed order is kept
+        return msgspec.structs.replace(theirs, **changed, poses=mine.poses)
     gone = {pose.name for pose in before.poses if pose not in mine.poses} | {pose.name for pose in added}
     poses = (*(pose for pose in theirs.poses if pose.name not in gone), *added)
     return msgspec.structs.replace(theirs, **changed, poses=poses)

@@ -22,6 +22,7 @@ from gui.console.state import (
     program,
     refusals,
     sending,
+    sequence,
     sound,
 )
 from gui.console.state.actions import Action, Connect, Outcome, RunSimulation, Select
@@ -29,6 +30,8 @@ from gui.console.state.choices import Choices, choices_from
 from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.saved import Saved
+from gui.console.state.sequence_intents import SequenceIntent
+from gui.console.state.sequence_timing import with_durations
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
 
@@ -40,7 +43,7 @@ class State:
 
     def __init__(self, saved: Saved = DEFAULTS, notice: str = "") -> None:
         """Begin with saved choices; `notice` is a sentence to show until the first request."""
-        self._memory = Memory(choices_from(saved), saved.poses, notice=notice)
+        self._memory = Memory(choices_from(saved), with_durations(saved.poses, saved.speed), notice=notice)
         self._code = program.CodeCache()
 
     @property
@@ -77,6 +80,7 @@ class State:
             commands=commands.view(memory),
             poses=poses.view(memory, world),
             gestures=gestures.view(memory, world),
+            sequence=sequence.view(memory, world),
             eyes=eyes.view(memory, world),
             sound=sound.view(memory, world),
             history=history.view(memory, world),
@@ -165,6 +169,8 @@ class State:
                 return leases.handle(self._memory, world, intent)
             case intents.TogglePage() | intents.GovernClass() | intents.LimitClass() | intents.MuteSeat():
                 return class_page.handle(self._memory, world, intent)
+            case SequenceIntent():
+                return sequence.handle(self._memory, world, intent)
             case program.SaveProgram():
                 return program.save(self._memory, world, intent, self._code)
             case intents.PlayGesture() | intents.ToggleFollowing() | intents.OpenProgram():
@@ -197,4 +203,5 @@ class State:
             dragging.note_refusal(self._memory, outcome)
             refusals.record(self._memory, row, outcome)
             poses.note_accepted(self._memory, row, outcome)
+            sequence.note(self._memory, row, outcome)
             self._memory.replace_row(row.after(outcome))

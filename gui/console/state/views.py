@@ -246,7 +246,7 @@ class CommandsView:
 
 @dataclass(frozen=True)
 class PosesView:
-    """Saved poses and choreographies."""
+    """Saved poses, as the page lists them."""
 
     names: tuple[str, ...]
     go: ButtonView
@@ -254,8 +254,6 @@ class PosesView:
     save: ButtonView
     delete: ButtonView
     play: ButtonView
-    play_file: ButtonView
-    save_file: ButtonView
     playing: str = ""
 
 
@@ -273,6 +271,34 @@ class GesturesView:
     details: str
     """the last line of the program, as it is; empty: none"""
     refusal: RefusalView | None = None
+
+
+@dataclass(frozen=True)
+class CardView:
+    """One pose of the sequence."""
+
+    name: str
+    head: HeadOrientation | None
+    """None: no head can have this pose"""
+    duration_s: float
+    duration: str
+    """the duration as text, or the shortest one if it is too short"""
+    problem: str
+    """why the pose cannot be reached in its duration; empty: it can"""
+
+
+@dataclass(frozen=True)
+class SequenceView:
+    """The sequence editor."""
+
+    cards: tuple[CardView, ...]
+    loop: bool
+    add: ButtonView
+    undo: ButtonView
+    play: ButtonView
+    hardware: ButtonView
+    playing: str
+    """title of the current play; empty: none"""
 
 
 @dataclass(frozen=True)
@@ -422,6 +448,7 @@ class View:
     commands: CommandsView
     poses: PosesView
     gestures: GesturesView
+    sequence: SequenceView
     eyes: tuple[EyeView, ...]
     sound: SoundView
     history: tuple[HistoryRowView, ...]

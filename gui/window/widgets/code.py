@@ -2,31 +2,26 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from PyQt5.QtCore import QSignalBlocker, pyqtSignal
 from PyQt5.QtGui import QFontDatabase, QGuiApplication
-from PyQt5.QtWidgets import QFileDialog, QHBoxLayout, QListWidget, QPushButton, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QFileDialog, QHBoxLayout, QListWidget, QPushButton, QVBoxLayout
 
 from gui.console.state.program import SaveProgram
 from gui.console.state.views import CodeLine, CodeView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import label
-from gui.window.widgets.files import FileDialog
+from gui.window.widgets.files import FilePanel
 
 
-class CodePanel(QWidget):
+class CodePanel(FilePanel):
     """The lines of the program; a line is tied to the row of the history that it sends."""
 
-    intent = pyqtSignal(object)
     row_chosen = pyqtSignal(int)
     """number of the row of the history whose line the user has selected"""
 
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
-        self._texts = texts
+        super().__init__(texts)
         self._view = CodeView()
-        self.dialog: FileDialog | None = None
         self.list = QListWidget()
         self.list.setAccessibleName(texts("label.code"))
         self.list.setMinimumHeight(40)
@@ -94,19 +89,8 @@ class CodePanel(QWidget):
             clipboard.setText(self._view.text)
 
     def _choose_file(self) -> None:
-        """Open a file dialog, which closes with this widget; STOP works while it is open."""
-        if self.dialog is not None:
-            self.dialog.destroyed.disconnect(self._forget_dialog)
-            self.dialog.close()
-        title = self._texts("code.save_name")
-        dialog = FileDialog(self._texts, self, title, QFileDialog.AcceptMode.AcceptSave, "py")
-        dialog.fileSelected.connect(lambda file: self.intent.emit(SaveProgram(Path(file))))
-        dialog.destroyed.connect(self._forget_dialog)
-        self.dialog = dialog
-        dialog.show()
-
-    def _forget_dialog(self) -> None:
-        self.dialog = None
+        save = QFileDialog.AcceptMode.AcceptSave
+        self.choose_file(self._texts("code.save_name"), save, "py", SaveProgram)
 
 
 def _alike_at_the_start(one: tuple[CodeLine, ...], other: tuple[CodeLine, ...]) -> int:

@@ -1,13 +1,15 @@
-"""The dialog for files to open and to write."""
+"""The dialog for files to open and to write, and panels that use it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 
-from PyQt5.QtCore import QChildEvent, QEvent, Qt, QTimer
+from PyQt5.QtCore import QChildEvent, QEvent, Qt, QTimer, pyqtSignal
 from PyQt5.QtWidgets import QFileDialog, QGridLayout, QLineEdit, QMessageBox, QWidget
 
+from gui.console.state.intents import Intent
 from gui.console.texts import Texts
 from gui.window.widgets.controls import label
 
@@ -83,6 +85,37 @@ class FileDialog(QFileDialog):
     def _show_notice(self, text: str) -> None:
         self.notice.setText(text)
         self.notice.show()
+
+
+class FilePanel(QWidget):
+    """A panel some of whose intents need a file."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self._texts = texts
+        self.dialog: FileDialog | None = None
+        """the open dialog"""
+
+    def choose_file(
+        self, title: str, mode: QFileDialog.AcceptMode, suffix: str, made: Callable[[Path], Intent]
+    ) -> None:
+        """Open a file dialog, and report the intent made of its file.
+
+        It closes with this panel, and replaces an open one. STOP works while it is open.
+        """
+        if self.dialog is not None:
+            self.dialog.destroyed.disconnect(self._forget_dialog)
+            self.dialog.close()
+        dialog = FileDialog(self._texts, self, title, mode, suffix)
+        dialog.fileSelected.connect(lambda file: self.intent.emit(made(Path(file))))
+        dialog.destroyed.connect(self._forget_dialog)
+        self.dialog = dialog
+        dialog.show()
+
+    def _forget_dialog(self) -> None:
+        self.dialog = None
 
 
 def begin_folder(mode: QFileDialog.AcceptMode) -> Path:

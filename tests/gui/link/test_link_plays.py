@@ -11,6 +11,7 @@ from gui_links import Linked, at_home, look, short
 from robots import Process, Stage, until
 
 from beatrix_zenoh.client import Presence
+from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.contract._generated.messages import Reason
 from gui.console.state.actions import Play, Select, Send, SendStop
 
@@ -20,8 +21,13 @@ BOTH = ("sim", "hw")
 # -- choreographies -------------------------------------------------------------------------------
 
 
+def turns(speed: float, *yaws: float) -> tuple[ArmPose, ...]:
+    """Return poses (deg), one after the other at a speed (deg/s)."""
+    return tuple(ArmPose(0.0, yaw, yaw, yaw, speed) for yaw in yaws)
+
+
 def test_poses_are_played_one_after_the_other(linked: Linked) -> None:
-    linked.do(Play(1, ("sim",), poses=((10.0, 10.0, 10.0), (-5.0, -5.0, -5.0)), speed=60.0))
+    linked.do(Play(1, ("sim",), poses=turns(60.0, 10.0, -5.0)))
     assert linked.world.playing == "poses"
     linked.until(lambda world: short(world, "sim") > 9, "the first pose")
     assert linked.end_of(1, "sim").accepted
@@ -29,8 +35,20 @@ def test_poses_are_played_one_after_the_other(linked: Linked) -> None:
     assert short(world, "sim") == pytest.approx(-5, abs=0.1)
 
 
+def test_a_loop_is_played_until_a_newer_motion(linked: Linked) -> None:
+    linked.do(Play(1, ("sim",), poses=turns(80.0, 8.0), again=turns(80.0, -8.0, 8.0)))
+    linked.until(lambda world: short(world, "sim") > 7, "the first round")
+    for _ in range(2):
+        linked.until(lambda world: short(world, "sim") < -7, "the loop")
+        linked.until(lambda world: short(world, "sim") > 7, "the loop")
+    assert max(outcome.rounds for outcome in linked.outcomes if outcome.row == 1) >= 2
+    linked.do(Send(2, look(0, 60), ("sim",)))
+    assert linked.end_of(2, "sim").accepted
+    assert linked.end_of(1, "sim").reason is Reason.REPLACED
+
+
 def test_stop_ends_a_choreography_of_both_robots(linked: Linked) -> None:
-    linked.do(Play(1, BOTH, poses=((40.0,) * 3, (-40.0,) * 3, (0.0,) * 3), speed=30.0))
+    linked.do(Play(1, BOTH, poses=turns(30.0, 40.0, -40.0, 0.0)))
     linked.accepted(1)
     linked.until(lambda world: short(world, "sim") > 2 and short(world, "hw") > 2, "both move")
     linked.do(SendStop(2))
@@ -40,7 +58,7 @@ def test_stop_ends_a_choreography_of_both_robots(linked: Linked) -> None:
 
 
 def test_a_motion_replaces_a_choreography(linked: Linked) -> None:
-    linked.do(Play(1, ("sim",), poses=((40.0,) * 3, (-40.0,) * 3), speed=30.0))
+    linked.do(Play(1, ("sim",), poses=turns(30.0, 40.0, -40.0)))
     linked.until(lambda world: short(world, "sim") > 2, "it moves")
     linked.do(Send(2, look(0, 60), ("sim",)))
     assert linked.end_of(2, "sim").accepted

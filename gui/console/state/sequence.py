@@ -1,0 +1,333 @@
+"""The sequence editor: poses with durations, in an order; played on the simulation first, then on the hardware."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Final
+
+from msgspec import structs
+
+from beatrix_zenoh.client import motion_file
+from beatrix_zenoh.client.choreography import ArmPose, Pose, Step, choreography
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
+from beatrix_zenoh.client.motion_file import ARMS, FIGURE, SPEED, TIME
+from beatrix_zenoh.contract.errors import BeatrixError
+from gui.console.state import code_lines
+from gui.console.state import sequence_timing as timing
+from gui.console.state.actions import Action, Outcome, Play, WriteFile
+from gui.console.state.intents import Intent
+from gui.console.state.memory import Memory, Refusal, RequestRow
+from gui.console.state.motions import begin
+from gui.console.state.presence import commanded, online, orientation, unreachable
+from gui.console.state.saved import DURATION_MAX_S, SavedPose
+from gui.console.state.sequence_intents import (
+    AddPose,
+    DuplicatePose,
+    MovePose,
+    OpenSequence,
+    PlaySequence,
+    RenamePose,
+    SaveSequence,
+    SequenceIntent,
+    SetDuration,
+    SetLoop,
+    UndoSequence,
+)
+from gui.console.state.views import ButtonView, CardView, CodeLine, SequenceView
+from gui.console.state.world import World
+
+CONTROL: Final = "sequence"
+POSES_MAX: Final = 100
+"""Largest number of poses."""
+UNDO_KEPT: Final = 50
+DURATION_MIN_S: Final = 0.1
+STARTS: Final = {"sim": ("sim", "hw"), "hw": ("hw",)}
+"""Robots whose arms are the start of a play on one robot, the first that is known."""
+
+
+# -- the view ---------------------------------------------------------------------------------------
+
+
+def view(memory: Memory, world: World) -> SequenceView:
+    """Return the strip and its buttons."""
+    texts, poses, loop = memory.choices.texts, memory.poses, memory.sequence.loop
+    start = None if world.playing else commanded(world, STARTS["sim"])
+    problems = timing.too_short(poses, start, timing.pace(world), loop=loop)
+    cards = tuple(
+        CardView(
+            name=pose.name,
+            head=None if (head := timing.head_of(pose.arms)) is None else orientation(head),
+            duration_s=pose.duration_s,
+            duration=texts(
+                "sequence.least" if number in problems else "sequence.seconds",
+                seconds=problems.get(number, pose.duration_s),
+            ),
+            problem=texts("sequence.too_short", seconds=problems[number]) if number in problems else "",
+        )
+        for number, pose in enumerate(poses)
+    )
+    some, whole_s = "" if poses else "off.no_sequence", float(sum(pose.duration_s for pose in poses))
+    full = "off.sequence_full" if len(poses) >= POSES_MAX else ""
+    undo = "" if memory.sequence.undo else "off.no_sequence_undo"
+
+    def button(key: str, intent: Intent, off: str) -> ButtonView:
+        tooltip = texts(off, count=str(POSES_MAX)) if off else texts(f"sequence.{key}_tip", seconds=whole_s)
+        return ButtonView(texts(f"sequence.{key}"), tooltip, intent, enabled=not off)
+
+    return SequenceView(
+        cards=cards,
+        loop=loop,
+        add=button("add", AddPose(), full),
+        undo=button("undo", UndoSequence(), undo),
+        play=button(
+            "play", PlaySequence("sim"), some or ("" if online(world, "sim") else "off.sequence_sim")
+        ),
+        hardware=button("hardware", PlaySequence("hw"), some or _hardware_off(memory, world)),
+        playing=world.playing,
+    )
+
+
+def _hardware_off(memory: Memory, world: World) -> str:
+    if not online(world, "hw"):
+        return "off.sequence_hw"
+    return "" if memory.sequence.rehearsed == _rehearsal(memory, world) else "off.not_rehearsed"
+
+
+def _rehearsal(memory: Memory, world: World) -> tuple[object, ...]:
+    """Return what a play on the simulation must have played before it may be played on the hardware."""
+    return (world.robot, memory.sequence.loop, *((*pose.arms, pose.duration_s) for pose in memory.poses))
+
+
+# -- changes ----------------------------------------------------------------------------------------
+
+
+def handle(memory: Memory, world: World, intent: SequenceIntent) -> list[Action]:
+    """Return the actions of an intent about the sequence."""
+    match intent:
+        case PlaySequence(side=side):
+            return play(memory, world, (side,))
+        case SaveSequence():
+            return _save(memory, world, intent)
+        case SetLoop(on=on):
+            memory.sequence = replace(memory.sequence, loop=on)
+        case UndoSequence():
+            *earlier, before = memory.sequence.undo or (memory.poses,)
+            memory.poses, memory.sequence = before, replace(memory.sequence, undo=tuple(earlier))
+        case AddPose():
+            _add(memory, world)
+        case OpenSequence():
+            _open(memory, world, intent)
+        case _:
+            change(memory, changed(memory.poses, intent))
+    return []
+
+
+def change(memory: Memory, poses: tuple[SavedPose, ...]) -> None:
+    """Replace the poses, so that Undo of the strip restores the present ones."""
+    if poses != memory.poses:
+        undo = (*memory.sequence.undo, memory.poses)[-UNDO_KEPT:]
+        memory.poses, memory.sequence = poses, replace(memory.sequence, undo=undo)
+        memory.refusal = None
+
+
+def changed(poses: tuple[SavedPose, ...], intent: Intent) -> tuple[SavedPose, ...]:
+    """Return the poses after a change of one pose; an intent that no widget reports changes nothing."""
+    at = next((number for number, pose in enumerate(poses) if pose.name == getattr(intent, "name", "")), None)
+    if at is None:
+        return poses
+    pose, others = poses[at], (*poses[:at], *poses[at + 1 :])
+    match intent:
+        case MovePose(to=to):
+            to = max(0, min(to, len(others)))
+            return (*others[:to], pose, *others[to:])
+        case DuplicatePose() if len(poses) < POSES_MAX:
+            copy = structs.replace(pose, name=_free(poses, pose.name), duration_s=max(1.0, pose.duration_s))
+            return (*poses[: at + 1], copy, *poses[at + 1 :])
+        case SetDuration(seconds=seconds) if math.isfinite(seconds):
+            chosen_s = round(min(DURATION_MAX_S, max(DURATION_MIN_S, seconds)), 1)
+            return (*poses[:at], structs.replace(pose, duration_s=chosen_s), *poses[at + 1 :])
+        case RenamePose(new=new) if new.strip() and new.strip() != pose.name:
+            name = new.strip()
+            taken = any(other.name == name for other in others)
+            renamed = structs.replace(pose, name=_free(poses, name) if taken else name)
+            return (*poses[:at], renamed, *poses[at + 1 :])
+    return poses
+
+
+def _free(poses: tuple[SavedPose, ...], name: str) -> str:
+    """Return the name with a number, for which there is no pose."""
+    names, stem = {pose.name for pose in poses}, name
+    head, dash, number = name.rpartition("-")
+    if dash and number.isdecimal():
+        stem = head
+    return next(new for count in range(2, len(poses) + 3) if (new := f"{stem}-{count}") not in names)
+
+
+def new_pose(memory: Memory, world: World, name: str, arms: ArmAngles) -> SavedPose:
+    """Return a pose at the end of the sequence; its duration is that of a motion at the chosen speed."""
+    short, middle, long = (round(angle, 3) + 0.0 for angle in arms)
+    others = [pose for pose in memory.poses if pose.name != name]
+    before = ArmAngles(*others[-1].arms) if others else timing.HOME
+    pose = SavedPose(name, short, middle, long)
+    duration_s = timing.comfortable(before, pose, memory.choices.speed, timing.pace(world))
+    return structs.replace(pose, duration_s=duration_s)
+
+
+def _add(memory: Memory, world: World) -> None:
+    """Add the target of the pad, if the user has set one, else the present pose."""
+    target = memory.choices.target
+    if len(memory.poses) >= POSES_MAX:
+        memory.refuse(CONTROL, "off.sequence_full", count=str(POSES_MAX))
+        return
+    try:
+        aim = None if target is None else HeadAngles(target.yaw, target.pitch, target.roll)
+        arms = commanded(world, memory.choices.sides + STARTS["sim"]) if aim is None else timing.arms_of(aim)
+    except BeatrixError as error:
+        memory.refusal = Refusal(CONTROL, reason=error.reason, message=error.message, detail=error.detail)
+        return
+    if arms is None:
+        memory.refuse(CONTROL, "off.no_position")
+        return
+    name = memory.choices.texts("sequence.auto_name")
+    free = (
+        f"{name}-1" if all(pose.name != f"{name}-1" for pose in memory.poses) else _free(memory.poses, name)
+    )
+    change(memory, (*memory.poses, new_pose(memory, world, free, arms)))
+
+
+# -- playing ----------------------------------------------------------------------------------------
+
+
+def play(memory: Memory, world: World, sides: tuple[str, ...], lead_s: float = 0.0) -> list[Action]:
+    """Return the action that plays the sequence; none if a pose cannot be reached in its duration."""
+    poses, loop = memory.poses, memory.sequence.loop and len(sides) < 2
+    if not poses:
+        return memory.refuse(CONTROL, "off.no_sequence")
+    if unreachable(memory, world, sides, CONTROL):
+        return []
+    if sides == ("hw",) and memory.sequence.rehearsed != _rehearsal(memory, world):
+        return memory.refuse(CONTROL, "off.not_rehearsed")
+    limits = timing.pace(world)
+    starts = [found for side in sides if (found := commanded(world, STARTS[side])) is not None]
+    start = max(starts, key=lambda arms: timing.way(arms, poses[0]), default=timing.HOME)
+    if _refuse_short(memory, start, limits, loop=loop):
+        return []
+    steps = timing.timed(poses, start, limits)
+    again: tuple[ArmPose, ...] = ()
+    if loop:
+        last = ArmAngles(*poses[-1].arms)
+        holds = len(poses) > 1 and timing.way(ArmAngles(*poses[-2].arms), poses[-1]) < timing.SAME_DEG
+        again = tuple(timing.timed(poses, last, limits, poses[-1].duration_s if holds else 0.0))
+    request = Play(memory.next_row(), sides, None, tuple(steps), again, lead_s)
+    memory.sequence = replace(
+        memory.sequence, begun=(request.row, _rehearsal(memory, world)) if sides == ("sim",) else (0, ())
+    )
+    return begin(memory, world, request, CONTROL)
+
+
+def _refuse_short(memory: Memory, start: ArmAngles, limits: timing.Pace, *, loop: bool) -> bool:
+    """Return whether a pose cannot be reached in its duration; if so, show the first one."""
+    short = timing.too_short(memory.poses, start, limits, loop=loop)
+    for number, least_s in short.items():
+        memory.refuse(CONTROL, "cannot.too_short", name=memory.poses[number].name, shortest=f"{least_s:.1f}")
+        return True
+    return False
+
+
+def note(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
+    """Remember a play on the simulation that went well: to its end, or for one round of a loop."""
+    number, what = memory.sequence.begun
+    whole = outcome.rounds > 0 if isinstance(row.request, Play) and row.request.again else outcome.done
+    if row.number == number and outcome.accepted and whole:
+        memory.sequence = replace(memory.sequence, rehearsed=what)
+
+
+# -- files ------------------------------------------------------------------------------------------
+
+
+def _save(memory: Memory, world: World, intent: SaveSequence) -> list[Action]:
+    """Return the action that writes the sequence; in files it begins at home."""
+    if not memory.poses:
+        return memory.refuse(CONTROL, "off.no_sequence")
+    if not intent.file.name:
+        return memory.refuse(CONTROL, "cannot.file")
+    limits, loop = timing.pace(world), intent.program and memory.sequence.loop
+    if _refuse_short(memory, timing.HOME, limits, loop=loop):
+        return []
+    text = program_of(memory, world, limits) if intent.program else choreography_of(memory.poses, limits)
+    return begin(memory, world, WriteFile(memory.next_row(), intent.file, text), CONTROL)
+
+
+def choreography_of(poses: tuple[SavedPose, ...], limits: timing.Pace) -> str:
+    """Return poses as a choreography (CSV) that begins at home."""
+    lines = [",".join((TIME, *ARMS, SPEED, FIGURE))]
+    for pose, step in zip(poses, timing.timed(poses, timing.HOME, limits), strict=True):
+        name = pose.name.replace('"', '""')
+        numbers = (step.at, step.short, step.middle, step.long, step.speed)
+        lines.append(",".join(f"{number:z.3f}" for number in numbers) + f',"{name}"')
+    return "\n".join(lines) + "\n"
+
+
+def program_of(memory: Memory, world: World, limits: timing.Pace) -> str:
+    """Return the sequence as a program for the simulation that begins at home."""
+    texts, poses = memory.choices.texts, memory.poses
+    lines = [
+        f"robot = twin.sim  # {texts('sequence.program_side')}",
+        f"robot.make_ready()  # {texts('sequence.program_ready')}",
+        "robot.home()",
+        *_calls(poses, timing.HOME, limits),
+    ]
+    if memory.sequence.loop:
+        lines.append(f"while True:  # {texts('sequence.program_loop')}")
+        lines += [f"    {line}" for line in _calls(poses, ArmAngles(*poses[-1].arms), limits)]
+    title = texts("sequence.program_title", count=float(len(poses)), robot=world.robot)
+    return "\n".join(line.text for line in code_lines.program([*map(CodeLine, lines)], world, title)) + "\n"
+
+
+def _calls(poses: tuple[SavedPose, ...], start: ArmAngles, limits: timing.Pace) -> list[str]:
+    lines, here = [], start
+    for pose, step in zip(poses, timing.timed(poses, start, limits), strict=True):
+        comment = f"  # {' '.join(pose.name.split())}"
+        if timing.way(here, pose) < timing.SAME_DEG:
+            lines.append(f"time.sleep({pose.duration_s:g}){comment}")
+        else:
+            place = ", ".join(f"{angle:.6g}" for angle in pose.arms)
+            lines.append(f"robot.move({place}, speed={step.speed:.5g}){comment}")
+        here = ArmAngles(*pose.arms)
+    return lines
+
+
+def _open(memory: Memory, world: World, intent: OpenSequence) -> None:
+    """Replace the strip by a choreography: each pose is reached when the next one begins."""
+    if intent.trouble:
+        memory.refuse(CONTROL, "cannot.open", text=intent.trouble)
+        return
+    try:
+        found = choreography(motion_file.parse(intent.text, intent.file.name))
+        if len(found.steps) > POSES_MAX:
+            memory.refuse(CONTROL, "cannot.too_many", count=str(len(found.steps)), allowed=str(POSES_MAX))
+            return
+        poses = _read(found.steps, timing.pace(world))
+    except BeatrixError as error:
+        memory.refusal = Refusal(CONTROL, reason=error.reason, message=error.message, detail=error.detail)
+        return
+    change(memory, poses)
+
+
+def _read(steps: list[tuple[str, Step]], limits: timing.Pace) -> tuple[SavedPose, ...]:
+    poses: tuple[SavedPose, ...] = ()
+    here = timing.HOME
+    for (title, step), (_, following) in zip(steps, [*steps[1:], steps[-1]], strict=True):
+        if isinstance(step, Pose):
+            arms = timing.arms_of(HeadAngles(step.yaw, step.pitch, step.roll))
+        else:
+            arms = ArmAngles(step.short, step.middle, step.long)
+        name = title if all(pose.name != title for pose in poses) else _free(poses, title)
+        pose = SavedPose(name, *(round(angle, 3) + 0.0 for angle in arms))
+        speed = min(max(step.speed, timing.SLOWEST), limits.speed)
+        own_s = timing.shortest(here, pose, timing.Pace(speed, limits.acceleration))
+        duration_s = following.at - step.at if following is not step else own_s
+        duration_s = round(min(DURATION_MAX_S, max(DURATION_MIN_S, duration_s)), 1)
+        poses, here = (*poses, structs.replace(pose, duration_s=duration_s)), ArmAngles(*pose.arms)
+    return poses

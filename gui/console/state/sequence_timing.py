@@ -1,0 +1,116 @@
+"""When the poses of a sequence begin, and how fast the arms turn, so that each pose is reached in its duration."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
+
+from msgspec.structs import replace
+
+from beatrix_zenoh.client.choreography import ArmPose
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
+from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT
+from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.trajectory import shortest_s, speed_for
+from gui.console.state.saved import DURATION_MAX_S, SavedPose
+from gui.console.state.world import World
+
+SETTLE_S: Final = 0.1
+"""Part of each duration (s) in which the arms already rest: answers of the robot take a part of it."""
+SAME_DEG: Final = 0.05
+"""Arms that turn by less than this stay; such a pose is a pause."""
+SLOWEST: Final = ALLOWED["limits"]["speed_max"].low
+"""Lowest speed (deg/s); a pose that could be reached more slowly is reached earlier, and the arms rest until its end."""
+HOME: Final = ArmAngles(0.0, 0.0, 0.0)
+NECK: Final = Neck()
+
+
+@dataclass(frozen=True)
+class Pace:
+    """What limits the durations: top speed (deg/s) and acceleration (deg/s2) of an arm."""
+
+    speed: float = ROBOT.limits.speed_max
+    acceleration: float = ROBOT.limits.acceleration
+
+
+def pace(world: World) -> Pace:
+    """Return the limits of the shown robots: those they report and those of the teacher, else the defaults."""
+    speed, acceleration = Pace().speed, Pace().acceleration
+    if world.limits is not None:
+        speed, acceleration = math.degrees(world.limits.speed_max), math.degrees(world.limits.acceleration)
+    given = [robot.status.speed_limit for robot in (world.sim, world.hw) if robot.status is not None]
+    return Pace(min([speed, *(math.degrees(limit) for limit in given if limit > 0)]), acceleration)
+
+
+def way(start: ArmAngles, pose: SavedPose) -> float:
+    """Return the angle (deg) of the arm that turns furthest."""
+    return max(abs(goal - before) for goal, before in zip(pose.arms, start, strict=True))
+
+
+def shortest(start: ArmAngles, pose: SavedPose, limits: Pace) -> float:
+    """Return the shortest possible duration (s) of a pose that begins at `start`, in tenths of a second."""
+    turned = way(start, pose)
+    least_s = shortest_s(turned, limits.speed, limits.acceleration) if turned >= SAME_DEG else 0.0
+    return math.ceil((least_s + SETTLE_S) * 10 - 1e-6) / 10
+
+
+def comfortable(start: ArmAngles, pose: SavedPose, speed: float, limits: Pace) -> float:
+    """Return the duration (s) of a new pose: about that of a motion with `speed` (deg/s), in half seconds."""
+    least_s = shortest(start, pose, Pace(min(max(speed, SLOWEST), limits.speed), limits.acceleration))
+    return min(DURATION_MAX_S, max(1.0, math.ceil(least_s * 2) / 2))
+
+
+def timed(poses: Iterable[SavedPose], start: ArmAngles, limits: Pace, begin_s: float = 0.0) -> list[ArmPose]:
+    """Return the steps of a choreography from `start` (deg); the first one begins at `begin_s`."""
+    steps, at_s, here = [], begin_s, start
+    for pose in poses:
+        speed = speed_for(way(here, pose), max(0.0, pose.duration_s - SETTLE_S), limits.acceleration)
+        steps.append(ArmPose(at_s, *pose.arms, min(limits.speed, max(SLOWEST, speed))))
+        at_s, here = at_s + pose.duration_s, ArmAngles(*pose.arms)
+    return steps
+
+
+def too_short(
+    poses: tuple[SavedPose, ...], start: ArmAngles | None, limits: Pace, *, loop: bool
+) -> dict[int, float]:
+    """Return the shortest possible duration (s) of each pose that cannot be reached in its duration, by its number.
+
+    `start`: arms (deg) before the first pose; None: unknown, so the first pose is checked only in a loop.
+    """
+    found: dict[int, float] = {}
+    for number, pose in enumerate(poses):
+        before = [start] if number == 0 and start is not None else []
+        if number or (loop and len(poses) > 1):
+            before.append(ArmAngles(*poses[number - 1].arms))
+        least_s = max((shortest(place, pose, limits) for place in before), default=0.0)
+        if least_s > pose.duration_s + 1e-6:
+            found[number] = least_s
+    return found
+
+
+def with_durations(poses: tuple[SavedPose, ...], speed: float) -> tuple[SavedPose, ...]:
+    """Return poses of which each has a duration: poses of an older window get that of a motion with `speed` (deg/s)."""
+    done, here = [], HOME
+    for pose in poses:
+        known = pose.duration_s > 0
+        done.append(pose if known else replace(pose, duration_s=comfortable(here, pose, speed, Pace())))
+        here = ArmAngles(*pose.arms)
+    return tuple(done)
+
+
+@lru_cache(maxsize=256)
+def head_of(arms: tuple[float, float, float]) -> HeadAngles | None:
+    """Return the orientation (deg) of the head; None if the rods do not fit these arms (deg)."""
+    try:
+        return HeadAngles(*map(math.degrees, NECK.forward([math.radians(angle) for angle in arms])))
+    except (BeatrixError, ValueError, ArithmeticError):
+        return None
+
+
+def arms_of(head: HeadAngles) -> ArmAngles:
+    """Return the arms (deg) of an orientation (deg); raises Refused if the rods do not reach it."""
+    return ArmAngles(*(math.degrees(angle) for angle in NECK.inverse(*map(math.radians, head))))

@@ -1,0 +1,378 @@
+"""The sequence editor: what its state decides. `test_sequence_widget.py` uses its widgets."""
+
+from __future__ import annotations
+
+import ast
+import math
+from pathlib import Path
+
+import pytest
+from gui_worlds import absent, robot, state_after, status, world
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beatrix_zenoh.client.choreography import ArmPose, choreography
+from beatrix_zenoh.client.degrees import ArmAngles
+from beatrix_zenoh.client.motion_file import parse
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.motion.trajectory import plan, shortest_s, speed_for
+from gui.console.state import sequence_timing as timing
+from gui.console.state.actions import Outcome, Play, WriteFile
+from gui.console.state.intents import AimHead, DeletePose, Intent, PlayPoses, SavePose
+from gui.console.state.saved import Saved, SavedPose
+from gui.console.state.sequence import POSES_MAX, changed
+from gui.console.state.sequence_intents import (
+    AddPose,
+    DuplicatePose,
+    MovePose,
+    OpenSequence,
+    PlaySequence,
+    RenamePose,
+    SaveSequence,
+    SequenceIntent,
+    SetDuration,
+    SetLoop,
+    UndoSequence,
+)
+from gui.console.state.sequence_timing import HOME, Pace, comfortable, timed, too_short
+from gui.console.state.state import State
+from gui.console.state.views import HeadOrientation
+from gui.console.state.world import World
+
+LIMITS = Pace()
+NOD = SavedPose("nod", 20.0, 0.0, 0.0, 2.0)
+LEFT = SavedPose("left", 30.0, 30.0, 30.0, 1.5)
+UP = SavedPose("up", 0.0, 0.0, 0.0, 1.0)
+THREE = (NOD, LEFT, UP)
+
+
+def names(poses: tuple[SavedPose, ...]) -> list[str]:
+    return [pose.name for pose in poses]
+
+
+def editing(*poses: SavedPose) -> State:
+    return State(Saved(poses=poses))
+
+
+def refusal_of(state: State, now: World | None = None) -> str:
+    refusal = state.view(now or world()).commands.refusal
+    return "" if refusal is None else refusal.text
+
+
+# -- durations --------------------------------------------------------------------------------------
+
+
+@given(st.floats(0.1, 300), st.floats(1, 90), st.floats(0.05, 30))
+def test_durations_are_those_of_planned_motions(way: float, speed: float, slack_s: float) -> None:
+    """The planner of the nodes needs the shortest duration at top speed, and any longer one at its speed."""
+
+    def lasts_s(top: float) -> float:
+        goal, rest = math.radians(way), (0.0, 0.0, 0.0)
+        acceleration = math.radians(ROBOT.limits.acceleration)
+        return plan(
+            rest, rest, (goal, 0.0, 0.0), (math.radians(top),) * 3, acceleration, straight=False
+        ).duration
+
+    least_s = shortest_s(way, speed, LIMITS.acceleration)
+    assert lasts_s(speed) == pytest.approx(least_s, abs=1e-6)
+    slower = speed_for(way, least_s + slack_s, LIMITS.acceleration)
+    assert slower <= speed * (1 + 1e-9)
+    assert lasts_s(slower) == pytest.approx(least_s + slack_s, rel=1e-6)
+
+
+ARMS = st.floats(-90, 90).map(lambda angle: round(angle, 1))
+POSES = st.builds(SavedPose, st.just("a"), ARMS, ARMS, ARMS, st.just(0.0))
+
+
+@given(st.lists(POSES, min_size=1, max_size=6), st.floats(1, 90))
+def test_new_durations_are_possible_and_kept(poses: list[SavedPose], speed: float) -> None:
+    made = timing.with_durations(tuple(poses), speed)
+    assert too_short(made, HOME, LIMITS, loop=False) == {}
+    begins, here = timed(made, HOME, LIMITS), HOME
+    for pose, step, following in zip(made, begins, [*begins[1:], None], strict=True):
+        turned = timing.way(here, pose)
+        if turned >= timing.SAME_DEG:
+            needs_s = shortest_s(turned, step.speed, LIMITS.acceleration)
+            assert needs_s <= pose.duration_s - timing.SETTLE_S + 1e-6
+        assert following is None or following.at == pytest.approx(step.at + pose.duration_s)
+        here = ArmAngles(*pose.arms)
+
+
+@pytest.mark.parametrize(
+    ("poses", "start", "loop", "problems"),
+    [
+        ((NOD, LEFT), HOME, False, {}),
+        ((NOD,), None, False, {}),
+        ((SavedPose("a", 90.0, 90.0, 90.0, 1.0),), HOME, False, {0: 1.6}),
+        ((SavedPose("a", 90.0, 90.0, 90.0, 1.0),), ArmAngles(90.0, 90.0, 90.0), False, {}),
+        ((NOD, SavedPose("a", 110.0, 90.0, 90.0, 0.5), NOD), HOME, False, {1: 1.6}),
+        ((NOD, SavedPose("a", 110.0, 90.0, 90.0, 1.6)), HOME, False, {}),
+        ((SavedPose("a", 0.0, 0.0, 0.0, 1.0), SavedPose("b", 90.0, 90.0, 90.0, 2.0)), HOME, True, {0: 1.6}),
+    ],
+)
+def test_a_duration_below_what_limits_allow_is_found(
+    poses: tuple[SavedPose, ...], start: ArmAngles | None, loop: bool, problems: dict[int, float]
+) -> None:
+    assert too_short(poses, start, LIMITS, loop=loop) == problems
+
+
+def test_a_teachers_limit_makes_durations_longer() -> None:
+    slow = world(robot("sim", known=status("sim", limit_deg=10.0)))
+    assert timing.pace(slow).speed == pytest.approx(10.0)
+    state = editing(NOD)
+    assert state.view(world()).sequence.cards[0].problem == ""
+    assert state.view(slow).sequence.cards[0].problem == "needs 2.2 s or more"
+
+
+# -- changes ----------------------------------------------------------------------------------------
+
+CHANGES = st.one_of(
+    st.builds(MovePose, st.sampled_from(["nod", "left", "up", "none"]), st.integers(-3, 9)),
+    st.builds(DuplicatePose, st.sampled_from(["nod", "left", "nod-2"])),
+    st.builds(DeletePose, st.sampled_from(["nod", "left", "up"])),
+    st.builds(SetDuration, st.sampled_from(["nod", "up"]), st.floats(-5, 1e9) | st.just(math.nan)),
+    st.builds(
+        RenamePose, st.sampled_from(["nod", "up"]), st.sampled_from(["", " ", "up", "ja nein", "left"])
+    ),
+    st.builds(SavePose, st.sampled_from(["nod", "new"])),
+    st.just(AddPose()),
+)
+
+
+@given(st.lists(CHANGES, max_size=10))
+def test_every_change_is_undone_and_names_stay_unique(given_changes: list[Intent]) -> None:
+    state, before = editing(*THREE), []
+    for change in given_changes:
+        was = state.saved.poses
+        state.handle(change, world())
+        now = state.saved.poses
+        assert len(set(names(now))) == len(now)
+        assert all(0.1 <= pose.duration_s <= 60 for pose in now)
+        if now != was:
+            before.append(was)
+        if isinstance(change, MovePose):
+            assert sorted(names(now)) == sorted(names(was))
+        if isinstance(change, DuplicatePose) and now != was:
+            at = names(was).index(change.name)
+            assert now[: at + 1] == was[: at + 1]
+            assert now[at + 1].arms == was[at].arms
+            assert now[at + 2 :] == was[at + 1 :]
+    for was in reversed(before):
+        assert state.view(world()).sequence.undo.enabled
+        state.handle(UndoSequence(), world())
+        assert state.saved.poses == was
+    assert not state.view(world()).sequence.undo.enabled
+
+
+@given(st.integers(0, 2), st.integers(0, 2))
+def test_a_moved_pose_is_at_its_place_and_the_others_keep_their_order(which: int, to: int) -> None:
+    moved = changed(THREE, MovePose(THREE[which].name, to))
+    assert moved[to] == THREE[which]
+    assert [pose for pose in moved if pose != THREE[which]] == [
+        pose for pose in THREE if pose != THREE[which]
+    ]
+
+
+@pytest.mark.parametrize(
+    ("change", "after"),
+    [
+        (RenamePose("nod", "yes"), ["yes", "left", "up"]),
+        (RenamePose("nod", "up"), ["up-2", "left", "up"]),
+        (RenamePose("nod", " "), ["nod", "left", "up"]),
+        (DuplicatePose("nod"), ["nod", "nod-2", "left", "up"]),
+        (MovePose("up", 0), ["up", "nod", "left"]),
+        (DeletePose("left"), ["nod", "up"]),
+    ],
+)
+def test_changes_of_one_pose(change: Intent, after: list[str]) -> None:
+    state = editing(*THREE)
+    state.handle(change, world())
+    assert names(state.saved.poses) == after
+
+
+def test_add_takes_the_target_of_the_pad_or_the_present_pose() -> None:
+    now = world(robot("sim", arms=(10.0, -5.0, 2.5)))
+    state = state_after(AddPose(), now=now)
+    (first,) = state.saved.poses
+    assert (first.name, first.arms) == ("pose-1", (10.0, -5.0, 2.5))
+    state.handle(AimHead(30.0, 0.0, 0.0), now)
+    state.handle(AddPose(), now)
+    assert names(state.saved.poses) == ["pose-1", "pose-2"]
+    assert state.saved.poses[1].arms == pytest.approx((30.0, 30.0, 30.0))
+    card = state.view(now).sequence.cards[1]
+    assert card.head is not None
+    assert card.head.yaw == pytest.approx(30.0)
+    assert card.duration_s == comfortable(ArmAngles(*first.arms), state.saved.poses[1], 30.0, LIMITS)
+    state.handle(AimHead(0.0, 89.0, 0.0), now)
+    state.handle(AddPose(), now)
+    assert len(state.saved.poses) == 2
+    assert "tilt" in refusal_of(state, now), "the rods do not reach it"
+
+
+def test_poses_of_an_older_window_get_durations_at_the_saved_speed() -> None:
+    state = State(Saved(speed=20.0, poses=(SavedPose("a", 40.0, 40.0, 40.0), NOD)))
+    assert [pose.duration_s for pose in state.saved.poses] == [2.5, 2.0]
+
+
+def test_a_sequence_has_a_largest_number_of_poses() -> None:
+    state = editing(*(replace_name(NOD, f"n{number}") for number in range(POSES_MAX)))
+    state.handle(AddPose(), world())
+    state.handle(DuplicatePose("n1"), world())
+    assert len(state.saved.poses) == POSES_MAX
+    assert not state.view(world()).sequence.add.enabled
+
+
+def replace_name(pose: SavedPose, name: str) -> SavedPose:
+    return SavedPose(name, *pose.arms, pose.duration_s)
+
+
+# -- playing ----------------------------------------------------------------------------------------
+
+
+def played(state: State, intent: Intent, now: World | None = None) -> Play:
+    (action,) = state.handle(intent, now or world())
+    assert isinstance(action, Play)
+    return action
+
+
+def test_the_hardware_follows_when_the_simulation_has_played_this_sequence() -> None:
+    state = editing(NOD, LEFT)
+    assert not state.view(world()).sequence.hardware.enabled
+    assert state.handle(PlaySequence("hw"), world()) == []
+    assert "Press Play first" in refusal_of(state)
+    play = played(state, PlaySequence("sim"))
+    assert play.sides == ("sim",)
+    assert [step.at for step in play.poses] == [0.0, 2.0]
+    state.report(Outcome(play.row, "sim", accepted=True, done=False))
+    assert not state.view(world()).sequence.hardware.enabled
+    state.report(Outcome(play.row, "sim", accepted=True, done=True))
+    assert state.view(world()).sequence.hardware.enabled
+    assert played(state, PlaySequence("hw")).sides == ("hw",)
+    state.handle(SetDuration("nod", 3.0), world())
+    assert not state.view(world()).sequence.hardware.enabled, "this sequence was not played yet"
+    state.handle(UndoSequence(), world())
+    assert state.view(world()).sequence.hardware.enabled
+
+
+def test_a_play_that_failed_does_not_free_the_hardware() -> None:
+    state = editing(NOD, LEFT)
+    play = played(state, PlaySequence("sim"))
+    state.report(Outcome(play.row, "sim", accepted=False, done=True, reason=Reason.STOPPED))
+    assert not state.view(world()).sequence.hardware.enabled
+
+
+def test_a_loop_frees_the_hardware_after_one_round() -> None:
+    state = editing(NOD, LEFT, SavedPose("pause", *LEFT.arms, 1.5))
+    state.handle(SetLoop(on=True), world())
+    play = played(state, PlaySequence("sim"))
+    assert [step.at for step in play.poses] == [0.0, 2.0, 3.5]
+    assert [step.at for step in play.again] == [1.5, 3.5, 5.0], "the last pose is a pause of 1.5 s"
+    state.report(Outcome(play.row, "sim", accepted=True, done=False))
+    assert not state.view(world()).sequence.hardware.enabled
+    state.report(Outcome(play.row, "sim", accepted=True, done=False, rounds=1))
+    assert state.view(world()).sequence.hardware.enabled
+
+
+def test_a_pose_that_cannot_be_reached_in_its_duration_is_named() -> None:
+    state = editing(NOD, SavedPose("far", 90.0, 90.0, 90.0, 0.5))
+    assert [card.problem for card in state.view(world()).sequence.cards] == ["", "needs 1.6 s or more"]
+    assert state.handle(PlaySequence("sim"), world()) == []
+    assert "'far'" in refusal_of(state)
+    assert "1.6 s" in refusal_of(state)
+    state.handle(SetDuration("far", 1.6), world())
+    assert refusal_of(state) == ""
+    assert played(state, PlaySequence("sim")).poses[1].speed <= ROBOT.limits.speed_max
+
+
+def test_without_a_simulation_the_button_says_what_to_do() -> None:
+    view = editing(NOD).view(world(absent("sim"))).sequence
+    assert not view.play.enabled
+    assert "Start simulation" in view.play.tooltip
+
+
+def test_the_page_plays_the_poses_on_the_checked_robots() -> None:
+    assert played(editing(NOD, LEFT), PlayPoses()).sides == ("sim",)
+
+
+# -- files ------------------------------------------------------------------------------------------
+
+
+def written(state: State, intent: SaveSequence) -> str:
+    (write,) = state.handle(intent, world())
+    assert isinstance(write, WriteFile)
+    return write.text
+
+
+def test_a_saved_choreography_is_opened_as_the_same_sequence() -> None:
+    state = editing(*THREE)
+    text = written(state, SaveSequence(Path("dance.csv")))
+    steps = [step for _, step in choreography(parse(text, "dance.csv")).steps]
+    assert [step.at for step in steps] == [0.0, 2.0, 3.5]
+    assert all(isinstance(step, ArmPose) for step in steps)
+    state.handle(DeletePose("nod"), world())
+    state.handle(OpenSequence(Path("dance.csv"), text), world())
+    assert names(state.saved.poses) == ["nod", "left", "up"]
+    assert [pose.arms for pose in state.saved.poses] == [pose.arms for pose in THREE]
+    assert [pose.duration_s for pose in state.saved.poses] == [2.0, 1.5, 1.0]
+
+
+@pytest.mark.parametrize("loop", [False, True])
+def test_a_saved_program_contains_the_motions(loop: bool) -> None:
+    state = editing(*THREE, SavedPose("a\nb", *UP.arms, 2.5))
+    state.handle(SetLoop(loop), world())
+    text = written(state, SaveSequence(Path("dance.py"), program=True))
+    calls = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call)]
+    moves = [call for call in calls if isinstance(call.func, ast.Attribute) and call.func.attr == "move"]
+    goals = [tuple(ast.literal_eval(argument) for argument in call.args) for call in moves]
+    assert goals == [pose.arms for pose in THREE] * (2 if loop else 1)
+    assert "time.sleep(2.5)" in text
+    assert ("while True" in text) is loop
+
+
+@pytest.mark.parametrize(
+    ("text", "trouble", "sentence"),
+    [
+        ("t_s,yaw_deg,pitch_deg,roll_deg\n0,1,2,3\n", "", "has no column speed_deg_s"),
+        ("nothing", "", "'nothing' is not a column"),
+        ("", "Permission denied", "Permission denied"),
+        ("t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,89,0,30\n", "", "tilt"),
+        ("t_s,short_deg,middle_deg,long_deg,speed_deg_s\n" + "0,0,0,0,30\n", "", ""),
+        (
+            "t_s,short_deg,middle_deg,long_deg,speed_deg_s\n"
+            + "".join(f"{number},0,0,0,30\n" for number in range(POSES_MAX + 1)),
+            "",
+            "has 101 poses",
+        ),
+    ],
+)
+def test_a_file_that_is_no_sequence_is_refused_and_the_strip_stays(
+    text: str, trouble: str, sentence: str
+) -> None:
+    state = editing(*THREE)
+    state.handle(OpenSequence(Path("x.csv"), text, trouble), world())
+    assert sentence in refusal_of(state)
+    assert (state.saved.poses == THREE) is bool(sentence)
+
+
+def test_invalid_requests_are_refused_with_a_reason() -> None:
+    given_intents: list[tuple[SequenceIntent, str]] = [
+        (PlaySequence("sim"), "no pose yet"),
+        (SaveSequence(Path("a.csv")), "no pose yet"),
+    ]
+    for intent, text in given_intents:
+        state = State()
+        assert state.handle(intent, world()) == []
+        assert text in refusal_of(state)
+    unknown = world(robot("sim", arms=None), robot("hw", arms=None))
+    state = State()
+    state.handle(AddPose(), unknown)
+    assert "unknown" in refusal_of(state, unknown)
+    state = editing(NOD)
+    assert state.handle(SaveSequence(Path()), world()) == []
+    assert "needs a name" in refusal_of(state)
+
+
+def test_a_pose_that_no_head_can_have_has_no_picture() -> None:
+    view = editing(SavedPose("odd", 300.0, 0.0, -300.0, 9.0)).view(world()).sequence
+    assert view.cards[0].head is None or isinstance(view.cards[0].head, HeadOrientation)

@@ -1,0 +1,153 @@
+"""The sequence editor used with mouse and keyboard; its decisions are tested in `test_sequence.py`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from gui_windows import drag
+from PyQt5.QtCore import QPoint, Qt
+from PyQt5.QtTest import QTest
+from pytestqt.qtbot import QtBot
+from recording_link import WatchedState
+
+from gui.console.state.intents import AimHead, DeletePose, Intent
+from gui.console.state.saved import Saved, SavedPose
+from gui.console.state.sequence_intents import (
+    MovePose,
+    OpenSequence,
+    SaveSequence,
+    SetDuration,
+    SetLoop,
+    UndoSequence,
+)
+from gui.window.widgets.strip import Strip
+from gui.window.window import Window
+
+Taken = Callable[[], list[Intent]]
+LEFT, CONTROL = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ControlModifier
+POSES = (
+    SavedPose("nod", 0.0, 0.0, 0.0, 1.0),
+    SavedPose("left", 30.0, 30.0, 30.0, 2.0),
+    SavedPose("far", -90.0, -90.0, -90.0, 0.5),
+)
+
+
+@pytest.fixture
+def state() -> WatchedState:
+    return WatchedState(Saved(poses=POSES))
+
+
+@pytest.fixture
+def strip(window: Window, intents: Taken) -> Strip:
+    window.refresh()
+    window.panels.low_area.setCurrentWidget(window.panels.sequence)
+    intents()
+    return window.panels.sequence.strip
+
+
+def names(state: WatchedState) -> list[str]:
+    return [pose.name for pose in state.saved.poses]
+
+
+@pytest.mark.parametrize(
+    ("number", "where", "order"),
+    [
+        (0, 2.1, ["left", "nod", "far"]),
+        (0, 2.9, ["left", "far", "nod"]),
+        (2, 0.1, ["far", "nod", "left"]),
+        (2, 0.9, ["nod", "far", "left"]),
+        (1, 1.4, ["nod", "left", "far"]),
+    ],
+)
+def test_a_dragged_card_is_put_between_others(
+    window: Window, strip: Strip, state: WatchedState, number: int, where: float, order: list[str]
+) -> None:
+    start = strip.card(number).center()
+    drag(strip, start, QPoint(round(where * strip.card(1).x()), start.y()))
+    window.refresh()
+    assert names(state) == order
+    assert strip.cards[strip.current].name == POSES[number].name, "it stays selected"
+
+
+def test_a_click_makes_the_pose_the_target_and_sends_nothing(
+    window: Window, strip: Strip, intents: Taken
+) -> None:
+    QTest.mouseClick(strip, LEFT, pos=strip.card(1).center())
+    (aim,) = intents()
+    assert isinstance(aim, AimHead)
+    assert (aim.yaw, aim.pitch, aim.roll) == pytest.approx((30.0, 0.0, 0.0), abs=1e-6)
+    window.refresh()
+    assert window.panels.sequence.name.text() == "left"
+    assert window.panels.sequence.duration.value() == 2.0
+
+
+def test_the_keyboard_selects_moves_uses_and_deletes(
+    qtbot: QtBot, window: Window, strip: Strip, state: WatchedState, intents: Taken
+) -> None:
+    strip.setFocus()
+    qtbot.waitUntil(strip.hasFocus)
+    QTest.keyClick(strip, Qt.Key.Key_Right)
+    assert (strip.current, intents()) == (1, [])
+    QTest.keyClick(strip, Qt.Key.Key_Left, CONTROL)
+    assert intents() == [MovePose("left", 0)]
+    window.refresh()
+    QTest.keyClick(strip, Qt.Key.Key_Left, CONTROL)
+    assert intents() == [], "it is the first one"
+    QTest.keyClick(strip, Qt.Key.Key_Right, CONTROL)
+    window.refresh()
+    QTest.keyClick(strip, Qt.Key.Key_Right, CONTROL)
+    window.refresh()
+    assert names(state) == ["nod", "far", "left"]
+    intents()
+    QTest.keyClick(strip, Qt.Key.Key_Return)
+    (aim,) = intents()
+    assert isinstance(aim, AimHead)
+    QTest.keyClick(strip, Qt.Key.Key_Delete)
+    assert intents() == [DeletePose("left")]
+    window.refresh()
+    assert strip.cards[strip.current].name == "far"
+    window.panels.sequence.entries["undo"].trigger()
+    assert intents() == [UndoSequence()]
+    window.refresh()
+    assert names(state) == ["nod", "far", "left"]
+    assert strip.cards[strip.current].name == "left", "the restored one"
+
+
+def test_a_duration_that_is_too_short_is_said_at_the_pose(
+    window: Window, strip: Strip, intents: Taken
+) -> None:
+    panel = window.panels.sequence
+    card = strip.cards[2]
+    assert (card.duration, card.problem) == ("≥ 2.0 s", "needs 2.0 s or more")
+    strip.choose(2)
+    panel.duration.setFocus()
+    panel.duration.selectAll()
+    QTest.keyClicks(panel.duration, "2.5")
+    QTest.keyClick(panel.duration, Qt.Key.Key_Return)
+    assert intents() == [SetDuration("far", 2.5)]
+    window.refresh()
+    assert (strip.cards[2].duration, strip.cards[2].problem) == ("2.5 s", "")
+    assert "5.5 s" in panel.play.toolTip()
+
+
+def test_loop_and_files_report_their_intents(
+    window: Window, strip: Strip, intents: Taken, tmp_path: Path
+) -> None:
+    panel = window.panels.sequence
+    QTest.mouseClick(panel.loop, LEFT, pos=QPoint(8, panel.loop.height() // 2))
+    assert intents() == [SetLoop(on=True)]
+    dance = tmp_path / "dance.csv"
+    dance.write_text("mine")
+    for entry, file, made in (
+        ("open", dance, OpenSequence(dance, "mine")),
+        ("open", tmp_path / "no.csv", OpenSequence(tmp_path / "no.csv", "", "No such file or directory")),
+        ("save_file", dance, SaveSequence(dance)),
+        ("save_program", tmp_path / "dance.py", SaveSequence(tmp_path / "dance.py", program=True)),
+    ):
+        panel.entries[entry].trigger()
+        assert panel.dialog is not None
+        panel.dialog.fileSelected.emit(str(file))
+        assert intents() == [made]
+        panel.dialog.close()
