@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QLocale, Qt, pyqtSignal
+from PyQt5.QtCore import QLocale, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QTabWidget, QVBoxLayout, QWidget
 
@@ -17,7 +17,7 @@ from gui.window.theme import style_of
 from gui.window.widgets.arms import ArmsPanel
 from gui.window.widgets.class_page import ClassPage
 from gui.window.widgets.code import CodePanel
-from gui.window.widgets.commands import CommandsPanel, SendingPanel, StopBar
+from gui.window.widgets.commands import CommandsPanel, StopBar
 from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
@@ -27,14 +27,13 @@ from gui.window.widgets.history import HistoryPanel
 from gui.window.widgets.notices import Banner, RefusalNotice, TroubleNotice
 from gui.window.widgets.plots import PlotsPanel
 from gui.window.widgets.projector import ProjectorScreen
+from gui.window.widgets.sending import SendingPanel
 from gui.window.widgets.sequence import SequencePanel
 
 LOW_PX = 680
-"""Window height at scale 1 below which history and sequence are tabs of the middle column."""
-LOWER_PX = {LOW_PX: 150, 600: 122, 0: 40}
-"""Height of the low area in the middle by the least height of the window, both at scale 1."""
-ROOMY_PX = 768
-"""Window height at scale 1 below which `SendingPanel` has no heading and reserves no room for the countdown."""
+"""Window height at scale 1 below which the tabs of the right column are tabs of the middle, and less room is reserved."""
+LOWER_PX = {540: 150, 0: 84}
+"""Height of the low area in the middle, with its tabs, by the least height of the window, both at scale 1."""
 
 
 class Panels(QWidget):
@@ -57,9 +56,8 @@ class Panels(QWidget):
         self.sending, self.commands = SendingPanel(texts), CommandsPanel(texts)
         self.history, self.sequence = HistoryPanel(texts), SequencePanel(texts)
         self.code = CodePanel(texts)
-        self.gestures = GesturesPanel(texts)
         self.tabs, self.side = QTabWidget(), QTabWidget()
-        self.low_area = QTabWidget()
+        self.low_area, self.gestures = QTabWidget(), GesturesPanel(texts)
         """the low area of the middle column, visible beside every tab"""
         self.body, self.class_page = QWidget(), ClassPage(texts)
         self.class_page.hide()
@@ -76,26 +74,12 @@ class Panels(QWidget):
         views = {Tab.HEADS: self.head3d, Tab.EYES: self.eyes, Tab.PLOTS: self.plots}
         for name, page in views.items():
             self.tabs.addTab(page, self._texts(f"label.tab_{name}"))
-        self.low_area.setTabBarAutoHide(True)
-        self.low_area.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Tab would stop at its hidden bar
         self.low_area.addTab(self.gestures, self._texts("label.gestures"))
-        left, middle, right = (QVBoxLayout() for _ in range(3))
-        left.addWidget(self.head, 1)
-        left.addWidget(self.arms)
-        right.addWidget(self.sending)
-        right.addWidget(self.side, 1)
-        right.addWidget(self.commands)
-        columns = self._columns = QHBoxLayout(self.body)
-        columns.setContentsMargins(0, 0, 0, 0)
-        columns.setSpacing(4)
-        middle.addWidget(self.tabs, 1)
-        middle.addWidget(self.low_area)
-        for column in (left, middle, right):
-            column.setSpacing(4)
-            columns.addLayout(column)
+        self.low_area.addTab(self.commands.rare, self._texts("label.commands"))
+        self._lay_out_columns()
         inner = QVBoxLayout()
-        inner.setContentsMargins(4, 4, 4, 4)
-        inner.setSpacing(4)
+        inner.setContentsMargins(8, 8, 8, 8)
+        inner.setSpacing(8)
         inner.addWidget(self.header)
         inner.addWidget(self.banner)
         pages = QVBoxLayout(self.pages)
@@ -108,8 +92,33 @@ class Panels(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
         layout.addLayout(inner, 1)
-        layout.addWidget(self.stop_bar)
+        bottom = QHBoxLayout()
+        bottom.setSpacing(0)
+        bottom.addWidget(self.stop_bar, 3)
+        bottom.addWidget(self.stop_bar.last, 2)
+        layout.addLayout(bottom)
         self._arrange()
+
+    def _lay_out_columns(self) -> None:
+        left, middle, right = (QVBoxLayout() for _ in range(3))
+        left.addWidget(self.head, 1)
+        left.addWidget(self.sending)
+        left.addWidget(self.arms)
+        below = self._below = QHBoxLayout()
+        """the low area, and in a low window the commands beside it"""
+        below.setSpacing(8)
+        below.addWidget(self.low_area, 1)
+        middle.addWidget(self.tabs, 1)
+        middle.addLayout(below)
+        right.addWidget(self.side, 1)
+        right.addWidget(self.commands)
+        self._right = right
+        columns = self._columns = QHBoxLayout(self.body)
+        columns.setContentsMargins(0, 0, 0, 0)
+        columns.setSpacing(8)
+        for column in (left, middle, right):
+            column.setSpacing(8)
+            columns.addLayout(column)
 
     def _connect(self) -> None:
         for part in (
@@ -147,22 +156,27 @@ class Panels(QWidget):
     def _arrange(self) -> None:
         """Arrange the widgets for the height of the window.
 
-        In a low window, history and sequence move to the middle column, so that the pad has more width.
+        In a low window, history and code move to the middle column: there is no right one, and the pad is wider.
         """
         colours = style_of(self._theme)
-        self.sending.show_compact(compact=self.height() < colours.px(ROOMY_PX))
         low = self.height() < colours.px(LOW_PX)
-        bounds = (least for least in LOWER_PX if self.height() >= colours.px(least))
-        self.low_area.setFixedHeight(colours.px(LOWER_PX[next(bounds, 0)]))
+        lower = next(lower for least, lower in LOWER_PX.items() if self.height() >= colours.px(least))
+        self.low_area.setFixedHeight(colours.px(lower))
         if low == self._low:
             return
         self._low = low
+        for part in (self.sending, self.arms):
+            part.show_compact(compact=low)
         home, shown = self.tabs if low else self.side, self.tabs.currentIndex()
         home.addTab(self.history, self._texts("label.history"))
-        (self.tabs if low else self.low_area).addTab(self.sequence, self._texts("label.sequence"))
-        self.side.addTab(self.code, self._texts("label.code"))  # a low window has no room for this tab
+        home.addTab(self.code, self._texts("label.code"))
+        strip = self.tabs if low else self.low_area
+        strip.insertTab(
+            strip.indexOf(self.gestures) + 1 or strip.count(), self.sequence, self._texts("label.sequence")
+        )
+        (self._below if low else self._right).addWidget(self.commands)
         self.side.setVisible(not low)
-        for column, stretch in enumerate((3, 2, 0) if low else (2, 5, 1)):
+        for column, stretch in enumerate((3, 4, 0) if low else (3, 5, 2)):
             self._columns.setStretch(column, stretch)
         self.tabs.setCurrentIndex(min(shown, self.tabs.count() - 1))
 
@@ -178,9 +192,9 @@ class Panels(QWidget):
         self._theme = theme
         for part in (
             self.head,
-            self.history,
             self.sequence,
             self.gestures,
+            self.history,
             self.head3d,
             self.eyes,
             self.plots,
@@ -196,13 +210,14 @@ class Panels(QWidget):
         self.head.show_view(view.head)
         self.head3d.show_view(view.head)
         self.arms.show_view(view.arms)
-        self.sending.show_view(view.sending)
+        self.sending.show_view(view.sending, view.head.send)
         self.commands.show_view(view.commands)
         self.history.show_view(view.history)
         self.code.show_view(view.code)
         self.sequence.show_view(view.sequence)
         self.gestures.show_view(view.gestures)
         self.eyes.show_view(view.eyes)
+        self.eyes.cameras.setChecked(view.sending.cameras)
         self.eyes.sound.show_view(view.sound)
         self.class_page.show_view(view.class_page)
         if view.class_page is not None:
@@ -236,7 +251,7 @@ class Panels(QWidget):
 
     def _show_notice(self) -> None:
         if self._question:
-            self.refusal.show_question(self._question, self.commands)
+            self.refusal.show_question(self._question, self.low_area)
         else:
             shown = None if self.body.isHidden() else self._refusal
             beside = None if shown is None else self._control(shown.control)

@@ -149,7 +149,7 @@ def test_the_user_drags_a_target_on_the_pad_and_sends_it(user: Windowed, sim: Ro
     assert target is not None
     assert (target.pitch, target.roll) == pytest.approx((12, -8), abs=0.7)
     assert near(sim.positions().arms, HOME), "nothing was sent yet"
-    user.press(head.send)
+    user.press(user.window.panels.sending.send)
     user.until_last("look", "done")
     for robot in (sim, hw):
         at = robot.positions().head
@@ -212,11 +212,11 @@ def test_cameras_work_only_while_they_are_watched(user: Windowed, hw: Robot) -> 
 
     assert not any(streaming())
     panels.tabs.setCurrentWidget(panels.eyes)
-    user.check(panels.sending.cameras)
+    user.check(panels.eyes.cameras)
     user.until(lambda: all(streaming()), "the cameras of the hardware work")
     pictures = [panels.eyes.pictures[side, eye] for side in ("sim", "hw") for eye in ("left", "right")]
     user.until(lambda: all(picture._newest is not None for picture in pictures), "all pictures")
-    user.check(panels.sending.cameras, on=False)
+    user.check(panels.eyes.cameras, on=False)
     user.until(lambda: not any(streaming()), "they no longer stream")
 
 

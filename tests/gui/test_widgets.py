@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 from gui_views import example
+from gui_windows import reveal
 from PyQt5.QtCore import QEvent, QLocale, QPoint, QPointF, Qt
 from PyQt5.QtGui import QGuiApplication, QMouseEvent, QValidator
 from PyQt5.QtTest import QTest
@@ -53,12 +54,12 @@ BUTTONS: dict[str, tuple[Callable[[Window], QAbstractButton], Intent]] = {
         for arm in ("short", "middle", "long", "all")
         for sign in (-1, 1)
     },
-    "send": (lambda window: window.panels.head.send, SendHead()),
+    "send": (lambda window: window.panels.sending.send, SendHead()),
     "relative": (lambda window: window.panels.arms.relative, SetRelative(relative=True)),
     "absolute": (lambda window: window.panels.arms.absolute, SetRelative(relative=False)),
     "simulation": (lambda window: window.panels.sending.sim, SetDestination("sim", checked=False)),
     "hardware": (lambda window: window.panels.sending.hw, SetDestination("hw", checked=False)),
-    "cameras": (lambda window: window.panels.sending.cameras, SetCameras(on=False)),
+    "cameras": (lambda window: window.panels.eyes.cameras, SetCameras(on=False)),
     "send now": (lambda window: window.panels.sending.send_now, SendNow()),
     "change": (lambda window: window.panels.sending.change, Change()),
     "abort": (lambda window: window.panels.sending.abort, Abort()),
@@ -109,8 +110,8 @@ def intents(window: Window, shown: ShownState) -> Taken:
 def test_each_button_reports_its_intent(qtbot: QtBot, window: Window, intents: Taken, name: str) -> None:
     find, intent = BUTTONS[name]
     button = find(window)
-    if window.panels.sequence.isAncestorOf(button):
-        window.panels.low_area.setCurrentWidget(window.panels.sequence)
+    reveal(button)
+    intents()
     assert button.isEnabled()
     assert button.toolTip()
     assert button.accessibleName()

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from gui_views import posed
+from gui_windows import reveal
 from gui_worlds import absent
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtTest import QTest
@@ -78,6 +79,7 @@ def test_disable_needs_a_confirmation_beside_its_button(window: Window, intents:
     intents()
     panels = window.panels
     button = panels.commands.buttons["disable"]
+    reveal(button)
     QTest.mouseClick(button, LEFT)
     assert intents() == []
     assert button.text() == "Disable?"
@@ -94,6 +96,7 @@ def test_the_question_disappears_when_another_control_is_used(
 ) -> None:
     window.handle(SetDestination("hw", checked=True))
     panels = window.panels
+    reveal(panels.commands.buttons["disable"])
     QTest.mouseClick(panels.commands.buttons["disable"], LEFT)
     panels.head.pad.setFocus()
     qtbot.waitUntil(lambda: panels.commands.buttons["disable"].text() == "Disable")
@@ -119,7 +122,7 @@ def test_the_language_changes_while_the_window_runs(
     old.header.choices["de"].trigger()
     assert intents() == [SetLanguage("de")]
     assert window.panels is not old
-    assert window.panels.head.send.text() == "Senden"
+    assert window.panels.sending.send.text() == "Senden"
     assert window.panels.arms.increment.box.text() == "5,0 °"
     QTest.mouseClick(window.panels.arms.rows["short"].plus, LEFT)
     assert intents() == [Jog("short", 1)]

@@ -170,7 +170,7 @@ def test_the_window_shows_the_loss_and_the_return_of_a_camera(stage: Stage, tmp_
     with windowed(stage.endpoint) as user, Gaps(user) as gaps:
         panels = user.window.panels
         panels.tabs.setCurrentWidget(panels.eyes)
-        user.check(panels.sending.cameras)
+        user.check(panels.eyes.cameras)
         left = panels.eyes.pictures["hw", "left"]
         user.until(lambda: left.note.endswith("/s"), "pictures come")
         picture.rename(away)

@@ -218,15 +218,15 @@ def test_tab_reaches_every_control_and_returns_to_the_first(qtbot: QtBot, window
     order = [
         panels.header.menu_button,
         panels.head.pad,
-        panels.head.send,
+        panels.sending.sim,
+        panels.sending.lead,
+        panels.sending.send,
         panels.arms.relative,
         panels.arms.rows["short"].minus,
         panels.arms.rows["all"].plus,
         panels.arms.increment.slider,
         panels.arms.speed.box,
-        panels.sending.sim,
-        panels.sending.lead,
-        panels.commands.buttons["enable"],
+        panels.commands.buttons["home"],
         panels.stop_bar,
     ]
     places = [seen.index(widget) for widget in order]

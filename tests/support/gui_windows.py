@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from PyQt5.QtCore import QEvent, QPoint, QPointF, Qt
 from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QWidget
+from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QTabWidget, QWidget
 from quick_waits import quick
 
 from beatrix_zenoh import Robot
@@ -39,7 +39,8 @@ class Windowed:
         return self.window.panels.stop_bar.last.text()
 
     def press(self, button: QWidget) -> None:
-        """Click a button with the mouse."""
+        """Show the tab of a button, and click the button with the mouse."""
+        reveal(button)
         assert button.isVisible(), f"{button.accessibleName()} is hidden"
         assert button.isEnabled(), f"{button.accessibleName()} is off: {button.toolTip()}"
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
@@ -51,6 +52,7 @@ class Windowed:
 
     def check(self, box: QAbstractButton, *, on: bool = True) -> None:
         """Click a box unless it has this state already."""
+        reveal(box)
         if box.isChecked() != on:
             QTest.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(8, box.height() // 2))
         assert box.isChecked() is on
@@ -121,6 +123,15 @@ def drag(widget: QWidget, start: QPoint, goal: QPoint) -> None:
             kind, QPointF(place), button, Qt.MouseButtons(held), Qt.KeyboardModifier.NoModifier
         )
         QApplication.sendEvent(widget, event)
+
+
+def reveal(widget: QWidget) -> None:
+    """Select the tabs that contain a widget."""
+    for tabs in widget.window().findChildren(QTabWidget):
+        for number in range(tabs.count()):
+            page = tabs.widget(number)
+            if page.isAncestorOf(widget):
+                tabs.setCurrentIndex(number)
 
 
 def near(arms: ArmAngles, goal: tuple[float, ...], by: float = NEAR_DEG) -> bool:

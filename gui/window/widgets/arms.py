@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PyQt5.QtCore import QEvent, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QHideEvent, QMouseEvent
-from PyQt5.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QBoxLayout, QFrame, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.contract.names import ARMS
@@ -143,8 +143,11 @@ class ArmsPanel(QFrame):
         layout.setContentsMargins(8, 4, 8, 4)
         layout.setSpacing(2)
         layout.addLayout(grid)
-        layout.addWidget(self.increment)
-        layout.addWidget(self.speed)
+        self._sliders = QBoxLayout(QBoxLayout.Direction.TopToBottom)
+        self._sliders.setSpacing(2)
+        self._sliders.addWidget(self.increment)
+        self._sliders.addWidget(self.speed)
+        layout.addLayout(self._sliders)
 
     def _modes(self) -> QWidget:
         widget = QWidget()
@@ -165,6 +168,14 @@ class ArmsPanel(QFrame):
     def _slider(texts: Texts, name: str, least: float) -> SliderBox:
         unit = texts(f"label.{name}_unit")
         return SliderBox(texts, texts(f"label.{name}"), unit, texts(f"tip.{name}"), least=least)
+
+    def show_compact(self, *, compact: bool) -> None:
+        """In a low window, show increment and speed in one row, without sliders."""
+        directions = QBoxLayout.Direction
+        self._sliders.setSpacing(12 if compact else 2)
+        self._sliders.setDirection(directions.LeftToRight if compact else directions.TopToBottom)
+        for part in (self.increment, self.speed):
+            part.show_compact(compact=compact)
 
     def show_view(self, view: ArmsView) -> None:
         """Show rows, mode, increment and speed."""

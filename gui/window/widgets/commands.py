@@ -1,127 +1,20 @@
-"""Requests to the checked robots: destinations and lead, commands, and STOP of all."""
+"""Commands to the checked robots, and STOP of all."""
 
 from __future__ import annotations
 
 from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import (
-    QFrame,
-    QGridLayout,
-    QHBoxLayout,
-    QProgressBar,
-    QPushButton,
-    QSizePolicy,
-    QVBoxLayout,
-)
+from PyQt5.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
-from gui.console.state.intents import SetCameras, SetDestination, SetLead
-from gui.console.state.views import CommandsView, SendingView, View
+from gui.console.state.views import CommandsView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import Check, IntentButton, label, set_role, set_text
-from gui.window.widgets.number_box import NumberBox
+from gui.window.widgets.controls import IntentButton, label, set_text
 
-LEAD_MAX_S = 60.0
-LINES = 4
-"""Lines reserved for the text about the motion."""
 NAMES = ("enable", "disable", "calibrate", "home", "reset", "undo")
+DAILY = ("home", "undo")
+"""Commands that are large and always visible."""
 COLUMNS = 2
-
-
-class SendingPanel(QFrame):
-    """Destinations, lead and the present motion."""
-
-    intent = pyqtSignal(object)
-
-    def __init__(self, texts: Texts) -> None:
-        super().__init__()
-        self._texts = texts
-        self._view: SendingView | None = None
-        self.setProperty("panel", True)  # noqa: FBT003
-        self.setAccessibleName(texts("label.send_to"))
-        self.heading = label(texts("label.send_to"), "title")
-        self.sim = Check(texts("label.sim"), texts("tip.sim"))
-        self.hw = Check(texts("label.hw"), texts("tip.hw"))
-        self.cameras = Check(texts("label.cameras"), texts("tip.cameras"))
-        self.lead_name = label(texts("label.lead"))
-        self.lead = NumberBox(texts, texts("label.lead_unit"), 0.0)
-        self.lead.setMaximum(LEAD_MAX_S)
-        self.lead.setSingleStep(0.5)
-        self.lead.setAccessibleName(f"{texts('label.lead')} (s)")
-        self.title, self.text = label(role="large"), label(wrap=True)
-        self.countdown = label(role="hw")
-        self.progress = QProgressBar()
-        self.progress.setTextVisible(False)
-        self.progress.setRange(0, 1000)
-        self.send_now, self.change, self.abort = IntentButton(main=True), IntentButton(), IntentButton()
-        self._lay_out()
-        self._connect()
-
-    def _lay_out(self) -> None:
-        top = QGridLayout()
-        top.setVerticalSpacing(2)
-        top.addWidget(self.heading, 0, 0, 1, 3)
-        top.addWidget(self.sim, 1, 0)
-        top.addWidget(self.hw, 1, 1, 1, 2)
-        top.addWidget(self.cameras, 2, 0)
-        top.addWidget(self.lead_name, 2, 1)
-        top.addWidget(self.lead, 2, 2)
-        top.setColumnStretch(0, 1)
-        buttons = QGridLayout()
-        buttons.setSpacing(4)
-        buttons.addWidget(self.send_now, 0, 0, 1, 2)
-        buttons.addWidget(self.change, 1, 0)
-        buttons.addWidget(self.abort, 1, 1)
-        self.text.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self.text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)  # it wraps
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(5, 4, 5, 5)
-        layout.setSpacing(4)
-        layout.addLayout(top)
-        layout.addWidget(self.title)
-        layout.addWidget(self.text, 1)
-        layout.addWidget(self.countdown)
-        layout.addWidget(self.progress)
-        layout.addLayout(buttons)
-
-    def _connect(self) -> None:
-        self.sim.asked.connect(lambda checked: self.intent.emit(SetDestination("sim", checked)))
-        self.hw.asked.connect(lambda checked: self.intent.emit(SetDestination("hw", checked)))
-        self.cameras.asked.connect(lambda on: self.intent.emit(SetCameras(on)))
-        self.lead.valueChanged.connect(lambda seconds: self.intent.emit(SetLead(seconds)))
-        for button in (self.send_now, self.change, self.abort):
-            button.intent.connect(self.intent)
-
-    def show_compact(self, *, compact: bool) -> None:
-        """Hide the heading in a low window; reserve room in a high one, so that buttons do not move."""
-        self.heading.setVisible(not compact)
-        for part in (self.countdown, self.progress):
-            policy = part.sizePolicy()
-            policy.setRetainSizeWhenHidden(not compact)
-            part.setSizePolicy(policy)
-        self.text.setMinimumHeight(0 if compact else LINES * self.text.fontMetrics().lineSpacing())
-
-    def show_view(self, view: SendingView) -> None:
-        """Show destinations and the present motion."""
-        if view == self._view:
-            return
-        self._view = view
-        self.sim.setChecked(view.sim)
-        self.hw.setChecked(view.hw)
-        self.cameras.setChecked(view.cameras)
-        self.lead.blockSignals(True)  # noqa: FBT003
-        if self.lead.value() != view.lead_s:
-            self.lead.setValue(view.lead_s)
-        self.lead.blockSignals(False)  # noqa: FBT003
-        self.lead.setToolTip(self._texts("tip.lead" if view.lead_matters else "tip.lead_one"))
-        set_role(self.lead_name, "role", "" if view.lead_matters else "dim")
-        set_text(self.title, view.title)
-        set_text(self.text, view.text)
-        set_text(self.countdown, view.countdown)
-        self.countdown.setVisible(bool(view.countdown))
-        self.progress.setVisible(view.progress is not None)
-        self.progress.setValue(round(1000 * (view.progress or 0.0)))
-        self.send_now.show_view(view.send_now)
-        self.change.show_view(view.change)
-        self.abort.show_view(view.abort)
+HEIGHT_PX = 56
+"""Height of the bar of STOP; the style sheet contains it, too."""
 
 
 class CommandsPanel(QFrame):
@@ -136,13 +29,24 @@ class CommandsPanel(QFrame):
         self.setProperty("panel", True)  # noqa: FBT003
         self.setAccessibleName(texts("label.commands"))
         self.buttons = {name: IntentButton() for name in NAMES}
-        layout = QGridLayout(self)
-        layout.setContentsMargins(5, 5, 5, 5)
-        layout.setSpacing(4)
-        for number, button in enumerate(self.buttons.values()):
-            layout.addWidget(button, *divmod(number, COLUMNS))
+        self.rare = QWidget()
+        """the buttons that a lesson needs once; the window puts them into a tab of the low area"""
+        rare = QGridLayout(self.rare)
+        rare.setContentsMargins(8, 8, 8, 8)
+        rare.setSpacing(8)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(8, 8, 8, 8)
+        layout.setSpacing(8)
+        for name, button in self.buttons.items():
+            if name in DAILY:
+                button.setProperty("daily", True)  # noqa: FBT003
+                layout.addWidget(button)
+            else:
+                rare.addWidget(button, *divmod(rare.count(), COLUMNS))
             button.intent.connect(self.intent)
             button.asking.connect(self.asking)
+        rare.setRowStretch(COLUMNS, 1)
+        rare.setColumnStretch(COLUMNS, 1)
 
     def show_view(self, view: CommandsView) -> None:
         """Show the buttons and which of them are enabled."""
@@ -170,19 +74,19 @@ class StopBar(QPushButton):
         self.emergency.asking.connect(self._ask)
         self.setObjectName("stop")
         self.setAutoDefault(False)
-        self.word, self.last = label(role="stop_word"), label(role="stop", wrap=True)
+        self.word, self.last = label(role="stop_word"), label(role="message", wrap=True)
+        """STOP, and the last request with its outcome, which stands beside this button"""
         self.keys = label(texts("label.keys_stop").partition(": ")[0], "stop")
-        self.last.setAlignment(Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignRight)
-        self.last.setMinimumWidth(1)
+        self.last.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
+        self.last.setFixedHeight(HEIGHT_PX)
         layout = QHBoxLayout(self)
-        layout.setContentsMargins(20, 2, 16, 2)
+        layout.setContentsMargins(20, 2, 12, 2)
         layout.addWidget(self.word)
         layout.addSpacing(12)
         layout.addWidget(self.keys)
-        layout.addWidget(self.last, 1)
-        layout.addSpacing(12)
+        layout.addStretch(1)
         layout.addWidget(self.emergency)
-        for part in (self.word, self.keys, self.last):
+        for part in (self.word, self.keys):
             part.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.pressed.connect(self.stop)
 

@@ -218,6 +218,10 @@ class SliderBox(QWidget):
         self.slider.valueChanged.connect(lambda position: self.changed.emit(position / STEPS))
         self.box.valueChanged.connect(self.changed)
 
+    def show_compact(self, *, compact: bool) -> None:
+        """Hide the slider, so that two boxes fit into one row."""
+        self.slider.setVisible(not compact)
+
     def name_width(self) -> int:
         """Return the width of the name (px), so that several sliders can be aligned."""
         return self._name.sizeHint().width()

@@ -8,14 +8,15 @@ from typing import Final
 
 from PyQt5.QtCore import QBuffer, QRect, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
-from PyQt5.QtWidgets import QGridLayout, QSizePolicy, QWidget
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QSizePolicy, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import EYES, SIDES
-from gui.console.state.intents import Theme
+from gui.console.state.intents import SetCameras, Theme
 from gui.console.state.views import EyeView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
+from gui.window.widgets.controls import Check
 from gui.window.widgets.levels import LevelsPanel
 
 PERIOD_MS: Final = 33
@@ -70,7 +71,7 @@ class CameraPicture(QWidget):
         return QSize(320, 240 + self._strip())
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return QSize(120, 90 + self._strip())
+        return QSize(100, 24 + self._strip())
 
     def show_view(self, view: EyeView) -> None:
         """Show title, text and note; with a text, or if the camera is not watched, remove the picture."""
@@ -195,9 +196,15 @@ class EyesPanel(QWidget):
         self.pictures = {(side, eye): CameraPicture(texts) for side in SIDES for eye in EYES}
         for (side, eye), picture in self.pictures.items():
             grid.addWidget(picture, SIDES.index(side), EYES.index(eye))
+        self.cameras = Check(texts("label.cameras"), texts("tip.cameras"))
+        self.cameras.asked.connect(lambda on: self.intent.emit(SetCameras(on)))
         self.sound = LevelsPanel(texts)
         self.sound.intent.connect(self.intent)
-        grid.addWidget(self.sound, len(SIDES), 0, 1, len(EYES))
+        below = QHBoxLayout()
+        below.setSpacing(12)
+        below.addWidget(self.cameras, 0, Qt.AlignmentFlag.AlignTop)
+        below.addWidget(self.sound, 1)
+        grid.addLayout(below, len(SIDES), 0, 1, len(EYES))
 
     def show_view(self, eyes: tuple[EyeView, ...]) -> None:
         """Show the eyes of both robots."""

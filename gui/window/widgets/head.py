@@ -1,4 +1,4 @@
-"""The head: the pad, the angles of both robots, and Send."""
+"""The head: the pad, and the angles of both robots."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from PyQt5.QtWidgets import QBoxLayout, QFrame, QGridLayout, QLabel, QVBoxLayout
 from gui.console.state.intents import Theme
 from gui.console.state.views import HeadOrientation, HeadView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, label, set_text
+from gui.window.widgets.controls import label, set_text
 from gui.window.widgets.head_pad import HeadPad
 
 AXES = ("yaw", "pitch", "roll")
@@ -32,15 +32,12 @@ class HeadPanel(QFrame):
         self.setProperty("panel", True)  # noqa: FBT003
         self.pad = HeadPad(texts)
         self.pad.setProperty("sends", True)  # noqa: FBT003
-        self.send = IntentButton(main=True)
         self.numbers: dict[tuple[str, str], QLabel] = {}
         self.pad.intent.connect(self.intent)
-        self.send.intent.connect(self.intent)
         self._numbers = QVBoxLayout()
         self._numbers.setSpacing(4)
         self._numbers.addStretch(1)
         self._numbers.addLayout(self._table(texts))
-        self._numbers.addWidget(self.send)
         self._layout = QBoxLayout(QBoxLayout.Direction.TopToBottom, self)
         self._layout.setContentsMargins(6, 6, 6, 6)
         self._layout.setSpacing(4)
@@ -83,7 +80,7 @@ class HeadPanel(QFrame):
             number.setMinimumWidth(number.fontMetrics().horizontalAdvance(WIDEST) + 2)
 
     def show_view(self, view: HeadView) -> None:
-        """Show the pad, the numbers and the Send button."""
+        """Show the pad and the numbers."""
         self.pad.show_view(view)
         if view == self._view:
             return
@@ -91,7 +88,6 @@ class HeadPanel(QFrame):
         self._show_numbers("target", view.target)
         self._show_numbers("sim", view.sim)
         self._show_numbers("hw", view.hw)
-        self.send.show_view(view.send)
 
     def _show_numbers(self, name: str, at: HeadOrientation | None) -> None:
         for axis in AXES:
