@@ -245,6 +245,8 @@ class Plant:
         plant = Plant(self._robot, copy.copy(self.model))
         plant._drive, plant.re_placed = copy.deepcopy(self._drive), self.re_placed
         mujoco.mj_copyData(plant.data, plant.model, self.data)
+        # A new plant has its motors off, and a step changes the switch only when the board does.
+        plant.model.opt.disableactuator = self.model.opt.disableactuator
         return plant
 
     def _apply_drive(self) -> None:

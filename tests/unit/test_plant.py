@@ -221,3 +221,11 @@ def test_a_copy_behaves_identically_and_does_not_change_the_original(plant: Plan
         plant.step(GEAR.to_steps(arms), drivers_on=True)
     plant.step((0, 0, 0), drivers_on=False)
     assert state(plant) == state(other)
+
+
+def test_the_motors_of_a_copy_hold_its_head_like_those_of_the_original(plant: Plant) -> None:
+    go(plant, HOME, TILTED)
+    other = plant.copy()
+    for hold in (plant, other):
+        hold_set_points(hold, TILTED, 0.1)
+    assert state(other) == state(plant)
