@@ -169,8 +169,7 @@ class Simulation:
                 self._board.advance(together * TIMESTEP_MS)
                 pulses, drivers_on = self._firmware.pulses(), self._firmware.drivers_on()
                 self._steps = self._firmware.steps()
-            for _ in range(together):
-                self._plant.step(pulses, drivers_on=drivers_on)
+            self._plant.step(pulses, drivers_on=drivers_on, count=together)
             self._resting, self._pulses = pulses == self._pulses, pulses
             steps -= together
 

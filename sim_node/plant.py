@@ -22,7 +22,7 @@ from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Rotation, ypr_of
 from beatrix_zenoh.recording.figure import chains
-from sim_node.model import build
+from sim_node.model import TIMESTEP_MS, build
 
 CYCLE_FULL_STEPS: Final = 4
 """Full steps of a two-phase motor's electrical cycle."""
@@ -116,10 +116,21 @@ _log = logging.getLogger(__name__)
 _UPRIGHT: Final[Arms] = (0.0, 0.0, 0.0)
 _ALL_MOTORS: Final = 1 << 0
 """Bit of actuator group 0, which contains all motors, because they have no group of their own."""
+_REST_SPEED: Final = 1e-10
+"""Speed (rad/s) of the fastest joint below which the neck rests; held by its motors it does so 15 s after a motion. It
+would move another 1e-10 rad, by a factor of 300 less than a published number resolves (float32: 3e-8 rad)."""
+_CHECK_STEPS: Final = 50
+_CHECKS: Final = 5
+"""The neck sleeps when so many checks in a row, each _CHECK_STEPS physics steps after the last, find it at rest."""
 
 
 class Plant:
-    """The simulated neck; starts upright with motors off. Angles in rad from home, lengths in m."""
+    """The simulated neck; starts upright with motors off. Angles in rad from home, lengths in m.
+
+    After half a second at rest it sleeps: a step then changes only the time of the physics. The first microstep, the
+    motor switch, a force on a body and a placement wake it. Whether it sleeps depends on the steps only, not on the
+    clock of the computer, so the same steps always give the same numbers.
+    """
 
     def __init__(self, robot: RobotData = ROBOT, model: mujoco.MjModel | None = None) -> None:
         """Create the neck of this robot; `model` is a compiled model of it that no other plant uses."""
@@ -142,13 +153,31 @@ class Plant:
         self._quaternion = self.data.qpos[head : head + 4]
         self._rod_ends = [self.model.site(f"rod_{name}").id for name in ARMS]
         self._mounts = [self.model.site(f"mount_{name}").id for name in ARMS]
+        self._forces, self._speeds = self.data.xfrc_applied, self.data.qvel
+        self._until_check, self._checks = _CHECK_STEPS, 0
         self.straighten()
 
-    def step(self, pulses: Counts, *, drivers_on: bool) -> None:
-        """Make one physics step of TIMESTEP_MS towards `pulses`: microsteps of each motor since the board's start."""
-        if self._drive.step(pulses, self._arms.tolist(), on=drivers_on):
-            self._apply_drive()
-        mujoco.mj_step(self.model, self.data)
+    def step(self, pulses: Counts, *, drivers_on: bool, count: int = 1) -> None:
+        """Make `count` physics steps of TIMESTEP_MS towards `pulses`: microsteps of each motor since the board's start."""
+        for left in range(count, 0, -1):
+            if self._drive.step(pulses, self._arms.tolist(), on=drivers_on):
+                self._apply_drive()
+            elif self.asleep:
+                if not self._forces.any():
+                    self.data.time += left * TIMESTEP_MS / 1000
+                    return
+                self._checks = 0
+            mujoco.mj_step(self.model, self.data)
+            self._until_check -= 1
+            if self._until_check == 0:
+                self._until_check = _CHECK_STEPS
+                rests = not self._forces.any() and np.abs(self._speeds).max() < _REST_SPEED
+                self._checks = self._checks + 1 if rests else 0
+
+    @property
+    def asleep(self) -> bool:
+        """Whether the neck rests, and steps change nothing until something wakes it."""
+        return self._checks >= _CHECKS
 
     def arms(self) -> Arms:
         """Return the arm angles (rad), measured at the joints."""
@@ -244,12 +273,15 @@ class Plant:
         # The model is copied, too, because switching the motors changes it.
         plant = Plant(self._robot, copy.copy(self.model))
         plant._drive, plant.re_placed = copy.deepcopy(self._drive), self.re_placed
+        plant._until_check, plant._checks = self._until_check, self._checks
         mujoco.mj_copyData(plant.data, plant.model, self.data)
         # A new plant has its motors off, and a step changes the switch only when the board does.
         plant.model.opt.disableactuator = self.model.opt.disableactuator
         return plant
 
     def _apply_drive(self) -> None:
+        """Pass set points and motor switch to MuJoCo; wakes the neck."""
+        self._checks = 0
         self.data.ctrl[:] = self._drive.set_points
         self.model.opt.disableactuator = 0 if self._drive.on else _ALL_MOTORS
 

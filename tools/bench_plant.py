@@ -73,7 +73,7 @@ def main() -> None:
     plant.copy()
     copied = time.perf_counter() - begin
     path = [gear.to_steps(circling(k * TIMESTEP_MS / 1000)) for k in range(10_000)]
-    rest = step_us(plant, [(0, 0, 0)] * 5_000)
+    asleep = step_us(plant, [(0, 0, 0)] * 5_000)
     moving = step_us(plant, path)
     plant = Plant()
     closure = error = fastest = 0.0
@@ -83,7 +83,7 @@ def main() -> None:
         error = max(error, angle_between(plant, neck))
         fastest = max(fastest, *map(abs, plant.velocities()))
     print(f"plant made in {made * 1e3:.0f} ms, copied in {copied * 1e3:.1f} ms")
-    print(f"physics step at rest: {rest:.1f} us, moving: {moving:.1f} us (required: {_TO_REACH_US})")
+    print(f"physics step asleep: {asleep:.1f} us, moving: {moving:.1f} us (required: {_TO_REACH_US})")
     print(f"real-time factor, moving: {TIMESTEP_MS * 1000 / moving:.0f}")
     print(f"preview: {preview_factor(gear):.0f} times as fast as the motion")
     print(

@@ -229,3 +229,76 @@ def test_the_motors_of_a_copy_hold_its_head_like_those_of_the_original(plant: Pl
     for hold in (plant, other):
         hold_set_points(hold, TILTED, 0.1)
     assert state(other) == state(plant)
+
+
+def let_sleep(plant: Plant, arms: Arms) -> None:
+    """Hold set points until the plant sleeps, for 30 s at most."""
+    pulses = GEAR.to_steps(arms)
+    for _ in range(round(30 / STEP)):
+        if plant.asleep:
+            return
+        plant.step(pulses, drivers_on=True)
+    raise AssertionError(f"awake after 30 s; fastest joint: {abs(plant.data.qvel).max()} rad/s")
+
+
+def at_rest(plant: Plant) -> list[float]:
+    """Return the state without the time, which passes while a plant sleeps."""
+    data = plant.data
+    return [*data.qpos, *data.qvel, *data.qacc_warmstart, *plant.set_points(), *plant.slipped()]
+
+
+def test_a_motion_after_a_sleep_is_bit_equal_to_one_without(plant: Plant) -> None:
+    go(plant, HOME, TILTED)
+    assert not plant.asleep
+    let_sleep(plant, TILTED)
+    other = plant.copy()
+    before, began_s = at_rest(plant), plant.data.time
+    plant.step(GEAR.to_steps(TILTED), drivers_on=True, count=50_000)
+    assert at_rest(plant) == before
+    assert plant.data.time - began_s == pytest.approx(100)
+    for arms in ramp(TILTED, HOME):
+        plant.step(GEAR.to_steps(arms), drivers_on=True)
+        other.step(GEAR.to_steps(arms), drivers_on=True)
+        assert at_rest(plant) == at_rest(other)
+
+
+def test_a_sleeping_plant_differs_from_a_waking_one_by_less_than_it_publishes(
+    plant: Plant, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    go(plant, HOME, TILTED)
+    awake = plant.copy()
+    let_sleep(plant, TILTED)
+    monkeypatch.setattr("sim_node.plant._REST_SPEED", 0.0)
+    hold_set_points(awake, TILTED, 30)
+    assert not awake.asleep
+    assert plant.arms() == pytest.approx(awake.arms(), abs=1e-9)
+    assert plant.head() == pytest.approx(awake.head(), abs=1e-9)
+
+
+def test_steps_in_batches_are_bit_equal_to_single_steps(plant: Plant) -> None:
+    go(plant, HOME, TILTED)
+    other = plant.copy()
+    pulses = GEAR.to_steps(TILTED)
+    for _ in range(1_000):
+        other.step(pulses, drivers_on=True, count=10)
+    for _ in range(10_000):
+        plant.step(pulses, drivers_on=True)
+    assert plant.asleep
+    assert at_rest(plant) == at_rest(other)
+
+
+def test_a_force_a_step_and_the_motor_switch_wake_the_plant(plant: Plant) -> None:
+    let_sleep(plant, HOME)
+    plant.data.body("head").xfrc_applied[5] = 0.5
+    hold_set_points(plant, HOME, 0.01)
+    plant.data.body("head").xfrc_applied[5] = 0.0
+    pushed = plant.arms()
+    assert max(map(abs, pushed)) > 1e-5
+    hold_set_points(plant, HOME, 0.5)
+    assert max(map(abs, plant.arms())) < max(map(abs, pushed)) / 2, "the neck springs back"
+    let_sleep(plant, HOME)
+    plant.step((1, 1, 1), drivers_on=True)
+    assert not plant.asleep
+    let_sleep(plant, GEAR.to_rad((1, 1, 1)))
+    plant.step((1, 1, 1), drivers_on=False)
+    assert not plant.asleep
