@@ -12,7 +12,7 @@ from types import TracebackType
 import msgspec
 from PyQt5.QtCore import QObject, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QGuiApplication
-from PyQt5.QtWidgets import QApplication
+from PyQt5.QtWidgets import QApplication, QWidget
 
 from beatrix_zenoh.output import say
 from beatrix_zenoh.settings import Settings
@@ -30,6 +30,8 @@ SIGNAL_MS = 100
 """Period of checking for Ctrl-C: Python runs signal handlers only between Python instructions, and Qt's loop executes
 none."""
 SIZE = (1366, 768)
+FRAME = QSize(16, 56)
+"""Largest usual frame of a window, title bar included, in pixels before scaling; GNOME's title bar has 47."""
 logger = logging.getLogger("beatrix.window")
 
 
@@ -104,8 +106,7 @@ def run(settings: Settings, theme: Theme | None, language: str | None, *, name_g
     autosave = Autosave(state)
     try:
         with linked_window(settings, state, name_given=name_given) as window:
-            window.resize(begin_size(QGuiApplication.primaryScreen().availableGeometry().size()))
-            window.show()
+            show(window, QGuiApplication.primaryScreen().availableGeometry().size())
             signals = QTimer()
             signals.timeout.connect(lambda: window.close() if shutdown.requested(0.0) else None)
             signals.start(SIGNAL_MS)
@@ -141,9 +142,17 @@ def linked_window(settings: Settings, state: State, *, name_given: bool) -> Iter
         link.close()
 
 
-def begin_size(room: QSize) -> QSize:
-    """Return the initial size of the window: never larger than the screen's free area, so that STOP is visible."""
-    return QSize(*SIZE).boundedTo(room)
+def show(window: QWidget, room: QSize) -> None:
+    """Show a window on a screen with this free area: maximized if it would not fit with its frame, which Qt cannot tell yet.
+
+    The lower edge of the window, where STOP is, would be outside the screen otherwise.
+    """
+    free = room - FRAME
+    window.resize(QSize(*SIZE).boundedTo(free))
+    if window.size() == QSize(*SIZE):
+        window.show()
+    else:
+        window.showMaximized()
 
 
 def qt_application() -> QApplication:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from contrast import contrast
 from gui_views import STATES, example
-from PyQt5.QtCore import QRect, Qt
+from PyQt5.QtCore import QRect, QSize, Qt
 from PyQt5.QtGui import QTextDocumentFragment
 from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
@@ -16,6 +16,7 @@ from recording_link import RecordingLink, ShownState
 from gui.console.state.intents import Theme
 from gui.console.state.views import Condition
 from gui.console.texts import LANGUAGES
+from gui.window.run import SIZE, show
 from gui.window.theme import Style, style_of
 from gui.window.widgets.commands import HEIGHT_PX
 from gui.window.widgets.controls import ElidedLabel, OptionalLabel, PartsLabel
@@ -163,3 +164,17 @@ def test_stop_keeps_its_height_and_spans_more_than_half_the_window(qtbot: QtBot,
         assert bar.width() > size[0] / 2
         assert bar.mapTo(window, bar.rect().bottomLeft()).y() == size[1] - 1
         assert bar.last.mapTo(window, bar.last.rect().bottomRight()).x() == size[0] - 1
+
+
+@pytest.mark.parametrize(
+    ("room", "maximized"),
+    [((1024, 600), True), ((1366, 768), True), ((1920, 800), True), ((1920, 1053), False)],
+)
+def test_a_window_that_would_not_fit_with_its_frame_begins_maximized(
+    qtbot: QtBot, room: tuple[int, int], maximized: bool
+) -> None:
+    shown = QWidget()
+    qtbot.add_widget(shown)
+    show(shown, QSize(*room))
+    assert (shown.isVisible(), shown.isMaximized()) == (True, maximized)
+    assert maximized or shown.size() == QSize(*SIZE)
