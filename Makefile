@@ -2,7 +2,7 @@
 
 MAKEFLAGS += --no-print-directory
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench bundle firmware generate docs lock
+.PHONY: help demo test coverage check bench bundle firmware generate docs lock
 
 BIN := .venv/bin
 FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
@@ -10,9 +10,9 @@ FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
 PYTHON := $(shell for name in python3 python3.14 python3.13 python3.12 python3.11; do \
 	$$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$name && break; done)
 # Three processes keep two cores busy, because their tests often wait for robots. With more processes, robots get too
-# little processor time: nodes lose their router. A CI computer may be slow, and measures coverage: it runs two.
+# little processor time: nodes lose their router. A CI computer may be slow: it runs two.
 PROCESSES := $(if $(CI),2,3)
-COVERAGE := $(if $(CI),--cov --cov-report=term --cov-fail-under=90)
+TESTS = $(BIN)/python tools/crash.py $(BIN)/pytest -n $(PROCESSES) --dist loadscope --no-loadscope-reorder --max-worker-restart 0
 SETUP = $(if $(PYTHON),$(PYTHON) tools/setup.py,$(error BEATRIX needs Python 3.11 or newer on PATH. Install one, then try again))
 
 help: ## print this list
@@ -24,9 +24,13 @@ demo: ## show the robot's twin on this computer (needs only Python 3.11)
 
 # After a crash of a process the run ends and names the test; pytest-xdist could otherwise wait forever. tools/crash.py
 # prints the stacks of all threads of the process.
-test: ## run all tests, in parallel; with CI=true, measure branch coverage
+test: ## run all tests, in parallel
 	@$(SETUP) test
-	$(BIN)/python tools/crash.py $(BIN)/pytest -n $(PROCESSES) --dist loadscope --no-loadscope-reorder --max-worker-restart 0 $(COVERAGE)
+	$(TESTS)
+
+coverage: ## run all tests, and measure branch coverage
+	@$(SETUP) test
+	$(TESTS) --cov --cov-report=term --cov-fail-under=90
 
 check: ## check style, types, layers, contract, links and firmware, without running BEATRIX
 	@$(SETUP) test

@@ -30,7 +30,7 @@ def test_a_replay_with_a_lead_is_compared_live_and_from_its_recording(
     png, rrd = tmp_path / "both.png", tmp_path / "both.rrd"
     record = free.start("record", str(rrd), "--cameras", "0")
     compare = free.start(
-        "compare", "--seconds", "6", "--json", "--png", str(png), "--max-lag", "0", "--max-rest", "0.5"
+        "compare", "--seconds", "8", "--json", "--png", str(png), "--max-lag", "0", "--max-rest", "0.5"
     )
     assert record.stdout is not None
     assert record.stdout.readline().startswith("ready"), "the file exists before the recorder subscribes"
