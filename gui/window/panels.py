@@ -49,7 +49,6 @@ class Panels(QWidget):
         self._theme = Theme.DARK
         self._low: bool | None = None
         self._refusal: RefusalView | None = None
-        self._question = ""
         self.header, self.banner, self.stop_bar = Header(texts), Banner(), StopBar(texts)
         self.head, self.arms = HeadPanel(texts), ArmsPanel(texts)
         self.head3d, self.eyes, self.plots = Head3dPanel(texts), EyesPanel(texts), PlotsPanel(texts)
@@ -75,7 +74,6 @@ class Panels(QWidget):
         for name, page in views.items():
             self.tabs.addTab(page, self._texts(f"label.tab_{name}"))
         self.low_area.addTab(self.gestures, self._texts("label.gestures"))
-        self.low_area.addTab(self.commands.rare, self._texts("label.commands"))
         self._lay_out_columns()
         inner = QVBoxLayout()
         inner.setContentsMargins(8, 8, 8, 8)
@@ -139,7 +137,6 @@ class Panels(QWidget):
             self.stop_bar,
         ):
             part.intent.connect(self.intent)
-        self.commands.asking.connect(self._ask)
         self.header.keys_asked.connect(self.key_sheet.toggle)
         self.history.row_chosen.connect(self.code.choose)
         self.code.row_chosen.connect(self.history.choose)
@@ -148,10 +145,6 @@ class Panels(QWidget):
     def _report_tab(self, number: int) -> None:
         if 0 <= number < len(Tab):
             self.intent.emit(ShowTab(list(Tab)[number]))
-
-    def _ask(self, question: str) -> None:
-        self._question = question
-        self._show_notice()
 
     def _arrange(self) -> None:
         """Arrange the widgets for the height of the window.
@@ -250,12 +243,8 @@ class Panels(QWidget):
         self.eyes.show_image(side, image)
 
     def _show_notice(self) -> None:
-        if self._question:
-            self.refusal.show_question(self._question, self.low_area)
-        else:
-            shown = None if self.body.isHidden() else self._refusal
-            beside = None if shown is None else self._control(shown.control)
-            self.refusal.show_view(shown, beside)
+        shown = None if self.body.isHidden() else self._refusal
+        self.refusal.show_view(shown, None if shown is None else self._control(shown.control))
 
     def _control(self, name: str) -> QWidget:
         """Return the widget beside which a refusal is shown."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from gui_windows import HOME, Windowed, near
+from gui_windows import HOME, Windowed, menu_button, near
 from PyQt5.QtCore import QPoint, QPointF, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLabel
@@ -40,21 +40,23 @@ def test_commands_are_sent_to_both_robots(user: Windowed, robots: dict[str, Robo
     for robot in robots.values():
         user.until_at(robot, *HOME)
     user.until_last("home done")
-    user.press(buttons["disable"])
-    assert "sinks" in panels.refusal.text.text(), (
-        "the button asks first, because the command cannot be undone"
-    )
-    assert all(robot.status().enabled for robot in robots.values())
-    user.press(buttons["disable"])
+
+
+def test_the_menu_of_a_pill_disables_its_robot_at_the_second_press(
+    user: Windowed, robots: dict[str, Robot]
+) -> None:
+    pill, disable = user.window.panels.header.pills["hw"], menu_button(user.window, "hw", "Disable")
+    user.press(disable)
+    assert "sinks" in pill.menu.question.text(), "the button asks first, because the head sinks"
+    assert robots["hw"].status().enabled
+    user.press(disable)
     user.until_last("disable done")
-    assert not any(robot.status().enabled for robot in robots.values())
-    user.until(lambda: "motors off" in panels.header.pills["hw"].state.text(), "the pill shows it")
-    user.press(buttons["enable"])
-    user.until_last("enable done")
-    assert all(robot.status().enabled and not robot.status().calibrated for robot in robots.values())
-    user.press(buttons["calibrate"])
-    user.until_last("calibrate done")
-    assert all(robot.status().calibrated for robot in robots.values())
+    assert not robots["hw"].status().enabled
+    assert robots["sim"].status().enabled
+    user.until(lambda: "motors off" in pill.state.text(), "the pill shows it")
+    for text in ("Enable", "Calibrate"):
+        user.until(lambda text=text: pill.next_step.text() == text, f"the next step is {text}")  # type: ignore[misc]
+        user.press(pill.next_step)
     user.until_ready("sim", "hw")
 
 
@@ -114,9 +116,9 @@ def test_an_emergency_stop_switches_off_both_moving_robots_and_offers_reset(
     user.type_number(panels.arms.increment.box, 60)
     user.press(panels.arms.rows["all"].plus)
     user.until(lambda: all(robot.status().moving for robot in robots.values()), "both move")
-    user.press(panels.stop_bar.emergency)
+    user.press(menu_button(user.window, "sim", "EMERGENCY STOP"))
     assert all(robot.status().fault is Fault.NONE for robot in robots.values()), "the button asks first"
-    user.press(panels.stop_bar.emergency)
+    user.press(menu_button(user.window, "sim", "EMERGENCY STOP"))
     user.until(
         lambda: all(robot.status().fault is Fault.EMERGENCY for robot in robots.values()), "both are latched"
     )
@@ -193,7 +195,7 @@ def test_the_next_steps_of_a_pill_make_the_robot_ready(
     hw.disable()
     user.until(lambda: "emergency" in pills["sim"].state.text(), "the window shows the emergency stop")
     assert sim.status().fault is Fault.EMERGENCY
-    user.press(user.window.panels.commands.buttons["reset"])
+    user.press(menu_button(user.window, "sim", "Reset"))
     user.until(lambda: pills["sim"].next_step.text() == "Make ready", "the next step")
     assert not sim.status().enabled
     user.press(pills["sim"].next_step)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from gui_views import posed
-from gui_windows import reveal
+from gui_windows import menu_button
 from gui_worlds import absent
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtTest import QTest
@@ -28,7 +28,6 @@ from gui.console.state.intents import (
     PlayFile,
     RunCommand,
     SavePose,
-    SetDestination,
     SetLanguage,
     SetTheme,
     Stop,
@@ -41,6 +40,7 @@ from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]
 LEFT = Qt.MouseButton.LeftButton
+POPUPS = pytest.mark.qt_log_ignore("This plugin does not support")  # popups without a display
 
 
 def test_the_window_shows_the_world_of_the_link_periodically(
@@ -74,35 +74,45 @@ def test_a_click_changes_a_check_box_only_if_it_changes_the_state(
     assert box.isChecked()
 
 
-def test_disable_needs_a_confirmation_beside_its_button(window: Window, intents: Taken) -> None:
-    window.handle(SetDestination("hw", checked=True))
-    intents()
-    panels = window.panels
-    button = panels.commands.buttons["disable"]
-    reveal(button)
+@POPUPS
+def test_disabling_the_hardware_needs_a_second_press(window: Window, intents: Taken) -> None:
+    menu, button = window.panels.header.pills["hw"].menu, menu_button(window, "hw", "Disable")
+    window.panels.header.pills["hw"].more.click()
+    assert menu.isVisible()
     QTest.mouseClick(button, LEFT)
     assert intents() == []
     assert button.text() == "Disable?"
-    assert "sinks" in panels.refusal.text.text()
-    assert panels.refusal.isVisible()
+    assert "sinks" in menu.question.text()
+    assert menu.question.isVisible()
     QTest.mouseClick(button, LEFT)
-    assert intents() == [RunCommand(Command.ENABLE, value=False)]
+    assert intents() == [RunCommand(Command.ENABLE, value=False, side="hw")]
     assert button.text() == "Disable"
-    assert not panels.refusal.isVisible()
+    assert not menu.isVisible()
 
 
-def test_the_question_disappears_when_another_control_is_used(
-    qtbot: QtBot, window: Window, intents: Taken
-) -> None:
-    window.handle(SetDestination("hw", checked=True))
-    panels = window.panels
-    reveal(panels.commands.buttons["disable"])
-    QTest.mouseClick(panels.commands.buttons["disable"], LEFT)
-    panels.head.pad.setFocus()
-    qtbot.waitUntil(lambda: panels.commands.buttons["disable"].text() == "Disable")
-    assert not panels.refusal.isVisible()
-    QTest.mouseClick(panels.commands.buttons["disable"], LEFT)
+@POPUPS
+def test_a_closed_menu_forgets_its_question(window: Window, intents: Taken) -> None:
+    pill, button = window.panels.header.pills["hw"], menu_button(window, "hw", "Disable")
+    pill.more.click()
+    QTest.mouseClick(button, LEFT)
+    pill.menu.close()
+    pill.more.click()
+    assert button.text() == "Disable"
+    QTest.mouseClick(button, LEFT)
     assert not any(isinstance(intent, RunCommand) for intent in intents())
+    pill.menu.close()
+
+
+@POPUPS
+def test_enter_presses_a_button_of_a_menu_and_space_is_stop(window: Window, intents: Taken) -> None:
+    pill = window.panels.header.pills["sim"]
+    pill.more.click()
+    QTest.keyClick(pill.menu.buttons[0], Qt.Key.Key_Return)
+    assert intents() == [RunCommand(Command.CALIBRATE, side="sim")]
+    pill.more.click()
+    QTest.keyClick(pill.menu.buttons[0], Qt.Key.Key_Space)
+    assert intents() == [Stop()]
+    assert not pill.menu.isVisible()
 
 
 def test_a_theme_applies_to_all_widgets(window: Window) -> None:

@@ -13,7 +13,7 @@ from typing import Self
 import numpy as np
 import pytest
 import simplejpeg
-from gui_windows import Windowed, windowed
+from gui_windows import Windowed, menu_button, windowed
 from PyQt5.QtCore import Qt
 from robots import Stage, free_endpoint
 
@@ -100,7 +100,7 @@ def test_the_window_shows_the_loss_and_the_return_of_a_robot(stage: Stage) -> No
         assert "not online" in user.window.panels.refusal.text.text()
         stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
         user.until(shows(user, "hw", "motors off"), "it is back")
-        user.press(user.window.panels.commands.buttons["enable"])
+        user.press(user.window.panels.header.pills["hw"].next_step)
         user.until_last("enable done")
         gaps.check()
 
@@ -116,7 +116,7 @@ def test_a_suspended_hardware_node_slows_neither_window_nor_simulation(stage: St
         hw.send(signal.SIGSTOP)
         assert_soon(user, shows(user, "hw", "silent"), "the silence is shown", gaps, SILENCE_S + SOON_S)
         user.send_to("sim", "hw")
-        user.press(panels.commands.buttons["enable"])  # the hardware does not reply
+        user.press(menu_button(user.window, "hw", "Calibrate"))  # the hardware does not reply
         user.send_to("sim")
         user.press(panels.arms.rows["all"].plus)
         user.until_at(sim, 5, 5, 5)
@@ -130,7 +130,7 @@ def test_a_suspended_hardware_node_slows_neither_window_nor_simulation(stage: St
         user.until(lambda: not shows(user, "hw", "silent")(), "it is back")
         user.send_to("hw")
         user.until(lambda: "ms" in panels.header.pills["hw"].notes.text(), "it answers again")
-        user.press(panels.commands.buttons["enable"])
+        user.press(panels.header.pills["hw"].next_step)
         user.until_last("enable done")
 
 

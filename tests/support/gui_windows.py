@@ -18,6 +18,7 @@ from beatrix_zenoh.settings import Settings
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.window.run import linked_window
+from gui.window.widgets.robot_menu import RobotMenu
 from gui.window.window import Window
 
 PATIENCE_S = 40.0
@@ -126,12 +127,22 @@ def drag(widget: QWidget, start: QPoint, goal: QPoint) -> None:
 
 
 def reveal(widget: QWidget) -> None:
-    """Select the tabs that contain a widget."""
+    """Select the tabs that contain a widget, or open the menu of a pill."""
+    menu = widget.window()
+    if isinstance(menu, RobotMenu) and menu.isHidden():
+        menu.open(menu.parentWidget())
     for tabs in widget.window().findChildren(QTabWidget):
         for number in range(tabs.count()):
             page = tabs.widget(number)
             if page.isAncestorOf(widget):
                 tabs.setCurrentIndex(number)
+
+
+def menu_button(window: Window, side: str, text: str) -> QAbstractButton:
+    """Return the button of the menu of a pill that shows this text."""
+    return next(
+        button for button in window.panels.header.pills[side].menu.buttons if button.accessibleName() == text
+    )
 
 
 def near(arms: ArmAngles, goal: tuple[float, ...], by: float = NEAR_DEG) -> bool:

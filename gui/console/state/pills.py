@@ -98,8 +98,29 @@ def pill(world: World, side: str, texts: Texts) -> PillView:
         latency=texts("latency", ms=1e3 * latency_s) if here and latency_s is not None else "",
         notes=notes(found, status, world, texts) if here and status is not None else (),
         lease=None if found.next_step else leases.button(world, side, texts),
+        menu=menu(world, side, texts),
         warnings=tuple(status.warnings) if here and status is not None else (),
         details=details(status, texts) if here and status is not None else "",
+    )
+
+
+def menu(world: World, side: str, texts: Texts) -> tuple[ButtonView, ...]:
+    """Return the buttons of the commands that are rarely needed; ENABLE is a next step whenever it is possible."""
+    here, question = online(world, side), texts("command.disable_question") if side == "hw" else ""
+    rare = {
+        "calibrate": RunCommand(Command.CALIBRATE, side=side),
+        "disable": RunCommand(Command.ENABLE, value=False, side=side),
+        "reset": RunCommand(Command.RESET, side=side),
+    }
+    return tuple(
+        ButtonView(
+            texts(f"command.{key}"),
+            texts(f"command.{key}_tip") if here else texts("off.absent", side=texts(f"side.{side}")),
+            intent,
+            enabled=here,
+            question=question if key == "disable" else "",
+        )
+        for key, intent in rare.items()
     )
 
 

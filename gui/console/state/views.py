@@ -61,6 +61,8 @@ class PillView:
     """microphones that are on, holder, waiting seats and speed limit, unless `text` contains them; the most important first"""
     lease: ButtonView | None
     """takes the robot, waits for it or gives it back; None: there is a next step, or the robot does not answer"""
+    menu: tuple[ButtonView, ...] = ()
+    """commands that are rarely needed"""
     warnings: tuple[str, ...] = ()
     details: str = ""
     """board, cameras and waiting seats, for the tooltip"""

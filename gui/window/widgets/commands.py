@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QFrame, QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
 
+from gui.console.state.intents import WindowPage
 from gui.console.state.views import CommandsView, View
 from gui.console.texts import Texts
 from gui.window.widgets.controls import IntentButton, label, set_text
 
-NAMES = ("enable", "disable", "calibrate", "home", "reset", "undo")
-DAILY = ("home", "undo")
-"""Commands that are large and always visible."""
-COLUMNS = 2
+NAMES = ("home", "undo")
+"""Commands of every day; the menus of the pills contain the others."""
 HEIGHT_PX = 56
 """Height of the bar of STOP; the style sheet contains it, too."""
 
 
 class CommandsPanel(QFrame):
-    """A button for each command; Disable needs a second press if the hardware is checked, because its head sinks."""
+    """A large button for each command of every day."""
 
     intent = pyqtSignal(object)
-    asking = pyqtSignal(str)
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
@@ -29,33 +27,21 @@ class CommandsPanel(QFrame):
         self.setProperty("panel", True)  # noqa: FBT003
         self.setAccessibleName(texts("label.commands"))
         self.buttons = {name: IntentButton() for name in NAMES}
-        self.rare = QWidget()
-        """the buttons that a lesson needs once; the window puts them into a tab of the low area"""
-        rare = QGridLayout(self.rare)
-        rare.setContentsMargins(8, 8, 8, 8)
-        rare.setSpacing(8)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(8, 8, 8, 8)
         layout.setSpacing(8)
-        for name, button in self.buttons.items():
-            if name in DAILY:
-                button.setProperty("daily", True)  # noqa: FBT003
-                layout.addWidget(button)
-            else:
-                rare.addWidget(button, *divmod(rare.count(), COLUMNS))
+        for button in self.buttons.values():
+            button.setProperty("daily", True)  # noqa: FBT003
+            layout.addWidget(button)
             button.intent.connect(self.intent)
-            button.asking.connect(self.asking)
-        rare.setRowStretch(COLUMNS, 1)
-        rare.setColumnStretch(COLUMNS, 1)
 
     def show_view(self, view: CommandsView) -> None:
-        """Show the buttons and which of them are enabled."""
+        """Show the buttons."""
         if view == self._view:
             return
         self._view = view
-        shown = (view.enable, view.disable, view.calibrate, view.home, view.reset, view.undo)
-        for button, button_view in zip(self.buttons.values(), shown, strict=True):
-            button.show_view(button_view)
+        self.buttons["home"].show_view(view.home)
+        self.buttons["undo"].show_view(view.undo)
 
 
 class StopBar(QPushButton):
@@ -103,6 +89,7 @@ class StopBar(QPushButton):
         """Show the texts of both buttons."""
         stop, self._view = view.stop, view
         self.emergency.show_view(view.emergency)
+        self.emergency.setVisible(view.page is WindowPage.CLASS)  # elsewhere it is in the menus of the pills
         set_text(self.word, stop.text)
         self.setToolTip(stop.tooltip)
         self.setAccessibleName(stop.text)

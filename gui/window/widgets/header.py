@@ -17,8 +17,8 @@ from PyQt5.QtWidgets import (
 )
 
 from beatrix_zenoh.contract.names import SIDES
-from gui.console.state.intents import ChooseRobot, SetLanguage, SetTheme, Theme
-from gui.console.state.views import PillView, RecordView, View
+from gui.console.state.intents import ChooseRobot, SetLanguage, SetTheme, Theme, WindowPage
+from gui.console.state.views import ButtonView, PillView, RecordView, View
 from gui.console.texts import LANGUAGES, Texts
 from gui.window.theme import CONDITION_ROLES
 from gui.window.widgets.controls import (
@@ -31,7 +31,9 @@ from gui.window.widgets.controls import (
     set_role,
     set_text,
 )
+from gui.window.widgets.robot_menu import RobotMenu
 
+MORE_PX = 24
 LONGEST = "■ 888:88"
 """The widest duration of a recording."""
 
@@ -91,9 +93,10 @@ class Pill(QFrame):
 
     intent = pyqtSignal(object)
 
-    def __init__(self, side: str) -> None:
+    def __init__(self, side: str, texts: Texts) -> None:
         super().__init__()
         self._view: PillView | None = None
+        self._emergency: ButtonView | None = None
         self.setProperty("pill", True)  # noqa: FBT003
         self.setProperty("side", side)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
@@ -119,14 +122,27 @@ class Pill(QFrame):
         layout.addWidget(self.reason, 1)
         layout.addWidget(self.next_step)
         layout.addWidget(self.lease)
+        layout.addWidget(self._menu_button(texts))
         self.next_step.hide()
         self.lease.hide()
 
-    def show_view(self, view: PillView) -> None:
-        """Show the robot's state."""
-        if view == self._view:
+    def _menu_button(self, texts: Texts) -> QPushButton:
+        self.menu, self.more = RobotMenu(self), QPushButton("⋮")
+        self.more.setProperty("jog", True)  # noqa: FBT003
+        self.more.setAutoDefault(False)
+        self.more.setToolTip(texts("tip.robot_menu"))
+        self.more.setAccessibleName(texts("label.robot_menu"))
+        self.more.setFixedWidth(MORE_PX)
+        self.more.clicked.connect(lambda: self.menu.open(self.more))
+        self.menu.intent.connect(self.intent)
+        return self.more
+
+    def show_view(self, view: PillView, emergency: ButtonView | None) -> None:
+        """Show the robot's state; the menu ends with the button of EMERGENCY_STOP, if it is given."""
+        if (view, emergency) == (self._view, self._emergency):
             return
-        self._view = view
+        self._view, self._emergency = view, emergency
+        self.menu.show_view(view.menu if emergency is None else (*view.menu, emergency))
         set_text(self.title, view.title)
         set_role(self.state, "role", CONDITION_ROLES[view.condition])
         set_text(self.state, f"{view.symbol} {view.text}")
@@ -162,7 +178,7 @@ class Header(QWidget):
         self.robots.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         self.robots.setMinimumWidth(70)
         self.robots.textActivated.connect(lambda name: self.intent.emit(ChooseRobot(name)))
-        self.pills = {side: Pill(side) for side in SIDES}
+        self.pills = {side: Pill(side, texts) for side in SIDES}
         self.page = IntentButton()
         self.page.intent.connect(self.intent)
         self.page.hide()
@@ -234,7 +250,7 @@ class Header(QWidget):
             if self.robots.currentText() != view.robot:
                 self.robots.setCurrentText(view.robot)
         for pill in view.pills:
-            self.pills[pill.side].show_view(pill)
+            self.pills[pill.side].show_view(pill, view.emergency if view.page is WindowPage.ROBOT else None)
         if view.class_page is not None:
             self.page.show_view(view.class_page.toggle)
         self.page.setVisible(view.class_page is not None)

@@ -84,13 +84,13 @@ class TroubleNotice(QFrame):
 
 
 class RefusalNotice(QFrame):
-    """A frame over the panels next to the control, so that no control moves; also shows questions of buttons."""
+    """A frame over the panels next to the control, so that no control moves."""
 
     intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts, parent: QWidget) -> None:
         super().__init__(parent)
-        self._shown: tuple[str, ButtonView | None, QWidget | None, bool] = ("", None, None, True)
+        self._shown: tuple[str, ButtonView | None, QWidget | None] = ("", None, None)
         self.setProperty("notice", True)  # noqa: FBT003
         self.text = label(wrap=True)
         self.alternative, self.dismiss = IntentButton(main=True), IntentButton()
@@ -110,18 +110,12 @@ class RefusalNotice(QFrame):
     def show_view(self, view: RefusalView | None, beside: QWidget | None) -> None:
         """Show the refusal beside a widget, or hide it."""
         if view is None:
-            self._show("", None, None, closes=True)
+            self._show("", None, None)
         else:
-            self._show(f"✕ {view.text}", view.alternative, beside, closes=True)
+            self._show(f"✕ {view.text}", view.alternative, beside)
 
-    def show_question(self, question: str, beside: QWidget) -> None:
-        """Show the question of a button that waits for its second press."""
-        self._show(f"▲ {question}", None, beside, closes=False)
-
-    def _show(
-        self, text: str, alternative: ButtonView | None, beside: QWidget | None, *, closes: bool
-    ) -> None:
-        shown = (text, alternative, beside, closes)
+    def _show(self, text: str, alternative: ButtonView | None, beside: QWidget | None) -> None:
+        shown = (text, alternative, beside)
         if shown == self._shown:
             self.place()  # the widget beside it may have moved
             return
@@ -134,7 +128,6 @@ class RefusalNotice(QFrame):
         if alternative is not None:
             self.alternative.show_view(alternative)
         self.alternative.setVisible(alternative is not None)
-        self.dismiss.setVisible(closes)
         self.place()
         self.show()
         self.raise_()

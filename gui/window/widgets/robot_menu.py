@@ -1,0 +1,82 @@
+"""The rare commands of one robot, in a popup of its pill."""
+
+from __future__ import annotations
+
+from PyQt5.QtCore import QPoint, Qt, pyqtSignal
+from PyQt5.QtGui import QHideEvent, QKeyEvent
+from PyQt5.QtWidgets import QAbstractButton, QApplication, QFrame, QVBoxLayout, QWidget
+
+from gui.console.state.intents import Intent
+from gui.console.state.views import ButtonView
+from gui.window.keys import SEND_KEYS
+from gui.window.widgets.controls import IntentButton, label, set_text
+
+WIDTH_PX = 230
+
+
+class RobotMenu(QFrame):
+    """Buttons below the pill; one with a question shows it here and stays open for the second press."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent, Qt.WindowType.Popup)
+        self._views: tuple[ButtonView, ...] = ()
+        self.setProperty("panel", True)  # noqa: FBT003
+        self.setFixedWidth(WIDTH_PX)
+        self.buttons: list[IntentButton] = []
+        self.question = label(wrap=True)
+        self.question.hide()
+        self._column = QVBoxLayout(self)
+        self._column.setContentsMargins(8, 8, 8, 8)
+        self._column.setSpacing(8)
+        self._column.addWidget(self.question)
+
+    def show_view(self, views: tuple[ButtonView, ...]) -> None:
+        """Show a button for each command."""
+        if views == self._views:
+            return
+        self._views = views
+        while len(self.buttons) < len(views):
+            button = IntentButton()
+            button.intent.connect(self._choose)
+            button.asking.connect(self._ask)
+            self._column.insertWidget(len(self.buttons), button)
+            self.buttons.append(button)
+        for number, button in enumerate(self.buttons):
+            button.setVisible(number < len(views))
+            if number < len(views):
+                button.show_view(views[number])
+        self.adjustSize()
+
+    def open(self, below: QWidget) -> None:
+        """Open below a button, at its right edge."""
+        self.adjustSize()
+        corner = below.mapToGlobal(QPoint(below.width() - self.width(), below.height() + 2))
+        self.move(max(0, corner.x()), corner.y())
+        self.show()
+        if self.buttons:
+            self.buttons[0].setFocus()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
+        """Press the focused button with Enter, as in the window; Space is STOP."""
+        focus = self.focusWidget()
+        if event.key() in SEND_KEYS and isinstance(focus, QAbstractButton):
+            focus.click()
+        else:
+            super().keyPressEvent(event)
+
+    def hideEvent(self, event: QHideEvent) -> None:  # noqa: N802
+        super().hideEvent(event)
+        for button in self.buttons:
+            button.disarm()
+
+    def _choose(self, intent: Intent) -> None:
+        self.close()
+        self.intent.emit(intent)
+
+    def _ask(self, question: str) -> None:
+        set_text(self.question, f"▲ {question}")
+        self.question.setVisible(bool(question))
+        QApplication.sendPostedEvents()  # so that the height counts the question
+        self.adjustSize()
