@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from collections.abc import Iterator
 from functools import partial
 
 import pytest
-from gui_links import Linked
+from copied_programs import repeat, run_copied
+from gui_links import BareWindow, Linked
 from robots import Stage, until
 
-from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import intents
-from gui.console.state.intents import Intent, Jog, RunCommand, SetDestination
-from gui.console.state.state import State
-from gui.console.state.views import Condition, View
+from gui.console.state.intents import Jog, RunCommand, SetDestination
+from gui.console.state.views import Condition
 
 
 @pytest.fixture
@@ -27,45 +24,6 @@ def linked() -> Iterator[Linked]:
         with Linked(stage.endpoint) as made:
             made.online("sim", "hw")
             yield made
-
-
-def run_copied(program: str) -> None:
-    """Run a copied program unchanged, in a process of its own."""
-    ended = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60.0, check=False
-    )
-    assert ended.returncode == 0, ended.stderr
-
-
-class BareWindow:
-    """A window without widgets."""
-
-    def __init__(self, linked: Linked) -> None:
-        self.linked, self.state, self.reported = linked, State(), 0
-
-    def view(self) -> View:
-        """Return the present view."""
-        while self.reported < len(self.linked.outcomes):
-            self.state.report(self.linked.outcomes[self.reported])
-            self.reported += 1
-        return self.state.view(self.linked.world)
-
-    def want(self, intent: Intent) -> None:
-        for action in self.state.handle(intent, self.linked.world):
-            self.linked.do(action)
-
-    def ends(self) -> bool:
-        """Wait for the end of the newest request of the window; return whether it succeeded."""
-        until(lambda: self.own() is not None, "the newest request ends", 15.0)
-        return bool(self.own())
-
-    def own(self) -> bool | None:
-        return next(row.good for row in self.view().history if row.row > 0)
-
-    def commanded(self, side: str) -> ArmAngles:
-        reading = self.linked.world.side(side).reading
-        assert reading is not None
-        return reading.commanded
 
 
 def changed(window: BareWindow, number: int, condition: Condition) -> bool:
@@ -109,3 +67,10 @@ def test_both_robots_carry_out_next_steps_motions_alternatives_and_undo(linked: 
     assert window.ends(), window.view().last
     run_copied(window.view().history[0].program)
     assert [round(angle, 1) for angle in window.commanded("hw")] == [0, 0, 10]
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_the_program_of_a_history_repeats_its_motions(linked: Linked, seed: int) -> None:
+    pressed, repeated = repeat(linked, seed)
+    assert any(pressed)
+    assert repeated == pressed
