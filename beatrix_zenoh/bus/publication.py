@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Callable
+from typing import Final
 
 import zenoh
 from zenoh.handlers import Callback
@@ -16,12 +18,19 @@ from beatrix_zenoh.contract.errors import WrongUsage
 CONGESTION = {"drop": zenoh.CongestionControl.DROP, "block": zenoh.CongestionControl.BLOCK}
 
 
+MATCHING_S: Final = 1.0
+"""Age (s) at which the answer of Zenoh about subscribers is renewed, even if Zenoh has reported no change."""
+
+
 class Publication:
     """A declared publisher, with the priority and congestion control of its row in keys.toml."""
 
     def __init__(self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None) -> None:
         self._key, self._encoding, self._on_subscribed = key, encoding, on_subscribed
         self._publisher: zenoh.Publisher
+        self._matching = False
+        self._read_s = float("-inf")
+        """Time (s, monotonic) at which `_matching` was read; -inf: read it again."""
 
     def declare(self, session: zenoh.Session) -> zenoh.Publisher:
         """Declare the publisher on a session, in place of the publisher of an earlier session."""
@@ -33,19 +42,26 @@ class Publication:
             priority=PRIORITIES["data" if row is None else row.priority],
             congestion_control=CONGESTION["drop" if row is None else row.congestion],
         )
-        on_subscribed = self._on_subscribed
-        if on_subscribed is not None:
-            # The listener ends with its publisher. Zenoh does not call a new one if the key has no subscribers, so call
-            # `on_subscribed` here.
-            changed: Callback[zenoh.MatchingStatus] = Callback(lambda _: on_subscribed(), indirect=False)
-            self._publisher.declare_matching_listener(changed)
-            on_subscribed()
+        # The listener ends with its publisher. Zenoh does not call a new one if the key has no subscribers, so call
+        # `_changed` here.
+        changed: Callback[zenoh.MatchingStatus] = Callback(lambda _: self._changed(), indirect=False)
+        self._publisher.declare_matching_listener(changed)
+        self._changed()
         return self._publisher
+
+    def _changed(self) -> None:
+        self._read_s = float("-inf")
+        if self._on_subscribed is not None:
+            self._on_subscribed()
 
     @property
     def subscribed(self) -> bool:
         """Whether any client subscribes to this publication."""
-        return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
+        now_s = time.monotonic()
+        if now_s - self._read_s > MATCHING_S:
+            self._read_s = now_s  # before the call, because a change may be reported during it
+            self._matching = bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
+        return self._matching
 
     def put(self, payload: bytes, attachment: bytes | None = None) -> None:
         """Publish; Zenoh drops the message for a subscriber that cannot keep up."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Protocol
@@ -62,8 +63,11 @@ class LogEvents(Component, logging.Handler):
 class ControllerThread(Component):
     """The controller's thread, which carries out the tasks of the request queue one after the other."""
 
-    def __init__(self, queue: ControllerQueue, controller: MotionController) -> None:
-        self._queue, self._controller = queue, controller
+    def __init__(
+        self, queue: ControllerQueue, controller: MotionController, changed: Callable[[], None]
+    ) -> None:
+        """`changed` is called after each entry of the queue, because the status may have changed."""
+        self._queue, self._controller, self._changed = queue, controller, changed
         self._thread: threading.Thread | None = None
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002
@@ -75,6 +79,7 @@ class ControllerThread(Component):
     def _run(self) -> None:
         while (run := self._queue.take()) is not None:
             run()
+            self._changed()
         self._controller.close()
 
     def close(self) -> None:
@@ -136,14 +141,15 @@ class Node:
         )
         decisions, stop = TeacherDecisions(controller, kept), StopHandler(requests, controller, watch)
         controller.on_stop.append(decisions.keep)  # an EMERGENCY_STOP may be the teacher's
+        publisher = Publisher(self.snapshot, self.events, lambda: controller.driven or controller.moving)
         return [
             LogEvents(self.events),
             decisions,
             watch,
-            Publisher(self.snapshot, self.events),
+            publisher,
             StateQueries(self.snapshot, self.events),
             stop,
-            ControllerThread(requests.queue, controller),
+            ControllerThread(requests.queue, controller, publisher.changed),
             CommandHandler(requests, controller, hardware, stop.press, decisions.keep),
             LeaseHandler(requests, controller, decisions.keep),
             MotionHandler(requests, controller),

@@ -64,6 +64,9 @@ def board_trouble(status: Status) -> str:
 
 PERIOD_S = 1 / keys.POSITIONS_HZ
 STATUS_S = 1 / keys.STATUS_HZ
+CHECK_S = 0.1
+"""Longest time (s) between two comparisons of the status with the last one. A robot that moves, or whose controller has
+done something, is compared in every period: it takes more time to assemble a status than to publish positions."""
 ON_CHANGE = {
     kind: [name for name in kind.__struct_fields__ if name not in quiet]
     for kind, quiet in NOT_ON_CHANGE.items()
@@ -72,47 +75,89 @@ ON_CHANGE = {
 
 
 class StatePublication:
-    """Publications of one kind of message in msgpack, and as JSON text while a client subscribes to the JSON key."""
+    """Publications of one kind of message in msgpack and as JSON text, each while a client subscribes to its key."""
 
-    def __init__(self, sessions: Sessions, key: str, json_key: str) -> None:
-        self._packed: Publication = sessions.publication(key, codec.MSGPACK)
-        self._json: Publication = sessions.publication(json_key, codec.JSON)
+    def __init__(self, sessions: Sessions, key: str, json_key: str, changed: Callable[[], None]) -> None:
+        """Declare the publications; `changed` is called when `subscribed` may have changed, also by Zenoh's thread."""
+        self._packed: Publication = sessions.publication(key, codec.MSGPACK, changed)
+        self._json: Publication = sessions.publication(json_key, codec.JSON, changed)
+
+    @property
+    def subscribed(self) -> bool:
+        """Whether a client subscribes to one of the two keys."""
+        return self._packed.subscribed or self._json.subscribed
 
     def put(self, message: msgspec.Struct) -> None:
         """Publish a message; Zenoh drops it for a subscriber that cannot keep up."""
-        self._packed.put(codec.encode(message))
+        if self._packed.subscribed:
+            self._packed.put(codec.encode(message))
         if self._json.subscribed:
             self._json.put(codec.encode_json(message))
 
 
 class Publisher(Component):
-    """Publishes positions, status and events until closed."""
+    """Publishes positions, status and events until closed.
 
-    def __init__(self, snapshot: Snapshot, events: NodeEvents) -> None:
-        self._snapshot, self._recorded = snapshot, events
+    Its thread wakes at POSITIONS_HZ while a client subscribes to anything or the robot moves, otherwise every CHECK_S
+    and when `changed` is called.
+    """
+
+    def __init__(self, snapshot: Snapshot, events: NodeEvents, busy: Callable[[], bool]) -> None:
+        """`busy` returns whether the robot moves or is about to."""
+        self._snapshot, self._recorded, self._busy = snapshot, events, busy
         self._changes = StatusEvents(events)
         self._published: object = None
-        self._status_due_s = 0.0
-        self._closed = threading.Event()
+        self._status_due_s = self._check_due_s = 0.0
+        self._dirty, self._idle = True, False
+        self._wake = threading.Event()
+        self._closed = False
         self._thread: threading.Thread | None = None
 
     def start(self, sessions: Sessions) -> None:
         name, side = self._snapshot.name, self._snapshot.side
         self._positions = StatePublication(
-            sessions, keys.positions(name, side), keys.positions_json(name, side)
+            sessions, keys.positions(name, side), keys.positions_json(name, side), self.changed
         )
-        self._status = StatePublication(sessions, keys.status(name, side), keys.status_json(name, side))
-        self._events = StatePublication(sessions, keys.events(name, side), keys.events_json(name, side))
+        self._status = StatePublication(
+            sessions, keys.status(name, side), keys.status_json(name, side), self.changed
+        )
+        self._events = StatePublication(
+            sessions, keys.events(name, side), keys.events_json(name, side), self.changed
+        )
         self._thread = threads.start(self._run, "publisher")
+
+    def changed(self) -> None:
+        """Compare the status in the next period, or now if the thread waits for longer; any thread may call this."""
+        self._dirty = True
+        if self._idle:
+            self._wake.set()
 
     def _run(self) -> None:
         due_s = time.monotonic()
-        while not self._closed.wait(max(0.0, due_s - time.monotonic())):
-            self._positions.put(self._snapshot.positions(count=True))
+        while not self._closed:
+            self._wake.wait(max(0.0, due_s - time.monotonic()))
+            self._wake.clear()
+            if self._positions.subscribed:
+                self._positions.put(self._snapshot.positions(count=True))
+            self._publish_changes()
+            self._idle = not (self._watched or self._busy())
+            if self._idle and self._dirty:
+                self._wake.set()  # `changed` was called before the thread was idle
+            period_s, now_s = CHECK_S if self._idle else PERIOD_S, time.monotonic()
+            # After a stall of the process, skip the missed publications: clients need no burst of old positions. After
+            # a wake-up the periods begin anew.
+            due_s = now_s + period_s if due_s > now_s else max(due_s + period_s, now_s - period_s)
+
+    @property
+    def _watched(self) -> bool:
+        return self._positions.subscribed or self._status.subscribed or self._events.subscribed
+
+    def _publish_changes(self) -> None:
+        now_s = time.monotonic()
+        if self._dirty or now_s >= self._check_due_s or self._busy():
+            self._dirty, self._check_due_s = False, now_s + CHECK_S
             self._publish_status()
-            self._publish_events()
-            # After a stall of the process, skip the missed publications: clients need no burst of old positions.
-            due_s = max(due_s + PERIOD_S, time.monotonic() - PERIOD_S)
+        self._publish_events()
 
     def _publish_status(self, *, always: bool = False) -> None:
         status = self._snapshot.status()
@@ -130,7 +175,8 @@ class Publisher(Component):
 
     def close(self) -> None:
         """End the thread; publish a last status and the last events."""
-        self._closed.set()
+        self._closed = True
+        self._wake.set()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
             self._publish_status(always=True)

@@ -50,7 +50,7 @@ class Stage:
         self.go_on.set()
         monkeypatch.setattr(node.board, "request", self._request)
         self.handler = StopHandler(node.requests, node.controller, node.board_watch)
-        self.controller = ControllerThread(node.requests.queue, node.controller)
+        self.controller = ControllerThread(node.requests.queue, node.controller, lambda: None)
         self.handler.start(sessions)
         self.controller.start(sessions)
         self.replies: dict[str, CommandReply] = {}
