@@ -176,4 +176,6 @@ def check_board(status: Status) -> None:
 def check_holder(status: Status, seat: str) -> None:
     """Raise Refused if another seat holds the robot, unless this seat is the teacher."""
     if status.holder not in ("", seat) and seat != TEACHER:
+        if status.lease:
+            raise refusals.taken_by(status.holder)
         raise refusals.driven_by(status.holder, None if status.moving else refusals.LINGER_S)

@@ -136,6 +136,7 @@ def test_the_holder_or_the_teacher_may_move_a_ready_robot(holder: str, who: str)
     ("change", "reason", "text"),
     [
         ({"holder": "ben"}, Reason.NOT_HOLDER, "ben drives this robot"),
+        ({"holder": "ben", "lease": 3}, Reason.NOT_HOLDER, "ben has taken this robot"),
         ({"enabled": False}, Reason.NOT_ENABLED, "The motors are off"),
         ({"calibrated": False}, Reason.NOT_CALIBRATED, "Home is not known"),
         ({"enabled": False, "fault": Fault.EMERGENCY}, Reason.EMERGENCY, "EMERGENCY_STOP is latched"),
