@@ -36,7 +36,11 @@ from gui.console.state.actions import (
 from gui.console.state.intents import Jog, RunCommand, SetDestination, Tab
 from gui.console.state.state import State
 from gui.console.state.views import ButtonView, View
-from gui.console.state.world import LinkPhase, RecordingProgress, World
+from gui.console.state.world import LinkPhase, RecordingProgress, Trouble, World
+from gui.console.texts import LANGUAGES
+
+LOST_ROUTER = Trouble("trouble.router", "SIGKILL", "ready tcp/127.0.0.1:7447")
+FULL = Trouble("trouble.recorder", "1", "The disk is full.")
 
 
 def motion_buttons(view: View) -> list[ButtonView]:
@@ -217,11 +221,31 @@ def test_a_missing_picture_has_a_reason(cameras: tuple[CameraStatus, ...], left:
 
 
 def test_the_failure_of_a_child_program_is_shown_in_banner_and_last_line() -> None:
-    failed = replace(world(absent("sim"), absent("hw"), names=()), child_trouble="There is no mujoco.")
+    failed = replace(world(absent("sim"), absent("hw"), names=()), child_trouble=LOST_ROUTER)
     banner = State().view(failed).banner
     assert banner is not None
     same("state.the failure of a child program is shown in banner and last line 1", banner.text)
     same("state.the failure of a child program is shown in banner and last line 2", State().view(failed).last)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_the_output_of_a_child_program_is_a_detail(code: str) -> None:
+    failed = replace(world(absent("sim"), absent("hw"), names=()), child_trouble=LOST_ROUTER)
+    state = state_after(intents.SetLanguage(code))
+    view = state.view(failed)
+    assert view.banner is not None
+    assert not {text for text in (view.banner.text, view.last) if LOST_ROUTER.detail in text}
+    assert view.last_detail == LOST_ROUTER.detail
+
+
+def test_the_failure_of_a_simulation_goes_when_one_is_online_again() -> None:
+    state, gone = State(), replace(world(absent("sim")), child_trouble=LOST_ROUTER)
+    here = replace(world(), child_trouble=LOST_ROUTER)
+    shown = []
+    for now in (here, gone, here):  # at first the window has not seen the loss
+        state.follow(now)
+        shown.append("SIGKILL" in state.view(now).last)
+    assert shown == [True, True, False]
 
 
 def test_a_recording_is_begun_ended_and_opened() -> None:
@@ -234,7 +258,7 @@ def test_a_recording_is_begun_ended_and_opened() -> None:
     ending = world(recording=RecordingProgress(file, running=True, seconds=72.6, ending=True))
     assert not State().view(ending).record.toggle.enabled
     assert state.handle(intents.ToggleRecording(), ending) == []
-    ended = world(recording=RecordingProgress(file, running=False, seconds=72.6, trouble="The disk is full."))
+    ended = world(recording=RecordingProgress(file, running=False, seconds=72.6, trouble=FULL))
     assert state.handle(intents.OpenRecording(), ended) == [ViewRecording(file)]
     same("state.a recording is begun ended and opened", state.view(ended).last)
     state.handle(intents.Stop(), ended)

@@ -11,6 +11,7 @@ from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import Fault, Reason
 from beatrix_zenoh.contract.refusals import taken_by
 from gui.console.state.intents import Jog
+from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, World
 
 WELL = world(seat="ben")
@@ -41,6 +42,20 @@ def test_a_refusal_goes_with_its_cause(reason: Reason) -> None:
     for now, shown in ((WELL, True), (CAUSES[reason], True), (WELL, False)):
         state.follow(now)
         assert (state.view(now).arms.refusal is not None) is shown
+    assert "its cause has gone" in state.view(WELL).last
+
+
+@pytest.mark.parametrize(
+    "now",
+    [world(absent("sim")), world(phase=LinkPhase.NO_ROUTER), world(phase=LinkPhase.REFUSED)],
+    ids=["no simulation", "no router", "account"],
+)
+def test_a_refusal_of_the_window_itself_goes_with_its_cause(now: World) -> None:
+    state = State()
+    assert state.handle(Jog("short", 1), now) == []
+    for then, shown in ((now, True), (world(), False)):
+        state.follow(then)
+        assert (state.view(then).arms.refusal is not None) is shown
 
 
 def test_a_refusal_of_a_limit_stays_until_the_user_acts() -> None:

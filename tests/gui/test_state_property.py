@@ -55,7 +55,7 @@ from gui.console.state.sequence_intents import (
     UndoSequence,
 )
 from gui.console.state.state import State
-from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, World
+from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, Trouble, World
 
 SIDES = st.sampled_from(["sim", "hw"])
 ANGLES = st.floats(-1e6, 1e6)
@@ -195,7 +195,11 @@ WORLDS: st.SearchStrategy[World] = st.builds(
     ),
     recording=st.none()
     | st.builds(
-        RecordingProgress, FILES, st.booleans(), st.floats(0, 1e5), st.sampled_from(["", "Disk full."])
+        RecordingProgress,
+        FILES,
+        st.booleans(),
+        st.floats(0, 1e5),
+        st.sampled_from([None, Trouble("trouble.start")]),
     ),
     starting=st.booleans(),
     wall_s=st.floats(0, 2e9),

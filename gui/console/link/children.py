@@ -13,13 +13,20 @@ from pathlib import Path
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.output import exit_code
-from beatrix_zenoh.processes import POLL_S, READY_S, Child, Supervisor, start_router
+from beatrix_zenoh.processes import POLL_S, READY_S, Child, Supervisor, in_words, start_router
 from gui.console.link.worker import Worker
-from gui.console.state.world import RecordingProgress
+from gui.console.state.world import RecordingProgress, Trouble
 
 FOLDER = "recordings"
 NO_ROBOT = exit_code(Reason.NO_ANSWER)
 """Exit code of a recorder that has received nothing from a robot."""
+ENDED = {
+    "router": "trouble.router",
+    "simulation": "trouble.simulation",
+    "viewer": "trouble.viewer",
+    "recorder": "trouble.recorder",
+}
+"""Texts by the first word of a child's title."""
 
 
 class Children(Worker):
@@ -36,7 +43,7 @@ class Children(Worker):
         self._numbers = itertools.count(1)
         self.starting = False
         """whether a requested simulation is still starting"""
-        self._trouble = ""
+        self._trouble: Trouble | None = None
 
     @property
     def own_simulation(self) -> bool:
@@ -45,28 +52,26 @@ class Children(Worker):
         return simulation is not None and simulation.code is None
 
     @property
-    def trouble(self) -> str:
-        """The reason why a child process did not start or has failed; empty if there is none."""
+    def trouble(self) -> Trouble | None:
+        """The reason why a child process did not start or has failed; None if there is none."""
         for processes in (self._serving, self._viewers):
             if self._trouble or self.starting or processes is None:
                 continue
             if any(child.code not in (None, 0) for child in list(processes.children)):
-                self._trouble = processes.failure()
+                self._trouble = ended(processes)
                 processes.forget_ended()  # so that each failure is reported once
         return self._trouble
 
     def simulate(self, robot: str, endpoint: str) -> None:
         """Start a simulation, ready to move, and a router if none answers."""
-        self.starting, self._trouble = True, ""
+        self.starting, self._trouble = True, None
         self.put(lambda: self._simulate(robot, endpoint))
 
     def _simulate(self, robot: str, endpoint: str) -> None:
         try:
             self._serve(robot, endpoint)
-        except BeatrixError as error:
-            self._trouble = error.message
-        except OSError as error:
-            self._trouble = f"A process cannot be started: {error}."
+        except (BeatrixError, OSError) as error:
+            self._trouble = self._trouble or not_started(error)
         finally:
             self.starting = False
 
@@ -81,13 +86,14 @@ class Children(Worker):
             simulation = serving.start("simulation", *words)
             serving.wait_ready()
         except BeatrixError:
+            self._trouble = ended(serving)
             serving.forget_ended()  # so that `trouble` does not report the same failure again
             raise
         self._simulation = simulation
 
     def view(self, file: Path) -> None:
         """Start a new viewer process that shows a recording."""
-        self._trouble = ""
+        self._trouble = None
         self.put(lambda: self._view(file))
 
     def _view(self, file: Path) -> None:
@@ -95,10 +101,8 @@ class Children(Worker):
             viewers = self._viewers = self._viewers or Supervisor()
             viewers.forget_ended()
             viewers.start(f"viewer-{next(self._numbers)}", "view", str(file))
-        except BeatrixError as error:
-            self._trouble = error.message
-        except OSError as error:
-            self._trouble = f"A viewer cannot be started: {error}."
+        except (BeatrixError, OSError) as error:
+            self._trouble = not_started(error)
 
     def join(self, deadline_s: float) -> None:
         """End all children and the thread by `deadline_s` (monotonic clock, s)."""
@@ -120,7 +124,7 @@ class Recordings(Worker):
         self._began_s: float | None = None
         self._lasted_s: float | None = None
         """duration (s); None: the recording runs"""
-        self._trouble = ""
+        self._trouble: Trouble | None = None
         self._ending = False
         """whether the user has ended the recording"""
 
@@ -146,7 +150,7 @@ class Recordings(Worker):
             if self._file is not None and self._lasted_s is None:
                 return
             self._child = self._began_s = self._lasted_s = None
-            self._trouble, self._ending = "", False
+            self._trouble, self._ending = None, False
             stamp = f"{datetime.now().astimezone():%Y-%m-%d-%H%M%S}"
             file = self._file = folder() / f"{robot}-{stamp}.rrd"
         self.put(lambda: self._begin(file, robot, endpoint))
@@ -158,10 +162,8 @@ class Recordings(Worker):
             processes = self._processes = self._processes or Supervisor()
             processes.forget_ended()
             self._child = processes.start("recorder", *words)
-        except OSError as error:
-            self._trouble, self._lasted_s = f"The recording cannot begin: {error}.", 0.0
-        except BeatrixError as error:
-            self._trouble, self._lasted_s = error.message, 0.0
+        except (BeatrixError, OSError) as error:
+            self._trouble, self._lasted_s = not_started(error), 0.0
 
     def end(self) -> None:
         """End the recording; its file is complete once `progress` reports that it no longer runs."""
@@ -186,13 +188,30 @@ class Recordings(Worker):
                 # A recording that the user ends while it is starting is empty, which is not a failure.
                 accepted = (0, NO_ROBOT) if self._ending else (0,)
                 if child is not None and processes is not None and child.code not in accepted:
-                    self._trouble = processes.failure()
+                    self._trouble = ended(processes)
 
     def join(self, deadline_s: float) -> None:
         """End the recording; wait for its end until `deadline_s` (monotonic clock, s) at the latest."""
         if self._processes is not None:
             self._processes.end_all(deadline_s)
         super().join(deadline_s)
+
+
+def ended(processes: Supervisor) -> Trouble | None:
+    """Return which child of a supervisor has ended, and its output; None if all run."""
+    for child in processes.children:
+        if child.code is not None:
+            code = in_words(child.code).removeprefix("exit code ")
+            return Trouble(ENDED[child.title.partition("-")[0]], code, processes.output_of(child))
+    return None
+
+
+def not_started(error: BeatrixError | OSError) -> Trouble:
+    """Return why a child was not started."""
+    if isinstance(error, OSError):
+        return Trouble("trouble.start", detail=str(error))
+    key = "trouble.elsewhere" if error.reason is Reason.NO_ROUTER else "trouble.start"
+    return Trouble(key, detail=error.message)
 
 
 def folder() -> Path:

@@ -25,7 +25,7 @@ from gui.console.state.memory import HistoryCache, Memory, Request, RequestRow
 from gui.console.state.presence import troubles
 from gui.console.state.refusals import sentence, side_of
 from gui.console.state.views import HistoryRowView
-from gui.console.state.world import World
+from gui.console.state.world import Trouble, World
 from gui.console.texts import Texts
 
 SHOWN = 100
@@ -72,18 +72,34 @@ def view(memory: Memory, world: World) -> tuple[HistoryRowView, ...]:
 def last(memory: Memory, world: World) -> str:
     """Return one line: a new error of a child program, else the last request with its outcome, else the notice."""
     texts = memory.choices.texts
-    for key, trouble in troubles(world).items():
-        if trouble and trouble != memory.troubles.get(key):
-            return texts(key, text=trouble)
+    if (failed := _trouble(memory, world)) is not None:
+        key, trouble = failed
+        return texts(key, text=texts(trouble.key, code=trouble.code))
     if not memory.rows:
         return memory.notice or texts("last.none")
     row = memory.rows[-1]
+    if row.number == memory.solved:
+        return texts("last.solved", what=what(row, texts))
     text, _ = result(row, texts)
     first, _, _ = text.partition(". ")  # the first sentence; other places also show the advice
     shown = {"what": what(row, texts), "result": first.removesuffix(".")}
     if not row.sides:  # a request without robots, such as a file to write
         return texts("last.here", **shown)
     return texts("last", sides=sides_text(row.sides, texts), **shown)
+
+
+def last_detail(memory: Memory, world: World) -> str:
+    """Return the output of the program whose failure is the last line, in English; empty if it is no failure."""
+    failed = _trouble(memory, world)
+    return "" if failed is None else failed[1].detail
+
+
+def _trouble(memory: Memory, world: World) -> tuple[str, Trouble] | None:
+    """Return the first failure that is new since the newest request, and the key of its text; None if there is none."""
+    for key, trouble in troubles(world).items():
+        if trouble is not None and trouble != memory.troubles.get(key):
+            return key, trouble
+    return None
 
 
 def row_view(row: RequestRow, world: World, texts: Texts) -> HistoryRowView:

@@ -26,6 +26,7 @@ from gui.console.state.actions import (
 from gui.console.state.choices import Choices
 from gui.console.state.saved import SavedPose
 from gui.console.state.views import HistoryRowView
+from gui.console.state.world import Trouble
 
 KEPT = 200
 """Largest number of rows of the history."""
@@ -165,6 +166,10 @@ class Memory:
     undo: tuple[tuple[int, ArmAngles], ...] = ()
     """row of each accepted motion, and the arms (deg) before it; oldest first"""
     refusal: Refusal | None = None
+    seen_trouble: Trouble | None = None
+    """the newest failure during which the simulation was not online"""
+    solved: int = 0
+    """row of the newest refused request whose cause has gone; 0: none"""
     live_row: int | None = None
     """row of the motions that follow the present drag of the head; None: none, not positive: it has ended, see `dragging`"""
     held_row: int | None = None
@@ -173,7 +178,7 @@ class Memory:
     """row of the newest hold until its end; 0: none"""
     notice: str = ""
     """a sentence to show until the first request"""
-    troubles: Mapping[str, str] = field(default_factory=dict)
+    troubles: Mapping[str, Trouble | None] = field(default_factory=dict)
     """`presence.troubles` at the newest request; they are no longer shown"""
     standings: Mapping[Place, Standing] = field(default_factory=dict)
     """leases of both robots of the shown name at the last call of `leases.follow`"""

@@ -312,7 +312,12 @@ def banner(memory: Memory, world: World) -> BannerView | None:
         found = BannerView(texts("banner.other_robots", robot=world.robot), (*choose, start))
     else:
         found = BannerView(texts("banner.no_robot"), (start,))
-    return replace(found, text=f"{world.child_trouble} {found.text}".strip())
+    failed = world.child_trouble
+    return (
+        found
+        if failed is None
+        else replace(found, text=f"{texts(failed.key, code=failed.code)} {found.text}")
+    )
 
 
 def _is_latched(world: World, side: str) -> bool:

@@ -6,7 +6,7 @@ from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, Reading
 from gui.console.state.memory import Memory
 from gui.console.state.views import HeadOrientation
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.world import LinkPhase, Trouble, World
 
 FURTHEST_DEG = 1e4
 """larger angles (deg) do not come from a robot and are ignored"""
@@ -46,9 +46,9 @@ def orientation(head: HeadAngles) -> HeadOrientation:
     return HeadOrientation(*head)
 
 
-def troubles(world: World) -> dict[str, str]:
-    """Return errors of recording and child programs by the key of their text; empty strings: none."""
-    recording = "" if world.recording is None else world.recording.trouble
+def troubles(world: World) -> dict[str, Trouble | None]:
+    """Return the failures of recording and child programs by the key of their text; None: no failure."""
+    recording = None if world.recording is None else world.recording.trouble
     return {"record.trouble": recording, "child.trouble": world.child_trouble}
 
 

@@ -87,6 +87,7 @@ class State:
             code=program.view(memory, world, self._code),
             record=commands.recording_view(memory, world),
             last=history.last(memory, world),
+            last_detail=history.last_detail(memory, world),
             stop=commands.stop_button(memory),
             emergency=commands.emergency_button(memory),
             theme=memory.choices.theme,

@@ -459,6 +459,8 @@ class View:
     record: RecordView
     last: str
     """the last request with its outcome"""
+    last_detail: str
+    """raw output of a failed program that the line is about, in English; empty: none"""
     stop: ButtonView
     emergency: ButtonView
     theme: Theme

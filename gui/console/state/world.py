@@ -52,14 +52,26 @@ class PlanProgress:
 
 
 @dataclass(frozen=True)
+class Trouble:
+    """Why a program of this window did not start or has failed."""
+
+    key: str
+    """a text of the faces"""
+    code: str = ""
+    """exit code, or name of the signal; a slot of the text"""
+    detail: str = ""
+    """last lines of its output, or the error of the system, in English"""
+
+
+@dataclass(frozen=True)
 class RecordingProgress:
     """A recording, running or finished."""
 
     file: Path
     running: bool
     seconds: float
-    trouble: str = ""
-    """why the recording did not begin or has ended by itself; empty: no failure"""
+    trouble: Trouble | None = None
+    """why the recording did not begin or has ended by itself; None: no failure"""
     ending: bool = False
     """whether the user has ended it and the recorder still completes the file"""
 
@@ -108,8 +120,8 @@ class World:
     """whether this window is starting a simulation"""
     own_simulation: bool = False
     """whether a simulation of this window is running"""
-    child_trouble: str = ""
-    """why a router, simulation or viewer of this window did not start or has failed; empty: no failure"""
+    child_trouble: Trouble | None = None
+    """why a router, simulation or viewer of this window did not start or has failed; None: no failure"""
     playing: str = ""
     """title of the current play; empty: none"""
     face: FaceProgress = FaceProgress()

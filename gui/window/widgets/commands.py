@@ -88,6 +88,7 @@ class StopBar(QPushButton):
     def show_view(self, view: View) -> None:
         """Show the texts of both buttons."""
         stop, self._view = view.stop, view
+        self.last.setToolTip(view.last_detail)
         self.emergency.show_view(view.emergency)
         self.emergency.setVisible(view.page is WindowPage.CLASS)  # elsewhere it is in the menus of the pills
         set_text(self.word, stop.text)

@@ -53,7 +53,8 @@ def kill(child: Child | None) -> None:
 def test_the_error_of_a_viewer_without_its_file_names_the_cause(linked: Linked, tmp_path: Path) -> None:
     linked.do(ViewRecording(tmp_path / "none.rrd"))
     world = linked.until(lambda world: bool(world.child_trouble), "it has ended", READY_S)
-    assert "none.rrd" in world.child_trouble
+    assert world.child_trouble is not None
+    assert (world.child_trouble.key, "none.rrd" in world.child_trouble.detail) == ("trouble.viewer", True)
 
 
 # -- a simulation of the window -------------------------------------------------------------------
@@ -65,16 +66,17 @@ def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None
         linked.do(RunSimulation())
         assert linked.world.starting
         world = linked.until(lambda world: world.own_simulation and not world.starting, "it runs", READY_S)
-        assert world.child_trouble == ""
+        assert world.child_trouble is None
         linked.online("sim")
         linked.do(Send(1, look(5), ("sim",)))
         assert linked.end_of(1, "sim").accepted
         kill(linked.link._children._simulation)
         world = linked.until(lambda world: not world.own_simulation, "it was killed")
-        assert "ended (SIGKILL)" in world.child_trouble
+        assert world.child_trouble is not None
+        assert (world.child_trouble.key, world.child_trouble.code) == ("trouble.simulation", "SIGKILL")
         linked.until(lambda world: world.sim.presence is Presence.ABSENT, "it is absent")
         linked.do(RunSimulation())
-        assert linked.world.child_trouble == ""
+        assert linked.world.child_trouble is None
         linked.until(lambda world: world.own_simulation, "it runs again", READY_S)
         linked.online("sim")
 
@@ -83,7 +85,11 @@ def test_a_simulation_for_a_router_on_another_computer_is_refused() -> None:
     with Linked("tcp/203.0.113.1:7447") as linked:
         linked.do(RunSimulation())
         world = linked.until(lambda world: not world.starting, "it is refused", READY_S)
-        assert "another computer" in world.child_trouble
+        assert world.child_trouble is not None
+        assert (world.child_trouble.key, "another computer" in world.child_trouble.detail) == (
+            "trouble.elsewhere",
+            True,
+        )
         assert not world.own_simulation
 
 
@@ -104,7 +110,7 @@ def test_a_recording_can_be_read(linked: Linked, tmp_path: Path) -> None:
     linked.do(EndRecording())  # no recording runs, so this does nothing
     assert linked.world.recording is None
     begun = recording(linked)
-    assert (begun.running, begun.trouble) == (True, "")
+    assert (begun.running, begun.trouble) == (True, None)
     assert begun.file.parent == tmp_path / "recordings"
     linked.do(Send(1, look(5), ("sim",)))
     assert linked.end_of(1, "sim").accepted
@@ -113,7 +119,7 @@ def test_a_recording_can_be_read(linked: Linked, tmp_path: Path) -> None:
         lambda world: world.recording is not None and not world.recording.running, "it has ended"
     )
     assert world.recording is not None
-    assert world.recording.trouble == ""
+    assert world.recording.trouble is None
     assert world.recording.seconds >= begun.seconds
     assert list(read_recording(begun.file).robots) == [("bea", "sim")]
 
@@ -128,7 +134,7 @@ def test_a_recording_that_is_ended_while_it_starts_is_complete(linked: Linked) -
         lambda world: world.recording is not None and not world.recording.running, "it has ended", READY_S
     )
     assert world.recording is not None
-    assert world.recording.trouble == ""
+    assert world.recording.trouble is None
     assert world.recording.file.is_file()
 
 
@@ -139,7 +145,8 @@ def test_the_loss_of_the_recorder_is_reported(linked: Linked) -> None:
         lambda world: world.recording is not None and not world.recording.running, "the loss is reported", 1.0
     )
     assert world.recording is not None
-    assert "ended (SIGKILL)" in world.recording.trouble
+    assert world.recording.trouble is not None
+    assert (world.recording.trouble.key, world.recording.trouble.code) == ("trouble.recorder", "SIGKILL")
 
 
 def test_the_end_of_the_window_completes_a_recording(linked: Linked) -> None:
