@@ -26,6 +26,7 @@ from gui.console.state.actions import (
     PROGRAM_FAILED,
     Action,
     Outcome,
+    Play,
     Ready,
     Send,
     SendCommand,
@@ -82,9 +83,11 @@ def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) 
 def record(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
     """Store a refusal, to be shown; the end of an accepted motion is shown in the history only.
 
-    An alternative shows that it is no end: the robot has accepted earlier goals of a held button.
+    An alternative shows that it is no end: the robot has accepted earlier goals of a held button. Neither is a required
+    step: a play is accepted when its file is checked, before the robot gets its first pose.
     """
-    refused = outcome.detail is not None and outcome.detail.alternative is not None
+    detail, played = outcome.detail, isinstance(row.request, Play)
+    refused = detail is not None and (detail.alternative is not None or (played and bool(detail.needs)))
     ended_elsewhere = not refused and (outcome.side in row.accepted or "" in row.accepted)
     wanted = row.dropped and outcome.reason is Reason.STOPPED
     if outcome.accepted or ended_elsewhere or wanted or outcome.reason in (Reason.OK, Reason.REPLACED):
@@ -174,7 +177,7 @@ def sides_of(refusal: Refusal) -> tuple[str, ...]:
     if refusal.side:
         return (refusal.side,)
     match refusal.request:
-        case Send(sides=sides) | SendCommand(sides=sides):
+        case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides):
             return sides
         case Ready(side=side) | SendLease(side=side):
             return (side,)
