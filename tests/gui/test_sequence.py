@@ -16,6 +16,7 @@ from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.motion_file import parse
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract.refusals import not_enabled
 from beatrix_zenoh.motion.trajectory import plan, shortest_s, speed_for
 from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Outcome, Play, WriteFile
@@ -283,6 +284,55 @@ def test_a_pose_that_cannot_be_reached_in_its_duration_is_named() -> None:
     state.handle(SetDuration("far", 1.6), world())
     assert refusal_of(state) == ""
     assert played(state, PlaySequence("sim")).poses[1].speed <= ROBOT.limits.speed_max
+
+
+FAR = SavedPose("far", -77.7, -24.0, -98.3, 3.0)
+AWAY = (SavedPose("away", 6.0, 60.0, 14.0, 3.0), SavedPose("back", -58.0, -25.0, 20.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("poses", "word", "sentence"),
+    [
+        ((NOD, FAR), "too far", "at most 35.0° is allowed. Delete this pose"),
+        (AWAY, "too far", "on the way the head would tilt 35.5°; at most 35.0° is allowed. Put another pose"),
+        ((NOD, SavedPose("close", 0.0, 95.0, 0.0, 3.0)), "too close", "at least 30.0° is required. Delete"),
+        ((FAR, NOD), "too far", "at most 35.0° is allowed. Delete this pose"),
+    ],
+)
+def test_a_pose_that_the_limits_do_not_allow_is_said_at_the_pose(
+    poses: tuple[SavedPose, ...], word: str, sentence: str
+) -> None:
+    state = editing(*poses)
+    wrong = [card for card in state.view(world()).sequence.cards if card.problem]
+    assert [card.duration for card in wrong] == [word]
+    assert sentence in wrong[0].problem
+    play = played(state, PlaySequence("sim"))
+    state.report(Outcome(play.row, "sim", accepted=False, done=True, reason=Reason.OUT_OF_REACH))
+    assert refusal_of(state) == f"The pose '{wrong[0].name}' cannot be played. {wrong[0].problem}"
+
+
+def test_only_the_robot_refuses_a_pose() -> None:
+    """Its neck may have another shape than the window assumes."""
+    state = editing(FAR, NOD)
+    play = played(state, PlaySequence("sim"))
+    state.report(Outcome(play.row, "sim", accepted=True, done=True))
+    assert refusal_of(state) == ""
+    state = editing(NOD, LEFT)
+    play = played(state, PlaySequence("sim"))
+    state.report(Outcome(play.row, "sim", accepted=False, done=True, reason=Reason.OUT_OF_REACH))
+    assert "'nod'" not in refusal_of(state)
+
+
+def test_a_play_with_the_motors_off_offers_the_next_step() -> None:
+    state = editing(NOD, LEFT)
+    play = played(state, PlaySequence("sim"))
+    off = not_enabled()
+    state.report(Outcome(play.row, "sim", accepted=True, done=False))
+    state.report(Outcome(play.row, "sim", accepted=False, done=True, reason=off.reason, detail=off.detail))
+    refusal = state.view(world()).commands.refusal
+    assert refusal is not None
+    assert refusal.alternative is not None
+    assert refusal.alternative.text == "Make ready"
 
 
 def test_without_a_simulation_the_button_says_what_to_do() -> None:

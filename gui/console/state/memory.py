@@ -149,6 +149,8 @@ class Sequence:
     """row and content of the newest play on the simulation"""
     rehearsed: tuple[object, ...] = ()
     """content of the last play on the simulation that went well"""
+    doubt: tuple[int, str, str] = (0, "", "")
+    """row of the newest play, and name and problem of its first pose that the limits do not seem to allow"""
 
 
 @dataclass

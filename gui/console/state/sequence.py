@@ -12,6 +12,7 @@ from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.choreography import ArmPose, Pose, Step, choreography
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.client.motion_file import ARMS, FIGURE, SPEED, TIME
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from gui.console.state import code_lines
 from gui.console.state import sequence_timing as timing
@@ -42,6 +43,7 @@ POSES_MAX: Final = 100
 """Largest number of poses."""
 UNDO_KEPT: Final = 50
 DURATION_MIN_S: Final = 0.1
+BEYOND: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT)
 STARTS: Final = {"sim": ("sim", "hw"), "hw": ("hw",)}
 """Robots whose arms are the start of a play on one robot, the first that is known."""
 
@@ -53,20 +55,21 @@ def view(memory: Memory, world: World) -> SequenceView:
     """Return the strip and its buttons."""
     texts, poses, loop = memory.choices.texts, memory.poses, memory.sequence.loop
     start = None if world.playing else commanded(world, STARTS["sim"])
-    problems = timing.too_short(poses, start, timing.pace(world), loop=loop)
-    cards = tuple(
-        CardView(
-            name=pose.name,
-            head=None if (head := timing.head_of(pose.arms)) is None else orientation(head),
-            duration_s=pose.duration_s,
-            duration=texts(
-                "sequence.least" if number in problems else "sequence.seconds",
-                seconds=problems.get(number, pose.duration_s),
-            ),
-            problem=texts("sequence.too_short", seconds=problems[number]) if number in problems else "",
-        )
-        for number, pose in enumerate(poses)
-    )
+    limits = timing.pace(world)
+    short = timing.too_short(poses, start, limits, loop=loop)
+    beyond = _beyond(memory, limits)
+
+    def card(number: int, pose: SavedPose) -> CardView:
+        head = timing.head_of(pose.arms)
+        duration, problem = texts("sequence.seconds", seconds=pose.duration_s), ""
+        if number in beyond:
+            duration, problem = beyond[number]
+        elif number in short:
+            duration = texts("sequence.least", seconds=short[number])
+            problem = texts("sequence.too_short", seconds=short[number])
+        place = None if head is None else orientation(head)
+        return CardView(pose.name, place, pose.duration_s, duration, problem)
+
     some, whole_s = "" if poses else "off.no_sequence", float(sum(pose.duration_s for pose in poses))
     full = "off.sequence_full" if len(poses) >= POSES_MAX else ""
     undo = "" if memory.sequence.undo else "off.no_sequence_undo"
@@ -76,7 +79,7 @@ def view(memory: Memory, world: World) -> SequenceView:
         return ButtonView(texts(f"sequence.{key}"), tooltip, intent, enabled=not off)
 
     return SequenceView(
-        cards=cards,
+        cards=tuple(card(number, pose) for number, pose in enumerate(poses)),
         loop=loop,
         add=button("add", AddPose(), full),
         undo=button("undo", UndoSequence(), undo),
@@ -86,6 +89,22 @@ def view(memory: Memory, world: World) -> SequenceView:
         hardware=button("hardware", PlaySequence("hw"), some or _hardware_off(memory, world)),
         playing=world.playing,
     )
+
+
+def _beyond(memory: Memory, limits: timing.Pace) -> dict[int, tuple[str, str]]:
+    """Return a word and a sentence for each pose that the limits do not allow, by its number."""
+    texts, poses, found = memory.choices.texts, memory.poses, {}
+    for number, (refusal, on_way) in timing.beyond(poses, limits, loop=memory.sequence.loop).items():
+        detail = (
+            None
+            if refusal.detail is None
+            else structs.replace(refusal.detail, alternative=None, leaves_s=None)
+        )
+        text = texts.refusal(refusal.reason, detail)
+        hint = "sequence.way" if on_way else "sequence.beyond"
+        word = "sequence.too_close" if refusal.reason is Reason.ARM_GAP else "refused.tilt"
+        found[number] = texts(word), texts(hint, text=text, before=poses[number - 1].name)
+    return found
 
 
 def _hardware_off(memory: Memory, world: World) -> str:
@@ -220,8 +239,11 @@ def play(memory: Memory, world: World, sides: tuple[str, ...], lead_s: float = 0
         holds = len(poses) > 1 and timing.way(ArmAngles(*poses[-2].arms), poses[-1]) < timing.SAME_DEG
         again = tuple(timing.timed(poses, last, limits, poses[-1].duration_s if holds else 0.0))
     request = Play(memory.next_row(), sides, None, tuple(steps), again, lead_s)
+    number, (_, problem) = next(iter(_beyond(memory, limits).items()), (0, ("", "")))
     memory.sequence = replace(
-        memory.sequence, begun=(request.row, _rehearsal(memory, world)) if sides == ("sim",) else (0, ())
+        memory.sequence,
+        begun=(request.row, _rehearsal(memory, world)) if sides == ("sim",) else (0, ()),
+        doubt=(request.row, poses[number].name, problem),
     )
     return begin(memory, world, request, CONTROL)
 
@@ -236,7 +258,13 @@ def _refuse_short(memory: Memory, start: ArmAngles, limits: timing.Pace, *, loop
 
 
 def note(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
-    """Remember a play on the simulation that went well: to its end, or for one round of a loop."""
+    """Remember a play on the simulation that went well: to its end, or for one round of a loop.
+
+    Name the pose that a robot has refused, if the window knows it.
+    """
+    played, name, problem = memory.sequence.doubt
+    if row.number == played and problem and outcome.reason in BEYOND and not outcome.accepted:
+        memory.refuse(row.control, "cannot.beyond", name=name, text=problem)
     number, what = memory.sequence.begun
     whole = outcome.rounds > 0 if isinstance(row.request, Play) and row.request.again else outcome.done
     if row.number == number and outcome.accepted and whole:

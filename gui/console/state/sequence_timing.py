@@ -1,7 +1,8 @@
-"""When the poses of a sequence begin, and how fast the arms turn, so that each pose is reached in its duration."""
+"""When the poses of a sequence begin, how fast the arms turn, and which poses the limits do not allow."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -13,8 +14,9 @@ from msgspec.structs import replace
 from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT
-from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.motion.trajectory import shortest_s, speed_for
 from gui.console.state.saved import DURATION_MAX_S, SavedPose
 from gui.console.state.world import World
@@ -31,19 +33,24 @@ NECK: Final = Neck()
 
 @dataclass(frozen=True)
 class Pace:
-    """What limits the durations: top speed (deg/s) and acceleration (deg/s2) of an arm."""
+    """The limits of a sequence: top speed (deg/s) and acceleration (deg/s2) of an arm, and those of a pose (deg)."""
 
     speed: float = ROBOT.limits.speed_max
     acceleration: float = ROBOT.limits.acceleration
+    tilt_max: float = ROBOT.limits.tilt_max
+    gap_min: float = ROBOT.limits.gap_min
+    yaw_max: float = ROBOT.limits.yaw_max
 
 
 def pace(world: World) -> Pace:
     """Return the limits of the shown robots: those they report and those of the teacher, else the defaults."""
-    speed, acceleration = Pace().speed, Pace().acceleration
-    if world.limits is not None:
-        speed, acceleration = math.degrees(world.limits.speed_max), math.degrees(world.limits.acceleration)
+    found, known = Pace(), world.limits
+    if known is not None:
+        told = (known.speed_max, known.acceleration, known.tilt_max, known.gap_min, known.yaw_max)
+        found = Pace(*(round(math.degrees(limit), 3) for limit in told))
     given = [robot.status.speed_limit for robot in (world.sim, world.hw) if robot.status is not None]
-    return Pace(min([speed, *(math.degrees(limit) for limit in given if limit > 0)]), acceleration)
+    speed = min([found.speed, *(math.degrees(limit) for limit in given if limit > 0)])
+    return dataclasses.replace(found, speed=speed)
 
 
 def way(start: ArmAngles, pose: SavedPose) -> float:
@@ -90,6 +97,47 @@ def too_short(
         if least_s > pose.duration_s + 1e-6:
             found[number] = least_s
     return found
+
+
+def beyond(poses: tuple[SavedPose, ...], limits: Pace, *, loop: bool) -> dict[int, tuple[Refused, bool]]:
+    """Return the refusal of each pose that the limits do not allow, by its number, and whether it is about the way to it.
+
+    The way to the first pose is checked only in a loop. The neck is that of the robot as it ships, because robots do
+    not report theirs to the window: the robot itself decides when the sequence is played.
+    """
+    found: dict[int, tuple[Refused, bool]] = {}
+    for number, pose in enumerate(poses):
+        before = poses[number - 1] if number or (loop and len(poses) > 1) else pose
+        speed = timed([pose], ArmAngles(*before.arms), limits)[0].speed
+        refusal, on_way = _refusal(before.arms, pose.arms, speed, limits)
+        if refusal is not None:
+            found[number] = refusal, on_way
+    return found
+
+
+@lru_cache(maxsize=1024)
+def _refusal(
+    start: tuple[float, float, float], goal: tuple[float, float, float], speed: float, limits: Pace
+) -> tuple[Refused | None, bool]:
+    """Return the refusal of a pose or of the way to it (arms in deg, deg/s); the flag tells that it is the way."""
+    rules = _rules(limits)
+    here, there = (ArmAngles(*map(math.radians, arms)) for arms in (start, goal))
+    on_way = False
+    try:
+        rules.check_pose(there)
+        on_way = True
+        rules.check_motion(here, (0.0, 0.0, 0.0), there, (math.radians(speed),) * 3, straight=False)
+    except Refused as refusal:
+        return refusal, on_way
+    return None, False
+
+
+@lru_cache(maxsize=8)
+def _rules(limits: Pace) -> MotionLimits:
+    """Return the limits of a robot whose neck is that of the robot as it ships."""
+    names = ("acceleration", "tilt_max", "gap_min", "yaw_max")
+    mine = replace(ROBOT.limits, speed_max=limits.speed, **{name: getattr(limits, name) for name in names})
+    return MotionLimits(replace(ROBOT, limits=mine))
 
 
 def with_durations(poses: tuple[SavedPose, ...], speed: float) -> tuple[SavedPose, ...]:

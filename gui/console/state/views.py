@@ -284,9 +284,9 @@ class CardView:
     """None: no head can have this pose"""
     duration_s: float
     duration: str
-    """the duration as text, or the shortest one if it is too short"""
+    """the duration as text, the shortest one if it is too short, or a word if the limits do not allow the pose"""
     problem: str
-    """why the pose cannot be reached in its duration; empty: it can"""
+    """why the pose cannot be reached, or not in its duration; empty: it can"""
 
 
 @dataclass(frozen=True)
