@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import math
 from pathlib import Path
 
@@ -11,15 +10,13 @@ from gui_worlds import absent, robot, state_after, status, world
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh.client.choreography import ArmPose, choreography
 from beatrix_zenoh.client.degrees import ArmAngles
-from beatrix_zenoh.client.motion_file import parse
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.refusals import not_enabled
 from beatrix_zenoh.motion.trajectory import plan, shortest_s, speed_for
 from gui.console.state import sequence_timing as timing
-from gui.console.state.actions import Outcome, Play, WriteFile
+from gui.console.state.actions import Outcome, Play
 from gui.console.state.intents import AimHead, DeletePose, Intent, PlayPoses, SavePose
 from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.sequence import POSES_MAX, changed
@@ -27,7 +24,6 @@ from gui.console.state.sequence_intents import (
     AddPose,
     DuplicatePose,
     MovePose,
-    OpenSequence,
     PlaySequence,
     RenamePose,
     SaveSequence,
@@ -343,66 +339,6 @@ def test_without_a_simulation_the_button_says_what_to_do() -> None:
 
 def test_the_page_plays_the_poses_on_the_checked_robots() -> None:
     assert played(editing(NOD, LEFT), PlayPoses()).sides == ("sim",)
-
-
-# -- files ------------------------------------------------------------------------------------------
-
-
-def written(state: State, intent: SaveSequence) -> str:
-    (write,) = state.handle(intent, world())
-    assert isinstance(write, WriteFile)
-    return write.text
-
-
-def test_a_saved_choreography_is_opened_as_the_same_sequence() -> None:
-    state = editing(*THREE)
-    text = written(state, SaveSequence(Path("dance.csv")))
-    steps = [step for _, step in choreography(parse(text, "dance.csv")).steps]
-    assert [step.at for step in steps] == [0.0, 2.0, 3.5]
-    assert all(isinstance(step, ArmPose) for step in steps)
-    state.handle(DeletePose("nod"), world())
-    state.handle(OpenSequence(Path("dance.csv"), text), world())
-    assert names(state.saved.poses) == ["nod", "left", "up"]
-    assert [pose.arms for pose in state.saved.poses] == [pose.arms for pose in THREE]
-    assert [pose.duration_s for pose in state.saved.poses] == [2.0, 1.5, 1.0]
-
-
-@pytest.mark.parametrize("loop", [False, True])
-def test_a_saved_program_contains_the_motions(loop: bool) -> None:
-    state = editing(*THREE, SavedPose("a\nb", *UP.arms, 2.5))
-    state.handle(SetLoop(loop), world())
-    text = written(state, SaveSequence(Path("dance.py"), program=True))
-    calls = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call)]
-    moves = [call for call in calls if isinstance(call.func, ast.Attribute) and call.func.attr == "move"]
-    goals = [tuple(ast.literal_eval(argument) for argument in call.args) for call in moves]
-    assert goals == [pose.arms for pose in THREE] * (2 if loop else 1)
-    assert "time.sleep(2.5)" in text
-    assert ("while True" in text) is loop
-
-
-@pytest.mark.parametrize(
-    ("text", "trouble", "sentence"),
-    [
-        ("t_s,yaw_deg,pitch_deg,roll_deg\n0,1,2,3\n", "", "has no column speed_deg_s"),
-        ("nothing", "", "'nothing' is not a column"),
-        ("", "Permission denied", "Permission denied"),
-        ("t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,89,0,30\n", "", "tilt"),
-        ("t_s,short_deg,middle_deg,long_deg,speed_deg_s\n" + "0,0,0,0,30\n", "", ""),
-        (
-            "t_s,short_deg,middle_deg,long_deg,speed_deg_s\n"
-            + "".join(f"{number},0,0,0,30\n" for number in range(POSES_MAX + 1)),
-            "",
-            "has 101 poses",
-        ),
-    ],
-)
-def test_a_file_that_is_no_sequence_is_refused_and_the_strip_stays(
-    text: str, trouble: str, sentence: str
-) -> None:
-    state = editing(*THREE)
-    state.handle(OpenSequence(Path("x.csv"), text, trouble), world())
-    assert sentence in refusal_of(state)
-    assert (state.saved.poses == THREE) is bool(sentence)
 
 
 def test_invalid_requests_are_refused_with_a_reason() -> None:

@@ -61,7 +61,8 @@ def whole_program(request: Request, world: World) -> str:
 
 def _beginning(calls: Sequence[str], world: World, side: str = "") -> list[str]:
     """Return the imports that calls need, and the line that opens the robots."""
-    imports = [f"from beatrix_zenoh import {'Robot' if side else 'Twin'}"]
+    imports = ["import time", ""] if any("time.sleep(" in call for call in calls) else []
+    imports.append(f"from beatrix_zenoh import {'Robot' if side else 'Twin'}")
     if any(call.startswith("play(") for call in calls):
         imports.append("from beatrix_zenoh.client.choreography import load, play")
     return [*imports, "", _opening(world, side)]
