@@ -149,12 +149,16 @@ class Panels(QWidget):
     def _arrange(self) -> None:
         """Arrange the widgets for the height of the window.
 
-        In a low window, history and code move to the middle column: there is no right one, and the pad is wider.
+        In a low window, history and code move to the middle column: there is no right one, and the pad is wider. The
+        sequence moves there, too, if the low area has no room for its cards.
         """
         colours = style_of(self._theme)
         low = self.height() < colours.px(LOW_PX)
         lower = next(lower for least, lower in LOWER_PX.items() if self.height() >= colours.px(least))
         self.low_area.setFixedHeight(colours.px(lower))
+        home = self.low_area if lower == max(LOWER_PX.values()) else self.tabs
+        if home.indexOf(self.sequence) < 0:
+            home.addTab(self.sequence, self._texts("label.sequence"))
         if low == self._low:
             return
         self._low = low
@@ -163,10 +167,6 @@ class Panels(QWidget):
         home, shown = self.tabs if low else self.side, self.tabs.currentIndex()
         home.addTab(self.history, self._texts("label.history"))
         home.addTab(self.code, self._texts("label.code"))
-        strip = self.tabs if low else self.low_area
-        strip.insertTab(
-            strip.indexOf(self.gestures) + 1 or strip.count(), self.sequence, self._texts("label.sequence")
-        )
         (self._below if low else self._right).addWidget(self.commands)
         self.side.setVisible(not low)
         for column, stretch in enumerate((3, 4, 0) if low else (3, 5, 2)):

@@ -151,3 +151,18 @@ def test_loop_and_files_report_their_intents(
         panel.dialog.fileSelected.emit(str(file))
         assert intents() == [made]
         panel.dialog.close()
+
+
+@pytest.mark.parametrize(("height", "beside_the_head"), [(768, True), (600, True), (520, False)])
+def test_the_sequence_is_below_the_head_where_its_cards_fit(
+    qtbot: QtBot, window: Window, height: int, beside_the_head: bool
+) -> None:
+    panels = window.panels
+    window.setMinimumHeight(0)
+    window.resize(1024, height)
+    qtbot.waitUntil(lambda: window.height() == height)
+    home = panels.low_area if beside_the_head else panels.tabs
+    assert home.indexOf(panels.sequence) >= 0
+    home.setCurrentWidget(panels.sequence)
+    assert panels.sequence.isVisible()
+    assert panels.head3d.isVisible() is beside_the_head

@@ -15,6 +15,7 @@ from PyQt5.QtWidgets import (
     QMenu,
     QPushButton,
     QScrollArea,
+    QSizePolicy,
 )
 
 from beatrix_zenoh import files
@@ -41,6 +42,7 @@ from gui.window.widgets.strip import Strip
 LARGEST_BYTES = 1 << 19
 """Largest choreography that is opened (bytes)."""
 NAME_LONGEST = 24
+NAME_PX = 90
 
 
 class SequencePanel(FilePanel):
@@ -84,9 +86,10 @@ class SequencePanel(FilePanel):
         scroll.setWidget(self.strip)
         scroll.setMinimumWidth(80)
         self.area = scroll
-        self.name.setMinimumWidth(60)
+        self.name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # cards need the width
         grid = QGridLayout()
         grid.setSpacing(3)
+        grid.setColumnMinimumWidth(0, NAME_PX)
         cells = (
             (self.name, self.duration),
             (self.add, self.delete),
@@ -96,6 +99,7 @@ class SequencePanel(FilePanel):
         for row, parts in enumerate(cells):
             for column, part in enumerate(parts):
                 grid.addWidget(part, row, column)
+        grid.setRowStretch(len(cells), 1)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(4, 4, 4, 4)
         layout.setSpacing(6)

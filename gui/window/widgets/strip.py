@@ -14,6 +14,8 @@ from gui.window.theme import Style, style_of
 
 WIDTH_PX, GAP_PX = 66, 4
 """Width of a card, and the gap between cards, at scale 1."""
+HEIGHT_PX = 128
+"""Largest height of a card, at scale 1."""
 FACE = 0.42
 """Radius of a head, as a share of the shorter side of its picture."""
 HELP_EVENT = QEvent.Type.ToolTip
@@ -72,7 +74,8 @@ class Strip(QWidget):
 
     def card(self, number: int) -> QRect:
         """Return the place of a card (px)."""
-        return QRect(number * self._step, 0, self._style.px(WIDTH_PX), self.height())
+        height = min(self.height(), self._style.px(HEIGHT_PX))
+        return QRect(number * self._step, 0, self._style.px(WIDTH_PX), height)
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
         return QSize(self._step, self._style.px(52))
