@@ -21,6 +21,7 @@ from gui_worlds import (
     world,
 )
 
+from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Command
 from gui.console.state import intents
 from gui.console.state.actions import (
@@ -217,6 +218,10 @@ def test_a_missing_picture_has_a_reason(cameras: tuple[CameraStatus, ...], left:
     assert found["sim", "left"].startswith(left)
     assert bool(found["sim", "left"]) is bool(left)
     assert found["hw", "left"].startswith("The hardware is not online.")
+    hung = robot("hw", age_s=2.0)
+    lost = replace(robot("hw"), presence=Presence.ABSENT)
+    for gone, word in ((hung, "is online but sends nothing"), (lost, "is no longer online")):
+        assert word in state.view(world(hw=gone)).eyes[-1].text
     assert {eye.text for eye in State().view(world()).eyes} == {"The eye cameras are off. Check Eye cameras."}
 
 
@@ -260,6 +265,8 @@ def test_a_recording_is_begun_ended_and_opened() -> None:
     assert state.handle(intents.ToggleRecording(), ending) == []
     ended = world(recording=RecordingProgress(file, running=False, seconds=72.6, trouble=FULL))
     assert state.handle(intents.OpenRecording(), ended) == [ViewRecording(file)]
+    saved = world(recording=RecordingProgress(file, running=False, seconds=72.6))
+    assert state.view(saved).last == "recorded: a.rrd"
     same("state.a recording is begun ended and opened", state.view(ended).last)
     state.handle(intents.Stop(), ended)
     assert state.view(ended).last == "last: stop sent, both"

@@ -13,7 +13,6 @@ from beatrix_zenoh.client.choreography import GESTURES, load, shipped
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Reason
 from beatrix_zenoh.contract.refusals import not_enabled
 from gui.console.state.actions import (
-    PROGRAM_FAILED,
     CopyProgram,
     EndFollowing,
     FollowFace,
@@ -163,7 +162,7 @@ def test_a_failed_program_is_a_sentence_and_its_last_line_a_detail(language: str
     state.handle(ToggleFollowing(), now)
     reason = Reason.BAD_VALUE
     state.report(Outcome(1, "", accepted=True, done=False))
-    state.report(Outcome(1, "", accepted=False, done=True, reason=reason, message=PROGRAM_FAILED))
+    state.report(Outcome(1, "", accepted=False, done=True, reason=reason, key="result.program_failed"))
     view = state.view(now)
     assert word in view.history[0].result
     assert "ValueError" not in view.history[0].result + view.last

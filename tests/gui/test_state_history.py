@@ -255,8 +255,10 @@ def event(at_s: float, action: str = "pose", **fields: Any) -> Event:
     return Event(seq=next(SEQ), t_mono_ns=at_ns, t_wall_ns=at_ns, action=action, **given | fields)
 
 
-def rows(*sim: Event, hw: tuple[Event, ...] = ()) -> list[tuple[str, str, str, bool | None]]:
-    now = world(robot("sim", known=status("sim"), events=sim), robot("hw", events=hw))
+def rows(
+    *sim: Event, hw: tuple[Event, ...] = (), wall_s: float = 14.0
+) -> list[tuple[str, str, str, bool | None]]:
+    now = world(robot("sim", known=status("sim"), events=sim), robot("hw", events=hw), wall_s=wall_s)
     return [(row.who, row.what, row.result, row.good) for row in State().view(now).history]
 
 
@@ -264,6 +266,14 @@ def test_a_motion_of_another_seat_is_one_row_from_accepted_to_done() -> None:
     begun = event(10)
     assert rows(begun) == [("ana", "look", "under way, takes 1.2 s", None)]
     assert rows(begun, event(11.2, phase=Phase.DONE)) == [("ana", "look", "done, 1.2 s", True)]
+
+
+def test_a_motion_of_another_seat_whose_end_does_not_come_is_not_under_way_for_ever() -> None:
+    """The router, and with it the event of the end, may be lost."""
+    state, lost = State(), robot("sim", known=status("sim"), events=(event(10),))
+    shown = [state.view(world(lost, wall_s=wall_s)).history[0].result for wall_s in (16.1, 16.3)]
+    assert shown == ["under way, takes 1.2 s", "its end was not seen"]
+    assert rows(event(10), event(30, phase=Phase.DONE), wall_s=40) == [("ana", "look", "done, 1.2 s", True)]
 
 
 def test_a_motion_of_both_robots_is_one_row_that_ends_with_the_later_robot() -> None:

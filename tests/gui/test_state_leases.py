@@ -98,7 +98,7 @@ def test_a_refusal_because_of_a_lease_offers_to_wait() -> None:
     assert state.handle(TakeAlternative(), world()) == [SendLease(2, WAIT, "sim")]
     state.report(Outcome(2, "sim", accepted=True, done=True))
     row = state.view(world()).history[0]
-    assert (row.what, row.result) == ("wait for a turn (simulation)", "done")
+    assert (row.what, row.result) == ("ask for the robot (simulation)", "done")
     same("state leases.a refusal because of a lease offers to wait 2", row.command_line)
 
 

@@ -270,7 +270,7 @@ class AnyOrder(RuleBasedStateMachine):
         detail: Detail | None,
         duration_s: float,
     ) -> None:
-        outcome = Outcome(row, side, accepted, done, reason, message, detail, duration_s)
+        outcome = Outcome(row, side, accepted, done, reason, message, detail, duration_s=duration_s)
         self.state.report(outcome)
 
     @invariant()

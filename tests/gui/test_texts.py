@@ -9,8 +9,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from gui_worlds import state_after, world
 
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.names import ARMS
+from gui.console.link.outcomes import WindowError, failed
+from gui.console.state import intents
 from gui.console.state.holding import ROTATIONS
 from gui.console.texts import LANGUAGES, Texts, load
 
@@ -19,8 +23,8 @@ CALLERS = ("texts", "_texts", "words")
 TABLES = {code: load(code)[0] for code in LANGUAGES}
 ENGLISH = TABLES["en"]
 OTHERS = [code for code in LANGUAGES if code != "en"]
-KEYS_OF_MEMORY = ("refuse",)
-"""Methods whose second argument is the key of a text."""
+KEYS_OF_MEMORY = ("refuse", "WindowError")
+"""Functions whose second argument is the key of a text."""
 
 
 def slots(template: str) -> set[str]:
@@ -115,6 +119,24 @@ def test_numbers_have_the_decimal_sign_of_the_language() -> None:
     assert Texts("en")("countdown", seconds=1.4) == "hardware follows in 1.4 s"
     assert Texts("de")("countdown", seconds=1.4) == "Hardware folgt in 1,4 s"
     assert Texts("de")("angle", degrees=-0.04) == "0,0°"
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_the_failures_of_the_window_itself_are_in_its_language(code: str) -> None:
+    state = state_after(intents.SetLanguage(code), intents.Jog("short", 1))
+    state.report(failed(1, "sim", WindowError(Reason.STOPPED, "result.deselected")))
+    view = state.view(world())
+    assert view.arms.refusal is not None
+    assert view.arms.refusal.text == Texts(code)("result.deselected")
+    assert Texts(code)("result.deselected") in view.history[0].result
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_no_refusal_names_a_command_to_type(code: str) -> None:
+    _, refusals = load(code)
+    assert {
+        key for key, text in refusals.refusals.items() if re.search(r"`beatrix| --|BEATRIX_", text)
+    } == set()
 
 
 def test_a_missing_text_is_an_error() -> None:

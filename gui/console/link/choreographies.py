@@ -10,11 +10,11 @@ from beatrix_zenoh.client.choreography import ArmPose, Choreography, Step, play
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.recording.follow import follow, robots_of
 from beatrix_zenoh.recording.path import check_choreography, path_of
 from beatrix_zenoh.recording.replay import replay
+from gui.console.link.outcomes import WindowError
 from gui.console.state.actions import POSES, Play
 
 LARGEST_BYTES = 1 << 19
@@ -71,7 +71,7 @@ def _poses(poses: Iterable[ArmPose]) -> Choreography:
 
 
 def read(action: Play) -> Choreography | motion_file.MotionFile:
-    """Return the choreography or path to play; raises WrongUsage if its file cannot be used."""
+    """Return the choreography or path to play; raises WindowError or WrongUsage if its file cannot be used."""
     if action.gesture:
         return choreography.shipped(action.gesture)
     if action.file is None:
@@ -79,13 +79,9 @@ def read(action: Play) -> Choreography | motion_file.MotionFile:
     try:
         size = action.file.stat().st_size
         if size > LARGEST_BYTES:
-            raise WrongUsage(
-                Reason.BAD_VALUE,
-                f"{action.file} is {size / 1e6:.1f} MB large; at most {LARGEST_BYTES / 1e6:.1f} MB is allowed "
-                "in the window. Play a part of it, or use `beatrix play`.",
-            )
+            megabytes = {"size": f"{size / 1e6:.1f}", "allowed": f"{LARGEST_BYTES / 1e6:.1f}"}
+            raise WindowError(Reason.BAD_VALUE, "result.too_large", file=str(action.file), **megabytes)
         found = motion_file.read(action.file)
     except OSError as error:
-        text = f"{action.file} cannot be read: {error.strerror}. Choose a motion file."
-        raise WrongUsage(Reason.BAD_VALUE, text) from error
+        raise WindowError(Reason.BAD_VALUE, "result.no_read", file=str(action.file)) from error
     return choreography.choreography(found) if found.with_speed else found

@@ -17,9 +17,9 @@ from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from beatrix_zenoh.settings import Settings
 from gui.console.link.newest import Newest
-from gui.console.link.outcomes import accepted, closed, done, failed
+from gui.console.link.outcomes import WindowError, accepted, closed, done, failed
 from gui.console.link.worker import Worker
-from gui.console.state.actions import PROGRAM_FAILED, CopyProgram, FollowFace, Outcome
+from gui.console.state.actions import CopyProgram, FollowFace, Outcome
 from gui.console.state.world import FaceProgress
 
 NAME: Final = "follow_the_face.py"
@@ -108,9 +108,9 @@ class FaceProgram(Worker):
             if not action.file.exists():
                 action.file.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(SHIPPED, action.file)
-        except OSError as error:
-            text = f"{action.file} cannot be written: {error.strerror}. Make its folder writable."
-            self._report(failed(action.row, "", Refused(Reason.BAD_VALUE, text)))
+        except OSError:
+            error = WindowError(Reason.BAD_VALUE, "result.no_write", file=str(action.file))
+            self._report(failed(action.row, "", error))
         else:
             self._file = action.file
             self._report(done(action.row, "", f"{action.file}: copied."))
@@ -126,7 +126,7 @@ class FaceProgram(Worker):
             outcome = failed(row, "", error)
         except OSError as error:
             self._line = str(error)
-            outcome = failed(row, "", Refused(Reason.BAD_VALUE, PROGRAM_FAILED))
+            outcome = failed(row, "", program_failed())
         finally:
             self._newest.finish(job)
         self._report(outcome)
@@ -154,7 +154,7 @@ class FaceProgram(Worker):
         self._line = lines[-1] if lines else ""
         if child.code:
             error = failure(self._line)
-            self._line = self._line if error.message == PROGRAM_FAILED else error.message
+            self._line = self._line if isinstance(error, WindowError) else error.message
             raise error
 
     def close(self) -> None:
@@ -163,10 +163,15 @@ class FaceProgram(Worker):
         super().close()
 
 
+def program_failed() -> WindowError:
+    """Return the error of a program that has failed; its last line is in `FaceProgress.line`."""
+    return WindowError(Reason.BAD_VALUE, "result.program_failed")
+
+
 def failure(line: str) -> BeatrixError:
     """Return the error that the last line of a program contains, or one that says that it has failed."""
     try:
         found = msgspec.json.decode(line, type=Failure)
     except msgspec.DecodeError:
-        return Refused(Reason.BAD_VALUE, PROGRAM_FAILED)
+        return program_failed()
     return Refused(found.reason, found.message, found.detail)

@@ -12,7 +12,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.client.stopping import StopSender
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
-from beatrix_zenoh.contract.errors import NoAnswer, Refused
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
 from gui.console.link.children import Children, Recordings
@@ -22,7 +22,7 @@ from gui.console.link.jogging import Jogging, Press
 from gui.console.link.lesson_reports import LessonReports
 from gui.console.link.levels import Levels
 from gui.console.link.moving import Moving, Request, robots_of
-from gui.console.link.outcomes import done, failed
+from gui.console.link.outcomes import WindowError, done, failed
 from gui.console.link.pictures import Cameras, OnImage
 from gui.console.link.probe import Probe
 from gui.console.link.stopping import send_stop
@@ -200,9 +200,9 @@ class Link:
     def _write(self, action: actions.WriteFile) -> None:
         try:
             action.file.write_text(action.text, encoding="utf-8")
-        except OSError as error:
-            text = f"{action.file} cannot be written: {error.strerror}. Choose another folder."
-            self._report(failed(action.row, "", Refused(Reason.BAD_VALUE, text)))
+        except OSError:
+            error = WindowError(Reason.BAD_VALUE, "result.no_write", file=str(action.file))
+            self._report(failed(action.row, "", error))
         else:
             self._report(done(action.row, "", f"{action.file}: written."))
 

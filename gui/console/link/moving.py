@@ -10,11 +10,10 @@ from collections.abc import Callable
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
 from gui.console.link.face_program import FaceProgram
-from gui.console.link.outcomes import deselected, failed, replaced, stopped
+from gui.console.link.outcomes import WindowError, deselected, failed, replaced, stopped
 from gui.console.link.plans import Plans
 from gui.console.link.playing import Playing
 from gui.console.link.request_queue import RequestQueue
@@ -53,8 +52,7 @@ class Moving:
         sides = (action.side,) if isinstance(action, actions.Ready | actions.SendLease) else action.sides
         robots = robots_of(twin, sides)
         if not robots:
-            text = "Neither Simulation nor Hardware is checked. Check one of them."
-            self._report(failed(action.row, "", Refused(Reason.BAD_VALUE, text)))
+            self._report(failed(action.row, "", WindowError(Reason.BAD_VALUE, "off.unchecked")))
             return
         match action:
             case actions.Send():

@@ -7,11 +7,17 @@ from collections.abc import Mapping
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted
-from gui.console.state.actions import DESELECTED, Outcome
+from gui.console.state.actions import Outcome
 
-REPLACED = "A newer motion of this window replaced this one."
 NO_ROBOT = "No robot is online."
-STOPPED = "STOP was pressed in this window."
+
+
+class WindowError(Interrupted):
+    """A failure of the window itself: a text of the faces, by its key, says why."""
+
+    def __init__(self, reason: Reason, key: str, **slots: str) -> None:
+        super().__init__(reason, key)
+        self.key, self.slots = key, slots
 
 
 def done(row: int, side: str, message: str, took_s: float = 0.0) -> Outcome:
@@ -34,6 +40,8 @@ def failed(row: int, side: str, error: BeatrixError) -> Outcome:
         reason=error.reason,
         message=error.message,
         detail=error.detail,
+        key=error.key if isinstance(error, WindowError) else "",
+        slots=error.slots if isinstance(error, WindowError) else {},
     )
 
 
@@ -55,21 +63,21 @@ def of_several(row: int, robots: int, failed: Mapping[Place, BeatrixError]) -> O
     )
 
 
-def replaced() -> Interrupted:
+def replaced() -> WindowError:
     """Return the error of a motion that a newer one of this window replaces."""
-    return Interrupted(Reason.REPLACED, REPLACED)
+    return WindowError(Reason.REPLACED, "result.replaced")
 
 
-def closed() -> Interrupted:
+def closed() -> WindowError:
     """Return the error of a request that the end of the window interrupts."""
-    return Interrupted(Reason.SHUTDOWN, "The window was closed, so the robots stop its motions.")
+    return WindowError(Reason.SHUTDOWN, "result.closed")
 
 
-def deselected() -> Interrupted:
+def deselected() -> WindowError:
     """Return the error of plans and plays that end because the user selects another robot."""
-    return Interrupted(Reason.STOPPED, DESELECTED)
+    return WindowError(Reason.STOPPED, "result.deselected")
 
 
-def stopped() -> Interrupted:
+def stopped() -> WindowError:
     """Return the error of a request that STOP of this window has dropped or ended."""
-    return Interrupted(Reason.STOPPED, STOPPED)
+    return WindowError(Reason.STOPPED, "result.stop_pressed")

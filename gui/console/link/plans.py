@@ -11,15 +11,14 @@ from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Interrupted
-from gui.console.link.outcomes import accepted, closed, done, failed, replaced
+from beatrix_zenoh.contract.errors import BeatrixError
+from gui.console.link.outcomes import WindowError, accepted, closed, done, failed, replaced
 from gui.console.link.worker import Worker
 from gui.console.state.actions import Outcome
 from gui.console.state.world import PlanPhase, PlanProgress
 
 BOTH = ""
 """`Outcome.side` of a motion of both robots."""
-ABORTED = "Aborted in this window."
 
 
 @dataclass(eq=False)
@@ -92,7 +91,7 @@ class Plans(Worker):
 
     def abort(self) -> None:
         """Stop the simulation and keep the hardware unmoved; if the motion was sent to the hardware, stop both."""
-        self.drop(Interrupted(Reason.STOPPED, ABORTED))
+        self.drop(WindowError(Reason.STOPPED, "result.aborted"))
 
     def drop(self, why: BeatrixError) -> None:
         """End the plan that is being previewed, and the one that is carried out."""

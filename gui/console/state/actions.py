@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from beatrix_zenoh.client import Place
@@ -227,11 +228,6 @@ class RunSimulation(Action):
     """Start a simulation, and a router if there is none, as children of the window."""
 
 
-PROGRAM_FAILED = "The program that follows the face has failed."
-"""Message of an outcome; the last line of the program is in `FaceProgress.line`."""
-DESELECTED = "Another robot was selected in this window."
-
-
 @dataclass(frozen=True)
 class Outcome:
     """The result of an action, at one robot or at several."""
@@ -248,6 +244,9 @@ class Outcome:
     """the SDK's message or error text, in English"""
     detail: Detail | None = None
     """a refusal as data, for the sentence in another language"""
+    key: str = ""
+    """a text of the faces that says why, for a failure of the window itself; empty: reason and detail say it"""
+    slots: Mapping[str, str] = field(default_factory=dict)
     duration_s: float = 0.0
     """expected duration of an accepted motion, or measured duration of one that has ended (s)"""
     robots: int = 0

@@ -10,10 +10,10 @@ from gui.console.state.actions import Action, WatchCameras
 from gui.console.state.choices import Choices
 from gui.console.state.intents import Intent, SetCameras, ShowTab, Tab, WindowPage
 from gui.console.state.memory import Memory
-from gui.console.state.presence import online
+from gui.console.state.presence import online, silent
 from gui.console.state.views import EyeView
-from gui.console.state.world import World
-from gui.console.texts import Texts
+from gui.console.state.world import LinkPhase, World
+from gui.console.texts import DEFAULT_LANGUAGE, Texts
 
 SHOWN: Final = tuple((side, eye) for side in SIDES for eye in EYES)
 """Twin and eye of each picture of the window."""
@@ -50,7 +50,11 @@ def _reason(memory: Memory, world: World, side: str, eye: str) -> str:
     """Return why there is no picture; empty if there is one."""
     texts, status = memory.choices.texts, world.side(side).status
     if not online(world, side):
+        if status is not None and world.phase is LinkPhase.ONLINE:
+            return texts("eye.lost", side=texts(f"side.{side}"))
         return texts("eye.absent_sim") if side == "sim" else texts("eye.absent_hw")
+    if silent(world.side(side)):
+        return texts("eye.silent", side=texts(f"side.{side}"))
     if not memory.choices.cameras:
         return texts("eye.cameras_off")
     if status is None:
@@ -63,7 +67,7 @@ def _trouble(camera: CameraStatus | None, texts: Texts) -> str:
     if camera is None:
         return texts("eye.none")
     if camera.trouble and not camera.connected:  # first, as `streaming` may still be true for two seconds
-        return camera.trouble
+        return camera.trouble if texts.code == DEFAULT_LANGUAGE else texts("eye.trouble")
     if camera.streaming:
         return ""
     return texts("eye.waiting" if camera.connected else "eye.disconnected")

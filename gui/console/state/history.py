@@ -32,6 +32,7 @@ SHOWN = 100
 """Largest number of rows of the view."""
 BY_STOP = "STOP"
 """part of the message of every motion that STOP has ended"""
+BY_STOP_HERE = "result.stop_pressed"
 STOP_MISSED = {
     Reason.NO_ANSWER: "result.stop_unreached",
     Reason.NO_SUCH_ROBOT: "result.stop_unreached",
@@ -51,10 +52,13 @@ def view(memory: Memory, world: World) -> tuple[HistoryRowView, ...]:
     events = (world.sim.events, world.hw.events)
     if cache.context != context:
         cache = memory.history_cache = HistoryCache(context)
-    elif (cache.rows, cache.events) == (memory.rows, events):
+    elif (cache.rows, cache.events) == (memory.rows, events) and world.wall_s < cache.due_s:
         return cache.views
-    if cache.events != events:
-        cache.foreign = [(group.began_s, _foreign(group, texts)) for group in other_seats.groups(world)]
+    if cache.events != events or world.wall_s >= cache.due_s:
+        groups = other_seats.groups(world)
+        cache.foreign = [(group.began_s, _foreign(group, world.wall_s, texts)) for group in groups]
+        dues = (group.due_s for group in groups if group.under_way)
+        cache.due_s = min((due_s for due_s in dues if due_s > world.wall_s), default=math.inf)
     newest = {row.number: row for row in memory.rows[-SHOWN:]}
     cache.own = {
         number: kept
@@ -75,6 +79,9 @@ def last(memory: Memory, world: World) -> str:
     if (failed := _trouble(memory, world)) is not None:
         key, trouble = failed
         return texts(key, text=texts(trouble.key, code=trouble.code))
+    recording = world.recording
+    if recording is not None and not recording.running and recording.file != memory.recorded:
+        return texts("record.saved", file=str(recording.file))
     if not memory.rows:
         return memory.notice or texts("last.none")
     row = memory.rows[-1]
@@ -121,7 +128,7 @@ def row_view(row: RequestRow, world: World, texts: Texts) -> HistoryRowView:
     )
 
 
-def _foreign(group: other_seats.Group, texts: Texts) -> HistoryRowView:
+def _foreign(group: other_seats.Group, now_s: float, texts: Texts) -> HistoryRowView:
     key = other_seats.WHATS.get(group.action, "")
     query = group.query
     if query is not None and group.count == 1 and (query.absolute or isinstance(query, MotionQuery)):
@@ -130,7 +137,7 @@ def _foreign(group: other_seats.Group, texts: Texts) -> HistoryRowView:
         text = texts(key) if key else group.action
     if group.count > 1:
         text = texts("what.times", what=text, count=float(group.count))
-    text_of_result, good = _foreign_result(group, texts)
+    text_of_result, good = _foreign_result(group, now_s, texts)
     return HistoryRowView(
         row=-1,
         time=clock(group.began_s),
@@ -146,8 +153,10 @@ def _foreign(group: other_seats.Group, texts: Texts) -> HistoryRowView:
     )
 
 
-def _foreign_result(group: other_seats.Group, texts: Texts) -> tuple[str, bool | None]:
+def _foreign_result(group: other_seats.Group, now_s: float, texts: Texts) -> tuple[str, bool | None]:
     if group.reason is Reason.OK:
+        if group.under_way and now_s >= group.due_s:
+            return texts("result.unseen"), False
         if group.under_way:
             return texts("result.accepted", seconds=float(group.duration_s)), None
         if group.duration_s:
@@ -208,6 +217,8 @@ def _bad(row: RequestRow, bad: list[Outcome], texts: Texts) -> tuple[str, bool |
     """
     worst = next((outcome for outcome in bad if outcome.reason is not Reason.STOPPED), bad[0])
     text, side = sentence(worst.reason, worst.detail, worst.message, texts), side_of(worst)
+    if worst.key:
+        text = texts(worst.key, **worst.slots)
     if done := worst.robots - len(worst.failed):
         robots = ", ".join(worst.failed)
         slots = {"done": float(done), "count": float(worst.robots)}
@@ -223,7 +234,12 @@ def _bad(row: RequestRow, bad: list[Outcome], texts: Texts) -> tuple[str, bool |
     if row.dropped and worst.reason is Reason.STOPPED:
         return texts("result.aborted" if row.aborted else "result.stopped"), False
     began = worst.side in row.accepted or "" in row.accepted
-    if began and worst.reason is Reason.STOPPED and BY_STOP not in worst.message:
+    if (
+        began
+        and worst.reason is Reason.STOPPED
+        and BY_STOP not in worst.message
+        and worst.key != BY_STOP_HERE
+    ):
         # This window has ended the motion, and the message contains the reason.
         return texts("result.ended", text=text), False
     return failure(worst.reason, text, texts, began=began)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.client.degrees import ArmAngles
@@ -93,7 +95,7 @@ class Refusal:
 
     control: str
     key: str = ""
-    """text key of a refusal of the window itself; empty: a robot has refused"""
+    """a text of the faces, for a refusal of the window itself; empty: a robot has refused"""
     slots: Mapping[str, str] = field(default_factory=dict)
     reason: Reason = Reason.OK
     message: str = ""
@@ -132,6 +134,8 @@ class HistoryCache:
     """values that all rows depend on, such as seat, robot and language"""
     own: dict[int, tuple[RequestRow, HistoryRowView]] = field(default_factory=dict)
     events: tuple[object, ...] = ()
+    due_s: float = math.inf
+    """when the row of another seat that is under way changes without an event (wall clock, s)"""
     foreign: list[tuple[float, HistoryRowView]] = field(default_factory=list)
     """rows of other seats, with the time of each (wall clock, s)"""
     rows: tuple[RequestRow, ...] = ()
@@ -170,6 +174,8 @@ class Memory:
     refusal: Refusal | None = None
     seen_trouble: Trouble | None = None
     """the newest failure during which the simulation was not online"""
+    recorded: Path | None = None
+    """file of the last recording at the newest request; it is no longer shown"""
     solved: int = 0
     """row of the newest refused request whose cause has gone; 0: none"""
     live_row: int | None = None

@@ -77,6 +77,7 @@ def begin(
 ) -> list[Action]:
     """Add a request to the history and return its action."""
     memory.troubles = troubles(world)
+    memory.recorded = None if world.recording is None else world.recording.file
     looks = isinstance(request, Send) and isinstance(request.query, PoseQuery)
     if not looks and not isinstance(request, SendLease | Govern):
         # The target of the pad is out of date after another request, so it follows the head again.

@@ -43,6 +43,8 @@ WHATS: Final = {
 """Text key of each action in events."""
 STREAM_S: Final = 1.0
 """Equal requests to one robot, each within this time after the previous one, form one row."""
+UNSEEN_S: Final = 5.0
+"""Time after the expected end of a motion, in which its event should have arrived."""
 LEAD_S: Final = 3.0
 """Equal requests of a seat to simulation and hardware within this time form one row: the second may follow after a
 lead."""
@@ -72,6 +74,11 @@ class Group:
     duration_s: float
     query: MotionQuery | PoseQuery | None
     """the newest motion as it was requested"""
+
+    @property
+    def due_s(self) -> float:
+        """Time after which the end of the motion is unseen, for example because the router was lost (wall clock, s)."""
+        return self.newest_s + self.duration_s + UNSEEN_S
 
 
 def groups(world: World) -> tuple[Group, ...]:

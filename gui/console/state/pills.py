@@ -21,7 +21,7 @@ from gui.console.state.memory import Memory
 from gui.console.state.presence import online, silent
 from gui.console.state.views import BannerView, ButtonView, Condition, PillView
 from gui.console.state.world import LinkPhase, World
-from gui.console.texts import Texts
+from gui.console.texts import DEFAULT_LANGUAGE, Texts
 
 SYMBOLS: Final = {
     Condition.ABSENT: "✕",
@@ -99,7 +99,7 @@ def pill(world: World, side: str, texts: Texts) -> PillView:
         notes=notes(found, status, world, texts) if here and status is not None else (),
         lease=None if found.next_step else leases.button(world, side, texts),
         menu=menu(world, side, texts),
-        warnings=tuple(status.warnings) if here and status is not None else (),
+        warnings=_warnings(status, texts) if here and status is not None else (),
         details=details(status, texts) if here and status is not None else "",
     )
 
@@ -122,6 +122,11 @@ def menu(world: World, side: str, texts: Texts) -> tuple[ButtonView, ...]:
         )
         for key, intent in rare.items()
     )
+
+
+def _warnings(status: Status, texts: Texts) -> tuple[str, ...]:
+    """Return the warnings of a robot, which are English: another language has them in the details."""
+    return tuple(status.warnings) if texts.code == DEFAULT_LANGUAGE else ()
 
 
 def notes(found: RobotCondition, status: Status, world: World, texts: Texts) -> tuple[str, ...]:
@@ -279,6 +284,9 @@ def details(status: Status, texts: Texts) -> str:
         lines.append(camera.trouble or texts("pill.camera", eye=eye, source=camera.source, hz=camera.hz))
     if not status.cameras:
         lines.append(texts("pill.no_cameras"))
+    if texts.code != DEFAULT_LANGUAGE:
+        lines += status.warnings
+        lines += [status.microphones.trouble] if status.microphones and status.microphones.trouble else []
     if status.waiting:
         lines.append(texts("pill.waiting", seats=", ".join(status.waiting)))
     return "\n".join(lines)

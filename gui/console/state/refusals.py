@@ -22,8 +22,6 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from gui.console.state.actions import (
-    DESELECTED,
-    PROGRAM_FAILED,
     Action,
     Outcome,
     Play,
@@ -41,6 +39,8 @@ from gui.console.state.views import ButtonView, RefusalView
 from gui.console.state.world import World
 from gui.console.texts import Texts
 
+COMMAND: Final = "`beatrix"
+"""part of an SDK message that gives a command to type, which the user of a face does not"""
 NAMED: Final = re.compile(r"[a-z0-9-]+ \((sim|hw)\): ")
 """beginning of an SDK message that names its robot"""
 
@@ -68,13 +68,9 @@ def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) 
     """
     if detail is not None:
         return texts.refusal(reason, detail)
-    if message == PROGRAM_FAILED:
-        return texts("result.program_failed")
     message = NAMED.sub("", message, count=1)
-    if texts.code == "en" and message:
+    if texts.code == "en" and message and COMMAND not in message:
         return message
-    if message == DESELECTED:
-        return texts("result.deselected")
     if reason is Reason.BAD_VALUE and message:
         return texts("result.invalid", message=message)
     return texts.refusal(reason, None)
@@ -94,6 +90,8 @@ def record(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
         return
     memory.refusal = Refusal(
         row.control,
+        outcome.key,
+        outcome.slots,
         reason=outcome.reason,
         message=outcome.message,
         detail=outcome.detail,

@@ -12,6 +12,7 @@ from gui.console.state.memory import Memory
 from gui.console.state.presence import online
 from gui.console.state.views import LevelView, SoundView
 from gui.console.state.world import World
+from gui.console.texts import DEFAULT_LANGUAGE
 
 QUIETEST_DB: Final = -80.0
 """Level at which a bar is empty; at 0 dB it is full."""
@@ -47,6 +48,8 @@ def _level(memory: Memory, world: World, side: str) -> LevelView:
         text = texts("sound.absent")
     elif status.microphones is None:
         text = texts("sound.none")
+    elif status.microphones.trouble and texts.code != DEFAULT_LANGUAGE:
+        text = texts("sound.trouble")
     else:
         text = status.microphones.trouble or texts("sound.waiting")
     return LevelView(side, title, 0.0, 0.0, text)

@@ -1,7 +1,8 @@
 """All texts of the faces, in each of their languages.
 
 A language is a file of templates by key. Widgets use the keys that begin with `label.` and `tip.`; `gui.console.state` uses
-most of the others. The sentences of refusals are in the library in English, and in the file of every other language.
+most of the others. The sentences of refusals are in the library in English, except those that name commands, and in the
+file of every other language.
 """
 
 from __future__ import annotations
@@ -28,10 +29,10 @@ def load(code: str) -> tuple[Mapping[str, str], Language]:
     if code not in LANGUAGES:
         raise KeyError(code)
     table = tomllib.loads(resources.files(__name__).joinpath(f"{code}.toml").read_text(encoding="utf-8"))
-    refusals = table.pop("refusals", None)
-    if refusals is None:
-        return table, ENGLISH
+    refusals = table.pop("refusals")
     by_key = {_key(name): text for name, text in refusals.pop("sentences").items()}
+    if code == DEFAULT_LANGUAGE:
+        return table, ENGLISH._replace(refusals={**ENGLISH.refusals, **by_key})
     return table, Language(table["decimal"], refusals=by_key, **refusals)
 
 

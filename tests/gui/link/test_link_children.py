@@ -170,4 +170,4 @@ def test_a_file_is_written_or_the_failure_is_reported(linked: Linked, tmp_path: 
     assert (tmp_path / "a.csv").read_text(encoding="utf-8") == "t_s,°\n"
     linked.do(WriteFile(2, tmp_path / "none" / "a.csv", ""))
     end = linked.end_of(2)
-    assert (end.accepted, "cannot be written" in end.message) == (False, True)
+    assert (end.accepted, end.key) == (False, "result.no_write")

@@ -14,7 +14,6 @@ from robots import END_S, Stage
 from beatrix_zenoh.contract._generated.messages import Reason
 from gui.console.link.face_program import SHIPPED
 from gui.console.state.actions import (
-    PROGRAM_FAILED,
     CopyProgram,
     EndFollowing,
     FollowFace,
@@ -35,6 +34,8 @@ with Robot() as robot:
         time.sleep(0.04)
 """
 """A program of a user that turns the head to and fro until it is ended; it needs no eye."""
+
+FAILED = "result.program_failed"
 
 
 @pytest.fixture
@@ -140,7 +141,7 @@ def test_the_loss_of_the_robot_ends_the_program(stage: Stage, linked: Linked, ow
     turning(linked, 1)
     simulation.end()
     end = linked.end_of(1)
-    assert (end.accepted, end.message == PROGRAM_FAILED) == (False, False), end
+    assert (end.accepted, end.key == FAILED) == (False, False), end
 
 
 @pytest.mark.parametrize(
@@ -158,7 +159,7 @@ def test_a_program_that_fails_gives_a_reason_and_its_last_line(
     linked.do(FollowFace(1, ("sim",)))
     end = linked.end_of(1, timeout_s=START_S)
     assert (end.accepted, end.reason) == (False, reason)
-    assert (end.message == PROGRAM_FAILED) == (reason is Reason.BAD_VALUE)
+    assert (end.key == FAILED) == (reason is Reason.BAD_VALUE)
     assert line in linked.world.face.line
     assert (end.detail is None) == (reason is Reason.BAD_VALUE)
 
