@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,7 +27,17 @@ from gui.console.state.views import HeadOrientation
 from gui.console.state.world import World
 from gui.console.texts import LANGUAGES, Texts
 from gui.window.widgets.head3d import VIEWS, Head3dPanel
-from gui.window.widgets.head3d_drag import EARS, NOSE, SKULL, Drag, Part, on_screen, picked, turned
+from gui.window.widgets.head3d_drag import (
+    EARS,
+    NOSE,
+    SKULL,
+    Drag,
+    Part,
+    grabbed,
+    on_screen,
+    picked,
+    turned,
+)
 from gui.window.widgets.head3d_scene import Camera, Screen, draw, hull
 from gui.window.widgets.head3d_shape import HEAD, meshes, turns
 
@@ -64,6 +75,15 @@ def test_ears_are_grabbed_at_their_places_and_the_ground_nowhere() -> None:
         ear = on_screen(seen, UPRIGHT, EARS[part])
         assert picked(seen, UPRIGHT, ear[0], ear[1]) is part
     assert picked(seen, UPRIGHT, 20.0, 430.0) is None
+
+
+def test_the_head_of_a_robot_is_grabbed_where_the_target_is_elsewhere() -> None:
+    seen, aim = screen("behind"), HeadOrientation(60.0, 0.0, -30.0)
+    view = replace(State().view(world()).head, target=aim, sim=UPRIGHT, hw=None)
+    x, y, _ = on_screen(seen, UPRIGHT, EARS["right"])
+    assert grabbed(seen, replace(view, sim=None), x, y) is None
+    assert grabbed(seen, view, x, y) is Part.RIGHT_EAR
+    assert grabbed(seen, view, x - 20.0, y + 20.0) is Part.FACE
 
 
 @given(yaw=st.floats(-170, 170), pitch=angles, roll=angles, across=st.floats(-80, 80), up=st.floats(-80, 80))

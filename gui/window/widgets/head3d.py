@@ -24,7 +24,7 @@ from gui.console.state.views import HeadOrientation, HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
 from gui.window.widgets.controls import Check
-from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, picked
+from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import (
     GHOST,
     Marks,
@@ -113,7 +113,7 @@ class Head3d(QWidget):
         at, view = event.localPos(), self._view
         part = None
         if event.button() == Qt.MouseButton.LeftButton and view is not None:
-            part = picked(self.screen3d, view.target, at.x(), at.y())
+            part = grabbed(self.screen3d, view, at.x(), at.y())
         if part is not None and view is not None:
             self._drag = Drag.begin(self.screen3d, view.target, part, at.x(), at.y())
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
@@ -139,7 +139,7 @@ class Head3d(QWidget):
             elevation = max(LOWEST_DEG, min(HIGHEST_DEG, camera.elevation + way.y() * ORBIT_DEG))
             self.look_from(replace(camera, azimuth=azimuth, elevation=elevation))
         else:
-            self._hover(picked(self.screen3d, view.target, at.x(), at.y()))
+            self._hover(grabbed(self.screen3d, view, at.x(), at.y()))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         self._orbit = None

@@ -11,7 +11,7 @@ import numpy as np
 
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
 from beatrix_zenoh.motion.rotation import Rotation, rotation_of
-from gui.console.state.views import HeadOrientation
+from gui.console.state.views import HeadOrientation, HeadView
 from gui.window.widgets.head3d_scene import Screen
 from gui.window.widgets.head3d_shape import Floats
 
@@ -70,6 +70,12 @@ def picked(screen: Screen, head: HeadOrientation, x: float, y: float) -> Part | 
     if math.hypot(x - middle[0], y - middle[1]) < radius or math.hypot(x - nose[0], y - nose[1]) < EAR_PX:
         return Part.FACE
     return None
+
+
+def grabbed(screen: Screen, view: HeadView, x: float, y: float) -> Part | None:
+    """Return the part at a point of the picture (px): of the target or, if it is elsewhere, of a robot's head."""
+    parts = (picked(screen, head, x, y) for head in (view.target, view.hw, view.sim) if head is not None)
+    return next((part for part in parts if part is not None), None)
 
 
 @dataclass(frozen=True)
