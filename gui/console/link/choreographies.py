@@ -79,8 +79,13 @@ def read(action: Play) -> Choreography | motion_file.MotionFile:
     try:
         size = action.file.stat().st_size
         if size > LARGEST_BYTES:
-            megabytes = {"size": f"{size / 1e6:.1f}", "allowed": f"{LARGEST_BYTES / 1e6:.1f}"}
-            raise WindowError(Reason.BAD_VALUE, "result.too_large", file=str(action.file), **megabytes)
+            raise WindowError(
+                Reason.BAD_VALUE,
+                "result.too_large",
+                file=str(action.file),
+                size=f"{size / 1e6:.1f}",
+                allowed=f"{LARGEST_BYTES / 1e6:.1f}",
+            )
         found = motion_file.read(action.file)
     except OSError as error:
         raise WindowError(Reason.BAD_VALUE, "result.no_read", file=str(action.file)) from error

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from beatrix_zenoh.client import Place
-from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted
 from gui.console.state.actions import Outcome
 
@@ -15,9 +15,10 @@ NO_ROBOT = "No robot is online."
 class WindowError(Interrupted):
     """A failure of the window itself: a text of the faces, by its key, says why."""
 
-    def __init__(self, reason: Reason, key: str, **slots: str) -> None:
-        super().__init__(reason, key)
-        self.key, self.slots = key, slots
+    def __init__(self, reason: Reason, key: str, detail: Detail | None = None, **slots: str) -> None:
+        """Take the arguments of every `BeatrixError`: the SDK makes a copy with further lines in its message."""
+        super().__init__(reason, key, detail)
+        self.key, self.slots = key.partition("\n")[0], slots
 
 
 def done(row: int, side: str, message: str, took_s: float = 0.0) -> Outcome:

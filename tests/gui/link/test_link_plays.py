@@ -52,7 +52,7 @@ def test_stop_ends_a_choreography_of_both_robots(linked: Linked) -> None:
     linked.accepted(1)
     linked.until(lambda world: short(world, "sim") > 2 and short(world, "hw") > 2, "both move")
     linked.do(SendStop(2))
-    assert linked.end_of(1).reason is Reason.STOPPED
+    assert (linked.end_of(1).reason, linked.end_of(1).key) == (Reason.STOPPED, "result.stop_pressed")
     world = linked.until(lambda world: not world.playing and not world.hw.status.moving, "it has ended")  # type: ignore[union-attr]
     assert short(world, "hw") < 39
 
@@ -79,7 +79,7 @@ def test_a_file_is_played_or_refused_with_the_line_of_the_error(linked: Linked, 
     assert not end.accepted
     assert "line 2" in end.message
     linked.do(Play(3, BOTH, tmp_path / "none.csv"))
-    assert "none.csv" in linked.end_of(3).message
+    assert linked.end_of(3).slots == {"file": str(tmp_path / "none.csv")}
 
 
 # -- a suspended node -----------------------------------------------------------------------------
