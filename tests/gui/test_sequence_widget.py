@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ from gui_windows import drag
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from pytestqt.qtbot import QtBot
-from recording_link import WatchedState
+from recording_link import RecordingLink, WatchedState
 
 from gui.console.state.intents import AimHead, DeletePose, Intent
 from gui.console.state.saved import Saved, SavedPose
@@ -115,6 +116,16 @@ def test_the_keyboard_selects_moves_uses_and_deletes(
     assert strip.cards[strip.current].name == "left", "the restored one"
 
 
+def test_the_card_that_is_played_is_marked(window: Window, strip: Strip, link: RecordingLink) -> None:
+    pictures = []
+    for number in (-1, 1):
+        link.known = replace(link.known, playing="poses", playing_pose=number)
+        window.refresh()
+        assert strip.played == number
+        pictures.append(strip.grab(strip.card(1)).toImage())
+    assert pictures[0] != pictures[1]
+
+
 def test_a_duration_that_is_too_short_is_said_at_the_pose(
     window: Window, strip: Strip, intents: Taken
 ) -> None:
@@ -130,6 +141,20 @@ def test_a_duration_that_is_too_short_is_said_at_the_pose(
     window.refresh()
     assert (strip.cards[2].duration, strip.cards[2].problem) == ("2.5 s", "")
     assert "5.5 s" in panel.play.toolTip()
+
+
+def test_a_play_does_not_disturb_what_the_user_does(
+    window: Window, strip: Strip, link: RecordingLink, intents: Taken
+) -> None:
+    panel = window.panels.sequence
+    panel.duration.setFocus()
+    panel.duration.selectAll()
+    QTest.keyClicks(panel.duration, "2.")
+    link.known = replace(link.known, playing="poses", playing_pose=1)
+    window.refresh()
+    QTest.keyClicks(panel.duration, "5")
+    QTest.keyClick(panel.duration, Qt.Key.Key_Return)
+    assert intents() == [SetDuration("nod", 2.5)]
 
 
 def test_loop_and_files_report_their_intents(

@@ -27,11 +27,13 @@ def prepared(
     robots: Twin | Robot,
     check: Callable[[], None],
     played: Callable[[int], None] = lambda _rounds: None,
+    posed: Callable[[int], None] = lambda _number: None,
 ) -> tuple[float, Callable[[], None]]:
     """Check a play for each robot; return its least duration (s) and the function that performs it.
 
     `check` is called many times a second during the play; an error that it raises ends the play. `played` is called
-    after each round of a play that repeats, with the number of rounds.
+    after each round of a play that repeats, with the number of rounds; `posed` when a pose of a choreography begins, with
+    its number from 0.
 
     Raises:
         WrongUsage: the file is too large or cannot be read.
@@ -52,11 +54,15 @@ def prepared(
             check()
         lasts_s = found.steps[-1][1].at
 
+        def play_once(steps: Choreography) -> None:
+            numbers = itertools.count()
+            play(robots, steps, lambda _title, _pose: posed(next(numbers)), lead_s=lead_s, check=check)
+
         def perform() -> None:
-            play(robots, found, lead_s=lead_s, check=check)
+            play_once(found)
             for rounds in itertools.count(1) if action.again else ():
                 played(rounds)
-                play(robots, _poses(action.again), lead_s=lead_s, check=check)
+                play_once(_poses(action.again))
 
         return lasts_s, perform
     path = path_of(found, MotionLimits(checked[0]))

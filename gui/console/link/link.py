@@ -117,6 +117,7 @@ class Link:
             own_simulation=self._children.own_simulation,
             child_trouble=self._children.trouble,
             playing=self._moving.playing.title,
+            playing_pose=self._moving.playing.pose,
             face=self._moving.face.progress(),
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,

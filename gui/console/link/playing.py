@@ -27,6 +27,8 @@ class PlayJob:
     title: str
     ending: BeatrixError | None = None
     """why the play must end; None: it may go on"""
+    pose: int = -1
+    """number of the pose that began last, from 0; -1: none"""
 
     @property
     def side(self) -> str:
@@ -52,6 +54,12 @@ class Playing(Worker):
         """Title of the current play; empty if there is none."""
         job = self._newest.job
         return "" if job is None else job.title
+
+    @property
+    def pose(self) -> int:
+        """Number of the pose of the window that the current play began last, from 0; -1: none."""
+        job = self._newest.job
+        return -1 if job is None or not job.action.poses else job.pose
 
     def begin(self, action: Play, robots: Twin | Robot, clear: Callable[[], None]) -> None:
         """Start a play, which replaces the current one; `clear` ends other motions, on the play's thread."""
@@ -82,7 +90,10 @@ class Playing(Worker):
                 told = accepted(job.action.row, job.side, f"{job.title}: checked.", lasts_s)
                 self._report(replace(told, rounds=rounds))
 
-            lasts_s, perform = prepared(job.action, job.robots, job.check, begun)
+            def posed(number: int) -> None:
+                job.pose = number
+
+            lasts_s, perform = prepared(job.action, job.robots, job.check, begun, posed)
             job.check()
             begun()
             perform()

@@ -87,7 +87,7 @@ def view(memory: Memory, world: World) -> SequenceView:
             "play", PlaySequence("sim"), some or ("" if online(world, "sim") else "off.sequence_sim")
         ),
         hardware=button("hardware", PlaySequence("hw"), some or _hardware_off(memory, world)),
-        playing=world.playing,
+        played=world.playing_pose,
     )
 
 

@@ -299,8 +299,8 @@ class SequenceView:
     undo: ButtonView
     play: ButtonView
     hardware: ButtonView
-    playing: str
-    """title of the current play; empty: none"""
+    played: int = -1
+    """number of the card that is being played, from 0; -1: none"""
 
 
 @dataclass(frozen=True)

@@ -124,6 +124,8 @@ class World:
     """why a router, simulation or viewer of this window did not start or has failed; None: no failure"""
     playing: str = ""
     """title of the current play; empty: none"""
+    playing_pose: int = -1
+    """number of the pose of the sequence that is being played, from 0; -1: none"""
     face: FaceProgress = FaceProgress()
     who: str = ""
     """the seat, if programs and command lines would choose another one by themselves; empty: they would not"""

@@ -51,6 +51,10 @@ class SequencePanel(FilePanel):
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts)
         self._view: SequenceView | None = None
+        self._shown: tuple[str, float] | None = None
+        """the selected pose that the number box shows, and its duration (s)"""
+        self._revealed = (-1, 0)
+        """number of the card that was made visible, and how many cards there were"""
         self.strip = Strip(texts("label.sequence"), texts("label.sequence_empty"))
         self.name = QLineEdit()
         self.name.setMaxLength(NAME_LONGEST)
@@ -112,6 +116,7 @@ class SequencePanel(FilePanel):
         self.loop.asked.connect(lambda on: self.intent.emit(SetLoop(on)))
         self.delete.clicked.connect(lambda: self._about(DeletePose))
         self.strip.chosen.connect(self._show_chosen)
+        self.strip.chosen.connect(self._reveal)
         self.strip.used.connect(self._aim)
         self.strip.moved.connect(self._move)
         self.strip.deleted.connect(lambda: self._about(DeletePose))
@@ -147,13 +152,17 @@ class SequencePanel(FilePanel):
         if view == self._view:
             return
         before, self._view = self._view, view
-        self.strip.show_cards(view.cards, self._selection(before, view))
+        self.strip.show_cards(view.cards, self._selection(before, view), view.played)
         self.add.show_view(view.add)
         self.play.show_view(view.play)
         self.hardware.show_view(view.hardware)
         self.loop.setChecked(view.loop)
         self.entries["undo"].setEnabled(view.undo.enabled)
         self._show_chosen()
+        number = view.played if view.played >= 0 else self.strip.current
+        if (number, len(view.cards)) != self._revealed:
+            self._revealed = number, len(view.cards)
+            self._reveal(number)
 
     def _selection(self, before: SequenceView | None, view: SequenceView) -> int:
         """Return the card to select: a new one, else the same, else the one at its place."""
@@ -187,9 +196,13 @@ class SequencePanel(FilePanel):
         with QSignalBlocker(self.name), QSignalBlocker(self.duration):
             if not self.name.hasFocus() or card is None or not self.name.isModified():
                 self.name.setText("" if card is None else card.name)
-            if card is not None:
+            shown = None if card is None else (card.name, card.duration_s)
+            if card is not None and shown != self._shown:  # else it would replace what the user is typing
                 self.duration.setValue(card.duration_s)
-        place = self.strip.card(max(0, self.strip.current)).center()
+            self._shown = shown
+
+    def _reveal(self, number: int) -> None:
+        place = self.strip.card(max(0, number)).center()
         self.area.ensureVisible(place.x(), 0, self.strip.card(0).width(), 0)
 
     # -- what the user does -------------------------------------------------------------------------

@@ -39,15 +39,17 @@ class Strip(QWidget):
         self.setAccessibleName(name)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.cards: tuple[CardView, ...] = ()
-        self.current = -1
+        self.current = self.played = -1
         self._style = style_of(Theme.DARK)
         self._pressed: QPoint | None = None
         self._drop: int | None = None
         """while a card is dragged: its place counted without it"""
 
-    def show_cards(self, cards: tuple[CardView, ...], current: int) -> None:
-        """Show the cards, one of them selected (-1: none)."""
-        self.cards, self._pressed, self._drop = cards, None, None
+    def show_cards(self, cards: tuple[CardView, ...], current: int, played: int = -1) -> None:
+        """Show the cards; numbers of the selected one and of the one that is being played (-1: none)."""
+        if cards != self.cards:
+            self._pressed, self._drop = None, None
+        self.cards, self.played = cards, played
         self.current = min(current, len(cards) - 1)
         self.setMinimumWidth(max(1, len(cards)) * self._step)
         shown = cards[self.current] if self.current >= 0 else None
@@ -59,7 +61,7 @@ class Strip(QWidget):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self._style = style_of(theme)
-        self.show_cards(self.cards, self.current)
+        self.show_cards(self.cards, self.current, self.played)
 
     def choose(self, number: int) -> None:
         """Select a card as the user does."""
@@ -172,6 +174,8 @@ class Strip(QWidget):
         painter.drawRoundedRect(place, 4, 4)
         line = painter.fontMetrics().height()
         picture = place.adjusted(2, 2, -2, -2 * line)
+        if number == self.played:
+            painter.fillRect(place.adjusted(1, 1, -1, 4 - place.height()), QColor(colours.good))
         if card.head is not None:
             paint_head(painter, picture, card.head, colours)
         inner = place.adjusted(3, 0, -3, -1)

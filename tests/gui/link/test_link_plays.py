@@ -30,6 +30,7 @@ def test_poses_are_played_one_after_the_other(linked: Linked) -> None:
     linked.do(Play(1, ("sim",), poses=turns(60.0, 10.0, -5.0)))
     assert linked.world.playing == "poses"
     linked.until(lambda world: short(world, "sim") > 9, "the first pose")
+    linked.until(lambda world: world.playing_pose == 1, "the second pose")
     assert linked.end_of(1, "sim").accepted
     world = linked.until(lambda world: not world.playing, "it has ended")
     assert short(world, "sim") == pytest.approx(-5, abs=0.1)
