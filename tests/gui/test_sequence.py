@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -335,6 +336,14 @@ def test_without_a_simulation_the_button_says_what_to_do() -> None:
     view = editing(NOD).view(world(absent("sim"))).sequence
     assert not view.play.enabled
     assert "Start simulation" in view.play.tooltip
+
+
+def test_a_play_has_its_name_in_the_language_of_the_window() -> None:
+    state = State(Saved(poses=(NOD, LEFT), language="de"))
+    view = state.view(replace(world(), playing="poses", playing_pose=1))
+    assert view.sequence.played == 1
+    assert view.sending.title == "Spielt Posen"
+    assert view.poses.playing == "Posen"
 
 
 def test_the_page_plays_the_poses_on_the_checked_robots() -> None:

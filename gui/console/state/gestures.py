@@ -5,7 +5,7 @@ from __future__ import annotations
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import refusals
-from gui.console.state.actions import Action, CopyProgram, EndFollowing, FollowFace, Play
+from gui.console.state.actions import POSES, Action, CopyProgram, EndFollowing, FollowFace, Play
 from gui.console.state.intents import OpenProgram, PlayGesture, ToggleFollowing
 from gui.console.state.memory import Memory
 from gui.console.state.motions import begin, lead_of
@@ -56,6 +56,8 @@ def _follow(off: str, texts: Texts, *, running: bool) -> ButtonView:
 
 def title(playing: str, texts: Texts) -> str:
     """Return the title of a play in the language of the texts."""
+    if playing == POSES:
+        return texts("label.poses")
     return texts(f"gesture.{playing}") if playing in GESTURES else playing
 
 

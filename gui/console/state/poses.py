@@ -7,7 +7,7 @@ from typing import Final
 
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Command
-from gui.console.state import intents, sequence
+from gui.console.state import gestures, intents, sequence
 from gui.console.state.actions import Action, Outcome, Play, Ready, SendCommand
 from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory, Request, RequestRow
@@ -39,7 +39,7 @@ def view(memory: Memory, world: World) -> PosesView:
             intents.PlayPoses(),
             reason or playing or ("" if count > 1 else "off.one_pose"),
         ),
-        playing=world.playing,
+        playing=gestures.title(world.playing, memory.choices.texts),
     )
 
 
@@ -47,7 +47,7 @@ def _button(memory: Memory, world: World, key: str, intent: Intent, off: str) ->
     """Return a button; it is disabled if `off` is the key of a reason."""
     texts = memory.choices.texts
     if off == "off.playing":
-        tooltip = texts("off.playing", title=world.playing)
+        tooltip = texts("off.playing", title=gestures.title(world.playing, texts))
     else:
         tooltip = texts(off) if off else texts(f"pose.{key}_tip")
     return ButtonView(texts(f"pose.{key}"), tooltip, intent, enabled=not off)
