@@ -127,6 +127,7 @@ class Panels(QWidget):
             self.head3d,
             self.arms,
             self.eyes,
+            self.plots,
             self.sending,
             self.commands,
             self.history,

@@ -1,22 +1,31 @@
-"""Plots of the arms: times of the robots, bounded memory, and no drawing while hidden."""
+"""Plots of the arms: times of the robots, bounded memory, zoom, pause, cursor, choice of curves and export."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import gui_worlds
 import msgspec
 import numpy as np
 import pytest
+from PyQt5.QtCore import QPoint, QPointF, Qt
+from PyQt5.QtGui import QImage, QTextDocument, QWheelEvent
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication
 from pyqtgraph import PlotDataItem
 from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client import RobotState
+from gui.console.state.actions import WriteFile
+from gui.console.state.intents import Intent, SavePlots
+from gui.console.state.state import State
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.widgets import plots as plots_module
-from gui.window.widgets.plots import CAPACITY, History, PlotsPanel, sample_time_s, span
+from gui.window.widgets.plot_samples import CAPACITY, History, sample_time_s, span, table
+from gui.window.widgets.plots import PlotsPanel
 
 Arms = tuple[float, float, float]
 LAG_S = 0.2
@@ -92,6 +101,158 @@ def test_time_stamps_of_another_computer_are_converted_to_this_clock() -> None:
     assert sample_time_s(state, 100.0) == pytest.approx(99.9)
     foreign = robot_at("hw", 5099.9, (0, 0, 0))
     assert sample_time_s(foreign, 100.0) == pytest.approx(99.99), "the time of arrival"
+
+
+@pytest.fixture
+def filled(plots: PlotsPanel) -> PlotsPanel:
+    """The plots, visible, with 70 s of samples: the short arm has its time / 10 as its angle."""
+    fill(plots, lambda time_s: (time_s / 10, 0, 0), 70.0)
+    plots.show()
+    return plots
+
+
+def shown_s(plots: PlotsPanel) -> tuple[float, float]:
+    """Return the times (s) at both edges of the lowest plot."""
+    (begin_s, end_s), _ = plots.difference.plot.viewRange()
+    room_s = 0.035 * (end_s - begin_s) / 1.07
+    return round(begin_s + room_s, 3), round(end_s - room_s, 3)
+
+
+def turn_wheel(plots: PlotsPanel, notches: int, at_s: float) -> None:
+    """Turn the wheel over a time of the first plot."""
+    area = plots.arms[0].area
+    scene = plots.arms[0].plot.getViewBox().mapViewToScene(QPointF(at_s, 0.0))
+    point = QPointF(area.mapFromScene(scene))
+    wheel = QWheelEvent(
+        point,
+        area.viewport().mapToGlobal(point.toPoint()),
+        QPoint(),
+        QPoint(0, 120 * notches),
+        Qt.MouseButton.NoButton,
+        Qt.KeyboardModifier.NoModifier,
+        Qt.ScrollPhase.NoScrollPhase,
+        False,
+    )
+    QApplication.sendEvent(area.viewport(), wheel)
+
+
+def test_buttons_and_wheel_choose_the_time(filled: PlotsPanel) -> None:
+    assert shown_s(filled) == (-20, 0)
+    for seconds, button in filled.bar.spans.items():
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+        assert shown_s(filled) == (-seconds, 0)
+        assert [one for one, other in filled.bar.spans.items() if other.isChecked()] == [seconds]
+    assert curve(filled.arms[0].lines[1])[0, 0] < -59, "a whole minute is kept"
+    turn_wheel(filled, 1, -10)
+    assert shown_s(filled) == pytest.approx((-48, 0), abs=0.01), "now stays at the right edge"
+    turn_wheel(filled, -50, -10)
+    assert shown_s(filled) == (-60, 0)
+    turn_wheel(filled, 50, -10)
+    assert shown_s(filled) == (-1, 0)
+
+
+def test_a_pause_keeps_the_picture_and_time_to_look_around(filled: PlotsPanel) -> None:
+    QTest.mouseClick(filled.bar.pause, Qt.MouseButton.LeftButton)
+    before = curve(filled.arms[0].lines[1])
+    filled.append(world_at(71.0, sim=(50, 0, 0)))
+    assert np.array_equal(curve(filled.arms[0].lines[1]), before, equal_nan=True)
+    turn_wheel(filled, 3, -10)
+    begin_s, end_s = shown_s(filled)
+    assert begin_s < -10 < end_s < 0, "the time at the mouse stays in place"
+    filled.plots["short"].mouse.dragged.emit(100.0)
+    assert shown_s(filled)[0] == -60, "no time before the first is shown"
+    assert curve(filled.arms[0].lines[1])[0, 0] < -59
+    QTest.mouseClick(filled.bar.pause, Qt.MouseButton.LeftButton)
+    assert shown_s(filled)[1] == 0
+    assert curve(filled.arms[0].lines[1])[1].max() == 50
+
+
+def test_another_robot_ends_the_pause(filled: PlotsPanel) -> None:
+    filled.pause(on=True)
+    filled.append(replace(world_at(72.0), robot="bea2"))
+    assert not filled.bar.pause.isChecked()
+    assert len(curve(filled.arms[0].lines[0])[0]) == 1
+
+
+def test_the_cursor_reads_all_curves_in_the_language(qtbot: QtBot, filled: PlotsPanel) -> None:
+    german = PlotsPanel(Texts("de"))
+    qtbot.addWidget(german)
+    german.append(world_at(70.0))
+    for panel, angle, time in ((filled, "5.0", "−20.00 s"), (german, "–", "−20,00 s")):
+        panel.plots["short"].mouse.pointed.emit(-19.999)
+        words = panel.plots["short"].label.text()
+        assert panel.bar.time.text() == time
+        assert words.count(f"<b>{angle}") == 2
+        panel.plots["short"].mouse.pointed.emit(None)
+        assert panel.bar.time.text() == ""
+        assert angle not in panel.plots["short"].label.text()
+    ticks = german.difference.plot.getAxis("left").tickStrings([-0.5, 0.0], 1.0, 0.5)
+    assert ticks == ["−0,5", "0"]
+
+
+def test_the_sign_of_a_curve_stays_beside_its_name(filled: PlotsPanel) -> None:
+    for width in range(120, 700, 7):
+        document = QTextDocument()
+        document.setHtml(filled.difference.label.text())
+        document.setTextWidth(width)
+        layout = document.firstBlock().layout()
+        assert layout is not None
+        text = document.firstBlock().text()
+        lines = [layout.lineAt(number) for number in range(layout.lineCount())]
+        words = [text[line.textStart() :][: line.textLength()].strip() for line in lines]
+        assert not [word for word in words if word.endswith(("—\u2060", "–\u2060", "···", "–"))], (
+            width,
+            words,
+        )
+
+
+def test_only_chosen_curves_are_shown(filled: PlotsPanel) -> None:
+    choices = filled.bar.choices
+    choices["hw"].setChecked(False)
+    choices["middle"].setChecked(False)
+    assert [name for name, one in filled.plots.items() if one.isVisible()] == ["short", "long", "difference"]
+    assert [line.isVisible() for line in filled.arms[0].lines] == [False, True]
+    assert [line.isVisible() for line in filled.difference.lines] == [True, False, True]
+    assert "Middle" not in filled.difference.label.text()
+    assert curve(filled.arms[0].lines[1])[1, -1] == pytest.approx(7.0, abs=0.01)
+    for action in choices.values():
+        action.setChecked(False)
+    assert not any(one.isVisible() for one in filled.plots.values())
+    assert filled.none.isVisible()
+
+
+def test_the_export_has_what_is_shown_with_units(filled: PlotsPanel, tmp_path: Path) -> None:
+    asked: list[Intent] = []
+    filled.intent.connect(asked.append)
+    filled.show_span(5.0)
+    for suffix, button in (("csv", filled.bar.csv), ("png", filled.bar.png)):
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+        assert filled.dialog is not None
+        filled.dialog.fileSelected.emit(str(tmp_path / f"plots.{suffix}"))
+    table, picture = asked
+    assert isinstance(table, SavePlots)
+    assert isinstance(picture, SavePlots)
+    assert isinstance(table.content, str)
+    header, first, *rows = table.content.splitlines()
+    assert header == (
+        "time_s,hw_short_deg,hw_middle_deg,hw_long_deg,sim_short_deg,sim_middle_deg,sim_long_deg"
+    )
+    assert len(rows) == 99
+    assert [float(field) for field in first.split(",")] == pytest.approx(
+        [-4.96, 6.484, 0, 0, 6.504, 0, 0], abs=0.06
+    )
+    assert isinstance(picture.content, bytes)
+    assert QImage.fromData(picture.content).width() == filled.width()
+    (write,) = State().handle(table, world_at(1.0))
+    assert write == WriteFile(1, tmp_path / "plots.csv", table.content)
+    assert State().handle(SavePlots(Path(), ""), world_at(1.0)) == []
+
+
+def test_a_table_has_no_columns_for_an_absent_robot() -> None:
+    sim = np.array([[-1.0, 1, 2, 3], [0.0, 4, 5, 6]])
+    text = table({"hw": sim[:0], "sim": sim}, -0.5, 0.0)
+    assert text == "time_s,sim_short_deg,sim_middle_deg,sim_long_deg\n0.000,4.000,5.000,6.000\n"
+    assert table({}, -1.0, 0.0) == "time_s\n"
 
 
 @pytest.mark.parametrize(

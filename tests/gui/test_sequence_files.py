@@ -36,7 +36,7 @@ def refusal_of(state: State, now: World | None = None) -> str:
 def written(state: State, intent: SaveSequence) -> str:
     (write,) = state.handle(intent, world())
     assert isinstance(write, WriteFile)
-    return write.text
+    return str(write.content)
 
 
 def test_a_saved_choreography_is_opened_as_the_same_sequence() -> None:

@@ -130,6 +130,7 @@ INTENTS: st.SearchStrategy[Intent] = st.one_of(
     st.builds(SaveSequence, FILES, st.booleans()),
     st.builds(OpenSequence, FILES, st.text(max_size=20), NAMES),
     st.builds(SaveProgram, FILES),
+    st.builds(intents.SavePlots, FILES, st.just(b"")),
     st.builds(intents.ChooseRobot, NAMES),
     st.builds(intents.ShowTab, st.sampled_from(Tab)),
     st.builds(intents.SetTheme, st.sampled_from(Theme)),

@@ -200,7 +200,10 @@ class Link:
 
     def _write(self, action: actions.WriteFile) -> None:
         try:
-            action.file.write_text(action.text, encoding="utf-8")
+            if isinstance(action.content, bytes):
+                action.file.write_bytes(action.content)
+            else:
+                action.file.write_text(action.content, encoding="utf-8")
         except OSError:
             error = WindowError(Reason.BAD_VALUE, "result.no_write", file=str(action.file))
             self._report(failed(action.row, "", error))

@@ -172,11 +172,12 @@ class CopyProgram(Action):
 
 @dataclass(frozen=True)
 class WriteFile(Action):
-    """Write or replace a text file (UTF-8); the outcome names no robot."""
+    """Write or replace a file; the outcome names no robot."""
 
     row: int
     file: Path
-    text: str
+    content: str | bytes
+    """text (UTF-8), or a picture"""
 
 
 @dataclass(frozen=True)

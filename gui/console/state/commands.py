@@ -25,6 +25,7 @@ from gui.console.state.intents import (
     OpenRecording,
     Repeat,
     RunCommand,
+    SavePlots,
     Stop,
     ToggleRecording,
     Undo,
@@ -142,6 +143,13 @@ def repeat(memory: Memory, world: World, number: int) -> list[Action]:
     ):
         return []
     return begin(memory, world, again(memory, row.request), row.control)
+
+
+def save_plots(memory: Memory, world: World, intent: SavePlots) -> list[Action]:
+    """Return the action that writes the exported plots."""
+    if not intent.file.name:
+        return memory.refuse(CONTROL, "cannot.file")
+    return begin(memory, world, WriteFile(memory.next_row(), intent.file, intent.content), CONTROL)
 
 
 def recording_view(memory: Memory, world: World) -> RecordView:

@@ -272,6 +272,13 @@ class OpenProgram(Intent, frozen=True):
     """Copy the program that follows a face to a folder of the user, and show its path."""
 
 
+class SavePlots(Intent, frozen=True):
+    """Write the plots as a table or as a picture."""
+
+    file: Path
+    content: str | bytes
+
+
 class ToggleRecording(Intent, frozen=True):
     """Begin or end a recording."""
 

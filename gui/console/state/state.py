@@ -159,6 +159,8 @@ class State:
                 return [] if world.starting else [RunSimulation()]
             case intents.Retry():
                 return [Connect()]
+            case intents.SavePlots():
+                return commands.save_plots(self._memory, world, intent)
             case _:
                 return self._about_others(intent, world)
         return []

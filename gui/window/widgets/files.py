@@ -24,9 +24,10 @@ class FileDialog(QFileDialog):
         title: str,
         mode: QFileDialog.AcceptMode,
         suffix: str = "csv",
+        files: str = "",
     ) -> None:
-        """Create a hidden dialog for files with this suffix: `csv` or `py`."""
-        super().__init__(parent, title, str(begin_folder(mode)), texts(f"label.{suffix}_files"))
+        """Create a hidden dialog for files with this suffix; `files` names their kind, by default the suffix."""
+        super().__init__(parent, title, str(begin_folder(mode)), texts(f"label.{files or suffix}_files"))
         self._texts = texts
         self.setOption(QFileDialog.Option.DontUseNativeDialog)
         self.setOption(QFileDialog.Option.DontConfirmOverwrite)
@@ -99,7 +100,12 @@ class FilePanel(QWidget):
         """the open dialog"""
 
     def choose_file(
-        self, title: str, mode: QFileDialog.AcceptMode, suffix: str, made: Callable[[Path], Intent]
+        self,
+        title: str,
+        mode: QFileDialog.AcceptMode,
+        suffix: str,
+        made: Callable[[Path], Intent],
+        files: str = "",
     ) -> None:
         """Open a file dialog, and report the intent made of its file.
 
@@ -108,7 +114,7 @@ class FilePanel(QWidget):
         if self.dialog is not None:
             self.dialog.destroyed.disconnect(self._forget_dialog)
             self.dialog.close()
-        dialog = FileDialog(self._texts, self, title, mode, suffix)
+        dialog = FileDialog(self._texts, self, title, mode, suffix, files)
         dialog.fileSelected.connect(lambda file: self.intent.emit(made(Path(file))))
         dialog.destroyed.connect(self._forget_dialog)
         self.dialog = dialog

@@ -1,41 +1,52 @@
-"""Arm angles of both robots over the last 20 s, and their difference."""
+"""Arm angles of both robots over time, and their difference: zoom, pause, cursor, choice of curves and export."""
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
 from typing import Final
 
-import numpy as np
-import numpy.typing as npt
 import pyqtgraph as pg
-from PyQt5.QtCore import Qt
-from PyQt5.QtGui import QColor, QFont, QPen, QShowEvent
-from PyQt5.QtWidgets import QLabel, QStackedLayout, QVBoxLayout, QWidget
+from PyQt5.QtCore import QBuffer, QIODevice, QPoint, Qt
+from PyQt5.QtGui import QColor, QShowEvent
+from PyQt5.QtWidgets import (
+    QAction,
+    QFileDialog,
+    QHBoxLayout,
+    QLabel,
+    QMenu,
+    QPushButton,
+    QStackedLayout,
+    QVBoxLayout,
+    QWidget,
+)
 
-from beatrix_zenoh import colours as table
-from beatrix_zenoh.client import RobotState
-from beatrix_zenoh.contract.names import ARMS
-from gui.console.state.intents import Theme
+from beatrix_zenoh import colours as hues
+from beatrix_zenoh.contract.names import ARMS, SIDES
+from gui.console.state.intents import SavePlots, Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
-from gui.window.theme import Style, style_of
+from gui.window.theme import style_of
+from gui.window.widgets.controls import label, set_text
+from gui.window.widgets.files import FilePanel
+from gui.window.widgets.plot_curves import Curves, Name
+from gui.window.widgets.plot_samples import (
+    SPAN_MAX_S,
+    History,
+    Samples,
+    between,
+    difference,
+    sample_time_s,
+    table,
+)
 
-Samples = npt.NDArray[np.float64]
-
+SPANS: Final = (5, 20, 60)
+"""Times that the plots show at the press of a button (s)."""
 SPAN_S: Final = 20.0
-"""Time that the plots show."""
-TICKS: Final = (-20, -15, -10, -5, 0)
-"""Labels of the time axis (s)."""
+"""Time that the plots show at first."""
+SPAN_MIN_S: Final = 1.0
 PERIOD_S: Final = 0.045
 """Shortest time between two drawings: 20 a second with some slack."""
-CAPACITY: Final = 1024
-"""Number of samples kept for each robot: 50 a second for 20 s."""
-GAP_S: Final = 1.0
-"""A line is interrupted after this time without a sample."""
-FOREIGN_S: Final = 1.0
-"""If the clock offset is unknown and a stamp is this far from its arrival, the arrival is used instead."""
 LEAST_ARM_DEG: Final = 20.0
 """Smallest range (deg) of the vertical axis of an arm's plot."""
 LEAST_DIFFERENCE_DEG: Final = 2.0
@@ -43,218 +54,290 @@ LEAST_DIFFERENCE_DEG: Final = 2.0
 STYLES: Final = (Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine, Qt.PenStyle.DotLine)
 SIGNS: Final = ("—", "– –", "···")
 """Line styles of the difference, and signs that look like them: short, middle, long arm."""
+BOTH: Final = ("hw", "sim")
+"""The robots in the order in which they are drawn."""
+DIFFERENCE: Final = "difference"
 
 
-class History:
-    """Samples of one robot in a buffer of constant size: time (s) and angles of the arms (deg), shape (n, 4)."""
-
-    def __init__(self, capacity: int = CAPACITY) -> None:
-        # Twice the capacity: the newest samples are always contiguous, and are moved only once per `capacity` samples.
-        self._rows: Samples = np.empty((2 * capacity, 1 + len(ARMS)))
-        self._capacity, self._end, self._size = capacity, 0, 0
-
-    @property
-    def samples(self) -> Samples:
-        """All samples, oldest first; valid until the next `add`."""
-        return self._rows[self._end - self._size : self._end]
-
-    def add(self, time_s: float, angles: tuple[float, float, float]) -> None:
-        """Add a sample if it is newer than the last; a clock set back by more than GAP_S clears the samples."""
-        if self._size:
-            last_s = float(self._rows[self._end - 1, 0])
-            if time_s == last_s:
-                return
-            if time_s < last_s - GAP_S:
-                self._end = self._size = 0
-            elif time_s < last_s:
-                return
-            elif time_s > last_s + GAP_S:
-                self._put(last_s, (math.nan,) * 3)
-        self._put(time_s, angles)
-
-    def _put(self, time_s: float, angles: tuple[float, ...]) -> None:
-        if self._end == len(self._rows):
-            kept = self._capacity - 1
-            self._rows[:kept] = self._rows[self._end - kept :]
-            self._end = self._size = kept
-        self._rows[self._end] = (time_s, *angles)
-        self._end += 1
-        self._size = min(self._size + 1, self._capacity)
-
-
-def sample_time_s(state: RobotState, now_s: float) -> float:
-    """Return the time at which positions were measured, by the monotonic clock of this computer (s)."""
-    assert state.positions is not None
-    stamp_s = state.positions.t_mono_ns / 1e9
-    arrived_s = now_s - (state.positions_age_s or 0.0)
-    return stamp_s if abs(stamp_s - arrived_s) < FOREIGN_S else arrived_s
-
-
-def difference(hw: Samples, sim: Samples) -> Samples:
-    """Return hardware minus simulation (deg) at the times of the hardware (s), shape (n, 4).
-
-    NaN at times before or after the samples of the simulation; n is 0 if the simulation has fewer than two samples.
-    """
-    if len(sim) < 2 or len(hw) == 0:
-        return np.empty((0, 1 + len(ARMS)))
-    times = hw[:, 0]
-    apart = hw.copy()
-    for arm in range(1, 1 + len(ARMS)):
-        apart[:, arm] -= np.interp(times, sim[:, 0], sim[:, arm], left=math.nan, right=math.nan)
-    return apart
-
-
-def span(lowest: float, highest: float, least: float) -> tuple[float, float]:
-    """Return limits of an axis around these values: round numbers, at least `least` apart."""
-    step = least / 4
-    low, high = math.floor(lowest / step) * step, math.ceil(highest / step) * step
-    missing = max(0, round((least - (high - low)) / step))
-    return low - (missing - missing // 2) * step, high + missing // 2 * step
-
-
-class Curves:
-    """One plot: curves over the last 20 s, under a title and a legend."""
-
-    def __init__(self, column: QVBoxLayout, title: str, least: float, names: Mapping[str, str]) -> None:
-        """Add the plot to a column.
-
-        Args:
-            column: layout of the plots.
-            title: quantity and unit.
-            least: smallest range of the vertical axis (deg).
-            names: name of each curve, by a sign that looks like its line; a curve without a name is not in the legend.
-                The last curve is on top.
-        """
-        self._title, self._names, self._least = title, names, least
-        self._label = QLabel()
-        self._label.setWordWrap(True)
-        self.widget = pg.PlotWidget()
-        self.widget.setMinimumSize(1, 1)
-        self.plot = self.widget.getPlotItem()
-        column.addWidget(self._label)
-        column.addWidget(self.widget, stretch=1)
-        self.lines = [self.plot.plot(connect="finite", antialias=True) for _ in names]
-        self._span = (0.0, 0.0)
-        self.plot.setMouseEnabled(x=False, y=False)
-        self.plot.setMenuEnabled(False)
-        self.plot.hideButtons()
-        self.plot.showGrid(x=True, y=True, alpha=0.2)
-        self.plot.setXRange(-SPAN_S, 0.0, padding=0.035)  # room for the outermost labels
-        self.plot.getAxis("bottom").setTicks(
-            [[(second, f"{second} s".replace("-", "−")) for second in TICKS]]
-        )
-        self._fit([np.zeros(1)])
-
-    def draw(self, curves: Sequence[tuple[Samples, Samples]]) -> None:
-        """Draw times (s, before now) and angles (deg) of each curve."""
-        for line, (times, angles) in zip(self.lines, curves, strict=True):
-            line.setData(times, angles)
-        self._fit([angles for _, angles in curves])
-
-    def _fit(self, curves: Sequence[Samples]) -> None:
-        values = np.concatenate(curves)
-        values = values[np.isfinite(values)]
-        if not len(values):
-            return
-        limits = span(float(values.min()), float(values.max()), self._least)
-        if limits != self._span:
-            self._span = limits
-            self.plot.setYRange(*limits, padding=0.03)
-
-    def show_theme(self, pens: Sequence[QPen], colours: Style) -> None:
-        """Use these pens and the colours of a theme."""
-        for line, pen in zip(self.lines, pens, strict=True):
-            line.setPen(pen)
-        lines = [
-            f"<span style='color:{pen.color().name()}'>{sign}</span> {name}"
-            for pen, (sign, name) in zip(pens, self._names.items(), strict=True)
-            if name
-        ]
-        text = "&nbsp; &nbsp; ".join((f"<b>{self._title}</b>", *lines))
-        self._label.setText(text)
-        self._label.setStyleSheet(f"color: {colours.text}; font-size: {colours.px(12)}px")
-        self.widget.setBackground(colours.field)
-        font = QFont()
-        font.setPixelSize(colours.px(11))
-        for side in ("left", "bottom"):
-            axis = self.plot.getAxis(side)
-            axis.setPen(colours.edge)
-            axis.setTextPen(colours.text)
-            axis.setTickFont(font)
-        self.plot.getAxis("left").setWidth(colours.px(34))
-
-
-class PlotsPanel(QWidget):
-    """A plot for each arm, thin for the simulation and wide for the hardware, and one of their difference.
-
-    The times are the robots' own stamps, so that a lag of the hardware is visible. While the widget is hidden, samples
-    are kept but not drawn.
-    """
+class PlotBar(QWidget):
+    """The buttons above the plots."""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
-        self._robot, self._histories = "", {"hw": History(), "sim": History()}
+        row = QHBoxLayout(self)
+        row.setContentsMargins(4, 4, 4, 0)
+        row.setSpacing(4)
+        self.spans = {
+            seconds: self._button(f"{seconds} s", texts("tip.plot_span", seconds=str(seconds)))
+            for seconds in SPANS
+        }
+        self.pause = self._button(texts("plot.pause"), texts("tip.plot_pause"))
+        for button in (*self.spans.values(), self.pause):
+            button.setCheckable(True)
+        self.curves = self._button(f"{texts('plot.curves')} ▾", texts("tip.plot_curves"))
+        self.time = label(role="dim")
+        """time at the cursor"""
+        self.csv = self._button("CSV", texts("tip.plot_csv"))
+        self.png = self._button("PNG", texts("tip.plot_png"))
+        for button in (*self.spans.values(), self.pause, self.curves):
+            row.addWidget(button)
+        row.addWidget(self.time, 1)
+        row.addWidget(self.csv)
+        row.addWidget(self.png)
+        self.menu = QMenu(self)
+        self.choices = {
+            name: self._choice(texts(f"label.{name}" if name in (*SIDES, DIFFERENCE) else f"arm.{name}"))
+            for name in (*BOTH, *ARMS, DIFFERENCE)
+        }
+        """by side, arm or DIFFERENCE"""
+        self.curves.clicked.connect(self._open_menu)
+
+    @staticmethod
+    def _button(text: str, tooltip: str) -> QPushButton:
+        button = QPushButton(text)
+        button.setAutoDefault(False)
+        button.setToolTip(tooltip)
+        button.setAccessibleName(tooltip)
+        return button
+
+    def _choice(self, text: str) -> QAction:
+        action = QAction(text, self.menu)
+        action.setCheckable(True)
+        action.setChecked(True)
+        self.menu.addAction(action)
+        return action
+
+    def _open_menu(self) -> None:
+        """Open the menu without blocking the window."""
+        self.menu.popup(self.curves.mapToGlobal(QPoint(0, self.curves.height())))
+
+    def chosen(self, name: str) -> bool:
+        """Return whether a side, an arm or the difference is shown."""
+        return self.choices[name].isChecked()
+
+
+class PlotsPanel(FilePanel):
+    """A plot for each arm, thin for the simulation and wide for the hardware, and one of their difference.
+
+    The times are the robots' own stamps, so that a lag of the hardware is visible. While the widget is hidden or
+    paused, samples are kept but not drawn.
+    """
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__(texts)
+        self._robot, self._histories = "", {side: History() for side in BOTH}
         self._now_s = 0.0
         self._drawn_s = -math.inf
+        self._begin_s, self._end_s = -SPAN_S, 0.0
+        """the shown times, before now or before the pause"""
+        self._paused: dict[str, Samples] | None = None
+        """the samples while the plots are paused"""
+        self._cursor_s: float | None = None
+        self.bar = PlotBar(texts)
         self._graphics = QWidget()
         self._graphics.setAutoFillBackground(True)
+        self.plots = self._made_plots(texts)
+        """by arm, and DIFFERENCE"""
+        self.empty = label(texts("label.plots_empty"), wrap=True)
+        self.empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self._lay_out()
+        self._connect()
+        self._choose()
+        self._show_times()
+        self.show_theme(Theme.DARK)
+
+    @property
+    def arms(self) -> list[Curves]:
+        """The plots of the arms."""
+        return [self.plots[arm] for arm in ARMS]
+
+    @property
+    def difference(self) -> Curves:
+        """The plot of the difference."""
+        return self.plots[DIFFERENCE]
+
+    @staticmethod
+    def _made_plots(texts: Texts) -> dict[str, Curves]:
+        sides = (Name("▬", texts("label.hw")), Name("—", texts("label.sim")))
+        unnamed = tuple(name._replace(text="") for name in sides)
+        plots = {
+            arm: Curves(
+                texts,
+                f"<span style='color:{hues.hexadecimal(hues.ARMS[arm])}'>●</span> "
+                + texts(f"label.plot_{arm}"),
+                LEAST_ARM_DEG,
+                sides if arm == ARMS[0] else unnamed,
+            )
+            for arm in ARMS
+        }
+        arms = [Name(sign, texts(f"arm.{arm}")) for sign, arm in zip(SIGNS, ARMS, strict=True)]
+        return plots | {
+            DIFFERENCE: Curves(texts, f"{texts('label.difference')} (°)", LEAST_DIFFERENCE_DEG, arms)
+        }
+
+    def _lay_out(self) -> None:
         column = QVBoxLayout(self._graphics)
         column.setContentsMargins(4, 2, 4, 2)
         column.setSpacing(0)
-        sides = {"▬": texts("label.hw"), "—": texts("label.sim")}
-        self.arms = [
-            Curves(
-                column,
-                f"<span style='color:{table.hexadecimal(table.ARMS[arm])}'>●</span> "
-                + texts(f"label.plot_{arm}"),
-                LEAST_ARM_DEG,
-                sides if arm == ARMS[0] else dict.fromkeys(sides, ""),
-            )
-            for arm in ARMS
-        ]
-        arms = {sign: texts(f"arm.{arm}") for sign, arm in zip(SIGNS, ARMS, strict=True)}
-        title = f"{texts('label.difference')} (°)"
-        self.difference = Curves(column, title, LEAST_DIFFERENCE_DEG, arms)
-        for curves in self.arms:
-            curves.plot.getAxis("bottom").setStyle(showValues=False)
-        self.empty = QLabel(texts("label.plots_empty"))
-        self.empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self.empty.setWordWrap(True)
+        for name, curves in self.plots.items():
+            column.addWidget(curves, 3 if name == DIFFERENCE else 2)  # its legend may need two lines
+        self.none: QLabel = label(self._texts("label.plots_none"), wrap=True)
+        self.none.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        column.addWidget(self.none, 1)
+        drawing = QWidget()
+        inner = QVBoxLayout(drawing)
+        inner.setContentsMargins(0, 0, 0, 0)
+        inner.setSpacing(0)
+        inner.addWidget(self.bar)
+        inner.addWidget(self._graphics, 1)
         self._stack = QStackedLayout(self)
         self._stack.addWidget(self.empty)
-        self._stack.addWidget(self._graphics)
-        self.show_theme(Theme.DARK)
+        self._stack.addWidget(drawing)
+
+    def _connect(self) -> None:
+        for seconds, button in self.bar.spans.items():
+            button.clicked.connect(lambda _, seconds=seconds: self.show_span(float(seconds)))
+        self.bar.pause.clicked.connect(self.pause)
+        for action in self.bar.choices.values():
+            action.toggled.connect(self._choose)
+        self.bar.csv.clicked.connect(self._export_table)
+        self.bar.png.clicked.connect(self._export_picture)
+        for curves in self.plots.values():
+            curves.mouse.pointed.connect(self._point)
+            curves.mouse.zoomed.connect(self._zoom)
+            curves.mouse.dragged.connect(self._drag)
+
+    # -- samples ------------------------------------------------------------------------------------
 
     def append(self, world: World) -> None:
-        """Add the newest positions, and draw them if the plots are visible."""
-        self._now_s = world.now_s
+        """Add the newest positions, and draw them if the plots are visible and not paused."""
         if world.robot != self._robot:
-            self._robot, self._histories = world.robot, {"hw": History(), "sim": History()}
+            self._robot, self._histories = world.robot, {side: History() for side in BOTH}
+            self.pause(on=False)
         for side, history in self._histories.items():
             state = world.side(side)
             reading = state.reading
             if reading is not None:
                 arms = reading.arms
                 history.add(sample_time_s(state, world.now_s), (arms.short, arms.middle, arms.long))
-        if self.isVisible() and time.monotonic() - self._drawn_s > PERIOD_S:
+        self._now_s = world.now_s
+        if self._paused is None and self.isVisible() and time.monotonic() - self._drawn_s > PERIOD_S:
             self._draw()
+
+    def _samples(self) -> dict[str, Samples]:
+        """Return the samples of the chosen robots, with times before now or before the pause."""
+        found = self._present() if self._paused is None else self._paused
+        return {side: rows if self.bar.chosen(side) else rows[:0] for side, rows in found.items()}
+
+    def _present(self) -> dict[str, Samples]:
+        found = {side: history.samples.copy() for side, history in self._histories.items()}
+        for rows in found.values():
+            rows[:, 0] -= self._now_s
+        return found
 
     def _draw(self) -> None:
         self._drawn_s = time.monotonic()
-        hw, sim = (self._recent(history) for history in self._histories.values())
-        if len(hw) or len(sim):
-            self._stack.setCurrentWidget(self._graphics)
-        for arm, curves in enumerate(self.arms, start=1):
-            curves.draw([(rows[:, 0], rows[:, arm]) for rows in (hw, sim)])
+        samples = self._samples()
+        if any(len(history.samples) for history in self._histories.values()):
+            self._stack.setCurrentIndex(1)
+        hw, sim = (between(samples[side], self._begin_s, self._end_s) for side in BOTH)
         apart = difference(hw, sim)
-        self.difference.draw([(apart[:, 0], apart[:, arm]) for arm in range(1, 1 + len(ARMS))])
+        for name, curves in self.plots.items():
+            if curves.isHidden():
+                continue
+            if name == DIFFERENCE:
+                curves.draw([(apart[:, 0], apart[:, arm]) for arm in range(1, 1 + len(ARMS))])
+            else:
+                column = 1 + ARMS.index(name)
+                curves.draw([(rows[:, 0], rows[:, column]) for rows in (hw, sim)])
+        if self._cursor_s is not None:
+            self._read()
 
-    def _recent(self, history: History) -> Samples:
-        """Return the shown samples, with times relative to now."""
-        rows = history.samples
-        rows = rows[np.searchsorted(rows[:, 0], self._now_s - SPAN_S) :].copy()
-        rows[:, 0] -= self._now_s
-        return rows
+    # -- what is shown ------------------------------------------------------------------------------
+
+    def show_span(self, seconds: float) -> None:
+        """Show this time (s) before now or, while paused, before the right edge."""
+        self._begin_s = max(-SPAN_MAX_S, self._end_s - min(max(seconds, SPAN_MIN_S), SPAN_MAX_S))
+        self._show_times()
+
+    def pause(self, on: bool) -> None:  # noqa: FBT001 - Qt's signal has it
+        """Keep the present samples on the screen, or follow the robots again."""
+        if on == (self._paused is not None):
+            return
+        self._paused = self._present() if on else None
+        if not on:
+            self._begin_s, self._end_s = self._begin_s - self._end_s, 0.0
+        self.bar.pause.setChecked(on)
+        self._show_times()
+
+    def _show_times(self) -> None:
+        shown_s = self._end_s - self._begin_s
+        for seconds, button in self.bar.spans.items():
+            button.setChecked(math.isclose(shown_s, seconds))
+        for curves in self.plots.values():
+            curves.show_times(self._begin_s, self._end_s)
+        self._draw()
+
+    def _zoom(self, factor: float, at_s: float) -> None:
+        """Show less or more time; while paused, the time at the mouse stays in place."""
+        shown_s = self._end_s - self._begin_s
+        wanted_s = min(max(shown_s * factor, SPAN_MIN_S), SPAN_MAX_S)
+        if self._paused is not None:
+            share = min(max((self._end_s - at_s) / shown_s, 0.0), 1.0)
+            self._end_s = min(0.0, at_s + share * wanted_s)
+        self.show_span(wanted_s)
+
+    def _drag(self, by_s: float) -> None:
+        """While paused, show earlier or later times."""
+        if self._paused is None:
+            return
+        by_s = min(max(by_s, self._end_s), self._begin_s + SPAN_MAX_S)
+        self._begin_s, self._end_s = self._begin_s - by_s, self._end_s - by_s
+        self._show_times()
+
+    def _point(self, time_s: float | None) -> None:
+        inside = time_s is not None and self._begin_s <= time_s <= self._end_s
+        self._cursor_s = time_s if inside else None
+        self._read()
+
+    def _read(self) -> None:
+        """Show the values at the cursor."""
+        for curves in self.plots.values():
+            curves.read(self._cursor_s)
+        at_s = self._cursor_s
+        set_text(
+            self.bar.time, "" if at_s is None else self._texts("plot.time", seconds=at_s).replace("-", "−")
+        )
+
+    def _choose(self) -> None:
+        """Show the chosen plots; the lowest one has the labels of the time."""
+        shown = [curves for name, curves in self.plots.items() if self.bar.chosen(name)]
+        for name, curves in self.plots.items():
+            curves.choose([self.bar.chosen(part) for part in (ARMS if name == DIFFERENCE else BOTH)])
+            curves.setVisible(curves in shown)
+            curves.show_time_axis(shown=curves is shown[-1] if shown else False)
+        self.none.setVisible(not shown)
+        self._draw()
+
+    # -- export -------------------------------------------------------------------------------------
+
+    def _export_table(self) -> None:
+        samples = {side: rows for side, rows in self._samples().items() if self.bar.chosen(side)}
+        self._save("plot_csv", table(samples, self._begin_s, self._end_s))
+
+    def _export_picture(self) -> None:
+        buffer = QBuffer()
+        buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+        self._graphics.grab().save(buffer, "PNG")
+        self._save("plot_png", bytes(buffer.data()))
+
+    def _save(self, kind: str, content: str | bytes) -> None:
+        """Let the user choose the file; the content is that of the moment of the press."""
+        title, suffix = self._texts(f"tip.{kind}"), kind.removeprefix("plot_")
+        save = QFileDialog.AcceptMode.AcceptSave
+        self.choose_file(title, save, suffix, lambda file: SavePlots(file, content), files=kind)
+
+    # -- appearance ---------------------------------------------------------------------------------
 
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802
         super().showEvent(event)
@@ -274,7 +357,7 @@ class PlotsPanel(QWidget):
             curves.show_theme(pens, colours)
         self.difference.show_theme(
             [
-                pg.mkPen(table.hexadecimal(table.ARMS[arm]), width=thin, style=style)
+                pg.mkPen(hues.hexadecimal(hues.ARMS[arm]), width=thin, style=style)
                 for arm, style in zip(ARMS, STYLES, strict=True)
             ],
             colours,

@@ -1,0 +1,213 @@
+"""One plot: curves over time, with a cursor that reads them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+import pyqtgraph as pg
+from PyQt5.QtCore import QEvent, QObject, QPoint, QPointF, Qt, pyqtSignal
+from PyQt5.QtGui import QFont, QMouseEvent, QPen, QWheelEvent
+from PyQt5.QtWidgets import QLabel, QVBoxLayout, QWidget
+
+from gui.console.texts import Texts
+from gui.window.theme import Style
+from gui.window.widgets.plot_samples import Samples, span
+
+NOTCH: Final = 120
+"""Angle that Qt reports for one notch of a wheel."""
+ZOOM: Final = 0.8
+"""Factor of the shown time for one notch away from the user."""
+UNBROKEN: Final = str.maketrans({" ": "\N{NO-BREAK SPACE}", "–": "–\N{WORD JOINER}", "—": "—\N{WORD JOINER}"})
+"""Characters at which Qt would break a line, and what it does not break: a sign stays beside its name."""
+
+
+class Name(NamedTuple):
+    """Name of a curve in the legend, and the sign that looks like its line."""
+
+    sign: str
+    text: str
+
+
+class Mouse(QObject):
+    """Reports what the mouse does on a plot, as times on its axis (s)."""
+
+    pointed = pyqtSignal(object)
+    """time at the mouse; None: it has left"""
+    zoomed = pyqtSignal(float, float)
+    """factor of the shown time, and the time that stays in place"""
+    dragged = pyqtSignal(float)
+    """by how much the mouse has moved the curves to the right"""
+
+    def __init__(self, surface: QWidget, time_at: Callable[[QPoint], float]) -> None:
+        super().__init__(surface)
+        self._time_at = time_at
+        self._held: QPoint | None = None
+        surface.setMouseTracking(True)
+        surface.installEventFilter(self)
+
+    def eventFilter(self, surface: QObject, event: QEvent) -> bool:  # noqa: N802
+        """Take the events of the mouse; pass on all others."""
+        if isinstance(event, QWheelEvent):
+            notches = event.angleDelta().y() / NOTCH
+            self.zoomed.emit(ZOOM**notches, self._time_at(event.position().toPoint()))
+            return True
+        if isinstance(event, QMouseEvent):
+            self._move(event)
+            return True
+        if event.type() == QEvent.Type.Leave:
+            self.pointed.emit(None)
+        return super().eventFilter(surface, event)
+
+    def _move(self, event: QMouseEvent) -> None:
+        if event.type() == QEvent.Type.MouseButtonPress:
+            self._held = event.pos()
+        elif event.type() == QEvent.Type.MouseButtonRelease:
+            self._held = None
+        elif self._held is not None:
+            self.dragged.emit(self._time_at(event.pos()) - self._time_at(self._held))
+            self._held = event.pos()
+        self.pointed.emit(self._time_at(event.pos()))
+
+
+class Curves(QWidget):
+    """One plot: curves over time, under a title and a legend."""
+
+    def __init__(self, texts: Texts, title: str, least: float, names: Sequence[Name]) -> None:
+        """Create a plot without samples.
+
+        Args:
+            texts: the language, also of the numbers.
+            title: quantity and unit.
+            least: smallest range of the vertical axis (deg).
+            names: name of each curve; a curve without a name is not in the legend. The last curve is on top.
+        """
+        super().__init__()
+        self._texts, self._title, self._names, self._least = texts, title, names, least
+        self._legend: list[str] = []
+        self._chosen = [True for _ in names]
+        self.label = QLabel()
+        self.label.setWordWrap(True)
+        self.area = pg.PlotWidget()
+        self.area.setMinimumSize(1, 1)
+        self.plot = self.area.getPlotItem()
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.label)
+        column.addWidget(self.area, stretch=1)
+        self.lines = [self.plot.plot(connect="finite", antialias=True) for _ in names]
+        self._shown: list[tuple[Samples, Samples]] = []
+        self._span = (0.0, 0.0)
+        self._range = (0.0, 0.0)
+        self._cursor = pg.InfiniteLine(angle=90)
+        self._cursor.hide()
+        self.plot.addItem(self._cursor, ignoreBounds=True)
+        self.plot.setMouseEnabled(x=False, y=False)
+        self.plot.setMenuEnabled(False)
+        self.plot.hideButtons()
+        self.plot.showGrid(x=True, y=True, alpha=0.2)
+        self.mouse = Mouse(self.area.viewport(), self._time_at)
+        for side, unit in (("left", ""), ("bottom", " s")):
+            axis = self.plot.getAxis(side)
+            axis.enableAutoSIPrefix(enable=False)
+            axis.tickStrings = self._ticks(unit)
+        self._fit([np.zeros(1)])
+
+    def _ticks(self, unit: str) -> Callable[[Sequence[float], float, float], list[str]]:
+        """Return a function of pyqtgraph that labels an axis in the language of the window."""
+
+        def strings(values: Sequence[float], _scale: float, _spacing: float) -> list[str]:
+            return [self._number(value, "figure") + unit for value in values]
+
+        return strings
+
+    def _number(self, value: float, key: str) -> str:
+        return self._texts(key, value=round(value, 6) + 0.0).replace("-", "−")
+
+    def _time_at(self, point: QPoint) -> float:
+        scene: QPointF = self.area.mapToScene(point)
+        return float(self.plot.getViewBox().mapSceneToView(scene).x())
+
+    def show_times(self, begin_s: float, end_s: float) -> None:
+        """Show these times (s, before now)."""
+        if (begin_s, end_s) != self._range:
+            self._range = begin_s, end_s
+            self.plot.setXRange(begin_s, end_s, padding=0.035)  # room for the outermost labels
+
+    def choose(self, chosen: Sequence[bool]) -> None:
+        """Show only the chosen curves, in the plot and in the legend."""
+        self._chosen = list(chosen)
+        for line, shown in zip(self.lines, chosen, strict=True):
+            line.setVisible(shown)
+        self._show_legend()
+
+    def draw(self, curves: Sequence[tuple[Samples, Samples]]) -> None:
+        """Draw times (s, before now) and angles (deg) of each curve."""
+        self._shown = list(curves)
+        for line, (times, angles) in zip(self.lines, curves, strict=True):
+            line.setData(times, angles)
+        self._fit([angles for (_, angles), chosen in zip(curves, self._chosen, strict=True) if chosen])
+
+    def read(self, time_s: float | None) -> None:
+        """Put the cursor at a time (s, before now), and the values there into the legend; None: no cursor."""
+        self._cursor.setVisible(time_s is not None)
+        values: list[str] = []
+        if time_s is not None:
+            self._cursor.setPos(time_s)
+            values = [self._value(times, angles, time_s) for times, angles in self._shown]
+        self._show_legend(values)
+
+    def _value(self, times: Samples, angles: Samples, time_s: float) -> str:
+        value = np.interp(time_s, times, angles, left=math.nan, right=math.nan) if len(times) else math.nan
+        return self._number(float(value), "plot.value") if math.isfinite(value) else self._texts("unknown")
+
+    def _fit(self, curves: Sequence[Samples]) -> None:
+        values = np.concatenate([*curves, np.empty(0)])
+        values = values[np.isfinite(values)]
+        if not len(values):
+            return
+        limits = span(float(values.min()), float(values.max()), self._least)
+        if limits != self._span:
+            self._span = limits
+            self.plot.setYRange(*limits, padding=0.03)
+
+    def _show_legend(self, values: Sequence[str] = ()) -> None:
+        """Show the title, the names of the curves, and their values, if there are any."""
+        entries = [f"<b>{self._title}</b>"]
+        for number, (line, name) in enumerate(zip(self._legend, self._names, strict=False)):
+            words = [name.text] if name.text else []
+            if values:
+                words.append(f"<b>{values[number]}</b>")
+            if words and self._chosen[number]:
+                entries.append(f"{line}&nbsp;" + " ".join(words).translate(UNBROKEN))
+        text = " &nbsp; ".join(entries)
+        if text != self.label.text():
+            self.label.setText(text)
+
+    def show_theme(self, pens: Sequence[QPen], colours: Style) -> None:
+        """Use these pens and the colours of a theme."""
+        for line, pen in zip(self.lines, pens, strict=True):
+            line.setPen(pen)
+        self._cursor.setPen(pg.mkPen(colours.edge, width=1, style=Qt.PenStyle.DashLine))
+        self._legend = [
+            f"<span style='color:{pen.color().name()}'>{name.sign.translate(UNBROKEN)}</span>"
+            for pen, name in zip(pens, self._names, strict=True)
+        ]
+        self._show_legend()
+        self.label.setStyleSheet(f"color: {colours.text}; font-size: {colours.px(12)}px")
+        self.area.setBackground(colours.field)
+        font = QFont()
+        font.setPixelSize(colours.px(11))
+        for side in ("left", "bottom"):
+            axis = self.plot.getAxis(side)
+            axis.setPen(colours.edge)
+            axis.setTextPen(colours.text)
+            axis.setTickFont(font)
+        self.plot.getAxis("left").setWidth(colours.px(34))
+
+    def show_time_axis(self, *, shown: bool) -> None:
+        """Show or hide the labels of the time."""
+        self.plot.getAxis("bottom").setStyle(showValues=shown)

@@ -1,0 +1,129 @@
+"""Samples of both robots for the plots: times, memory, differences, and tables of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.contract.names import ARMS
+
+Samples = npt.NDArray[np.float64]
+
+SPAN_MAX_S: Final = 60.0
+"""Time that is kept."""
+CAPACITY: Final = 3072
+"""Number of samples kept for each robot: 50 a second for 60 s."""
+GAP_S: Final = 1.0
+"""A line is interrupted after this time without a sample."""
+FOREIGN_S: Final = 1.0
+"""If the clock offset is unknown and a stamp is this far from its arrival, the arrival is used instead."""
+
+
+class History:
+    """Samples of one robot in a buffer of constant size: time (s) and angles of the arms (deg), shape (n, 4)."""
+
+    def __init__(self, capacity: int = CAPACITY) -> None:
+        # Twice the capacity: the newest samples are always contiguous, and are moved only once per `capacity` samples.
+        self._rows: Samples = np.empty((2 * capacity, 1 + len(ARMS)))
+        self._capacity, self._end, self._size = capacity, 0, 0
+
+    @property
+    def samples(self) -> Samples:
+        """All samples, oldest first; valid until the next `add`."""
+        return self._rows[self._end - self._size : self._end]
+
+    def add(self, time_s: float, angles: tuple[float, float, float]) -> None:
+        """Add a sample if it is newer than the last; a clock set back by more than GAP_S clears the samples."""
+        if self._size:
+            last_s = float(self._rows[self._end - 1, 0])
+            if time_s == last_s:
+                return
+            if time_s < last_s - GAP_S:
+                self._end = self._size = 0
+            elif time_s < last_s:
+                return
+            elif time_s > last_s + GAP_S:
+                self._put(last_s, (math.nan,) * 3)
+        self._put(time_s, angles)
+
+    def _put(self, time_s: float, angles: tuple[float, ...]) -> None:
+        if self._end == len(self._rows):
+            kept = self._capacity - 1
+            self._rows[:kept] = self._rows[self._end - kept :]
+            self._end = self._size = kept
+        self._rows[self._end] = (time_s, *angles)
+        self._end += 1
+        self._size = min(self._size + 1, self._capacity)
+
+
+def sample_time_s(state: RobotState, now_s: float) -> float:
+    """Return the time at which positions were measured, by the monotonic clock of this computer (s)."""
+    assert state.positions is not None
+    stamp_s = state.positions.t_mono_ns / 1e9
+    arrived_s = now_s - (state.positions_age_s or 0.0)
+    return stamp_s if abs(stamp_s - arrived_s) < FOREIGN_S else arrived_s
+
+
+def between(rows: Samples, begin_s: float, end_s: float) -> Samples:
+    """Return the samples between two times, and the next one on either side, so that lines reach the edges."""
+    first = int(np.searchsorted(rows[:, 0], begin_s)) - 1
+    last = int(np.searchsorted(rows[:, 0], end_s, side="right"))
+    return rows[max(0, first) : last + 1]
+
+
+def difference(hw: Samples, sim: Samples) -> Samples:
+    """Return hardware minus simulation (deg) at the times of the hardware (s), shape (n, 4).
+
+    NaN at times before or after the samples of the simulation; n is 0 if the simulation has fewer than two samples.
+    """
+    if len(sim) < 2 or len(hw) == 0:
+        return np.empty((0, 1 + len(ARMS)))
+    apart = hw.copy()
+    apart[:, 1:] -= _interpolated(sim, hw[:, 0])
+    return apart
+
+
+def table(samples: Mapping[str, Samples], begin_s: float, end_s: float) -> str:
+    """Return the samples between two times as comma-separated text; its header has the units.
+
+    Args:
+        samples: by side; a side without samples has no columns.
+        begin_s: time of the first row at the earliest.
+        end_s: time of the last row at the latest.
+
+    The rows have the times of the first side that has samples. Angles of the other side are interpolated linearly; a
+    field is empty where there are none.
+    """
+    found = {side: rows for side, rows in samples.items() if len(rows)}
+    lines = [",".join(("time_s", *(f"{side}_{arm}_deg" for side in found for arm in ARMS)))]
+    times = next(iter(found.values()))[:, 0] if found else np.empty(0)
+    times = times[(times >= begin_s) & (times <= end_s)]
+    columns = [_interpolated(rows, times) for rows in found.values()]
+    for number, time_s in enumerate(times):
+        angles = [
+            f"{angle:.3f}" if math.isfinite(angle) else "" for rows in columns for angle in rows[number]
+        ]
+        lines.append(",".join((f"{time_s:.3f}", *angles)))
+    return "\n".join(lines) + "\n"
+
+
+def _interpolated(rows: Samples, times: Samples) -> Samples:
+    """Return the angles (deg) at some times (s), shape (n, 3); NaN before the first sample and after the last."""
+    columns = [
+        np.interp(times, rows[:, 0], rows[:, arm], left=math.nan, right=math.nan)
+        for arm in range(1, 1 + len(ARMS))
+    ]
+    return np.stack(columns, axis=1)
+
+
+def span(lowest: float, highest: float, least: float) -> tuple[float, float]:
+    """Return limits of an axis around these values: round numbers, at least `least` apart."""
+    step = least / 4
+    low, high = math.floor(lowest / step) * step, math.ceil(highest / step) * step
+    missing = max(0, round((least - (high - low)) / step))
+    return low - (missing - missing // 2) * step, high + missing // 2 * step
