@@ -346,6 +346,13 @@ def test_a_play_has_its_name_in_the_language_of_the_window() -> None:
     assert view.poses.playing == "Posen"
 
 
+@pytest.mark.parametrize(("poses", "what"), [((NOD,), "play one pose"), ((NOD, LEFT), "play 2 poses")])
+def test_a_play_is_counted_in_the_history(poses: tuple[SavedPose, ...], what: str) -> None:
+    state = editing(*poses)
+    played(state, PlaySequence("sim"))
+    assert what in state.view(world()).history[0].what
+
+
 def test_the_page_plays_the_poses_on_the_checked_robots() -> None:
     assert played(editing(NOD, LEFT), PlayPoses()).sides == ("sim",)
 

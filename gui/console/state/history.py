@@ -315,7 +315,8 @@ def _of_files(request: Play | FollowFace | WriteFile | CopyProgram, texts: Texts
     if request.gesture:
         return texts("what.gesture", title=texts(f"gesture.{request.gesture}"))
     if request.file is None:
-        return texts("what.play_poses", count=float(len(request.poses)))
+        count = len(request.poses)
+        return texts("what.play_pose") if count == 1 else texts("what.play_poses", count=float(count))
     return texts("what.play", title=request.file.name)
 
 
