@@ -105,6 +105,7 @@ def test_the_window_shows_the_loss_and_the_return_of_a_robot(stage: Stage) -> No
         gaps.check()
 
 
+@pytest.mark.qt_log_ignore("This plugin does not support")  # popups without a display
 def test_a_suspended_hardware_node_slows_neither_window_nor_simulation(stage: Stage) -> None:
     stage.simulation("bea", "--ready")
     hw = stage.hardware("bea")
