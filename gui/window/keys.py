@@ -38,6 +38,8 @@ class Keys(QObject):
     help = pyqtSignal()
     page = pyqtSignal()
     projector = pyqtSignal()
+    escape = pyqtSignal()
+    """after STOP: close what lies over the window"""
 
     def __init__(self, stop_bar: Callable[[], QWidget]) -> None:
         """Create the filter without installing it.
@@ -88,7 +90,7 @@ class Keys(QObject):
     def _action(self, event: QKeyEvent) -> Callable[[], object] | None:
         key, focus = event.key(), QApplication.focusWidget()
         if key in STOP_KEYS:
-            return self._stop
+            return self._escape if key == Qt.Key.Key_Escape else self._stop
         pages = {Qt.Key.Key_F1: self.help, Qt.Key.Key_F2: self.page, Qt.Key.Key_F11: self.projector}
         if key in pages:
             return pages[Qt.Key(key)].emit
@@ -121,6 +123,10 @@ class Keys(QObject):
         popup = QApplication.activePopupWidget()
         if popup is not None:
             popup.close()
+
+    def _escape(self) -> None:
+        self._stop()
+        self.escape.emit()
 
     def _press_outside_popup(self, event: QMouseEvent) -> bool:
         """Send STOP for a press on the STOP button while a popup is open; Qt alone would only close the popup."""

@@ -58,6 +58,7 @@ class Window(QMainWindow):
         self.keys.undo.connect(lambda: self.handle(Undo()))
         self.keys.record.connect(lambda: self.handle(ToggleRecording()))
         self.keys.help.connect(self._toggle_keys)
+        self.keys.escape.connect(lambda: self.panels.key_sheet.hide())  # noqa: PLW0108 - panels are replaced
         self.keys.page.connect(lambda: self.handle(TogglePage()))
         self.keys.projector.connect(lambda: self._project(on=self.panels.projector.isHidden()))
         self.keys.install()

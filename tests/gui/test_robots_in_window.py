@@ -125,7 +125,7 @@ def test_an_emergency_stop_switches_off_both_moving_robots_and_offers_reset(
     user.until_last("emergency stop done", "both")
     assert all(robot.positions().arms.long < 55 for robot in robots.values())
     for pill in panels.header.pills.values():
-        user.until(lambda pill=pill: pill.next_step.text() == "Reset", "the next step is RESET")  # type: ignore[misc]
+        user.until(lambda pill=pill: pill.next_step.text() == "Clear the stop", "it offers RESET")  # type: ignore[misc]
         user.press(pill.next_step)
     user.until(lambda: all(robot.status().fault is Fault.NONE for robot in robots.values()), "both are reset")
 
@@ -195,7 +195,7 @@ def test_the_next_steps_of_a_pill_make_the_robot_ready(
     hw.disable()
     user.until(lambda: "emergency" in pills["sim"].state.text(), "the window shows the emergency stop")
     assert sim.status().fault is Fault.EMERGENCY
-    user.press(menu_button(user.window, "sim", "Reset"))
+    user.press(menu_button(user.window, "sim", "Clear emergency stop"))
     user.until(lambda: pills["sim"].next_step.text() == "Make ready", "the next step")
     assert not sim.status().enabled
     user.press(pills["sim"].next_step)

@@ -47,7 +47,7 @@ def test_a_row_follows_its_motion_to_its_end() -> None:
     for intent in (BOTH, *LOOK):
         state.handle(intent, now)
     row = state.view(now).history[0]
-    assert (row.who, row.what, row.result, row.good) == ("you", "look 20/-10/0", "sent", None)
+    assert (row.who, row.what, row.result, row.good) == ("you", "look left 20, up 10", "sent", None)
     state.report(Outcome(1, "", accepted=True, done=False, duration_s=1.2))
     row = state.view(now).history[0]
     assert (row.result, row.good) == ("under way, takes 1.2 s", None)

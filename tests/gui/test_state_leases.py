@@ -33,15 +33,15 @@ def pill(now: World) -> PillView:
 @pytest.mark.parametrize(
     ("known", "seat", "text", "action"),
     [
-        ({}, "ben", "Take", TAKE),
-        ({"holder": "ben"}, "ben", "Take", TAKE),
+        ({}, "ben", "Reserve", TAKE),
+        ({"holder": "ben"}, "ben", "Reserve", TAKE),
         ({"holder": "ben", "lease": 2}, "ben", "Give back", GIVE_BACK),
         ({"holder": "ana", "lease": 2}, "ben", "Wait for my turn", WAIT),
         ({"holder": "ana", "moving": True}, "ben", "Wait for my turn", WAIT),
         ({"holder": "ana", "lease": 2, "waiting": ("cleo", "ben")}, "ben", "Leave queue", GIVE_BACK),
         ({"holder": "ana", "lease": 2}, "teacher", "Take over", TAKE),
         ({"holder": "teacher", "lease": 2}, "teacher", "Give back", GIVE_BACK),
-        ({"frozen": True}, "ben", "Take", TAKE),
+        ({"frozen": True}, "ben", "Reserve", TAKE),
     ],
 )
 def test_the_button_of_a_lease_sends_its_query(

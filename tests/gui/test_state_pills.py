@@ -152,7 +152,7 @@ def test_a_latched_emergency_stop_has_a_banner_with_a_reset_for_each_robot() -> 
     both = world(robot("sim", known=latched), robot("hw", known=latched))
     banner = State().view(both).banner
     assert banner is not None
-    assert [button.text for button in banner.buttons] == ["Reset simulation", "Reset hardware"]
+    assert [button.text for button in banner.buttons] == ["Clear it (simulation)", "Clear it (hardware)"]
 
 
 def test_without_a_robot_the_banner_offers_the_next_step() -> None:

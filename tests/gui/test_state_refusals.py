@@ -87,7 +87,11 @@ def test_an_alternative_speed_keeps_the_motion() -> None:
             SendCommand(2, Command.ENABLE, value=True, sides=("sim",)),
         ),
         (not_calibrated(), "Calibrate", SendCommand(2, Command.CALIBRATE, value=True, sides=("sim",))),
-        (emergency_latched(), "Reset", SendCommand(2, Command.RESET, value=True, sides=("sim",))),
+        (
+            emergency_latched(),
+            "Clear the stop",
+            SendCommand(2, Command.RESET, value=True, sides=("sim",)),
+        ),
         (driven_by("ana", 1.2), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
         (taken_by("ana"), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
         (Refused(Reason.NOT_HOLDER, detail=Detail(holder="ana", field="lease", value=float(3))), None, None),

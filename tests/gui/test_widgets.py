@@ -68,7 +68,10 @@ BUTTONS: dict[str, tuple[Callable[[Window], QAbstractButton], Intent]] = {
         RunCommand(Command.CALIBRATE, side="hw"),
     ),
     "home": (lambda window: window.panels.commands.buttons["home"], RunCommand(Command.HOME)),
-    "reset": (lambda window: menu_button(window, "sim", "Reset"), RunCommand(Command.RESET, side="sim")),
+    "reset": (
+        lambda window: menu_button(window, "sim", "Clear emergency stop"),
+        RunCommand(Command.RESET, side="sim"),
+    ),
     "undo": (lambda window: window.panels.commands.buttons["undo"], Undo()),
     "record": (lambda window: window.panels.header.record.toggle, ToggleRecording()),
     "add": (lambda window: window.panels.sequence.add, AddPose()),

@@ -59,7 +59,8 @@ def test_an_outcome_is_shown(window: Window, link: RecordingLink) -> None:
     window.report(Outcome(action.row, "sim", accepted=True, done=True, duration_s=1.2))
     item = window.panels.history.list.item(0)
     assert item is not None
-    assert "done" in item.text()
+    assert "move" in item.text()
+    assert "done" in item.toolTip()
     assert "done" in window.panels.stop_bar.last.text()
 
 

@@ -167,6 +167,19 @@ def test_stop_is_sent_at_the_first_press_beside_an_open_menu(window: Window, int
     assert not header.menu.isVisible()
 
 
+def test_escape_sends_stop_and_closes_what_lies_over_the_window(window: Window, intents: Taken) -> None:
+    press(Qt.Key.Key_F1)
+    assert window.panels.key_sheet.isVisible()
+    press(Qt.Key.Key_Space)
+    assert window.panels.key_sheet.isVisible(), "only Esc closes it"
+    press(Qt.Key.Key_Escape)
+    assert not window.panels.key_sheet.isVisible()
+    window.panels.header.menu_button.click()
+    press(Qt.Key.Key_Escape)
+    assert not window.panels.header.menu.isVisible()
+    assert intents() == [Stop(), Stop(), Stop()]
+
+
 @pytest.mark.parametrize("key", [*STOP_KEYS, Qt.Key.Key_Return, Qt.Key.Key_F1])
 def test_a_key_that_is_held_counts_once(qtbot: QtBot, window: Window, intents: Taken, key: Qt.Key) -> None:
     plus = window.panels.arms.rows["short"].plus

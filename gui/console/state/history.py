@@ -268,16 +268,25 @@ def what(row: RequestRow, texts: Texts) -> str:
 
 def _motion(query: MotionQuery | PoseQuery, texts: Texts, *, undoes: bool) -> str:
     if isinstance(query, PoseQuery):
-        yaw, pitch, roll = (
-            _number(math.degrees(angle), texts) for angle in (query.yaw, query.pitch, query.roll)
-        )
-        return texts("what.look" if query.absolute else "what.look_by", yaw=yaw, pitch=pitch, roll=roll)
+        return texts("what.look" if query.absolute else "what.look_by", way=_way(query, texts))
     arms = arm_angles(query.position)
     if query.absolute and not undoes and not any(arms):
         return texts("what.home")
     short, middle, long = (_number(angle, texts, signed=not query.absolute) for angle in arms)
     key = "what.undo" if undoes else "what.move" if query.absolute else "what.move_by"
     return texts(key, short=short, middle=middle, long=long)
+
+
+def _way(query: PoseQuery, texts: Texts) -> str:
+    """Return the directions of a look, for example `left 26, up 8` (deg); those below 0.05° are left out."""
+    words = (("left", "right"), ("down", "up"), ("tilt_right", "tilt_left"))
+    angles = (round(math.degrees(angle), 1) for angle in (query.yaw, query.pitch, query.roll))
+    ways = (
+        texts(f"way.{positive if angle > 0 else negative}", angle=_number(abs(angle), texts))
+        for (positive, negative), angle in zip(words, angles, strict=True)
+        if angle
+    )
+    return ", ".join(ways) or texts("way.ahead")
 
 
 def _other(request: Request, texts: Texts) -> str:

@@ -129,7 +129,7 @@ class ArmsPanel(QFrame):
         grid.setVerticalSpacing(2)
         grid.addWidget(self._modes(), 0, 0, 1, 3)
         for column, side in ((3, "sim"), (4, "hw")):
-            grid.addWidget(self._caption(texts(f"label.column_{side}"), side), 0, column)
+            grid.addWidget(self._caption(texts(f"label.{side}"), side), 0, column)
             grid.setColumnStretch(column, 1)
         self.rows = {arm: ArmRow(grid, row, arm) for row, arm in enumerate((*ARMS, ALL_ARMS), start=1)}
         for row in self.rows.values():

@@ -50,13 +50,16 @@ class HeadPanel(QFrame):
         grid.setVerticalSpacing(1)
         right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         for column, (name, role) in enumerate(COLUMNS.items(), start=1):
-            text = texts("label.target" if name == "target" else f"label.column_{name}")
-            caption = label(f"{SYMBOLS[name]} {text}", role)
+            text = texts("label.target" if name == "target" else f"label.{name}")
+            caption = label(f"{SYMBOLS[name]} {text}" if name == "target" else SYMBOLS[name], role)
+            caption.setToolTip(text)
             caption.setAlignment(right)
             grid.addWidget(caption, 0, column)
             grid.setColumnStretch(column, 1)
         for row, axis in enumerate(AXES, start=1):
-            grid.addWidget(label(texts(f"label.{axis}"), "dim"), row, 0)
+            title = label(texts(f"label.{axis}"), "dim")
+            title.setToolTip(texts(f"tip.{axis}"))
+            grid.addWidget(title, row, 0)
             for column, (name, role) in enumerate(COLUMNS.items(), start=1):
                 number = label(role=role)
                 number.setAlignment(right)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QSignalBlocker, pyqtSignal
-from PyQt5.QtGui import QColor, QGuiApplication
+from PyQt5.QtCore import QRect, QSignalBlocker, Qt, pyqtSignal
+from PyQt5.QtGui import QColor, QGuiApplication, QIcon, QPainter, QPixmap
 from PyQt5.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QListWidget,
     QListWidgetItem,
     QPushButton,
+    QSizePolicy,
     QVBoxLayout,
     QWidget,
 )
@@ -18,7 +19,9 @@ from gui.console.state.intents import Repeat, Theme
 from gui.console.state.views import HistoryRowView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import label
+from gui.window.widgets.controls import label, set_text
+
+ICON_PX = 16
 
 
 class HistoryPanel(QWidget):
@@ -33,10 +36,13 @@ class HistoryPanel(QWidget):
         self._rows: tuple[HistoryRowView, ...] = ()
         self._style = style_of(Theme.DARK)
         self.list = QListWidget()
-        self.list.setWordWrap(True)
+        self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)  # rows are elided
         self.list.setAccessibleName(texts("label.history"))
         self.list.setMinimumHeight(40)
         self.empty: QLabel = label(texts("label.history_empty"), "dim", wrap=True)
+        self.details = label(wrap=True)
+        """time, seat and result of the selected row"""
+        self.details.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.repeat = self._button(texts, "repeat", texts("label.repeat"))
         self.python = self._button(texts, "copy_python", "Python")
         self.command_line = self._button(texts, "copy_command_line", texts("label.command_line"))
@@ -50,6 +56,7 @@ class HistoryPanel(QWidget):
         layout.setSpacing(4)
         layout.addWidget(self.empty)
         layout.addWidget(self.list, 1)
+        layout.addWidget(self.details)
         layout.addWidget(self.repeat)
         layout.addLayout(copies)
         self.repeat.clicked.connect(self._repeat)
@@ -114,11 +121,26 @@ class HistoryPanel(QWidget):
         self._show_buttons()
 
     def _item(self, row: HistoryRowView) -> QListWidgetItem:
-        item = QListWidgetItem(f"{row.time}  {row.who}: {row.what}\n{row.symbol} {row.result}")
-        colours = {True: self._style.text, False: self._style.bad, None: self._style.dim}
-        item.setForeground(QColor(colours[None if row.on_purpose else row.good]))
-        item.setToolTip("\n".join(line for line in (row.python, row.command_line) if line))
+        what = row.what if row.row >= 0 else f"{row.who}: {row.what}"
+        item = QListWidgetItem(self._icon(row), what)
+        if row.good is None or row.on_purpose:
+            item.setForeground(QColor(self._style.dim))
+        item.setToolTip("\n".join(line for line in (_details(row), row.python, row.command_line) if line))
         return item
+
+    def _icon(self, row: HistoryRowView) -> QIcon:
+        """Return the symbol of a result in its colour."""
+        colours = {True: self._style.good, False: self._style.bad, None: self._style.dim}
+        side, scale = self._style.px(ICON_PX), self.devicePixelRatioF()
+        picture = QPixmap(round(side * scale), round(side * scale))
+        picture.setDevicePixelRatio(scale)
+        picture.fill(Qt.GlobalColor.transparent)
+        painter = QPainter(picture)
+        painter.setFont(self.list.font())
+        painter.setPen(QColor(colours[None if row.on_purpose else row.good]))
+        painter.drawText(QRect(0, 0, side, side), int(Qt.AlignmentFlag.AlignCenter), row.symbol)
+        painter.end()
+        return QIcon(picture)
 
     def _chosen(self) -> HistoryRowView | None:
         number = self.list.currentRow()
@@ -126,6 +148,8 @@ class HistoryPanel(QWidget):
 
     def _show_buttons(self) -> None:
         chosen = self._chosen()
+        set_text(self.details, "" if chosen is None else _details(chosen))
+        self.details.setVisible(chosen is not None)
         self.repeat.setEnabled(chosen is not None and chosen.row >= 0)
         self.python.setEnabled(chosen is not None and bool(chosen.python))
         self.command_line.setEnabled(chosen is not None and bool(chosen.command_line))
@@ -145,3 +169,7 @@ def _alike_at_the_end(one: tuple[HistoryRowView, ...], other: tuple[HistoryRowVi
     """Return how many rows at the end of both are equal."""
     pairs = zip(reversed(one), reversed(other), strict=False)
     return next((count for count, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))
+
+
+def _details(row: HistoryRowView) -> str:
+    return f"{row.time}  {row.who}: {row.what}\n{row.symbol} {row.result}"
