@@ -11,13 +11,14 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion import robot_file as values
 from beatrix_zenoh.node.serve import serve
+from beatrix_zenoh.output import say
 from beatrix_zenoh.settings import resolve
 from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, RobotFile
 from beatrix_zenoh.terminal.run import run_command
 from hw_node.body import build
 from hw_node.cameras.camera import choices
 from hw_node.microphones.microphones import choose
-from hw_node.port import VIRTUAL
+from hw_node.port import VIRTUAL, listed
 
 MicrophonesOption = Annotated[
     str | None,
@@ -28,13 +29,28 @@ MicrophonesOption = Annotated[
 ]
 
 
+PortOption = Annotated[
+    str,
+    typer.Option(metavar="PORT", help="Serial port of the board, or `virtual:`; default: the board on USB."),
+]
+
+
+def print_ports(asked: bool) -> None:  # noqa: FBT001 - Typer calls it so
+    """Print the serial ports on USB and end the program, if that was asked for."""
+    if asked:
+        for line in listed():
+            say(line)
+        raise typer.Exit
+
+
+PortsOption = Annotated[
+    bool, typer.Option("--ports", callback=print_ports, help="Print the serial ports on USB, and end.")
+]
+
+
 def hw(
-    port: Annotated[
-        str,
-        typer.Option(
-            metavar="PORT", help="Serial port of the board, or `virtual:`; default: the board on USB."
-        ),
-    ] = "",
+    port: PortOption = "",
+    ports: PortsOption = False,  # noqa: ARG001, FBT002 - its callback ends the program
     camera: Annotated[
         list[str] | None,
         typer.Option(

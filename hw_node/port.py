@@ -129,6 +129,15 @@ def why_not(error: Exception) -> str:
     return f"cannot be opened ({error})"
 
 
+def listed() -> list[str]:
+    """Return a line for each serial port on USB: `board` or `other`, its name, and its description, between tabs."""
+    ports = sorted(
+        (port for port in list_ports.comports() if port.vid is not None), key=lambda port: port.device
+    )
+    kinds = ["board" if (port.vid, port.pid) in MEGA_USB_IDS else "other" for port in ports]
+    return [f"{kind}\t{port.device}\t{port.description}" for kind, port in zip(kinds, ports, strict=True)]
+
+
 def find(otherwise: str = "") -> str:
     """Return the port of the only board on USB; `otherwise` is appended to the message if there is no board.
 

@@ -18,6 +18,7 @@ from gui.window.widgets.arms import ArmsPanel
 from gui.window.widgets.class_page import ClassPage
 from gui.window.widgets.code import CodePanel
 from gui.window.widgets.commands import CommandsPanel, StopBar
+from gui.window.widgets.connect import ConnectSheet
 from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
@@ -64,7 +65,7 @@ class Panels(QWidget):
         self.pages = QWidget()
         self._lay_out()
         self.refusal, self.trouble = RefusalNotice(texts, self.pages), TroubleNotice(texts, self.pages)
-        self.key_sheet = KeySheet(texts, self.pages)
+        self.key_sheet, self.connect_sheet = KeySheet(texts, self.pages), ConnectSheet(texts, self.pages)
         self._connect()
 
     def _lay_out(self) -> None:
@@ -135,6 +136,7 @@ class Panels(QWidget):
             self.sequence,
             self.gestures,
             self.refusal,
+            self.connect_sheet,
             self.stop_bar,
         ):
             part.intent.connect(self.intent)
@@ -177,7 +179,7 @@ class Panels(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         super().resizeEvent(event)
         self._arrange()
-        for overlay in (self.refusal, self.trouble, self.key_sheet):
+        for overlay in (self.refusal, self.trouble, self.key_sheet, self.connect_sheet):
             if overlay.isVisible():
                 overlay.place()
 
@@ -217,6 +219,7 @@ class Panels(QWidget):
         if view.class_page is not None:
             self.projector.show_view(view.class_page.projector)
         self._show_page(view.page)
+        self.connect_sheet.show_view(view.connect)
         self.stop_bar.show_view(view)
         self.stop_bar.show_last(view.last)
         refusals = (view.head.refusal, view.arms.refusal, view.commands.refusal, view.gestures.refusal)

@@ -40,6 +40,7 @@ from gui.console.state.actions import (
     SendLease,
     SendStop,
 )
+from gui.console.state.connecting import CloseConnect, ConnectHardware, LookForPorts
 from gui.console.state.intents import ALL_ARMS, Intent, Tab, Theme, WindowPage
 from gui.console.state.program import SaveProgram
 from gui.console.state.sequence_intents import (
@@ -55,7 +56,15 @@ from gui.console.state.sequence_intents import (
     UndoSequence,
 )
 from gui.console.state.state import State
-from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, RecordingProgress, Trouble, World
+from gui.console.state.world import (
+    LinkPhase,
+    PlanPhase,
+    PlanProgress,
+    Port,
+    RecordingProgress,
+    Trouble,
+    World,
+)
 
 SIDES = st.sampled_from(["sim", "hw"])
 ANGLES = st.floats(-1e6, 1e6)
@@ -132,6 +141,9 @@ INTENTS: st.SearchStrategy[Intent] = st.one_of(
     st.builds(SaveProgram, FILES),
     st.builds(intents.SavePlots, FILES, st.just(b"")),
     st.builds(intents.ChooseRobot, NAMES),
+    st.builds(LookForPorts),
+    st.builds(ConnectHardware, st.sampled_from(["virtual:", "COM4"])),
+    st.builds(CloseConnect),
     st.builds(intents.ShowTab, st.sampled_from(Tab)),
     st.builds(intents.SetTheme, st.sampled_from(Theme)),
     st.builds(intents.SetLanguage, st.sampled_from(["en", "de", "fr"])),
@@ -203,6 +215,9 @@ WORLDS: st.SearchStrategy[World] = st.builds(
         st.sampled_from([None, Trouble("trouble.start")]),
     ),
     starting=st.booleans(),
+    connecting=st.booleans(),
+    own_hardware=st.booleans(),
+    ports=st.none() | st.just(()) | st.just((Port("COM4", "Arduino", board=True),)),
     wall_s=st.floats(0, 2e9),
     playing=st.sampled_from(["", "hello"]),
     seat=st.sampled_from(["ben", "teacher"]),

@@ -13,6 +13,7 @@ import serial
 from serial.tools import list_ports
 
 from beatrix_zenoh import NoAnswer
+from hw_node.app import main
 from hw_node.port import SerialPort, find
 
 MEGA = SimpleNamespace(device="/dev/ttyACM0", vid=0x2341, pid=0x0042)
@@ -94,3 +95,14 @@ def test_the_error_for_a_port_that_cannot_be_opened_names_the_cause(
     monkeypatch.setattr(serial, "serial_for_url", fail)
     with pytest.raises(NoAnswer, match=message):
         SerialPort("/dev/ttyACM0")
+
+
+def test_ports_on_usb_are_listed_and_boards_marked(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = SimpleNamespace(device="/dev/ttyUSB1", vid=0x0403, pid=0x6001, description="FT232R")
+    mega = SimpleNamespace(**vars(MEGA), description="ttyACM0 Mega")
+    plugged(monkeypatch, MODEM, other, mega)
+    assert main(["--ports"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines == ["board\t/dev/ttyACM0\tttyACM0 Mega", "other\t/dev/ttyUSB1\tFT232R"]

@@ -23,6 +23,7 @@ NO_ROBOT = exit_code(Reason.NO_ANSWER)
 ENDED = {
     "router": "trouble.router",
     "simulation": "trouble.simulation",
+    "hardware": "trouble.hardware",
     "viewer": "trouble.viewer",
     "recorder": "trouble.recorder",
 }
@@ -37,12 +38,15 @@ class Children(Worker):
         super().__init__("window-children")
         self._started = started
         self._serving: Supervisor | None = None
-        """Router and simulation."""
+        """Router, simulation and hardware."""
         self._viewers: Supervisor | None = None
         self._simulation: Child | None = None
+        self._hardware: Child | None = None
         self._numbers = itertools.count(1)
         self.starting = False
         """whether a requested simulation is still starting"""
+        self.connecting = False
+        """whether requested hardware is still starting"""
         self._trouble: Trouble | None = None
 
     @property
@@ -52,10 +56,16 @@ class Children(Worker):
         return simulation is not None and simulation.code is None
 
     @property
+    def own_hardware(self) -> bool:
+        """Whether hardware of this window is running."""
+        hardware = self._hardware
+        return hardware is not None and hardware.code is None
+
+    @property
     def trouble(self) -> Trouble | None:
         """The reason why a child process did not start or has failed; None if there is none."""
         for processes in (self._serving, self._viewers):
-            if self._trouble or self.starting or processes is None:
+            if self._trouble or self.starting or self.connecting or processes is None:
                 continue
             if any(child.code not in (None, 0) for child in list(processes.children)):
                 self._trouble = ended(processes)
@@ -67,29 +77,43 @@ class Children(Worker):
         self.starting, self._trouble = True, None
         self.put(lambda: self._simulate(robot, endpoint))
 
+    def connect(self, robot: str, endpoint: str, port: str) -> None:
+        """Start the hardware at a port instead of that of this window, and a router if none answers."""
+        self.connecting, self._trouble = True, None
+        self.put(lambda: self._connect(robot, endpoint, port))
+
     def _simulate(self, robot: str, endpoint: str) -> None:
         try:
-            self._serve(robot, endpoint)
+            self._simulation = self._serve(endpoint, "simulation", "sim", "--name", robot, "--ready")
         except (BeatrixError, OSError) as error:
             self._trouble = self._trouble or not_started(error)
         finally:
             self.starting = False
 
-    def _serve(self, robot: str, endpoint: str) -> None:
-        """Start router and simulation and wait until they serve; raises Refused, NoAnswer or OSError."""
+    def _connect(self, robot: str, endpoint: str, port: str) -> None:
+        try:
+            if self._serving is not None and self._hardware in self._serving.children:
+                self._serving.finish(self._hardware)  # two nodes of one name are refused
+            self._hardware = self._serve(endpoint, "hardware", "hw", "--name", robot, "--port", port)
+        except (BeatrixError, OSError) as error:
+            self._trouble = self._trouble or not_started(error)
+        finally:
+            self.connecting = False
+
+    def _serve(self, endpoint: str, title: str, *words: str) -> Child:
+        """Start router and node and wait until they serve; raises Refused, NoAnswer or OSError."""
         serving = self._serving = self._serving or Supervisor()
         serving.forget_ended()
         try:
             start_router(serving, endpoint)
             self._started()
-            words = ("sim", "--name", robot, "--connect", endpoint, "--ready")
-            simulation = serving.start("simulation", *words)
+            child = serving.start(title, *words, "--connect", endpoint)
             serving.wait_ready()
         except BeatrixError:
             self._trouble = ended(serving)
             serving.forget_ended()  # so that `trouble` does not report the same failure again
             raise
-        self._simulation = simulation
+        return child
 
     def view(self, file: Path) -> None:
         """Start a new viewer process that shows a recording."""

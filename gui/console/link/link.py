@@ -24,6 +24,7 @@ from gui.console.link.levels import Levels
 from gui.console.link.moving import Moving, Request, robots_of
 from gui.console.link.outcomes import WindowError, done, failed
 from gui.console.link.pictures import Cameras, OnImage
+from gui.console.link.ports import Ports
 from gui.console.link.probe import Probe
 from gui.console.link.stopping import send_stop
 from gui.console.link.worker import Part, Worker
@@ -74,7 +75,7 @@ class Link:
         self._lessons = LessonReports(lambda: self._connection.session)
         self._probes = {side: Probe(side, lambda: self._connection.session) for side in SIDES}
         self._children = Children(self._connection.try_now)
-        self._recordings = Recordings()
+        self._recordings, self._ports = Recordings(), Ports()
         self._files = Worker("window-files")
 
     def start(self) -> None:
@@ -115,6 +116,9 @@ class Link:
             recording=self._recordings.progress(),
             starting=self._children.starting,
             own_simulation=self._children.own_simulation,
+            connecting=self._children.connecting,
+            own_hardware=self._children.own_hardware,
+            ports=self._ports.newest,
             child_trouble=self._children.trouble,
             playing=self._moving.playing.title,
             playing_pose=self._moving.playing.pose,
@@ -189,6 +193,10 @@ class Link:
                 self._children.view(action.file)
             case actions.RunSimulation():
                 self._children.simulate(connection.robot, connection.settings.connect)
+            case actions.FindPorts():
+                self._ports.look()
+            case actions.RunHardware():
+                self._children.connect(connection.robot, connection.settings.connect, action.port)
             case actions.EndFollowing():
                 self._moving.face.end(None)
             case actions.CopyProgram():
@@ -293,6 +301,7 @@ class Link:
             self._cameras,
             self._levels,
             self._recordings,
+            self._ports,
             self._children,
             self._files,
         )

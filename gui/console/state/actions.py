@@ -230,6 +230,19 @@ class RunSimulation(Action):
 
 
 @dataclass(frozen=True)
+class FindPorts(Action):
+    """List the serial ports of this computer."""
+
+
+@dataclass(frozen=True)
+class RunHardware(Action):
+    """Start the program of the hardware, and a router if there is none, as children of the window."""
+
+    port: str
+    """serial port, or `virtual:`"""
+
+
+@dataclass(frozen=True)
 class Outcome:
     """The result of an action, at one robot or at several."""
 

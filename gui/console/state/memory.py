@@ -184,6 +184,8 @@ class Memory:
     """row of the button that is held; None: none, 0: the press was refused"""
     open_hold: int = 0
     """row of the newest hold until its end; 0: none"""
+    connecting: bool = False
+    """whether the list of ports is shown"""
     notice: str = ""
     """a sentence to show until the first request"""
     troubles: Mapping[str, Trouble | None] = field(default_factory=dict)

@@ -15,7 +15,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Status,
 )
 from beatrix_zenoh.contract.names import SIDES
-from gui.console.state import intents, leases
+from gui.console.state import connecting, intents, leases
 from gui.console.state.intents import ChooseRobot, Intent, Retry, RunCommand, StartSimulation
 from gui.console.state.memory import Memory
 from gui.console.state.presence import online, silent
@@ -36,11 +36,14 @@ SYMBOLS: Final = {
 }
 MAKE_READY: Final = "MAKE_READY"
 """a next step: ENABLE and CALIBRATE, each unless it is done already"""
+CONNECT: Final = "CONNECT"
+"""a next step: choose the port of the hardware"""
 WAIT: Final = "WAIT"
 """a next step: wait for a robot that another seat holds"""
 NEXT_STEPS: Final = {
     "START": "start",
     "RETRY": "retry",
+    CONNECT: "connect",
     WAIT: "wait",
     Command.ENABLE.name: "enable",
     Command.CALIBRATE.name: "calibrate",
@@ -146,7 +149,8 @@ def finding(world: World, side: str, texts: Texts) -> RobotCondition:
     if found is None and robot.status is not None:
         found = _shared(robot.status, world, texts) or working(robot.status, texts)
     assert found is not None  # without a status, `problem` returns SILENT
-    return found
+    lost = robot.status is not None and fault_of(robot.status) is Fault.BOARD_LOST
+    return replace(found, next_step=CONNECT) if lost and side == "hw" and world.own_hardware else found
 
 
 def problem(robot: RobotState, texts: Texts) -> RobotCondition | None:
@@ -202,10 +206,11 @@ def _absent(world: World, side: str, texts: Texts) -> RobotCondition:
     found = _why_absent(world, side, texts)
     if side == "sim" and world.starting:
         found = replace(found, reason=texts("reason.starting"))
-    if side == "sim" and world.phase is not LinkPhase.REFUSED:
-        return replace(found, next_step="START")
-    offline = world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED)
-    return replace(found, next_step="RETRY" if offline else "")
+    if side == "hw" and world.connecting:
+        found = replace(found, reason=texts("connect.starting"))
+    if world.phase is LinkPhase.REFUSED:
+        return replace(found, next_step="RETRY")
+    return replace(found, next_step="START" if side == "sim" else CONNECT)
 
 
 def _why_absent(world: World, side: str, texts: Texts) -> RobotCondition:
@@ -261,6 +266,8 @@ def next_step_intent(next_step: str, side: str) -> Intent:
         return intents.StartSimulation()
     if next_step == "RETRY":
         return intents.Retry()
+    if next_step == CONNECT:
+        return connecting.LookForPorts()
     if next_step == MAKE_READY:
         return intents.MakeReady(side)
     if next_step == WAIT:

@@ -9,6 +9,7 @@ from gui.console.state import (
     choices,
     class_page,
     commands,
+    connecting,
     dragging,
     eyes,
     gestures,
@@ -25,7 +26,7 @@ from gui.console.state import (
     sequence,
     sound,
 )
-from gui.console.state.actions import Action, Connect, Outcome, RunSimulation, Select
+from gui.console.state.actions import Action, Outcome, Select
 from gui.console.state.choices import Choices, choices_from
 from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.memory import Memory
@@ -95,6 +96,7 @@ class State:
             class_page=class_page.view(memory, world),
             page=memory.choices.page,
             tab=memory.choices.tab,
+            connect=connecting.view(memory, world),
         )
 
     def follow(self, world: World) -> None:
@@ -102,6 +104,7 @@ class State:
         leases.follow(self._memory, world)
         causes.follow(self._memory, world)
         holding.follow(self._memory, world)
+        connecting.follow(self._memory, world)
 
     def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
         """Return history and last line, the part of the view that an outcome changes."""
@@ -155,10 +158,8 @@ class State:
                 self._memory.refusal = None
             case intents.ChooseRobot(name=name):
                 return self._choose(name, world)
-            case intents.StartSimulation():
-                return [] if world.starting else [RunSimulation()]
-            case intents.Retry():
-                return [Connect()]
+            case intents.StartSimulation() | intents.Retry() | connecting.ConnectIntent():
+                return connecting.handle(self._memory, world, intent)
             case intents.SavePlots():
                 return commands.save_plots(self._memory, world, intent)
             case _:

@@ -435,6 +435,20 @@ class ClassView:
 
 
 @dataclass(frozen=True)
+class ConnectView:
+    """The list of ports to connect hardware with."""
+
+    text: str
+    """what to do, what goes on, or why it has failed"""
+    details: str
+    """the output of the program that has failed, in English; empty: none has"""
+    ports: tuple[ButtonView, ...]
+    """boards, other ports, the virtual robot"""
+    again: ButtonView
+    close: ButtonView
+
+
+@dataclass(frozen=True)
 class View:
     """Everything that the window shows at one moment, except pictures and plots."""
 
@@ -469,3 +483,5 @@ class View:
     """None: this window is not the teacher's"""
     page: WindowPage = WindowPage.ROBOT
     tab: Tab = Tab.HEADS
+    connect: ConnectView | None = None
+    """None: the list of ports is hidden"""

@@ -64,6 +64,18 @@ class Trouble:
 
 
 @dataclass(frozen=True)
+class Port:
+    """A serial port of this computer."""
+
+    device: str
+    """for example `/dev/ttyACM0` or `COM4`"""
+    title: str
+    """what the system calls it"""
+    board: bool
+    """whether it is the board of a robot"""
+
+
+@dataclass(frozen=True)
 class RecordingProgress:
     """A recording, running or finished."""
 
@@ -120,6 +132,12 @@ class World:
     """whether this window is starting a simulation"""
     own_simulation: bool = False
     """whether a simulation of this window is running"""
+    connecting: bool = False
+    """whether this window is starting the program of the hardware"""
+    own_hardware: bool = False
+    """whether a program of the hardware of this window is running"""
+    ports: tuple[Port, ...] | None = None
+    """serial ports of this computer, when the user has asked for them; None: not known yet"""
     child_trouble: Trouble | None = None
     """why a router, simulation or viewer of this window did not start or has failed; None: no failure"""
     playing: str = ""

@@ -1,0 +1,119 @@
+"""Connect hardware: the list of ports, what a choice starts, and a real virtual robot in a real window."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from gui_windows import windowed
+from gui_worlds import absent, robot, world
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
+from robots import free_endpoint
+
+from beatrix_zenoh.client import Presence
+from gui.console.link.ports import parsed
+from gui.console.state.actions import FindPorts, RunHardware
+from gui.console.state.connecting import VIRTUAL, CloseConnect, ConnectHardware, LookForPorts
+from gui.console.state.intents import Retry, SetLanguage
+from gui.console.state.pills import pill
+from gui.console.state.state import State
+from gui.console.state.world import LinkPhase, Port, Trouble, World
+from gui.console.texts import Texts
+
+BOARD, CABLE = Port("/dev/ttyACM0", "Arduino Mega", board=True), Port("/dev/ttyUSB1", "FT232R", board=False)
+WITHOUT = world(hw=absent("hw"))
+
+
+def opened(now: World = WITHOUT) -> State:
+    state = State()
+    assert state.handle(LookForPorts(), now) == [FindPorts()]
+    return state
+
+
+def shown(state: State, now: World) -> tuple[str, list[str]]:
+    """Return the text and the names of the ports."""
+    found = state.view(now).connect
+    assert found is not None
+    return found.text, [button.text for button in found.ports]
+
+
+@pytest.mark.parametrize("phase", [LinkPhase.ONLINE, LinkPhase.NO_ROUTER])
+def test_absent_hardware_offers_to_connect(phase: LinkPhase) -> None:
+    found = pill(replace(WITHOUT, phase=phase), "hw", Texts("en")).next_step
+    assert found is not None
+    assert (found.text, found.intent) == ("Connect", LookForPorts())
+    refused = pill(replace(WITHOUT, phase=LinkPhase.REFUSED), "hw", Texts("en")).next_step
+    assert refused is not None
+    assert refused.intent == Retry()
+
+
+def test_the_list_has_boards_first_and_always_the_virtual_robot() -> None:
+    assert State().view(WITHOUT).connect is None
+    state = opened()
+    virtual = "Virtual robot, without a cable"
+    assert shown(state, WITHOUT) == ("Looking for the ports of this computer.", [virtual])
+    text, ports = shown(state, replace(WITHOUT, ports=()))
+    assert (text.partition(".")[0], ports) == ("No board was found", [virtual])
+    text, ports = shown(state, replace(WITHOUT, ports=(BOARD, CABLE)))
+    assert text == "Choose the board of your robot."
+    assert ports == [
+        "Robot's board at /dev/ttyACM0 (Arduino Mega)",
+        "Other port /dev/ttyUSB1 (FT232R)",
+        virtual,
+    ]
+    state.handle(CloseConnect(), WITHOUT)
+    assert state.view(WITHOUT).connect is None
+
+
+def test_a_choice_starts_the_hardware_once_and_the_list_goes_when_its_board_answers() -> None:
+    state = opened()
+    assert state.handle(ConnectHardware(VIRTUAL), WITHOUT) == [RunHardware(VIRTUAL)]
+    starting = replace(WITHOUT, connecting=True, ports=(BOARD,))
+    assert state.handle(ConnectHardware(VIRTUAL), starting) == []
+    found = state.view(starting).connect
+    assert found is not None
+    assert not any(button.enabled for button in (*found.ports, found.again))
+    assert found.close.enabled
+    state.follow(starting)
+    assert state.view(starting).connect is not None
+    online = world(hw=robot("hw"))
+    state.follow(online)
+    assert state.view(online).connect is None
+
+
+def test_a_failure_is_shown_in_the_language_with_the_output_as_a_detail() -> None:
+    failed = replace(WITHOUT, ports=(), child_trouble=Trouble("trouble.hardware", "1", "Its output: ..."))
+    state = opened()
+    state.handle(SetLanguage("de"), failed)
+    found = state.view(failed).connect
+    assert found is not None
+    assert found.text == "Das Programm der Hardware ist zu Ende (1). Wähle noch einmal einen Anschluss."
+    assert found.details == "Its output: ..."
+
+
+def test_the_output_of_the_program_is_read() -> None:
+    lines = ["other\t/dev/ttyUSB1\tFT232R", "a warning", "board\t/dev/ttyACM0\tArduino Mega"]
+    assert parsed(lines) == (BOARD, CABLE)
+
+
+@pytest.mark.usefixtures("qapp")
+def test_a_virtual_robot_is_connected_with_two_presses(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with windowed(free_endpoint()) as user:
+        panels = user.window.panels
+        user.until(panels.header.pills["hw"].next_step.isVisible, "the pill offers Connect")
+        user.press(panels.header.pills["hw"].next_step)
+        sheet = panels.connect_sheet
+        assert sheet.isVisible()
+        user.until(lambda: sheet.text.text().startswith(("No board", "Choose")), "the ports were listed")
+        QTest.mouseClick(panels.stop_bar, Qt.MouseButton.LeftButton)
+        assert "stop" in user.last, "STOP works beside the list"
+        button = next(button for button in sheet.ports if button.text().startswith("Virtual"))
+        user.press(button)
+        user.until(sheet.isHidden, "the virtual robot is online, and the list has gone")
+        assert user.window._world.hw.presence is not Presence.ABSENT
+        assert user.window._world.own_hardware
