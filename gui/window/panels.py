@@ -51,6 +51,7 @@ class Panels(QWidget):
         self._low: bool | None = None
         self._refusal: RefusalView | None = None
         self.header, self.banner, self.stop_bar = Header(texts), Banner(), StopBar(texts)
+        self.guide = Banner(quiet=True)
         self.head, self.arms = HeadPanel(texts), ArmsPanel(texts)
         self.head3d, self.eyes, self.plots = Head3dPanel(texts), EyesPanel(texts), PlotsPanel(texts)
         self.sending, self.commands = SendingPanel(texts), CommandsPanel(texts)
@@ -81,6 +82,7 @@ class Panels(QWidget):
         inner.setSpacing(8)
         inner.addWidget(self.header)
         inner.addWidget(self.banner)
+        inner.addWidget(self.guide)
         pages = QVBoxLayout(self.pages)
         pages.setContentsMargins(0, 0, 0, 0)
         pages.addWidget(self.body)
@@ -123,6 +125,7 @@ class Panels(QWidget):
         for part in (
             self.header,
             self.banner,
+            self.guide,
             self.class_page,
             self.head,
             self.head3d,
@@ -203,6 +206,7 @@ class Panels(QWidget):
         """Pass each part of the view to its widget."""
         self.header.show_view(view)
         self.banner.show_view(view.banner)
+        self.guide.show_view(view.guide)
         self.head.show_view(view.head)
         self.head3d.show_view(view.head)
         self.arms.show_view(view.arms)

@@ -54,6 +54,8 @@ class Saved(msgspec.Struct, frozen=True):
     lead_s: Annotated[float, Meta(ge=0, le=LEAD_MAX_S)] = 2.0
     poses: tuple[SavedPose, ...] = ()
     send_on_release: bool = False
+    guided: Annotated[int, Meta(ge=0, le=7)] = 0
+    """how many of `missions.TASKS` are done"""
 
 
 def path(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:
@@ -63,7 +65,7 @@ def path(platform: str = sys.platform, environment: Mapping[str, str] = os.envir
 
 def merged(before: Saved, mine: Saved, theirs: Saved) -> Saved:
     """Return the choices of another window (`theirs`), with the changes of this one since `before`."""
-    fields = ("theme", "language", "increment", "speed", "lead_s", "send_on_release")
+    fields = ("theme", "language", "increment", "speed", "lead_s", "send_on_release", "guided")
     changed = {name: getattr(mine, name) for name in fields if getattr(mine, name) != getattr(before, name)}
     added = [pose for pose in mine.poses if pose not in before.poses]
     if theirs.poses == before.poses:  # so that a changed order is kept

@@ -17,6 +17,7 @@ from gui.console.state import (
     holding,
     intents,
     leases,
+    missions,
     motions,
     pills,
     poses,
@@ -46,6 +47,7 @@ class State:
         """Begin with saved choices; `notice` is a sentence to show until the first request."""
         self._memory = Memory(choices_from(saved), with_durations(saved.poses, saved.speed), notice=notice)
         self._code = program.CodeCache()
+        self._guide = missions.Guide(saved.guided)
 
     @property
     def saved(self) -> Saved:
@@ -59,6 +61,7 @@ class State:
             chosen.lead_s,
             self._memory.poses,
             chosen.send_on_release,
+            self._guide.done,
         )
 
     @property
@@ -69,9 +72,11 @@ class State:
     def view(self, world: World) -> View:
         """Return the present view of the window."""
         memory, texts = self._memory, self._memory.choices.texts
+        banner = pills.banner(memory, world)
         return View(
             title=texts("title", robot=world.robot),
-            banner=pills.banner(memory, world),
+            banner=banner,
+            guide=None if banner is not None else self._guide.view(memory, world),
             robots=tuple(sorted({*world.names, world.robot})),
             robot=world.robot,
             pills=pills.pills(world, texts),
@@ -105,6 +110,7 @@ class State:
         causes.follow(self._memory, world)
         holding.follow(self._memory, world)
         connecting.follow(self._memory, world)
+        self._guide.follow(self._memory, world)
 
     def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
         """Return history and last line, the part of the view that an outcome changes."""
@@ -156,6 +162,8 @@ class State:
         match intent:
             case intents.DismissRefusal():
                 self._memory.refusal = None
+            case missions.GuideIntent():
+                self._guide.handle(intent, self._memory)
             case intents.ChooseRobot(name=name):
                 return self._choose(name, world)
             case intents.StartSimulation() | intents.Retry() | connecting.ConnectIntent():

@@ -454,6 +454,8 @@ class View:
 
     title: str
     banner: BannerView | None
+    guide: BannerView | None
+    """a step or mission of the first run; None: none, or the banner is more important"""
     robots: tuple[str, ...]
     robot: str
     pills: tuple[PillView, ...]

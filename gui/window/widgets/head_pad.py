@@ -25,7 +25,7 @@ from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
 from gui.window.widgets.head3d_drag import BEYOND
 
-LEAST_WIDTH, LEAST_HEIGHT = 140, 90
+LEAST_WIDTH, LEAST_HEIGHT = 140, 72
 RING = 0.13
 """Width of the ring, divided by the radius of the pad."""
 KEYS = {

@@ -19,14 +19,17 @@ class Banner(QFrame):
 
     intent = pyqtSignal(object)
 
-    def __init__(self) -> None:
+    def __init__(self, *, quiet: bool = False) -> None:
+        """Create a hidden banner; a `quiet` one looks like a panel, because nothing is wrong."""
         super().__init__()
         self._view: BannerView | None = None
-        self.setProperty("notice", True)  # noqa: FBT003
-        self.text = label(role="title", wrap=True)
+        self._quiet = quiet
+        self.setProperty("panel" if quiet else "notice", True)  # noqa: FBT003
+        self.text = label(role="" if quiet else "title", wrap=True)
         self.buttons: list[IntentButton] = []
         self._layout = QHBoxLayout(self)
-        self._layout.setContentsMargins(10, 4, 6, 4)
+        above = 1 if quiet else 4
+        self._layout.setContentsMargins(10, above, 6, above)
         self._layout.addWidget(self.text, 1)
         self.hide()
 
@@ -38,7 +41,7 @@ class Banner(QFrame):
         if view is not None:
             set_text(self.text, view.text)
             while len(self.buttons) < len(view.buttons):
-                button = IntentButton(main=not self.buttons)
+                button = IntentButton(main=not self.buttons and not self._quiet)
                 button.intent.connect(self.intent)
                 self.buttons.append(button)
                 self._layout.addWidget(button)

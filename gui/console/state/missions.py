@@ -1,0 +1,171 @@
+"""The first run: four steps and three missions, which notice when they are done."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from beatrix_zenoh.contract.names import SIDES
+from gui.console.state.actions import Send, SendStop
+from gui.console.state.dragging import PAD, REASONS
+from gui.console.state.intents import Intent, WindowPage
+from gui.console.state.memory import Memory, RequestRow
+from gui.console.state.pills import problem
+from gui.console.state.presence import online
+from gui.console.state.views import BannerView, ButtonView
+from gui.console.state.world import PlanPhase, World
+
+STEPS: Final = ("ready", "drag", "send", "stop")
+MISSIONS: Final = ("no", "edge", "lead")
+TASKS: Final = (*STEPS, *MISSIONS)
+AIMED_DEG: Final = 3.0
+"""How far a target differs from the head, in one axis, so that it counts as dragged."""
+SWING_DEG: Final = 10.0
+SWINGS, SWINGS_S = 3, 6.0
+"""How many turns to alternate sides say no, and in which time (s)."""
+EARLY_S: Final = 0.2
+"""How long before its end the lead was beaten."""
+
+
+class GuideIntent(Intent, frozen=True):
+    """Base class of the intents of the first run."""
+
+
+class SkipTask(GuideIntent, frozen=True):
+    """Go on to the next step or mission."""
+
+
+class CloseGuide(GuideIntent, frozen=True):
+    """End steps and missions for good."""
+
+
+@dataclass(frozen=True)
+class Swings:
+    """How often a head has turned from side to side."""
+
+    extreme: float | None = None
+    """furthest yaw since the last swing (deg); None: unknown"""
+    way: int = 0
+    """1: it turns to the left, -1: to the right, 0: unknown"""
+    times: tuple[float, ...] = ()
+    """when the last swings were noticed (monotonic clock, s)"""
+
+    def after(self, yaw: float, now_s: float) -> Swings:
+        """Return the swings after one more yaw (deg) at a time (s)."""
+        if self.extreme is None:
+            return Swings(yaw)
+        moved = yaw - self.extreme
+        if moved * self.way > 0:
+            return Swings(yaw, self.way, self.times)
+        if abs(moved) < SWING_DEG:
+            return self
+        return Swings(yaw, 1 if moved > 0 else -1, (*self.times, now_s)[-SWINGS:])
+
+    @property
+    def say_no(self) -> bool:
+        """Whether enough swings came soon enough after one another."""
+        return len(self.times) == SWINGS and self.times[-1] - self.times[0] <= SWINGS_S
+
+
+class Guide:
+    """Which step or mission is shown; used like `Memory`, in one thread."""
+
+    def __init__(self, done: int) -> None:
+        """Begin after `done` of TASKS."""
+        self.done = done
+        self._since = 0
+        """row of the newest request when the task began"""
+        self._praise = False
+        self._swings: dict[str, Swings] = {}
+        self._lead: tuple[float, float] = (0.0, 0.0)
+        """when the lead of a motion was last seen (monotonic clock), and how long it still lasted (s)"""
+
+    def follow(self, memory: Memory, world: World) -> None:
+        """Go on to the next task if the robots, or the outcomes of requests, show that the present one is done."""
+        if self.done == len(TASKS):
+            return
+        for side in SIDES:
+            if online(world, side) and (seen := world.side(side).reading) is not None:
+                self._swings[side] = self._swings.get(side, Swings()).after(seen.head.yaw, world.now_s)
+        task = TASKS[self.done]
+        if self._is_done(task, memory, world):
+            self._praise = True
+            self.done += 1
+            if task != "drag":  # with Send on release, the target is sent while it is dragged
+                self._begin(memory)
+        plan = world.plan
+        leading = plan is not None and plan.phase is PlanPhase.LEADING
+        self._lead = (world.now_s, plan.countdown_s) if plan is not None and leading else (0.0, 0.0)
+
+    def handle(self, intent: GuideIntent, memory: Memory) -> None:
+        """Go on to the next task, or end."""
+        self._praise = False
+        self.done = len(TASKS) if isinstance(intent, CloseGuide) else min(self.done + 1, len(TASKS))
+        self._begin(memory)
+
+    def view(self, memory: Memory, world: World) -> BannerView | None:
+        """Return the present task with its buttons; None if there is none, and for a teacher."""
+        texts, ended = memory.choices.texts, self.done == len(TASKS)
+        hidden = world.is_teacher or memory.choices.page is WindowPage.CLASS
+        if hidden or (ended and not self._praise):
+            return None
+        close = ButtonView(texts("guide.close"), texts("guide.close_tip"), CloseGuide())
+        if ended:
+            return BannerView(texts("guide.all_done"), (close,))
+        task = TASKS[self.done]
+        key, among = ("guide.a_step", STEPS) if task in STEPS else ("guide.a_mission", MISSIONS)
+        slots = {"number": among.index(task) + 1.0, "count": float(len(among))}
+        text = texts(key, text=texts(f"guide.{task}"), **slots)
+        skip = ButtonView(texts("guide.skip"), texts("guide.skip_tip"), SkipTask())
+        return BannerView(texts("guide.well_done", text=text) if self._praise else text, (skip, close))
+
+    def _begin(self, memory: Memory) -> None:
+        self._since, self._swings, self._lead = memory.numbers, {}, (0.0, 0.0)
+
+    def _is_done(self, task: str, memory: Memory, world: World) -> bool:
+        rows = [row for row in memory.rows if row.number > self._since]
+        match task:
+            case "ready":
+                texts = memory.choices.texts
+                done = any(online(world, side) and problem(world.side(side), texts) is None for side in SIDES)
+            case "drag":
+                done = _is_aimed(memory, world)
+            case "send":
+                done = any(
+                    isinstance(row.request, Send) and row.control == PAD and _is_good(row) for row in rows
+                )
+            case "stop":
+                done = any(isinstance(row.request, SendStop) and _is_accepted(row) for row in rows)
+            case "no":
+                done = any(swings.say_no for swings in self._swings.values())
+            case "edge":
+                done = any(outcome.reason in REASONS for row in rows for outcome in row.outcomes.values())
+            case _:
+                done = self._beats_the_lead(rows, world)
+        return done
+
+    def _beats_the_lead(self, rows: list[RequestRow], world: World) -> bool:
+        """Return whether the user has sent, changed or aborted a motion while the hardware waited for it."""
+        seen_s, left_s = self._lead
+        waits = world.plan is not None and world.plan.phase is PlanPhase.LEADING
+        if waits or left_s < EARLY_S or world.now_s > seen_s + left_s - EARLY_S:
+            return False
+        motion = next((row for row in reversed(rows) if isinstance(row.request, Send)), None)
+        return motion is not None and (motion.aborted or "hw" in motion.accepted)
+
+
+def _is_aimed(memory: Memory, world: World) -> bool:
+    target = memory.choices.target
+    heads = [seen.head for side in SIDES if (seen := world.side(side).reading) is not None]
+    if target is None or not heads:
+        return False
+    aim = (target.yaw, target.pitch, target.roll)
+    return max(abs(wanted - at) for wanted, at in zip(aim, heads[0], strict=True)) >= AIMED_DEG
+
+
+def _is_accepted(row: RequestRow) -> bool:
+    return any(outcome.accepted for outcome in row.outcomes.values())
+
+
+def _is_good(row: RequestRow) -> bool:
+    return row.ended and all(outcome.accepted for outcome in row.outcomes.values())
