@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
@@ -70,7 +71,8 @@ def main() -> int:
                 for part in PARTS.get(state, ("",)):
                     name = "-".join(filter(None, ("window", state, part, theme)))
                     file = options.folder / f"{name}-{size[0]}x{size[1]}-{options.language}.png"
-                    draw(example(state, theme, options.language), size, file, part)
+                    view = replace(example(state, theme, options.language), guide=None)
+                    draw(view, size, file, part)
     del application
     return 0
 
