@@ -6,7 +6,7 @@ import time
 
 from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QCloseEvent
-from PyQt5.QtWidgets import QMainWindow
+from PyQt5.QtWidgets import QApplication, QMainWindow, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from gui.console.link import Link
@@ -36,6 +36,8 @@ ANSWERED = (Send, SendCommand, SendLease, Ready)
 """Actions that a robot answers within milliseconds."""
 YIELD_S = 0.0003
 """Pause in which the link's threads send, before the window draws: Python runs one thread at a time."""
+TABBED = (Qt.FocusPolicy.TabFocus, Qt.FocusPolicy.StrongFocus, Qt.FocusPolicy.WheelFocus)
+"""Policies of controls that Tab reaches."""
 LEAST_WIDTH, LEAST_HEIGHT = 1024, 560
 
 
@@ -147,7 +149,9 @@ class Window(QMainWindow):
             self._apply_theme(view)
         if old is None or old.title != view.title:
             self.setWindowTitle(view.title)
+        focus = QApplication.focusWidget()
         self.panels.show_view(view)
+        keep_focus(self.panels, focus)
         if view.page is not WindowPage.CLASS and not self.panels.projector.isHidden():
             self._project(on=False)
 
@@ -163,3 +167,27 @@ class Window(QMainWindow):
     def _apply_theme(self, view: View) -> None:
         apply_theme(self, style_of(view.theme))
         self.panels.show_theme(view.theme)
+
+
+def keep_focus(panels: QWidget, focus: QWidget | None) -> None:
+    """Give the focus to the nearest control of the same panel if the control that had it can no longer be used.
+
+    Qt alone would choose the next control in the order of Tab, which may be Record or a tab.
+    """
+    if focus is None or not panels.isAncestorOf(focus) or (focus.isVisible() and focus.isEnabled()):
+        return
+    panel, centre = focus.parentWidget(), focus.mapTo(panels, focus.rect().center())
+    while panel is not panels:  # an ancestor of every control
+        others = [
+            other
+            for other in panel.findChildren(QWidget)
+            if other.focusPolicy() in TABBED and other.isVisible() and other.isEnabled()
+        ]
+        if others:
+            nearest = min(
+                others,
+                key=lambda other: (other.mapTo(panels, other.rect().center()) - centre).manhattanLength(),
+            )
+            nearest.setFocus()
+            return
+        panel = panel.parentWidget()

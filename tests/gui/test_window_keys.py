@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
 import pytest
 from gui_windows import menu_button
+from gui_worlds import plan, robot, status
 from PyQt5.QtCore import QEvent, QPoint, Qt
 from PyQt5.QtGui import QKeyEvent
 from PyQt5.QtTest import QTest
@@ -26,6 +29,7 @@ from gui.console.state.intents import (
     Undo,
 )
 from gui.console.state.sequence_intents import RenamePose
+from gui.console.state.world import PlanPhase
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]
@@ -274,3 +278,33 @@ def test_arrow_keys_move_the_target(
     press(key, modifiers or Qt.KeyboardModifier.NoModifier)
     press(key, modifiers or Qt.KeyboardModifier.NoModifier)
     assert intents() == [AimHead(*step), AimHead(*(2 * angle for angle in step))]
+
+
+def usable(button: QWidget) -> bool:
+    return button.isVisible() and button.isEnabled()
+
+
+def unusable(button: QWidget) -> bool:
+    return not usable(button)
+
+
+def test_the_focus_of_a_button_that_vanishes_goes_to_its_neighbour(
+    qtbot: QtBot, window: Window, link: RecordingLink
+) -> None:
+    """Enter must not press Record or a tab, which Qt would choose."""
+    panels, here = window.panels, link.known
+    pill = panels.header.pills["sim"]
+    off = robot("sim", known=status("sim", enabled=False))
+    vanishing = (
+        (replace(here, sim=off), pill.next_step, pill),
+        (replace(here, plan=plan(PlanPhase.LEADING, 1.0).plan), panels.sending.abort, panels.sending),
+    )
+    for known, button, panel in vanishing:
+        link.known = known
+        qtbot.waitUntil(partial(usable, button))
+        focus(qtbot, button)
+        link.known = here
+        qtbot.waitUntil(partial(unusable, button))
+        found = QApplication.focusWidget()
+        assert found is not None
+        assert panel.isAncestorOf(found), found.accessibleName()
