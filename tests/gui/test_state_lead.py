@@ -6,7 +6,7 @@ import math
 
 import pytest
 from golden import same
-from gui_worlds import BOTH, arms_of, plan, robot, sent, state_after, world
+from gui_worlds import BOTH, arms_of, plan, robot, sent, state_after, status, world
 
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.client.degrees import Path as MotionPath
@@ -96,6 +96,34 @@ def test_after_a_stop_increments_of_both_robots_count_from_where_the_arms_rest()
     state = state_after(BOTH, intents.SetIncrement(10), Jog("all", 1))
     rests = world(robot("sim", arms=(4, 4, 4)), robot("hw", arms=(4, 4, 4)))
     assert arms_of(sent(state.handle(Jog("all", 1), rests))) == pytest.approx((14, 14, 14))
+
+
+def test_a_simulation_left_at_the_target_is_offered_its_way_back() -> None:
+    moving = robot("sim", arms=(4, 4, 4), known=status("sim", moving=True))
+    left = world(robot("sim", arms=(5, 0, 0)), robot("hw"))
+    state = state_after(BOTH, Jog("short", 1))
+    state.handle(intents.Abort(), plan(PlanPhase.LEADING, 1.0))
+    state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
+    for now in (plan(PlanPhase.LEADING, 1.0), world(moving), left):
+        assert state.view(now).head.refusal is None
+        state.follow(now)
+    offer = state.view(left).head.refusal
+    assert offer is not None
+    same("state lead.a simulation left at the target is offered its way back", offer.text)
+    assert offer.alternative is not None
+    back = sent(state.handle(offer.alternative.intent, left))
+    assert (back.sides, arms_of(back), back.query.absolute) == (("sim",), (0, 0, 0), True)
+    assert state.view(left).head.refusal is None
+
+
+def test_the_offer_of_a_way_back_goes_when_both_robots_are_at_one_place() -> None:
+    left = world(robot("sim", arms=(5, 0, 0)), robot("hw"))
+    state = state_after(BOTH, Jog("short", 1))
+    state.handle(intents.Abort(), plan(PlanPhase.LEADING, 1.0))
+    state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
+    for now, shown in ((left, True), (world(), False), (left, False)):
+        state.follow(now)
+        assert (state.view(now).head.refusal is not None) is shown
 
 
 def test_abort_just_after_the_lead_stops_both_robots() -> None:

@@ -10,8 +10,8 @@ from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import Fault, Reason, Status
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.memory import Memory, Refusal
-from gui.console.state.presence import online
-from gui.console.state.refusals import sides_of
+from gui.console.state.presence import apart, online
+from gui.console.state.refusals import LEFT, sides_of
 from gui.console.state.world import LinkPhase, World
 
 IN_STATUS: Final[Mapping[Reason, Callable[[Status, str], bool]]] = {
@@ -29,6 +29,7 @@ IN_WORLD: Final[Mapping[str, Callable[[World], bool]]] = {
     "cannot.refused": lambda world: world.phase is LinkPhase.REFUSED,
     "cannot.sim": lambda world: not online(world, "sim"),
     "cannot.hw": lambda world: not online(world, "hw"),
+    LEFT: apart,
 }
 """Whether the cause of a refusal of the window itself lasts, by the key of its text."""
 SERVING: Final = ("trouble.router", "trouble.simulation")

@@ -176,6 +176,8 @@ class Memory:
     """the newest failure during which the simulation was not online"""
     recorded: Path | None = None
     """file of the last recording at the newest request; it is no longer shown"""
+    aborted_row: int = 0
+    """row of a motion of both robots that Abort has ended, until its simulation is offered the way back; 0: none"""
     solved: int = 0
     """row of the newest refused request whose cause has gone; 0: none"""
     live_row: int | None = None

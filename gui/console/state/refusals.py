@@ -9,7 +9,7 @@ from typing import Final
 
 import msgspec
 
-from beatrix_zenoh.client.degrees import arm_angles, head_angles
+from beatrix_zenoh.client.degrees import arm_angles, head_angles, motion_query
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Command,
@@ -34,11 +34,13 @@ from gui.console.state.intents import AimHead, Intent, SetDestination, SetRelati
 from gui.console.state.memory import Memory, Refusal, RequestRow
 from gui.console.state.motions import again, begin
 from gui.console.state.pills import MAKE_READY, NEXT_STEPS, WAIT, next_step_button
-from gui.console.state.presence import unreachable
+from gui.console.state.presence import commanded, unreachable
 from gui.console.state.views import ButtonView, RefusalView
 from gui.console.state.world import World
 from gui.console.texts import Texts
 
+LEFT: Final = "sending.left"
+"""text of the offer to bring the simulation back to where the hardware is"""
 COMMAND: Final = "`beatrix"
 """part of an SDK message that gives a command to type, which the user of a face does not"""
 NAMED: Final = re.compile(r"[a-z0-9-]+ \((sim|hw)\): ")
@@ -129,6 +131,8 @@ def take_alternative(memory: Memory, world: World) -> list[Action]:
     refusal = memory.refusal
     if refusal is None:
         return []
+    if refusal.key == LEFT:
+        return _bring_back(memory, world)
     request = _alternative_request(refusal)
     if isinstance(request, Send):
         if unreachable(memory, world, memory.choices.sides, refusal.control):
@@ -146,7 +150,18 @@ def take_alternative(memory: Memory, world: World) -> list[Action]:
     return actions
 
 
+def _bring_back(memory: Memory, world: World) -> list[Action]:
+    """Return the action that turns the simulation to where the hardware is; none if a robot is not reached."""
+    arms = commanded(world, ("hw",))
+    if arms is None or unreachable(memory, world, ("sim",), "head"):
+        return []
+    query = motion_query(*arms, relative=False, speed=memory.choices.speed)
+    return begin(memory, world, Send(memory.next_row(), query, ("sim",)), "head")
+
+
 def _button(refusal: Refusal, texts: Texts) -> ButtonView | None:
+    if refusal.key == LEFT:
+        return ButtonView(texts("sending.back"), texts("sending.back_tip"), TakeAlternative())
     request = _alternative_request(refusal)
     if isinstance(request, Send):
         return ButtonView(

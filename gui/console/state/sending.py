@@ -13,7 +13,7 @@ from gui.console.state import dragging, gestures, refusals
 from gui.console.state.actions import AbortPlan, Action, Send, SendPlanNow
 from gui.console.state.intents import Abort, Change, Intent, SendHead, SendNow
 from gui.console.state.memory import Memory
-from gui.console.state.presence import orientation, reading
+from gui.console.state.presence import apart, orientation, reading
 from gui.console.state.views import ButtonView, HeadOrientation, HeadView, SendingView
 from gui.console.state.world import PlanPhase, PlanProgress, World
 from gui.console.texts import Texts
@@ -148,8 +148,19 @@ def handle(memory: Memory, world: World, intent: SendNow | Change | Abort) -> li
         return [SendPlanNow()]
     if isinstance(intent, Change):
         _restore_target(memory, world)
+    else:
+        memory.aborted_row = memory.rows[-1].number if memory.rows else 0
     memory.mark_dropped(aborted=True)
     return [AbortPlan()]
+
+
+def follow(memory: Memory, world: World) -> None:
+    """Offer the simulation its way back when both robots rest at different places after Abort."""
+    if memory.aborted_row and memory.rows[-1].number != memory.aborted_row:
+        memory.aborted_row = 0
+    elif memory.aborted_row and memory.rows[-1].ended and world.plan is None and apart(world):
+        memory.aborted_row = 0
+        memory.refuse(PAD, refusals.LEFT)
 
 
 def _restore_target(memory: Memory, world: World) -> None:

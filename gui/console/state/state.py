@@ -107,6 +107,7 @@ class State:
     def follow(self, world: World) -> None:
         """Show leases gained or lost since the last call, hide a refusal without a cause, and complete the row of a hold."""
         leases.follow(self._memory, world)
+        sending.follow(self._memory, world)
         causes.follow(self._memory, world)
         holding.follow(self._memory, world)
         connecting.follow(self._memory, world)
