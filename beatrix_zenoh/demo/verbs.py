@@ -12,12 +12,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import util
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.client.choreography import Choreography, Step, play, shipped
-from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import new_file
@@ -27,6 +25,9 @@ from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json
 from beatrix_zenoh.terminal.progress import progress_bar
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.client.choreography import Choreography, Step
 
 ROBOT = "demo"
 RECORDING, PLOT = "demo.rrd", "demo.png"
@@ -120,6 +121,12 @@ def perform(supervisor: Supervisor, settings: Settings) -> Path | None:
     Raises:
         Refused, Interrupted, NoAnswer: from the first step that failed.
     """
+    from beatrix_zenoh.client.choreography import (
+        play,
+        shipped,
+    )  # here, because `beatrix --help` imports this module
+    from beatrix_zenoh.client.twin import Twin
+
     path, recorder = supervisor.folder / RECORDING, None
     choreography = shipped("demo")
     with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
