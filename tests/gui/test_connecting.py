@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from gui_windows import windowed
-from gui_worlds import absent, robot, world
+from gui_worlds import absent, robot, status, world
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from robots import free_endpoint
@@ -16,10 +16,10 @@ from beatrix_zenoh.client import Presence
 from gui.console.link.ports import parsed
 from gui.console.state.actions import FindPorts, RunHardware
 from gui.console.state.connecting import VIRTUAL, CloseConnect, ConnectHardware, LookForPorts
-from gui.console.state.intents import Retry, SetLanguage
+from gui.console.state.intents import SetLanguage
 from gui.console.state.pills import pill
 from gui.console.state.state import State
-from gui.console.state.world import LinkPhase, Port, Trouble, World
+from gui.console.state.world import Port, Trouble, World
 from gui.console.texts import Texts
 
 BOARD, CABLE = Port("/dev/ttyACM0", "Arduino Mega", board=True), Port("/dev/ttyUSB1", "FT232R", board=False)
@@ -39,14 +39,18 @@ def shown(state: State, now: World) -> tuple[str, list[str]]:
     return found.text, [button.text for button in found.ports]
 
 
-@pytest.mark.parametrize("phase", [LinkPhase.ONLINE, LinkPhase.NO_ROUTER])
-def test_absent_hardware_offers_to_connect(phase: LinkPhase) -> None:
-    found = pill(replace(WITHOUT, phase=phase), "hw", Texts("en")).next_step
+def test_absent_hardware_offers_to_connect() -> None:
+    found = pill(WITHOUT, "hw", Texts("en")).next_step
     assert found is not None
     assert (found.text, found.intent) == ("Connect", LookForPorts())
-    refused = pill(replace(WITHOUT, phase=LinkPhase.REFUSED), "hw", Texts("en")).next_step
-    assert refused is not None
-    assert refused.intent == Retry()
+
+
+def test_hardware_whose_board_is_lost_offers_another_port_if_it_is_this_windows() -> None:
+    lost = world(hw=robot("hw", known=status("hw", connected=False)))
+    assert pill(lost, "hw", Texts("en")).next_step is None
+    found = pill(replace(lost, own_hardware=True), "hw", Texts("en")).next_step
+    assert found is not None
+    assert found.intent == LookForPorts()
 
 
 def test_the_list_has_boards_first_and_always_the_virtual_robot() -> None:
@@ -105,8 +109,8 @@ def test_a_virtual_robot_is_connected_with_two_presses(
     monkeypatch.chdir(tmp_path)
     with windowed(free_endpoint()) as user:
         panels = user.window.panels
-        user.until(panels.header.pills["hw"].next_step.isVisible, "the pill offers Connect")
-        user.press(panels.header.pills["hw"].next_step)
+        user.until(lambda: len(panels.banner.buttons) > 1, "without a router the banner offers Connect")
+        user.press(panels.banner.buttons[1])
         sheet = panels.connect_sheet
         assert sheet.isVisible()
         user.until(lambda: sheet.text.text().startswith(("No board", "Choose")), "the ports were listed")

@@ -42,7 +42,6 @@ WAIT: Final = "WAIT"
 """a next step: wait for a robot that another seat holds"""
 NEXT_STEPS: Final = {
     "START": "start",
-    "RETRY": "retry",
     CONNECT: "connect",
     WAIT: "wait",
     Command.ENABLE.name: "enable",
@@ -208,8 +207,8 @@ def _absent(world: World, side: str, texts: Texts) -> RobotCondition:
         found = replace(found, reason=texts("reason.starting"))
     if side == "hw" and world.connecting:
         found = replace(found, reason=texts("connect.starting"))
-    if world.phase is LinkPhase.REFUSED:
-        return replace(found, next_step="RETRY")
+    if world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED):
+        return found  # the banner has the reason and the buttons for both robots
     return replace(found, next_step="START" if side == "sim" else CONNECT)
 
 
@@ -218,10 +217,7 @@ def _why_absent(world: World, side: str, texts: Texts) -> RobotCondition:
         text, reason = texts("condition.connecting"), texts("reason.connecting", endpoint=world.endpoint)
         return RobotCondition(Condition.ABSENT, text, reason)
     if world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED):
-        key = "reason.no_router" if world.phase is LinkPhase.NO_ROUTER else "reason.refused"
-        return RobotCondition(
-            Condition.ABSENT, texts("condition.absent"), texts(key, endpoint=world.endpoint)
-        )
+        return RobotCondition(Condition.ABSENT, texts("condition.absent"))
     if world.side(side).status is not None:
         reason = texts("reason.lost", robot=world.robot)
         return RobotCondition(Condition.ABSENT, texts("condition.lost"), reason)
@@ -264,8 +260,6 @@ def next_step_intent(next_step: str, side: str) -> Intent:
     """Return the intent of a next step."""
     if next_step == "START":
         return intents.StartSimulation()
-    if next_step == "RETRY":
-        return intents.Retry()
     if next_step == CONNECT:
         return connecting.LookForPorts()
     if next_step == MAKE_READY:
@@ -310,18 +304,19 @@ def banner(memory: Memory, world: World) -> BannerView | None:
         )
     if online(world, "sim") or online(world, "hw"):
         return leases.banner(memory, world)
-    if world.starting:
-        return BannerView(texts("banner.starting"))
+    if world.starting or world.connecting:
+        return BannerView(texts("banner.starting" if world.starting else "connect.starting"))
     if world.phase is LinkPhase.CONNECTING:
         return BannerView(texts("banner.connecting", endpoint=world.endpoint))
     start = ButtonView(texts("next.start"), texts("next.start_tip"), StartSimulation())
+    connect = next_step_button(CONNECT, "hw", texts)
     others = [name for name in world.names if name != world.robot][:CHOICES]
     tooltip = f"{texts('next.retry_tip')} {world.trouble}".strip()
     retry = ButtonView(texts("next.retry"), tooltip, Retry())
     if world.phase is LinkPhase.REFUSED:
         found = BannerView(texts("banner.refused", endpoint=world.endpoint), (retry,))
     elif world.phase is LinkPhase.NO_ROUTER:
-        found = BannerView(texts("banner.no_router", endpoint=world.endpoint), (start, retry))
+        found = BannerView(texts("banner.no_router", endpoint=world.endpoint), (start, connect, retry))
     elif others:
         choose = [_choose_button(name, texts) for name in others]
         found = BannerView(texts("banner.other_robots", robot=world.robot), (*choose, start))
