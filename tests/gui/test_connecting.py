@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from gui_links import Linked
 from gui_windows import windowed
 from gui_worlds import absent, robot, status, world
 from PyQt5.QtCore import Qt
@@ -19,11 +20,14 @@ from gui.console.state.connecting import VIRTUAL, CloseConnect, ConnectHardware,
 from gui.console.state.intents import SetLanguage
 from gui.console.state.pills import pill
 from gui.console.state.state import State
+from gui.console.state.views import Condition
 from gui.console.state.world import Port, Trouble, World
 from gui.console.texts import Texts
 
 BOARD, CABLE = Port("/dev/ttyACM0", "Arduino Mega", board=True), Port("/dev/ttyUSB1", "FT232R", board=False)
 WITHOUT = world(hw=absent("hw"))
+READY_S = 60.0
+"""Time limit (s) of a child process on a busy machine."""
 
 
 def opened(now: World = WITHOUT) -> State:
@@ -121,3 +125,35 @@ def test_a_virtual_robot_is_connected_with_two_presses(
         user.until(sheet.isHidden, "the virtual robot is online, and the list has gone")
         assert user.window._world.hw.presence is not Presence.ABSENT
         assert user.window._world.own_hardware
+
+
+def test_another_port_replaces_the_one_without_a_board(tmp_path: Path) -> None:
+    with Linked(free_endpoint()) as linked:
+        linked.do(FindPorts())
+        linked.until(lambda world: world.ports is not None, "the ports were listed", READY_S)
+        linked.do(RunHardware(str(tmp_path / "no-port")))
+        assert linked.world.connecting
+        linked.until(lambda world: not world.connecting and world.own_hardware, "the program runs", READY_S)
+
+        def offered(world: World) -> bool:
+            found = pill(world, "hw", Texts("en"))
+            return found.condition is Condition.FAULT and found.next_step is not None
+
+        linked.until(offered, "its board is lost, and the pill offers other ports")
+        linked.do(RunHardware(VIRTUAL))
+        linked.until(lambda world: not world.connecting and world.own_hardware, "it runs again", READY_S)
+        linked.until(
+            lambda world: pill(world, "hw", Texts("en")).condition is Condition.DISABLED, "it answers"
+        )
+        assert linked.world.child_trouble is None
+
+
+def test_a_failed_program_of_the_hardware_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("BEATRIX_MICROPHONES", "file:none.wav")  # the program refuses to start
+    with Linked(free_endpoint()) as linked:
+        linked.do(RunHardware(VIRTUAL))
+        world = linked.until(lambda world: not world.connecting, "it is refused", READY_S)
+        assert not world.own_hardware
+        assert world.child_trouble is not None
+        assert world.child_trouble.key == "trouble.hardware"
+        assert "none.wav" in world.child_trouble.detail
