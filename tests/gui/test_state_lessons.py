@@ -69,7 +69,7 @@ def test_a_pupil_is_shown_by_name_in_the_language_of_the_window() -> None:
     now = replace(class_world(), pupils={"ana": "Ána Ruiz (ana)"})
     view = shown(STUCK, now=now, language="de")
     assert view.rows[0].cells == ("Ána Ruiz (ana)", "03-arms", "▲ hängt fest: nods (5 x)", "0")
-    assert view.title == "Lektionen: 1 hängen fest"
+    assert view.title == "Lektionen: 1 hängt fest"
 
 
 def test_invented_lessons_of_a_seat_fill_neither_the_columns_nor_other_rows() -> None:

@@ -36,6 +36,7 @@ from gui.console.state.intents import (
 from gui.console.state.sequence_intents import SaveSequence
 from gui.window.run import Bridge, errors_shown
 from gui.window.theme import style_of
+from gui.window.widgets.header import ROBOT_PX
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]
@@ -238,3 +239,16 @@ def test_another_robot_is_chosen_by_keyboard(qtbot: QtBot, window: Window, inten
     qtbot.waitUntil(robots.hasFocus)
     QTest.keyClick(robots, Qt.Key.Key_Down)
     assert intents() == [ChooseRobot("bea2")]
+
+
+def test_a_name_of_32_letters_leaves_room_for_the_pills(
+    qtbot: QtBot, window: Window, link: RecordingLink
+) -> None:
+    name, header = "robot-of-the-third-row-at-window", window.panels.header
+    link.known = replace(link.known, robot=name, names=(name,))
+    qtbot.waitUntil(lambda: header.robots.currentText() == name)
+    assert header.robots.width() <= ROBOT_PX
+    assert name in header.robots.toolTip()
+    popup = header.robots.view()
+    assert popup is not None
+    assert popup.minimumWidth() > header.robots.fontMetrics().horizontalAdvance(name)

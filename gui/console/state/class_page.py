@@ -63,15 +63,15 @@ def view(memory: Memory, world: World) -> ClassView | None:
 
 
 def _summary(world: World, texts: Texts) -> str:
-    robots, count = float(len(world.robots)), float(len(world.seats))
+    robots, count = float(len({robot.robot for robot in world.robots})), float(len(world.seats))
     if count > SEATS_NAMED:
         text = texts("class.summary_many", robots=robots, count=count)
     else:
         seats = _shown(world, world.seats) or texts("unknown")
         text = texts("class.summary", robots=robots, count=count, seats=seats)
-    frozen = sum(robot.status is not None and robot.status.frozen for robot in world.robots)
+    frozen = {robot.robot for robot in world.robots if robot.status is not None and robot.status.frozen}
     if frozen:
-        text += " " + texts("class.frozen", frozen=float(frozen), robots=float(len(world.robots)))
+        text += " " + texts("class.frozen", frozen=float(len(frozen)), robots=robots)
     if muted := sorted(_muted(world)):
         text += " " + texts("class.muted", seats=_shown(world, muted))
     stops = stops_by_seat(world.robots)

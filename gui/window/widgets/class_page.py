@@ -32,7 +32,7 @@ TIPS = ("turn", "rate", "age")
 RIGHT = tuple(COLUMNS.index(name) for name in TIPS)
 WIDTHS_PX = (90, 84, 124, 130, 46, 120, 56, 50)
 """Widths (px) of all columns but the last, at scale 1."""
-WIDER_PX = {"robot": 60, "driver": 130, "waiting": 150}
+WIDER_PX = {"robot": 150, "driver": 130, "waiting": 150}
 """What these columns get (px at scale 1) in a wide window, of the room that the last one does not need."""
 REMARKS_PX = 200
 """Room (px) at scale 1 that the last column keeps."""

@@ -34,6 +34,8 @@ from gui.window.widgets.controls import (
 from gui.window.widgets.robot_menu import RobotMenu
 
 MORE_PX = 24
+ROBOT_PX = 160
+"""Largest width of the box with the robot: a name of 32 letters must not take the room of the pills."""
 LONGEST = "■ 888:88"
 """The widest duration of a recording."""
 
@@ -173,10 +175,12 @@ class Header(QWidget):
         super().__init__()
         self._robots: tuple[str, ...] = ()
         self.robots = QComboBox()
-        self.robots.setToolTip(texts("tip.robot"))
+        self._tip = texts("tip.robot")
+        self.robots.setToolTip(self._tip)
         self.robots.setAccessibleName(texts("label.robot"))
         self.robots.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         self.robots.setMinimumWidth(70)
+        self.robots.setMaximumWidth(ROBOT_PX)
         self.robots.textActivated.connect(lambda name: self.intent.emit(ChooseRobot(name)))
         self.pills = {side: Pill(side, texts) for side in SIDES}
         self.page = IntentButton()
@@ -247,8 +251,11 @@ class Header(QWidget):
                 self._robots = robots
                 self.robots.clear()
                 self.robots.addItems(list(robots))
+                if (names := self.robots.view()) is not None:
+                    names.setMinimumWidth(names.sizeHintForColumn(0) + MORE_PX)
             if self.robots.currentText() != view.robot:
                 self.robots.setCurrentText(view.robot)
+        self.robots.setToolTip(f"{view.robot}\n{self._tip}")
         for pill in view.pills:
             self.pills[pill.side].show_view(pill, view.emergency if view.page is WindowPage.ROBOT else None)
         if view.class_page is not None:
