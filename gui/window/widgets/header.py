@@ -252,7 +252,8 @@ class Header(QWidget):
                 self.robots.clear()
                 self.robots.addItems(list(robots))
                 if (names := self.robots.view()) is not None:
-                    names.setMinimumWidth(names.sizeHintForColumn(0) + MORE_PX)
+                    widest = max(map(self.robots.fontMetrics().horizontalAdvance, robots))
+                    names.setMinimumWidth(widest + MORE_PX)
             if self.robots.currentText() != view.robot:
                 self.robots.setCurrentText(view.robot)
         self.robots.setToolTip(f"{view.robot}\n{self._tip}")
