@@ -86,6 +86,7 @@ def test_disabling_the_hardware_needs_a_second_press(window: Window, intents: Ta
     assert button.text() == "Disable?"
     assert "sinks" in menu.question.text()
     assert menu.question.isVisible()
+    assert menu.question.height() >= menu.question.heightForWidth(menu.question.width()), "all of it is shown"
     QTest.mouseClick(button, LEFT)
     assert intents() == [RunCommand(Command.ENABLE, value=False, side="hw")]
     assert button.text() == "Disable"

@@ -215,7 +215,7 @@ function showHead(head) {
     slider.min = -most;
     if (performance.now() - aimed > 400) slider.value = head.target[part] * direction(part);
     const shown = ["sim", "hw"].filter((side) => head[side]);
-    const angles = shown.map((side) => `${text(`label.${side}`)} ${signed(head[side][part])}`);
+    const angles = shown.map((side) => `${text(`page.${side}`)} ${signed(head[side][part])}`);
     set(byId(`value-${part}`), angles.join("  "));
     set(byId(`target-${part}`), `${text(`label.${part}`)} ${signed(aim(part))}`);
     slider.ariaLabel = text(`label.${part}`);
@@ -229,7 +229,7 @@ function showArms(arms) {
   for (const row of arms.rows.filter((one) => ARMS.includes(one.arm))) {
     set(byId(`name-${row.arm}`), row.title);
     const angles = ["sim", "hw"].filter((side) => row[side] && row[side] !== "–");
-    set(byId(`value-${row.arm}`), angles.map((side) => `${text(`label.${side}`)} ${row[side]}`).join("  ") || "–");
+    set(byId(`value-${row.arm}`), angles.map((side) => `${text(`page.${side}`)} ${row[side]}`).join("  ") || "–");
   }
   choose(byId("speed"), SPEEDS.filter((speed) => speed <= arms.speed_max), arms.speed, (speed) => `${speed}${text("label.speed_unit")}`);
   showRefusal("refusal-arms", arms.refusal);

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from PyQt5.QtCore import QPoint, Qt, pyqtSignal
 from PyQt5.QtGui import QHideEvent, QKeyEvent
-from PyQt5.QtWidgets import QAbstractButton, QApplication, QFrame, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QAbstractButton, QFrame, QVBoxLayout, QWidget
 
-from gui.console.state.intents import Intent
+from gui.console.state.intents import EmergencyStop, Intent
 from gui.console.state.views import ButtonView
 from gui.window.keys import SEND_KEYS
 from gui.window.widgets.controls import IntentButton, label, set_text
@@ -39,6 +39,8 @@ class RobotMenu(QFrame):
         self._views = views
         while len(self.buttons) < len(views):
             button = IntentButton()
+            if isinstance(views[len(self.buttons)].intent, EmergencyStop):
+                button.setObjectName("emergency")
             button.intent.connect(self._choose)
             button.asking.connect(self._ask)
             self._column.insertWidget(len(self.buttons), button)
@@ -47,11 +49,11 @@ class RobotMenu(QFrame):
             button.setVisible(number < len(views))
             if number < len(views):
                 button.show_view(views[number])
-        self.adjustSize()
+        self._fit()
 
     def open(self, below: QWidget) -> None:
         """Open below a button, at its right edge."""
-        self.adjustSize()
+        self._fit()
         corner = below.mapToGlobal(QPoint(below.width() - self.width(), below.height() + 2))
         self.move(max(0, corner.x()), corner.y())
         self.show()
@@ -78,5 +80,9 @@ class RobotMenu(QFrame):
     def _ask(self, question: str) -> None:
         set_text(self.question, f"▲ {question}")
         self.question.setVisible(bool(question))
-        QApplication.sendPostedEvents()  # so that the height counts the question
-        self.adjustSize()
+        self._fit()
+
+    def _fit(self) -> None:
+        """Take the height that the buttons and the wrapped question need."""
+        self._column.activate()
+        self.setFixedHeight(self._column.totalHeightForWidth(WIDTH_PX))
