@@ -46,7 +46,7 @@ class Row(NamedTuple):
         """The progress in a few words, with the figure that a seat is stuck at."""
         if self.progress == STUCK_AT:
             return f"stuck: {self.state.figure} ({self.state.stuck} x)"
-        return f"{self.progress} ({self.state.tries})"
+        return f"{self.progress} ({self.state.tries})" if self.state.tries else self.progress
 
 
 def read(client: Client, timeout_s: float = ANSWER_S) -> list[Row]:

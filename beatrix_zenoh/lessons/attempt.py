@@ -280,7 +280,7 @@ class Attempt:
                 self._wait(run, stage, seconds)
             except Unmet as unmet:
                 if unmet.figure == "ends":
-                    self._judge(stage, run)
+                    self._judge_endless(stage, run)
                     self.doubt = ""  # short gaps do not make a program endless
                 elif unmet.figure in ("runs", "uncaught") and not OWN_ERROR.match(str(unmet.values["error"])):
                     self._judge(stage, run)  # the robot may have stopped because this computer was busy
@@ -292,6 +292,14 @@ class Attempt:
         found = {name: watch.end(run.began_ns, run.output) for name, watch in stage.watches.items()}
         self.doubt = next((seen.doubt for seen in found.values() if seen.doubt), "")
         return found
+
+    def _judge_endless(self, stage: Stage, run: Run) -> None:
+        """As `_judge`, for a program that did not end."""
+        try:
+            self._judge(stage, run)
+        except NotMeasurable as why:
+            limit = f"{self._limit_s:.0f} s"
+            raise NotMeasurable(f"{why} (It did not end within {limit}: is there a `while True`?)") from None
 
     def _wait(self, run: Run, stage: Stage, seconds: float | None) -> None:
         """Wait for the end of the program, or end it after `seconds`, and keep what the robots publish meanwhile."""

@@ -14,6 +14,8 @@ from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
 
+CHANGED = "{file} was saved while it was checked, so it is not known which program has run. Check it again."
+
 
 class Result(Enum):
     """What came of a check; the values are its exit codes."""
@@ -63,6 +65,8 @@ def check(
         return Verdict(Result.NOT_MEASURABLE, means=str(why))
     except BeatrixError as error:
         return Verdict(Result.NOT_MEASURABLE, means=f"The check itself could not go on. {error}")
+    if program.changed():
+        return Verdict(Result.NOT_MEASURABLE, means=CHANGED.format(file=program.path.name))
     return Verdict(Result.PASSED)
 
 

@@ -107,13 +107,11 @@ def plain(value: object) -> object:
 def failed(error: BaseException, path: Path) -> Reply:
     """Return the last line of the traceback, and the number of the last line of the pupil's file in it."""
     if isinstance(error, SyntaxError):
-        line = error.lineno
-    else:
-        lines = [
-            frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
-        ]
-        line = lines[-1] if lines else None
-    return {"error": f"{type(error).__name__}: {error}", "line": line or 0}
+        return {"error": f"{type(error).__name__}: {error.msg}", "line": error.lineno or 0}
+    lines = [
+        frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
+    ]
+    return {"error": f"{type(error).__name__}: {error}", "line": (lines[-1] if lines else None) or 0}
 
 
 @contextlib.contextmanager

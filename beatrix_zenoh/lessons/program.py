@@ -41,6 +41,10 @@ class Program:
         path.write_text(self.text, encoding="utf-8")
         return path
 
+    def changed(self) -> bool:
+        """Return whether the file is no longer the program that runs; a notebook runs as it was read."""
+        return self.path.suffix != ".ipynb" and read(self.path).text != self.text
+
     def place(self, line: int) -> str:
         """Return where a line of the program is, for the pupil: `line 12`, or `cell 3, line 2`."""
         if self.path.suffix != ".ipynb":

@@ -27,6 +27,7 @@ HOME_S: Final = 15.0
 """Part of the turn that is kept for the way home (s)."""
 FASTEST_DEG_S: Final = 40.0
 POLL_S: Final = 0.1
+TRACEBACK: Final = "Traceback (most recent call last):"
 
 
 def take_turn(
@@ -43,6 +44,7 @@ def take_turn(
     with Client(settings) as client:
         robot = Robot(settings.robot, side, client=client)
         _require_calibrated(robot)
+        _require_other_seat(robot, settings.who)
         say(f"Waiting for {robot}. Ctrl-C leaves the queue.")
         lease = Lease(
             robot,
@@ -51,10 +53,12 @@ def take_turn(
             speed=math.radians(FASTEST_DEG_S),
             told=_Place(settings.who),
         )
-        say(f"It is your turn: {LONGEST_S:.0f} s at most, {FASTEST_DEG_S:.0f}°/s at most.")
+        seconds = LONGEST_S - HOME_S
+        say(f"It is your turn: your program may run for {seconds:.0f} s, at most {FASTEST_DEG_S:.0f}°/s.")
         error: BaseException | None = None
         try:
             _require_calibrated(robot)
+            _require_unchanged(program)
             _run(program, robot, lease, endless=endless)
         except BaseException as found:
             error = found
@@ -75,6 +79,27 @@ def _require_calibrated(robot: Robot) -> None:
             f"{robot} is not calibrated, for example because it was restarted, and a turn does not do that. Set its head "
             f"upright, type `beatrix enable --name {robot.name}` and `beatrix calibrate --name {robot.name}`, or ask your "
             "teacher; then take your turn again.",
+        )
+
+
+def _require_other_seat(robot: Robot, seat: str) -> None:
+    """Raise Refused (NOT_HOLDER) if this seat has taken the robot: a second turn would end the first one."""
+    status = robot.status()
+    if status.lease and status.holder == seat:
+        raise Refused(
+            Reason.NOT_HOLDER,
+            f"Your seat, {seat}, has taken {robot} already: by another turn, or in a window. Let the turn end, or give the "
+            f"robot back (`beatrix lease give-back --name {robot.name}`); then take your turn again.",
+        )
+
+
+def _require_unchanged(program: Program) -> None:
+    """Raise Refused (BAD_VALUE) if the file of a program is no longer what has passed."""
+    if program.changed():
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"{program.path.name} was saved meanwhile, so it is not the program that has passed. Check it again, then take "
+            "another turn.",
         )
 
 
@@ -121,7 +146,7 @@ def _run(program: Program, robot: Robot, lease: Lease, *, endless: bool) -> None
             ended = _watch(running, events, statuses, lease.number)
         finally:
             running.close()
-            for line in running.output:
+            for line in _printed(running.output):
                 say(f"  {line}")
     if not ended and not endless:
         raise Refused(
@@ -172,6 +197,13 @@ LOST_S: Final = 4.0
 """Silence of the status (s), which is published every second, after which a robot counts as lost."""
 
 
+def _printed(lines: list[str]) -> list[str]:
+    """Return what a program has printed, without the traceback of its end by Ctrl-C."""
+    if lines and lines[-1].startswith("KeyboardInterrupt") and TRACEBACK in lines:
+        return lines[: lines.index(TRACEBACK)]
+    return lines
+
+
 def _check(running: Run) -> None:
     try:
         running.check()
@@ -182,11 +214,24 @@ def _check(running: Run) -> None:
         ) from unmet
 
 
+def _go_home(robot: Robot) -> None:
+    """Go home; a program that was ended has stopped the robot as Ctrl-C does, and then its seat must pause."""
+    try:
+        robot.home()
+    except Refused as error:
+        detail = error.detail
+        own = detail is not None and detail.presser == detail.holder
+        if error.reason is not Reason.STOPPED or detail is None or not own or not detail.wait_s:
+            raise
+        time.sleep(detail.wait_s + POLL_S)
+        robot.home()
+
+
 def _end(robot: Robot, lease: Lease, *, home: bool) -> None:
     """Bring the head home, if that is wanted, and give the robot back."""
     try:
         if home:
-            robot.home()
+            _go_home(robot)
     except BeatrixError as error:
         note(f"The head is not home: {error.message}")
     finally:

@@ -229,6 +229,15 @@ def test_an_endless_function_ends_the_check(function: str, monkeypatch: pytest.M
     assert "Your function double" in document["found"]
 
 
+def test_a_program_that_was_saved_during_its_check_is_neither_passed_nor_judged() -> None:
+    good("start", "1")
+    START.write_text("def double(x):\n    open(__file__, 'a').write('# mine')\n    return 2 * x\n")
+    done = checked("1")
+    assert (done.returncode, "start.py was saved while it was checked" in done.stdout) == (4, True)
+    record = progress.workspace(Path.cwd()).record("01-double")
+    assert (record.tries, record.passed) == (0, [])
+
+
 def test_an_explanation_fits_into_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "40")
     good("start", "1")

@@ -32,6 +32,13 @@ with Robot() as robot:
     print("there", flush=True)
     time.sleep(60)
 """
+TURNS = """
+from beatrix_zenoh import Robot
+with Robot() as robot:
+    while True:
+        robot.look(yaw=30, speed=10)
+        robot.look(yaw=-30, speed=10)
+"""
 FAST = "from beatrix_zenoh import Robot\nRobot().look(yaw=20, speed=80)\n"
 
 
@@ -68,7 +75,7 @@ def test_a_program_with_an_error_or_too_fast_ends_and_the_head_goes_home(free: S
 
 
 def test_a_program_that_does_not_end_is_ended(
-    free: Shell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    free: Shell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(turns, "LONGEST_S", 20.0)
     made = written(tmp_path, WAITS)
@@ -76,7 +83,31 @@ def test_a_program_that_does_not_end_is_ended(
         take(free, made)
     with free.robot("hw") as robot:
         assert home(robot)
-    take(free, made, endless=True)  # the program of lesson 9 follows until Ctrl-C
+    take(free, written(tmp_path, TURNS), endless=True)  # the program of lesson 9 follows until Ctrl-C
+    with free.robot("hw") as robot:
+        assert home(robot), "although the end of a motion by Ctrl-C is a STOP of this seat"
+    output = capsys.readouterr()
+    assert "there" in output.out
+    assert "Traceback" not in output.out
+    assert "not home" not in output.err
+
+
+def test_a_program_that_was_saved_while_its_seat_waited_gets_no_turn(free: Shell, tmp_path: Path) -> None:
+    made = written(tmp_path, LOOKS)
+    written(tmp_path, FAST)
+    with pytest.raises(Refused, match=r"start\.py was saved meanwhile"):
+        take(free, made)
+    with free.robot("hw") as robot:
+        assert robot.status().lease == 0
+
+
+def test_a_seat_has_one_turn_at_a_time(free: Shell, tmp_path: Path) -> None:
+    with (
+        Robot(NAME, "hw", connect=free.endpoint, who="cleo") as robot,
+        robot.lease(),
+        pytest.raises(Refused, match=r"Your seat, cleo, has taken .* already"),
+    ):
+        take(free, written(tmp_path, LOOKS))
 
 
 def test_stop_of_another_seat_ends_the_turn_and_the_head_stays(free: Shell, tmp_path: Path) -> None:
