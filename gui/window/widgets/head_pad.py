@@ -243,8 +243,9 @@ class HeadPad(QWidget):
         limit, height = self._disc / BEYOND, self._line
         middle = int(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter)
         wide = QRectF(-limit, 0, 2 * limit, height).translated(self._centre)
-        painter.drawText(wide.translated(0, -limit + 2), middle, self._captions["up"])
-        painter.drawText(wide.translated(0, limit - height - 2), middle, self._captions["down"])
+        if limit > 2 * height:  # in a low window they would cover the markers
+            painter.drawText(wide.translated(0, -limit + 2), middle, self._captions["up"])
+            painter.drawText(wide.translated(0, limit - height - 2), middle, self._captions["down"])
         corners = {
             "yaw_left": Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop,
             "yaw_right": Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop,

@@ -131,16 +131,21 @@ class HistoryPanel(QWidget):
     def _icon(self, row: HistoryRowView) -> QIcon:
         """Return the symbol of a result in its colour."""
         colours = {True: self._style.good, False: self._style.bad, None: self._style.dim}
+        icon = QIcon(self._symbol(row.symbol, colours[None if row.on_purpose else row.good]))
+        icon.addPixmap(self._symbol(row.symbol, self._style.accent_text), QIcon.Mode.Selected)
+        return icon
+
+    def _symbol(self, symbol: str, colour: str) -> QPixmap:
         side, scale = self._style.px(ICON_PX), self.devicePixelRatioF()
         picture = QPixmap(round(side * scale), round(side * scale))
         picture.setDevicePixelRatio(scale)
         picture.fill(Qt.GlobalColor.transparent)
         painter = QPainter(picture)
         painter.setFont(self.list.font())
-        painter.setPen(QColor(colours[None if row.on_purpose else row.good]))
-        painter.drawText(QRect(0, 0, side, side), int(Qt.AlignmentFlag.AlignCenter), row.symbol)
+        painter.setPen(QColor(colour))
+        painter.drawText(QRect(0, 0, side, side), int(Qt.AlignmentFlag.AlignCenter), symbol)
         painter.end()
-        return QIcon(picture)
+        return picture
 
     def _chosen(self) -> HistoryRowView | None:
         number = self.list.currentRow()
