@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from beatrix_zenoh.board.state import Port
-from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
+from beatrix_zenoh.board.virtual import Firmware, RealTime, RealTimePort, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Telemetry
@@ -77,15 +77,14 @@ class VirtualHardware(Hardware):
     ) -> None:
         super().__init__(VIRTUAL, robot, same_for_both(PATTERN) if cameras is None else cameras, microphones)
         self._board = VirtualBoard(Firmware(boot=1, name=name))
-        self._ticker = RealTimeTicker(self._board)
+        self._port = RealTimePort(self._board, RealTime(self._board))
 
     def open_port(self) -> Port:
-        """Return the virtual board, which is always present."""
-        return self._board
+        """Return the port of the virtual board, which is always present."""
+        return self._port
 
     def close(self) -> None:
         """Stop the virtual board."""
-        self._ticker.close()
         self._board.close()
 
 

@@ -6,9 +6,8 @@ import threading
 import time
 from collections import deque
 
-from beatrix_zenoh import threads
 from beatrix_zenoh.board.state import Port
-from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
+from beatrix_zenoh.board.virtual import BUSY_S, Firmware, RealTimePort, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
@@ -25,15 +24,14 @@ from sim_node.sound_queries import SoundHandler, SoundSource
 from sim_node.target import PersonTarget, TargetHandler, TargetPath
 from sim_node.viewer import SceneViewer, ViewerFeed
 
-PERIOD_S = 0.006
-"""Period (s) of the simulation's thread, which makes the steps that are due."""
-RESTING_S = 0.020
-"""Period (s) while the arms rest and no frame for the board has arrived."""
+PERIOD_S = 0.010
+"""Period (s) of the board's thread, which makes the steps that are due: that of the telemetry."""
+RESTING_S = 0.025
+"""Period (s) while the arms rest and no frame for the board has arrived. It is longer than that of the publisher, which
+makes the due steps, too: otherwise both threads would wake at the same time and wait for each other."""
 LATE_S = 0.010
 SLICE_S = 0.1
 """Longest simulated time of one call of `due`, so that the board receives its heartbeat between two calls."""
-PAUSE_S = 0.001
-"""Shortest time for other threads between two turns."""
 STALL_S = 0.3
 """After a longer delay simulated time continues from now: the robot does not speed up, and misses no heartbeat."""
 WINDOW_S = 5.0
@@ -75,9 +73,9 @@ class StepClock:
         return self._due_s
 
     def wait_s(self, now_s: float, *, resting: bool) -> float:
-        """Return the seconds until steps are due, at least PAUSE_S."""
+        """Return the seconds until steps are due; negative if they are late."""
         self._period_s = RESTING_S if resting else PERIOD_S
-        return max(PAUSE_S, self._due_s + self._period_s - now_s)
+        return self._due_s + self._period_s - now_s
 
     def real_time_factor(self, now_s: float) -> float:
         """Return the simulated seconds per second over the last WINDOW_S."""
@@ -89,8 +87,8 @@ class StepClock:
         return 1.0 if elapsed_s < PERIOD_S else (self._simulated_s - simulated_s) / elapsed_s
 
 
-ASSEMBLY_CHECK_TURNS = 5
-"""Turns of the thread's loop between two checks of the assembly while arms move: every 30 ms."""
+ASSEMBLY_CHECK_TURNS = 3
+"""Turns between two checks of the assembly while arms move: every 30 ms."""
 RESTING_STEPS = 4
 """Physics steps made together while the arms rest; no microstep is late, as a motion makes none in its first 8 ms."""
 FAULT_SHOWN_S = 5.0
@@ -99,7 +97,7 @@ EYES_HZ_MAX = 30.0
 
 
 class Simulation:
-    """A simulated robot; one thread owns the plant and its time."""
+    """A simulated robot; the thread that reads from the board makes the steps of the plant."""
 
     side = "sim"
 
@@ -132,27 +130,32 @@ class Simulation:
         self._clock = StepClock(TIMESTEP_MS / 1000, time.monotonic())
         self._left_s = float("-inf")
         self._pulses, self._steps, self._resting = self._firmware.pulses(), self._firmware.steps(), True
+        self._turns, self._busy_until_s = 0, 0.0
         self._lock = threading.Lock()
-        self._closed = threading.Event()
-        self._thread = threads.start(self._run, "physics")
+        self._port = RealTimePort(self._board, self)
 
     def open_port(self) -> Port:
-        """Return the virtual board, which is always present."""
-        return self._board
+        """Return the port of the virtual board, which is always present; its time passes from now on."""
+        with self._lock:
+            self._clock = StepClock(TIMESTEP_MS / 1000, time.monotonic())
+        return self._port
 
-    def _run(self) -> None:
-        turn, written = 0, False
-        while not self._closed.is_set():
-            # A frame that was just written may move the arms from the next step on, so wait only for the usual period.
-            resting = self._resting and not written
-            written = self._board.woken.wait(self._clock.wait_s(time.monotonic(), resting=resting))
-            self._board.woken.clear()
-            turn += 1
-            with self._lock:
-                self._catch_up()
-                if (turn % ASSEMBLY_CHECK_TURNS == 0 or self._resting) and self._plant.home_assembly_left():
-                    self._plant.reassemble()
-                    self._left_s = time.monotonic()
+    def wait_s(self) -> float:
+        """Return the time (s) until the next turn is due; negative if it is late."""
+        now_s = time.monotonic()
+        return self._clock.wait_s(now_s, resting=self._resting and now_s > self._busy_until_s)
+
+    def turn(self, *, written: bool) -> None:
+        """Make the steps that are due; `written`: the board has received bytes, which may move the arms soon."""
+        if written:
+            self._busy_until_s = time.monotonic() + BUSY_S
+        self._turns += 1
+        with self._lock:
+            self._catch_up()
+            check = self._turns % ASSEMBLY_CHECK_TURNS == 0 or self._resting
+            if check and not self._plant.asleep and self._plant.home_assembly_left():
+                self._plant.reassemble()
+                self._left_s = time.monotonic()
 
     def _catch_up(self) -> None:
         """Make the steps that are due."""
@@ -241,7 +244,4 @@ class Simulation:
 
     def close(self) -> None:
         """Stop the simulation."""
-        self._closed.set()
-        self._board.woken.set()
-        self._thread.join(timeout=2.0)
         self._board.close()

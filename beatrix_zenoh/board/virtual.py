@@ -8,10 +8,10 @@ import threading
 import time
 from functools import cache
 from importlib import resources
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
-from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.serial import TELEMETRY_PERIOD
 from beatrix_zenoh.contract.errors import BeatrixError
 
 if TYPE_CHECKING:
@@ -34,7 +34,10 @@ _UNREAD_MS: Final = 100
 """The host is late if bytes have been unread for longer. The sum of this time, one step and a heartbeat period is less
 than the heartbeat timeout."""
 _PERIOD_MS: Final = 5
-_YIELD_S: Final = 0.001
+_RESTING_MS: Final = 2 * TELEMETRY_PERIOD
+"""Period of a board whose arms rest, of as many telemetry frames as a publication of positions contains."""
+BUSY_S: Final = 0.03
+"""Time (s) after a write for which a board keeps the period of a motion: a command shows in the next telemetry."""
 _UNREAD_MAX: Final = 65536
 """Largest number of bytes kept for a reader; older ones are lost, as on a serial port without a reader."""
 
@@ -177,7 +180,7 @@ class VirtualBoard:
         self._unread_ms = 0
         self._closed = False
         self.woken = threading.Event()
-        """Set by `wake`: a thread that waits before advancing an idle board may advance it now."""
+        """Set by `wake` and `close`: a thread that waits before advancing an idle board may advance it now."""
         with self.lock:
             self._collect()
 
@@ -232,6 +235,12 @@ class VirtualBoard:
         with self.lock:
             self._closed = True
             self._arrived.notify_all()
+        self.woken.set()
+
+    @property
+    def closed(self) -> bool:
+        """Whether `close` was called."""
+        return self._closed
 
     def _collect(self) -> None:
         self._keep(self.firmware.transmit())
@@ -243,30 +252,73 @@ class VirtualBoard:
         del self._unread[:-_UNREAD_MAX]
 
 
-class RealTimeTicker:
-    """Advances a board in real time until `close`; makes up for late ticks and waits for a late host."""
+class BoardTime(Protocol):
+    """The time of a virtual board, which passes in turns."""
+
+    def wait_s(self) -> float:
+        """Return the time (s) until the next turn is due; negative if it is late."""
+
+    def turn(self, *, written: bool) -> None:
+        """Advance the board to the present time; `written`: bytes were written to it since the last turn."""
+
+
+class RealTimePort:
+    """The port of a virtual board whose time passes in the thread that reads.
+
+    One thread thus advances the board, decodes its frames and sends the heartbeat, without a hand-over between threads.
+    While the thread does not read, the board waits for it.
+    """
+
+    name: Final = VirtualBoard.name
+    boot_s: Final = VirtualBoard.boot_s
+
+    def __init__(self, board: VirtualBoard, board_time: BoardTime) -> None:
+        self._board, self._time = board, board_time
+        self.write, self.wake, self.close = board.write, board.wake, board.close
+
+    def read(self, timeout_s: float) -> bytes:
+        """Advance the board until it has sent bytes, and return them; empty after `timeout_s`, or after `close`."""
+        end_s = time.monotonic() + timeout_s
+        while True:
+            wait_s = min(self._time.wait_s(), end_s - time.monotonic())
+            written = self._board.woken.wait(max(0.0, wait_s))
+            self._board.woken.clear()
+            if written or self._time.wait_s() <= 0:  # another thread may have advanced the board meanwhile
+                self._time.turn(written=written)
+            data = self._board.read(0)
+            if data or self._board.closed or time.monotonic() >= end_s:
+                return data
+
+
+class RealTime:
+    """The time of a board without physics; makes up for late turns and waits for a late host."""
 
     def __init__(self, board: VirtualBoard) -> None:
         self._board = board
-        self._closing = threading.Event()
-        self._thread = threads.start(self._run, "virtual-time")
+        self._start_s = self._busy_until_s = time.monotonic()
+        self._done_ms = 0
+        self._steps, self._rests = board.firmware.steps(), True
 
-    def _run(self) -> None:
-        start_s = time.monotonic()
-        done_ms = 0
-        while not self._closing.wait(start_s + (done_ms + _PERIOD_MS) / 1000 - time.monotonic()):
-            due_ms = int((time.monotonic() - start_s) * 1000)
-            due_ms -= due_ms % _PERIOD_MS
-            if due_ms - done_ms > _STALL_MS or self._board.host_is_late:
-                start_s += (due_ms - done_ms) / 1000
-                continue
-            # Catch up in steps, between which the host can send its heartbeat.
-            due_ms = min(due_ms, done_ms + _CATCH_UP_MS)
-            self._board.advance(due_ms - done_ms)
-            done_ms = due_ms
-            self._closing.wait(_YIELD_S)
+    def wait_s(self) -> float:
+        """Return the time (s) until the next turn, at a tick of the telemetry, so that this arrives without delay."""
+        now_s = time.monotonic()
+        rests = self._rests and now_s > self._busy_until_s
+        period_ms = _RESTING_MS if rests else TELEMETRY_PERIOD
+        next_ms = self._done_ms - self._done_ms % TELEMETRY_PERIOD + period_ms
+        return self._start_s + next_ms / 1000 - now_s
 
-    def close(self) -> None:
-        """Stop the board's time and wait for the end of the thread."""
-        self._closing.set()
-        self._thread.join()
+    def turn(self, *, written: bool) -> None:
+        """Advance the board to the present time, in steps between which the host can send its heartbeat."""
+        now_s = time.monotonic()
+        if written:
+            self._busy_until_s = now_s + BUSY_S
+        due_ms = int((now_s - self._start_s) * 1000)
+        due_ms -= due_ms % _PERIOD_MS
+        if due_ms - self._done_ms > _STALL_MS or self._board.host_is_late:
+            self._start_s += (due_ms - self._done_ms) / 1000
+            return
+        due_ms = min(due_ms, self._done_ms + _CATCH_UP_MS)
+        with self._board.lock:
+            self._board.advance(due_ms - self._done_ms)
+            steps = self._board.firmware.steps()
+        self._rests, self._steps, self._done_ms = steps == self._steps, steps, due_ms

@@ -5,10 +5,11 @@ from __future__ import annotations
 import threading
 
 from robots import until
+from ticking_board import RealTimeTicker
 
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.link import Decoder, encode
-from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
+from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
 from beatrix_zenoh.contract._generated.serial import Telemetry
 
 

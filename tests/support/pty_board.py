@@ -10,8 +10,10 @@ import tty
 from pathlib import Path
 from typing import Self
 
+from ticking_board import RealTimeTicker
+
 from beatrix_zenoh.board.link import Decoder
-from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
+from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
 from beatrix_zenoh.contract._generated.serial import FrameType
 
 

@@ -9,13 +9,14 @@ from collections.abc import Callable, Iterator
 import pytest
 from lossy_board import LossyPort, Rig
 from robots import until
+from ticking_board import RealTimeTicker
 
 from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.state import not_connected
 from beatrix_zenoh.board.timing import LOADER_S
-from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
+from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import (
     BoardOutcome,

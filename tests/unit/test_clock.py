@@ -8,7 +8,8 @@ import pytest
 from robots import until
 
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.board.virtual import VirtualBoard
+from beatrix_zenoh.board.state import NO_TELEMETRY
+from beatrix_zenoh.board.virtual import RealTimePort
 from beatrix_zenoh.contract._generated.serial import FrameType, MoveStraight
 from sim_node.body import LATE_S, PERIOD_S, SLICE_S, STALL_S, Simulation, StepClock
 
@@ -52,15 +53,15 @@ class BlockedReader:
     name = "blocked:"
     boot_s = 0.0
 
-    def __init__(self, board: VirtualBoard) -> None:
-        self._board = board
-        self.write, self.wake = board.write, board.wake
+    def __init__(self, port: RealTimePort) -> None:
+        self._port = port
+        self.write, self.wake = port.write, port.wake
         self.running = threading.Event()
         self.running.set()
 
     def read(self, timeout_s: float) -> bytes:
         self.running.wait(10)
-        return self._board.read(timeout_s)
+        return self._port.read(timeout_s)
 
     def close(self) -> None:
         """Keep the board open."""
@@ -68,9 +69,9 @@ class BlockedReader:
 
 def test_the_simulation_waits_while_the_reading_thread_is_blocked() -> None:
     simulation = Simulation("bea")
-    virtual = simulation.open_port()
-    assert isinstance(virtual, VirtualBoard)
-    port = BlockedReader(virtual)
+    driven = simulation.open_port()
+    assert isinstance(driven, RealTimePort)
+    port, virtual = BlockedReader(driven), simulation._board
     board = Board(lambda: port, lambda _: None, lambda: None)
     board.start()
     try:
@@ -79,14 +80,19 @@ def test_the_simulation_waits_while_the_reading_thread_is_blocked() -> None:
         board.request(FrameType.CALIBRATE)
         board.move(MoveStraight(7, (500, 500, 500), 800))
         port.running.clear()
-        until(lambda: virtual.host_is_late, "the host is late")
         seen: list[tuple[int, int, int]] = []
 
+        def late() -> bool:
+            seen.append(
+                simulation.pose(NO_TELEMETRY, 0).steps
+            )  # as the publisher does, which makes the due steps
+            return virtual.host_is_late
+
         def at_rest() -> bool:
-            with virtual.lock:
-                seen.append(virtual.firmware.steps())
+            late()
             return len(seen) > 30 and seen[-1] == seen[-31]
 
+        until(late, "the host is late")
         until(at_rest, "at rest")
         assert seen[-1] < (500, 500, 500)
         port.running.set()

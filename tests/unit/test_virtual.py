@@ -8,10 +8,12 @@ import time
 from collections.abc import Iterator
 
 import pytest
+from robots import until
+from ticking_board import RealTimeTicker
 
 from beatrix_zenoh.board import virtual
 from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
-from beatrix_zenoh.board.virtual import Firmware, RealTimeTicker, VirtualBoard
+from beatrix_zenoh.board.virtual import Firmware, RealTime, RealTimePort, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import Enable, FrameType, Move, Telemetry
 from beatrix_zenoh.contract.errors import BeatrixError
@@ -110,6 +112,69 @@ def test_the_ticker_catches_up_after_a_delay(board: VirtualBoard) -> None:
         seen += telemetry(board.read(1))
     ticker.close()
     assert [t.tick for t in seen] == list(range(10, seen[-1].tick + 1, 10))
+
+
+def test_reading_lets_the_time_of_the_board_pass(board: VirtualBoard) -> None:
+    begin = time.monotonic()
+    port = RealTimePort(board, RealTime(board))
+    seen: list[Telemetry] = []
+    while not seen or seen[-1].tick < 200:
+        assert time.monotonic() - begin < 30
+        seen += telemetry(port.read(1))
+    assert (time.monotonic() - begin) * 1000 >= 199
+    assert [t.tick for t in seen] == list(range(10, seen[-1].tick + 1, 10))
+
+
+def test_a_board_waits_for_a_thread_that_does_not_read(board: VirtualBoard) -> None:
+    port = RealTimePort(board, RealTime(board))
+    board.read(0)
+    threading.Event().wait(0.5)  # longer than the heartbeat's time-out, and than the board makes up for
+    seen: list[Telemetry] = []
+    while not seen:
+        seen = telemetry(port.read(1))
+    assert seen[-1].tick <= 100
+
+
+class NeverDue:
+    """A time whose next turn is due in a minute; counts the turns."""
+
+    def __init__(self) -> None:
+        self.turns: list[bool] = []
+
+    def wait_s(self) -> float:
+        return 60.0
+
+    def turn(self, *, written: bool) -> None:
+        self.turns.append(written)
+
+
+def test_a_write_and_a_close_wake_a_reader_that_waits_for_the_next_turn(board: VirtualBoard) -> None:
+    never = NeverDue()
+    port = RealTimePort(board, never)
+    board.read(0)
+    got: list[bytes] = []
+
+    def read() -> None:
+        got.append(port.read(30))
+        got.append(port.read(30))
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    answer = port.write(HELLO)
+    port.wake()
+    until(lambda: len(got) == 1, "the answer was read")
+    assert got == [answer]
+    assert never.turns == [True]
+    port.close()
+    reader.join(30)
+    assert got == [answer, b""]
+
+
+def test_bytes_from_the_turn_of_another_thread_are_read_without_a_turn(board: VirtualBoard) -> None:
+    never = NeverDue()
+    board.advance(20)
+    assert [t.tick for t in telemetry(RealTimePort(board, never).read(0.01))] == [10, 20]
+    assert never.turns == []
 
 
 def test_a_missing_wasmtime_is_an_error_with_the_command_to_install_it(

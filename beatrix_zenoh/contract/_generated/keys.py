@@ -148,7 +148,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "control",
         "interactive_high",
         "drop",
-        "Positions of the robot, always at 50 Hz; a query returns the newest.",
+        "Positions of the robot, at 50 Hz while a client subscribes; a query returns the newest.",
     ),
     "positions_json": KeyRow(
         "beatrix/{robot}/{side}/state/positions/json",
@@ -436,7 +436,7 @@ def follow(robot: str, who: str) -> str:
 def positions(robot: str, side: str) -> str:
     """Return the key `beatrix/{robot}/{side}/state/positions`.
 
-    Positions of the robot, always at 50 Hz; a query returns the newest.
+    Positions of the robot, at 50 Hz while a client subscribes; a query returns the newest.
     """
     return f"beatrix/{robot}/{side}/state/positions"
 
