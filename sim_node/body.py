@@ -89,8 +89,6 @@ class StepClock:
 
 ASSEMBLY_CHECK_TURNS = 3
 """Turns between two checks of the assembly while arms move: every 30 ms."""
-RESTING_STEPS = 4
-"""Physics steps made together while the arms rest; no microstep is late, as a motion makes none in its first 8 ms."""
 FAULT_SHOWN_S = 5.0
 EYES_HZ = 15.0
 EYES_HZ_MAX = 30.0
@@ -162,19 +160,16 @@ class Simulation:
         self._advance(self._clock.due(time.monotonic(), host_is_late=self._board.host_is_late))
 
     def _advance(self, steps: int) -> None:
-        """Advance board and plant in turn, by `steps` physics steps.
-
-        While the arms rest the board makes several steps in one call, which halves the load.
-        """
-        while steps > 0:
-            together = min(steps, RESTING_STEPS if self._resting else 1)
-            with self._board.lock:
-                self._board.advance(together * TIMESTEP_MS)
-                pulses, drivers_on = self._firmware.pulses(), self._firmware.drivers_on()
-                self._steps = self._firmware.steps()
-            self._plant.step(pulses, drivers_on=drivers_on, count=together)
-            self._resting, self._pulses = pulses == self._pulses, pulses
-            steps -= together
+        """Advance the board by `steps` physics steps, of SLICE_S at most, then the plant by what its motors received."""
+        if steps == 0:
+            return
+        ms = steps * TIMESTEP_MS
+        with self._board.lock:
+            self._board.advance(ms)
+            motors, self._steps = self._firmware.motors(ms, TIMESTEP_MS), self._firmware.steps()
+        for pulses, drivers_on, count in motors:
+            self._plant.step(pulses, drivers_on=drivers_on, count=count)
+        self._resting, self._pulses = pulses == self._pulses, pulses
 
     def pose(self, telemetry: Telemetry, t_mono_ns: int) -> ArmState:  # noqa: ARG002
         """Return the measured arms and head, after making the steps that are due: the thread may be 20 ms behind."""

@@ -126,11 +126,12 @@ class _MotionSimulation:
             self._next_ping_ms += HEARTBEAT_PERIOD
         plant, firmware = self._plant, self._firmware
         tilt_max, gap_min = self._tilt_max, self._gap_min
-        for _ in range(_CHUNK_MS // TIMESTEP_MS):
-            firmware.tick(TIMESTEP_MS)
-            plant.step(firmware.pulses(), drivers_on=firmware.drivers_on())
-            tilt_max = max(tilt_max, plant.tilt())
-            gap_min = min(gap_min, plant.gap())
+        firmware.tick(_CHUNK_MS)
+        for pulses, drivers_on, count in firmware.motors(_CHUNK_MS, TIMESTEP_MS):
+            for _ in range(count):
+                plant.step(pulses, drivers_on=drivers_on)
+                tilt_max = max(tilt_max, plant.tilt())
+                gap_min = min(gap_min, plant.gap())
         self._tilt_max, self._gap_min = tilt_max, gap_min
         self.now_ms += _CHUNK_MS
         if self.now_ms % self._period_ms == 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import itertools
 import struct
 import threading
 import time
@@ -22,6 +23,10 @@ _REPORT: Final = struct.Struct("<6q6iIII")
 """Report of firmware/virtual/board.cpp: start, end, steps, pulses, drivers on, bytes to transmit, input pending."""
 _LENGTH: Final = struct.Struct("<I")
 _LENGTH_AT: Final = _REPORT.size - 2 * _LENGTH.size
+_TICK: Final = struct.Struct("<3iI")
+"""Tick of firmware/virtual/board.cpp: pulses, drivers on."""
+TICKS: Final = 100
+"""Largest number of ticks (ms) of a call of `Firmware.tick` whose pulses are kept, as in firmware/virtual/board.cpp."""
 _TRANSMIT_SIZE: Final = 16384
 """Size of the transmit buffer (bytes), as in firmware/virtual/board.cpp."""
 _TICKS_PER_CALL: Final = 1000
@@ -84,6 +89,7 @@ class Firmware:
         self._report_view = self._view(report_at, _REPORT.size)
         self._receive_view = self._view(self._receive_at, self._receive_size)
         self._transmit_view = self._view(self._transmit_at, _TRANSMIT_SIZE)
+        self._ticks_view = self._view(self._call("tick_buffer"), TICKS * _TICK.size)
         self._memory.write(
             self._store, name.encode("ascii").ljust(_NAME_SIZE, b"\0"), self._call("name_buffer")
         )
@@ -126,6 +132,18 @@ class Firmware:
         """
         x, y, z = self._report()[9:12]
         return x, y, z
+
+    def motors(self, ms: int, period_ms: int) -> list[tuple[tuple[int, int, int], bool, int]]:
+        """Return `pulses` and `drivers_on` at the end of each `period_ms` of the last call of `tick`, which took `ms`.
+
+        Each entry is followed by the number of periods in a row for which it holds. `ms`: at most TICKS, a multiple of
+        `period_ms`.
+        """
+        runs: list[tuple[tuple[int, int, int], bool, int]] = []
+        ticks = list(_TICK.iter_unpack(self._ticks_view[: ms * _TICK.size]))[period_ms - 1 :: period_ms]
+        for (x, y, z, on), same in itertools.groupby(ticks):
+            runs.append(((x, y, z), bool(on), sum(1 for _ in same)))
+        return runs
 
     def set_points(self) -> tuple[float, float, float]:
         """Return the set points in microsteps from home, with fractions."""

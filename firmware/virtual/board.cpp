@@ -13,6 +13,7 @@ namespace {
 
 const uint16_t RECEIVE_SIZE = 256;
 const uint16_t TRANSMIT_SIZE = 16384;  // three seconds of telemetry
+const uint32_t TICKS_SIZE = 100;
 
 beatrix::Machine machine;
 beatrix::ReceiveBuffer waiting_bytes;
@@ -21,6 +22,7 @@ uint32_t boot;
 char stored_name[NAME_SIZE];
 uint8_t received[RECEIVE_SIZE];
 uint8_t transmitted[TRANSMIT_SIZE];
+Tick ticks[TICKS_SIZE];
 
 void update_report() {
   for (uint8_t i = 0; i < ARMS; i++) {
@@ -66,6 +68,7 @@ Report *report_buffer() { return &report; }
 uint8_t *receive_buffer() { return received; }
 uint32_t receive_size() { return RECEIVE_SIZE; }
 uint8_t *transmit_buffer() { return transmitted; }
+Tick *tick_buffer() { return ticks; }
 
 void start(uint32_t boot_number) {
   boot = boot_number;
@@ -87,13 +90,17 @@ uint32_t receive(uint32_t length) {
 }
 
 void tick(uint32_t milliseconds) {
-  while (milliseconds--) {
+  for (uint32_t done = 0; done < milliseconds; done++) {
     int32_t before[ARMS];
     for (uint8_t i = 0; i < ARMS; i++) before[i] = machine.motion().axis(i).steps();
     machine.tick();
     for (uint8_t i = 0; i < ARMS; i++) report.pulses[i] += machine.motion().axis(i).steps() - before[i];
     machine.process(waiting_bytes, 255);
     machine.poll();
+    if (done < TICKS_SIZE) {
+      for (uint8_t i = 0; i < ARMS; i++) ticks[done].pulses[i] = report.pulses[i];
+      ticks[done].drivers_on = report.drivers_on;
+    }
   }
   update_report();
 }

@@ -21,12 +21,20 @@ struct Report {
   uint32_t waiting;  // 1: received bytes wait for room in the transmit buffer
 };
 
+// What the motors have received by the end of one tick.
+struct Tick {
+  int32_t pulses[3];  // as in Report
+  uint32_t drivers_on;
+};
+
 // Return the robot name in non-volatile memory: 32 bytes; write it before start(), read it at any time.
 EXPORT(name_buffer) char *name_buffer();
 EXPORT(report_buffer) Report *report_buffer();
 EXPORT(receive_buffer) uint8_t *receive_buffer();
 EXPORT(receive_size) uint32_t receive_size();
 EXPORT(transmit_buffer) uint8_t *transmit_buffer();
+// The first 100 ticks of the last call of tick().
+EXPORT(tick_buffer) Tick *tick_buffer();
 
 // Reset the board. The caller counts its starts; this one has the number `boot_number`.
 EXPORT(start) void start(uint32_t boot_number);

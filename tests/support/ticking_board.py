@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import threading
-import time
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.board.virtual import RealTime, VirtualBoard
 
-PERIOD_S = 0.005
+SHORTEST_S = 0.001
+"""Shortest pause (s) between two turns, in which other threads run."""
 
 
 class RealTimeTicker:
@@ -20,8 +20,7 @@ class RealTimeTicker:
         self._thread = threads.start(self._run, "virtual-time")
 
     def _run(self) -> None:
-        begin_s = time.monotonic()
-        while not self._closing.wait(PERIOD_S - (time.monotonic() - begin_s) % PERIOD_S):
+        while not self._closing.wait(max(SHORTEST_S, self._time.wait_s())):
             self._time.turn(written=False)
 
     def close(self) -> None:

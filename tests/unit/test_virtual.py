@@ -13,7 +13,7 @@ from ticking_board import RealTimeTicker
 
 from beatrix_zenoh.board import virtual
 from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
-from beatrix_zenoh.board.virtual import Firmware, RealTime, RealTimePort, VirtualBoard
+from beatrix_zenoh.board.virtual import TICKS, Firmware, RealTime, RealTimePort, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import Enable, FrameType, Move, Telemetry
 from beatrix_zenoh.contract.errors import BeatrixError
@@ -87,6 +87,25 @@ def test_a_restored_board_continues_like_the_original() -> None:
     preview.tick(400)
     assert preview.steps() == robot.steps()
     assert preview.transmit() == robot.transmit()
+
+
+def test_the_motors_of_one_long_call_are_those_of_many_short_ones() -> None:
+    short, long = Firmware(), Firmware()
+    for firmware in (short, long):
+        make_move(firmware, (300, -200, 50))
+    for ms in (20, 100, 2, 400):
+        one_by_one = []
+        for _ in range(min(ms, TICKS) // 2):
+            short.tick(2)
+            one_by_one.append((short.pulses(), short.drivers_on()))
+        long.tick(min(ms, TICKS))
+        runs = long.motors(min(ms, TICKS), 2)
+        assert [(pulses, on) for pulses, on, count in runs for _ in range(count)] == one_by_one
+    assert short.transmit() == long.transmit()
+    assert long.pulses() != (0, 0, 0)
+    long.tick(1000)
+    long.tick(100)
+    assert long.motors(100, 2) == [(long.pulses(), True, 50)]
 
 
 def test_the_ticker_follows_real_time(board: VirtualBoard) -> None:
