@@ -79,6 +79,8 @@ class Face:
             stop: sends STOP for a page that does not drive.
         """
         self.robot, self._world = world.robot, world
+        self.found = True
+        """False while the page waits for the first robot, because none was online when it was opened."""
         self.driver: Driver | None = None
         self.shows_class = False
         self.state = State()

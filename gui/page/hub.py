@@ -98,12 +98,19 @@ class Hub:
 
     def new_face(self, send: Callable[[bytes], None]) -> Face:
         """Return the face of a new page, which shows the first robot."""
-        robot = next(iter(self.robots()), self._only or self.settings.robot)
-        return Face(self._link.world(robot), send, self._stop)
+        robots = self.robots()
+        robot = next(iter(robots), self._only or self.settings.robot)
+        face = Face(self._link.world(robot), send, self._stop)
+        face.found = bool(robots)
+        return face
 
     def show(self) -> None:
         """Send all pages what has changed."""
         robots = self.robots()
+        for page in self.pages if robots else ():
+            if not page.face.found:
+                page.face.found = True
+                self.watch(page, robots[0])
         shown = any(page.face.shows_class for page in self.pages)
         states = self._class.states(self._link.session, time.monotonic()) if shown else ()
         watched = {page.face.robot for page in self.pages if page.face.driver is None}
