@@ -14,7 +14,7 @@ from patient_connections import PATIENCE_S, patiently
 from robots import ROOT, Process, ready, until
 from students import use_account
 
-from beatrix_zenoh import Interrupted, Robot
+from beatrix_zenoh import Interrupted, NoAnswer, Robot
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind
@@ -51,7 +51,8 @@ def teacher(router: ClassRouter) -> Iterator[Robot]:
 def moves_and_stops(robot: Robot) -> None:
     """Assert that the robot moves, and that STOP ends the motion.
 
-    A flood of motions may delay or drop a motion, which is then sent again; STOP is sent once.
+    A flood of motions may delay or drop a motion, which is then sent again; STOP is sent once. On a busy computer a
+    flooded robot may lose the router for a moment: then the last reply of the motion is lost, but it still rests.
     """
 
     def short() -> float:
@@ -62,7 +63,7 @@ def moves_and_stops(robot: Robot) -> None:
     motion = patiently(lambda: robot.look(yaw=goal, speed=30, wait=False))
     until(lambda: abs(short() - start) > 1, "moving")
     assert robot.stop().result
-    with pytest.raises(Interrupted):
+    with pytest.raises((Interrupted, NoAnswer)):
         motion.wait()
     assert not patiently(robot.status).moving
 
