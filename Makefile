@@ -1,8 +1,8 @@
-# BEATRIX: `make demo` shows it, `make test` runs all tests; both first set up .venv. `make help` lists all targets.
+# BEATRIX: `make demo` shows it, `make test` tests it; both first set up .venv. `make help` lists all targets.
 
 MAKEFLAGS += --no-print-directory
 .DEFAULT_GOAL := help
-.PHONY: help demo test coverage check bench bundle firmware generate docs lock
+.PHONY: help demo test test-long coverage check bench bundle firmware generate docs lock
 
 BIN := .venv/bin
 FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
@@ -16,7 +16,7 @@ TESTS = $(BIN)/python tools/crash.py $(BIN)/pytest -n $(PROCESSES) --dist loadsc
 SETUP = $(if $(PYTHON),$(PYTHON) tools/setup.py,$(error BEATRIX needs Python 3.11 or newer on PATH. Install one, then try again))
 
 help: ## print this list
-	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 12
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
 
 demo: ## show the robot's twin on this computer (needs only Python 3.11)
 	@$(SETUP) demo
@@ -24,9 +24,13 @@ demo: ## show the robot's twin on this computer (needs only Python 3.11)
 
 # After a crash of a process the run ends and names the test; pytest-xdist could otherwise wait forever. tools/crash.py
 # prints the stacks of all threads of the process.
-test: ## run all tests, in parallel
+test: ## run the tests that decide about a change, in parallel: some minutes
 	@$(SETUP) test
-	$(TESTS)
+	$(TESTS) -m "not long"
+
+test-long: ## run the tests that are marked `long`: real screens, browsers and boards, all lessons, storms
+	@$(SETUP) test
+	$(TESTS) -m long
 
 coverage: ## run all tests, and measure branch coverage
 	@$(SETUP) test

@@ -14,6 +14,7 @@ ISOLATED = ["unshare", "--map-root-user", "--net"]
 """Runs a program with no network at all, not even loopback."""
 
 
+@pytest.mark.long("builds and installs an archive")
 @pytest.mark.timeout(280)
 def test_a_bundle_installs_and_runs_without_network(tmp_path: Path) -> None:
     if subprocess.run([*ISOLATED, "true"], check=False).returncode:

@@ -19,7 +19,7 @@ from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node.callers import QUIET_S
 
-pytestmark = pytest.mark.bodies("sim", "in-process")  # no mega: the node alone decides about access
+pytestmark = pytest.mark.bodies("in-process")  # the node alone decides about access
 FLOOD_S = 40.0
 """Time limit (s) of events that a flood delays on a busy machine."""
 

@@ -16,7 +16,7 @@ from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer
 
-pytestmark = pytest.mark.bodies("sim", "in-process")  # no mega: the node alone decides about leases
+pytestmark = pytest.mark.bodies("in-process")  # the node alone decides about leases
 
 
 @pytest.fixture(autouse=True)

@@ -129,5 +129,6 @@ def test_random_input_causes_no_undefined_behaviour(build: Build) -> None:
         subprocess.run([program], input=random.Random(seed).randbytes(30_000), check=True, timeout=50)
 
 
+@pytest.mark.long("fuzzing")
 def test_a_bounded_fuzz_run_finds_no_error(build: Build) -> None:
     build("fuzz", "clang++-14", "FUZZ_RUNS=20000")

@@ -24,7 +24,10 @@ from gui.console.state.intents import Theme
 from gui.window.theme import style_of
 
 MISSING = [program for program in ("Xvfb", "xdotool", "openbox") if shutil.which(program) is None]
-pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"not installed: {', '.join(MISSING)}")
+pytestmark = [
+    pytest.mark.skipif(bool(MISSING), reason=f"not installed: {', '.join(MISSING)}"),
+    pytest.mark.long("a real screen with a window manager"),
+]
 END_S = 5.0
 BOTH = {("bea", "sim"), ("bea", "hw")}
 

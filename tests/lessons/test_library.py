@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from lesson_checks import checked
+from lesson_checks import checked, of_lesson
 
 from beatrix_zenoh.lessons.checking import Result, Verdict
 from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson, lessons
@@ -13,18 +13,19 @@ from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.lessons.unmet import Unmet
 
 LESSONS = lessons()
+CHECKED = [of_lesson(lesson, lesson.name, lesson.name) for lesson in LESSONS]
 
 pytestmark = pytest.mark.timeout(400)  # a check may take two minutes, and is tried twice
 FIGURE = re.compile(r'(?:require\(|Unmet\()\s*"([\w-]+)"')
 
 
-@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.name)
+@pytest.mark.parametrize("lesson", CHECKED)
 def test_the_solution_passes(lesson: Lesson, stage: Stage) -> None:
     verdict = checked(lesson, lesson.folder / "solution.py", stage)
     assert verdict == Verdict(Result.PASSED)
 
 
-@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.name)
+@pytest.mark.parametrize("lesson", CHECKED)
 def test_the_start_does_not_pass(lesson: Lesson, stage: Stage) -> None:
     verdict = checked(lesson, lesson.folder / "start.py", stage)
     assert verdict.result is Result.NOT_YET

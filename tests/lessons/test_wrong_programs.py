@@ -7,7 +7,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from lesson_checks import checked
+from lesson_checks import checked, of_lesson
 
 from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson
 from beatrix_zenoh.lessons.stage import Stage
@@ -15,12 +15,15 @@ from beatrix_zenoh.lessons.stage import Stage
 EXPECTS = re.compile(r"^# expects: (\S+)")
 pytestmark = pytest.mark.timeout(400)  # a check may take two minutes, and is tried twice
 
-PROGRAMS = sorted(LIBRARY.glob("*/wrong/*.py"))
+PROGRAMS = [
+    of_lesson(path, path.parent.parent.name, f"{path.parent.parent.name}/{path.stem}")
+    for path in sorted(LIBRARY.glob("*/wrong/*.py"))
+]
 ENDLESS_S = 10.0
 """Limit (s) of programs that never end: their lessons allow more."""
 
 
-@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: f"{path.parent.parent.name}/{path.stem}")
+@pytest.mark.parametrize("path", PROGRAMS)
 def test_a_wrong_program_fails_with_its_figure(path: Path, stage: Stage) -> None:
     lesson = Lesson(path.parent.parent)
     expected = EXPECTS.match(path.read_text(encoding="utf-8"))

@@ -11,6 +11,8 @@ from robots import Stage, ready, until, wait_status
 from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh.contract._generated.messages import Reason
 
+pytestmark = pytest.mark.long("firmware of the Mega in real time")
+
 END = ":00000001FF"
 
 

@@ -52,6 +52,7 @@ def test_the_router_answers_nothing_about_itself(shell: Shell) -> None:
             assert [key for key, _ in replies(bus, selector) if bus.session_id not in key] == []
 
 
+@pytest.mark.long("a storm of sessions")
 @pytest.mark.alone
 def test_the_router_answers_while_twelve_seats_come_and_go() -> None:
     after = storm(10.0)

@@ -24,6 +24,7 @@ GAP_S = 0.1
 """Longest time between two positions of a robot on a computer that is not busy."""
 
 
+@pytest.mark.long("the whole demo, alone on the computer")
 @pytest.mark.alone
 @pytest.mark.measures_time
 def test_demo_moves_both_robots_alike_and_writes_its_files(tmp_path: Path) -> None:

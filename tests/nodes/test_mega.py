@@ -67,6 +67,7 @@ def mega_robot(shared: MegaRobot) -> MegaRobot:
     return shared
 
 
+@pytest.mark.long("firmware of the Mega in real time")
 @pytest.mark.parametrize(
     ("loss", "cure", "calibrated"),
     [
@@ -111,6 +112,7 @@ def test_a_board_that_is_lost_during_a_motion_is_reported_and_found_again(
     ready(robot).look(yaw=2, speed=60)
 
 
+@pytest.mark.long("firmware of the Mega in real time")
 def test_a_second_node_on_a_board_without_reset_moves_and_stops(tmp_path: Path) -> None:
     with Stage() as stage:
         stage.mega(tmp_path / "board")
@@ -130,6 +132,7 @@ def test_a_second_node_on_a_board_without_reset_moves_and_stops(tmp_path: Path) 
         assert again.stop().result
 
 
+@pytest.mark.long("firmware of the Mega in real time")
 def test_a_motion_is_not_continued_after_a_suspension_of_the_board(mega_robot: MegaRobot) -> None:
     robot = mega_robot.robot
     motion = robot.look(yaw=100, speed=20, wait=False)
@@ -142,6 +145,7 @@ def test_a_motion_is_not_continued_after_a_suspension_of_the_board(mega_robot: M
     assert robot.positions().commanded.short < 50
 
 
+@pytest.mark.long("firmware of the Mega in real time")
 def test_a_noisy_serial_link_delays_requests_and_causes_no_wrong_replies(mega_robot: MegaRobot) -> None:
     robot = mega_robot.robot
     mega_robot.say("noise")

@@ -14,6 +14,8 @@ from web_client import PIN, serving
 from beatrix_zenoh import Robot
 from gui.page import server
 
+pytestmark = pytest.mark.long("a real browser")
+
 
 @pytest.fixture(scope="module")
 def stage() -> Iterator[Stage]:

@@ -28,4 +28,10 @@ def run_on_bodies(metafunc: pytest.Metafunc, fixture: str, bodies: tuple[str, ..
     """Parametrize a test that uses this fixture with the bodies in its mark `bodies`, or with all bodies."""
     if fixture in metafunc.fixturenames:
         mark = metafunc.definition.get_closest_marker("bodies")
-        metafunc.parametrize(fixture, mark.args if mark else bodies, indirect=True)
+        chosen = [
+            pytest.param(name, marks=pytest.mark.long("firmware of the Mega in real time"))
+            if name == "mega"
+            else name
+            for name in (mark.args if mark else bodies)
+        ]
+        metafunc.parametrize(fixture, chosen, indirect=True)

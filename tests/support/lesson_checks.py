@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,6 +13,14 @@ from beatrix_zenoh.lessons.lesson import Lesson
 from beatrix_zenoh.lessons.stage import Stage
 
 BUSY_TRIES = 2
+ALWAYS = ("01-", "02-", "11-")
+"""Lessons that `make test` checks: one observes a robot, one also calls functions, one has two robots."""
+
+
+def of_lesson(value: object, lesson: str, name: str) -> Any:
+    """Return a value of a parametrized test; only the lessons of ALWAYS are checked in `make test`."""
+    marks = () if lesson.startswith(ALWAYS) else pytest.mark.long("programs move a robot in real time")
+    return pytest.param(value, marks=marks, id=name)
 
 
 def checked(lesson: Lesson, path: Path, stage: Stage) -> Verdict:
