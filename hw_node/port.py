@@ -10,6 +10,7 @@ from typing import Final
 
 import serial
 from serial.tools import list_ports
+from serial.tools.list_ports_common import ListPortInfo
 
 from beatrix_zenoh.board.timing import BOOT_S
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -134,8 +135,12 @@ def listed() -> list[str]:
     ports = sorted(
         (port for port in list_ports.comports() if port.vid is not None), key=lambda port: port.device
     )
-    kinds = ["board" if (port.vid, port.pid) in MEGA_USB_IDS else "other" for port in ports]
-    return [f"{kind}\t{port.device}\t{port.description}" for kind, port in zip(kinds, ports, strict=True)]
+    return [f"{'board' if is_board(port) else 'other'}\t{port.device}\t{port.description}" for port in ports]
+
+
+def is_board(port: ListPortInfo) -> bool:
+    """Return whether a port is that of an Arduino Mega, or of a clone."""
+    return (port.vid, port.pid) in MEGA_USB_IDS
 
 
 def find(otherwise: str = "") -> str:
@@ -145,7 +150,7 @@ def find(otherwise: str = "") -> str:
         NoAnswer: BOARD_LOST, if there is none or more than one.
     """
     ports = list(list_ports.comports())
-    boards = [port.device for port in ports if (port.vid, port.pid) in MEGA_USB_IDS]
+    boards = [port.device for port in ports if is_board(port)]
     if len(boards) == 1:
         return boards[0]
     if boards:

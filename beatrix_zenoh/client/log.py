@@ -14,11 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.degrees import arm_angles, head_angles
+from beatrix_zenoh.client.degrees import RobotInfo, arm_angles, head_angles
 from beatrix_zenoh.client.figures import time_figure
 from beatrix_zenoh.client.kinematics import Kinematics
+from beatrix_zenoh.client.request import title
+from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.slips import Suggesting
-from beatrix_zenoh.client.subscription import SILENCE_S, Arrival, Subscription, message, same
+from beatrix_zenoh.client.subscription import SILENCE_S, Arrival, Subscription, events, message, same
 from beatrix_zenoh.colours import ARMS, AXES
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason
@@ -26,7 +28,6 @@ from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.figures import Figure
-    from beatrix_zenoh.client.robot_base import RobotBase
 
 LENGTH: Final = 90_000
 """Longest log: 30 minutes of positions."""
@@ -84,12 +85,11 @@ class Log(ProcessBound, Suggesting):
     dropped: int
     """positions that were dropped because the log was open for more than 30 minutes"""
 
-    def __init__(self, robot: RobotBase) -> None:
+    def __init__(self, client: Client, place: Place, info: RobotInfo) -> None:
         """Begin, and wait for the first position (up to 3 s); raises NoAnswer if none arrives."""
-        self._kinematics = Kinematics(robot.info())
-        self._robot = str(robot)
-        client, place = robot.client, robot.place
-        self._events = robot.events()
+        self._kinematics = Kinematics(info)
+        self._robot = title(place)
+        self._events = events(client, *place)
         self._positions: Subscription[Positions] = Subscription(
             client, keys.positions(*place), message(Positions, same), timeout_s=SILENCE_S, length=LENGTH
         )

@@ -15,7 +15,7 @@ from beatrix_zenoh.client.choice import chosen_name
 from beatrix_zenoh.client.degrees import Reading, RobotInfo, checked_seconds, reading, robot_info
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.client.slips import Suggesting, value_method
+from beatrix_zenoh.client.slips import Suggesting, known_arguments, value_method
 from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, SILENCE_S, CameraImage, Subscription, message
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
@@ -65,6 +65,7 @@ def _lines(fields: dict[str, object], indent: str) -> list[str]:
 class RobotBase(ProcessBound, Suggesting):
     """The readable part of a robot; `Robot` adds commands and motions."""
 
+    @known_arguments
     def __init__(
         self,
         name: str | None = None,
@@ -131,7 +132,7 @@ class RobotBase(ProcessBound, Suggesting):
         """
         from beatrix_zenoh.client.log import Log  # noqa: PLC0415 - numpy would delay every verb
 
-        return Log(self)
+        return Log(self.client, self.place, self.info())
 
     @value_method
     def stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Reading]:

@@ -1,4 +1,4 @@
-"""Errors for slips of beginners: a method without its parentheses, and an attribute that another object has.
+"""Errors for slips of beginners: a missing pair of parentheses, an attribute of another object, an unknown argument.
 
 What was meant follows from the type hints of the classes, so that no class lists its slips.
 """
@@ -11,8 +11,11 @@ import types
 import typing
 from collections import deque
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import partial, wraps
 from typing import TYPE_CHECKING, Final, NoReturn, TypeVar, cast
+
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 
 F = TypeVar("F", bound=Callable[..., object])
 DEEPEST: Final = 4
@@ -52,6 +55,22 @@ class _ValueMethod:
 def value_method(function: F) -> F:
     """Decorate a method that returns a value; used without parentheses, it says so."""
     return cast("F", _ValueMethod(function))
+
+
+def known_arguments(initialise: F) -> F:
+    """Decorate an `__init__`, so that an argument it does not have raises WrongUsage with those that it has."""
+    _, *known = inspect.signature(initialise).parameters
+
+    @wraps(initialise)
+    def checked(self: object, *args: object, **named: object) -> None:
+        for name in named:
+            if name not in known:
+                arguments = ", ".join(f"{one}=" for one in known)
+                text = f"{type(self).__name__} has no argument {name}=: it has {arguments}."
+                raise WrongUsage(Reason.BAD_VALUE, text)
+        initialise(self, *args, **named)
+
+    return cast("F", checked)
 
 
 class Suggesting:

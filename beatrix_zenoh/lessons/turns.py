@@ -43,8 +43,9 @@ def take_turn(
     """
     with Client(settings) as client:
         robot = Robot(settings.robot, side, client=client)
-        _require_calibrated(robot)
-        _require_other_seat(robot, settings.who)
+        status = robot.status()
+        _require_calibrated(robot, status)
+        _require_other_seat(robot, status, settings.who)
         say(f"Waiting for {robot}. Ctrl-C leaves the queue.")
         lease = Lease(
             robot,
@@ -57,7 +58,7 @@ def take_turn(
         say(f"It is your turn: your program may run for {seconds:.0f} s, at most {FASTEST_DEG_S:.0f}°/s.")
         error: BaseException | None = None
         try:
-            _require_calibrated(robot)
+            _require_calibrated(robot, robot.status())
             _require_unchanged(program)
             _run(program, robot, lease, endless=endless)
         except BaseException as found:
@@ -71,9 +72,9 @@ def take_turn(
             _end(robot, lease, home=not outside)
 
 
-def _require_calibrated(robot: Robot) -> None:
+def _require_calibrated(robot: Robot, status: Status) -> None:
     """Raise Refused (NOT_CALIBRATED) before a program calibrates a head that may lie on its side, and then moves it."""
-    if not robot.status().calibrated:
+    if not status.calibrated:
         raise Refused(
             Reason.NOT_CALIBRATED,
             f"{robot} is not calibrated, for example because it was restarted, and a turn does not do that. Set its head "
@@ -82,9 +83,8 @@ def _require_calibrated(robot: Robot) -> None:
         )
 
 
-def _require_other_seat(robot: Robot, seat: str) -> None:
+def _require_other_seat(robot: Robot, status: Status, seat: str) -> None:
     """Raise Refused (NOT_HOLDER) if this seat has taken the robot: a second turn would end the first one."""
-    status = robot.status()
     if status.lease and status.holder == seat:
         raise Refused(
             Reason.NOT_HOLDER,

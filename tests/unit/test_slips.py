@@ -12,6 +12,7 @@ import pytest
 from robots import Stage
 
 from beatrix_zenoh import Robot, Twin
+from beatrix_zenoh.contract.errors import WrongUsage
 
 
 @pytest.fixture(scope="module")
@@ -74,3 +75,11 @@ def test_a_value_method_behaves_as_a_method(names: dict[str, Any]) -> None:
     thread.join(10)
     assert not hasattr(robot, "_missing")
     assert not hasattr(robot, "__missing__")
+
+
+def test_an_unknown_argument_is_refused_with_those_that_exist() -> None:
+    with pytest.raises(WrongUsage, match="Robot has no argument twin=: it has name=, side=, connect="):
+        Robot("bea1", twin="sim")  # type: ignore[call-arg]
+    with pytest.raises(WrongUsage, match="Twin has no argument side="):
+        Twin("bea1", side="sim")  # type: ignore[call-arg]
+    assert list(inspect.signature(Robot).parameters)[:2] == ["name", "side"]

@@ -20,10 +20,12 @@ from gui.console.state.world import RecordingProgress, Trouble
 FOLDER = "recordings"
 NO_ROBOT = exit_code(Reason.NO_ANSWER)
 """Exit code of a recorder that has received nothing from a robot."""
+SIMULATION, HARDWARE = "simulation", "hardware"
+"""Titles of the nodes."""
 ENDED = {
     "router": "trouble.router",
-    "simulation": "trouble.simulation",
-    "hardware": "trouble.hardware",
+    SIMULATION: "trouble.simulation",
+    HARDWARE: "trouble.hardware",
     "viewer": "trouble.viewer",
     "recorder": "trouble.recorder",
 }
@@ -40,32 +42,26 @@ class Children(Worker):
         self._serving: Supervisor | None = None
         """Router, simulation and hardware."""
         self._viewers: Supervisor | None = None
-        self._simulation: Child | None = None
-        self._hardware: Child | None = None
+        self._nodes: dict[str, Child] = {}
+        """The newest simulation and hardware, by SIMULATION and HARDWARE."""
+        self._starting: set[str] = set()
         self._numbers = itertools.count(1)
-        self.starting = False
-        """whether a requested simulation is still starting"""
-        self.connecting = False
-        """whether requested hardware is still starting"""
         self._trouble: Trouble | None = None
 
-    @property
-    def own_simulation(self) -> bool:
-        """Whether a simulation of this window is running."""
-        simulation = self._simulation
-        return simulation is not None and simulation.code is None
+    def starts(self, title: str) -> bool:
+        """Return whether a requested SIMULATION or HARDWARE is still starting."""
+        return title in self._starting
 
-    @property
-    def own_hardware(self) -> bool:
-        """Whether hardware of this window is running."""
-        hardware = self._hardware
-        return hardware is not None and hardware.code is None
+    def runs(self, title: str) -> bool:
+        """Return whether a SIMULATION or HARDWARE of this window is running."""
+        node = self._nodes.get(title)
+        return node is not None and node.code is None
 
     @property
     def trouble(self) -> Trouble | None:
         """The reason why a child process did not start or has failed; None if there is none."""
         for processes in (self._serving, self._viewers):
-            if self._trouble or self.starting or self.connecting or processes is None:
+            if self._trouble or self._starting or processes is None:
                 continue
             if any(child.code not in (None, 0) for child in list(processes.children)):
                 self._trouble = ended(processes)
@@ -74,36 +70,32 @@ class Children(Worker):
 
     def simulate(self, robot: str, endpoint: str) -> None:
         """Start a simulation, ready to move, and a router if none answers."""
-        self.starting, self._trouble = True, None
-        self.put(lambda: self._simulate(robot, endpoint))
+        self._start(SIMULATION, endpoint, "sim", "--name", robot, "--ready")
 
     def connect(self, robot: str, endpoint: str, port: str) -> None:
         """Start the hardware at a port instead of that of this window, and a router if none answers."""
-        self.connecting, self._trouble = True, None
-        self.put(lambda: self._connect(robot, endpoint, port))
+        self._start(HARDWARE, endpoint, "hw", "--name", robot, "--port", port)
 
-    def _simulate(self, robot: str, endpoint: str) -> None:
-        try:
-            self._simulation = self._serve(endpoint, "simulation", "sim", "--name", robot, "--ready")
-        except (BeatrixError, OSError) as error:
-            self._trouble = self._trouble or not_started(error)
-        finally:
-            self.starting = False
+    def _start(self, title: str, endpoint: str, *words: str) -> None:
+        self._starting.add(title)
+        self._trouble = None
 
-    def _connect(self, robot: str, endpoint: str, port: str) -> None:
-        try:
-            if self._serving is not None and self._hardware in self._serving.children:
-                self._serving.finish(self._hardware)  # two nodes of one name are refused
-            self._hardware = self._serve(endpoint, "hardware", "hw", "--name", robot, "--port", port)
-        except (BeatrixError, OSError) as error:
-            self._trouble = self._trouble or not_started(error)
-        finally:
-            self.connecting = False
+        def start() -> None:
+            try:
+                self._nodes[title] = self._serve(endpoint, title, *words)
+            except (BeatrixError, OSError) as error:
+                self._trouble = self._trouble or not_started(error)
+            finally:
+                self._starting.discard(title)
+
+        self.put(start)
 
     def _serve(self, endpoint: str, title: str, *words: str) -> Child:
         """Start router and node and wait until they serve; raises Refused, NoAnswer or OSError."""
         serving = self._serving = self._serving or Supervisor()
         serving.forget_ended()
+        if (before := self._nodes.get(title)) in serving.children:
+            serving.finish(before)  # two nodes of one name are refused
         try:
             start_router(serving, endpoint)
             self._started()

@@ -15,11 +15,7 @@ from beatrix_zenoh.recording.follow import follow, robots_of
 from beatrix_zenoh.recording.path import check_choreography, path_of
 from beatrix_zenoh.recording.replay import replay
 from gui.console.link.outcomes import WindowError
-from gui.console.state.actions import POSES, Play
-
-LARGEST_BYTES = 1 << 19
-"""Largest size of a file to play (bytes): about 15 000 lines. Checking them takes seconds, in which STOP cannot end
-the play."""
+from gui.console.state.actions import LARGEST_BYTES, POSES, Play
 
 
 def prepared(

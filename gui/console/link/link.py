@@ -15,7 +15,7 @@ from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
-from gui.console.link.children import Children, Recordings
+from gui.console.link.children import HARDWARE, SIMULATION, Children, Recordings
 from gui.console.link.connection import Connection, Session
 from gui.console.link.governing import ClassStates, Governing
 from gui.console.link.jogging import Jogging, Press
@@ -114,10 +114,10 @@ class Link:
             latency_s=latency_s,
             plan=self._moving.plans.progress(),
             recording=self._recordings.progress(),
-            starting=self._children.starting,
-            own_simulation=self._children.own_simulation,
-            connecting=self._children.connecting,
-            own_hardware=self._children.own_hardware,
+            starting=self._children.starts(SIMULATION),
+            own_simulation=self._children.runs(SIMULATION),
+            connecting=self._children.starts(HARDWARE),
+            own_hardware=self._children.runs(HARDWARE),
             ports=self._ports.newest,
             child_trouble=self._children.trouble,
             playing=self._moving.playing.title,

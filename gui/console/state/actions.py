@@ -125,6 +125,9 @@ class AbortPlan(Action):
 
 POSES = "poses"
 """The name of a play that has no file."""
+LARGEST_BYTES = 1 << 19
+"""Largest size of a file to play or to open (bytes): about 15 000 lines. Checking them takes seconds, in which STOP
+cannot end the play."""
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,8 @@ CONNECT: Final = "CONNECT"
 """a next step: choose the port of the hardware"""
 WAIT: Final = "WAIT"
 """a next step: wait for a robot that another seat holds"""
+BRING_BACK: Final = "BRING_BACK"
+"""a next step: turn the simulation to where the hardware is"""
 NEXT_STEPS: Final = {
     "START": "start",
     CONNECT: "connect",
@@ -48,6 +50,7 @@ NEXT_STEPS: Final = {
     Command.CALIBRATE.name: "calibrate",
     Command.RESET.name: "reset",
     MAKE_READY: "ready",
+    BRING_BACK: "back",
 }
 FAULT_CONDITIONS: Final = {
     Fault.EMERGENCY: "emergency",

@@ -33,14 +33,14 @@ from gui.console.state.actions import (
 from gui.console.state.intents import AimHead, Intent, SetDestination, SetRelative, TakeAlternative
 from gui.console.state.memory import Memory, Refusal, RequestRow
 from gui.console.state.motions import again, begin
-from gui.console.state.pills import MAKE_READY, NEXT_STEPS, WAIT, next_step_button
+from gui.console.state.pills import BRING_BACK, MAKE_READY, NEXT_STEPS, WAIT
 from gui.console.state.presence import commanded, unreachable
 from gui.console.state.views import ButtonView, RefusalView
 from gui.console.state.world import World
 from gui.console.texts import Texts
 
 LEFT: Final = "sending.left"
-"""text of the offer to bring the simulation back to where the hardware is"""
+"""key of a refusal whose next step is BRING_BACK"""
 COMMAND: Final = "`beatrix"
 """part of an SDK message that gives a command to type, which the user of a face does not"""
 NAMED: Final = re.compile(r"[a-z0-9-]+ \((sim|hw)\): ")
@@ -131,8 +131,6 @@ def take_alternative(memory: Memory, world: World) -> list[Action]:
     refusal = memory.refusal
     if refusal is None:
         return []
-    if refusal.key == LEFT:
-        return _bring_back(memory, world)
     request = _alternative_request(refusal)
     if isinstance(request, Send):
         if unreachable(memory, world, memory.choices.sides, refusal.control):
@@ -143,25 +141,13 @@ def take_alternative(memory: Memory, world: World) -> list[Action]:
     for side in sides_of(refusal) if next_step else ():
         if unreachable(memory, world, (side,), refusal.control):
             return actions
-        actions += begin(
-            memory, world, _next_step_action(next_step, side, memory.next_row()), refusal.control
-        )
+        step = _next_step_request(next_step, side, memory, world)
+        actions += [] if step is None else begin(memory, world, step, refusal.control)
     memory.choices = replace(memory.choices, target=target)  # it was refused, so the user will send it again
     return actions
 
 
-def _bring_back(memory: Memory, world: World) -> list[Action]:
-    """Return the action that turns the simulation to where the hardware is; none if a robot is not reached."""
-    arms = commanded(world, ("hw",))
-    if arms is None or unreachable(memory, world, ("sim",), "head"):
-        return []
-    query = motion_query(*arms, relative=False, speed=memory.choices.speed)
-    return begin(memory, world, Send(memory.next_row(), query, ("sim",)), "head")
-
-
 def _button(refusal: Refusal, texts: Texts) -> ButtonView | None:
-    if refusal.key == LEFT:
-        return ButtonView(texts("sending.back"), texts("sending.back_tip"), TakeAlternative())
     request = _alternative_request(refusal)
     if isinstance(request, Send):
         return ButtonView(
@@ -170,13 +156,15 @@ def _button(refusal: Refusal, texts: Texts) -> ButtonView | None:
     next_step = next_step_of(refusal)
     if not next_step or not sides_of(refusal):
         return None
-    shown = next_step_button(next_step, "", texts)
-    return ButtonView(shown.text, shown.tooltip, TakeAlternative())
+    key = f"next.{NEXT_STEPS[next_step]}"
+    return ButtonView(texts(key), texts(f"{key}_tip"), TakeAlternative())
 
 
 def next_step_of(refusal: Refusal) -> str:
     """Return the first required step, a key of `pills.NEXT_STEPS`; empty if no button can do it."""
     detail = refusal.detail
+    if refusal.key == LEFT:
+        return BRING_BACK
     if refusal.reason is Reason.NOT_HOLDER and detail is not None and detail.value is None:
         return WAIT  # another seat holds the robot; with a `value`, a lease of this seat has ended
     needs = [] if detail is None else detail.needs
@@ -197,7 +185,14 @@ def sides_of(refusal: Refusal) -> tuple[str, ...]:
     return ()
 
 
-def _next_step_action(next_step: str, side: str, row: int) -> Ready | SendCommand | SendLease:
+def _next_step_request(
+    next_step: str, side: str, memory: Memory, world: World
+) -> Ready | Send | SendCommand | SendLease | None:
+    """Return the request of a next step; None if the arms of the hardware, to which to bring back, are unknown."""
+    row = memory.next_row()
+    if next_step == BRING_BACK:
+        arms, speed = commanded(world, ("hw",)), memory.choices.speed
+        return None if arms is None else Send(row, motion_query(*arms, relative=False, speed=speed), (side,))
     if next_step == MAKE_READY:
         return Ready(row, side)
     if next_step == WAIT:

@@ -12,7 +12,7 @@ from beatrix_zenoh.contract._generated.robot import ROBOT
 from gui.console.state import dragging, gestures, refusals
 from gui.console.state.actions import AbortPlan, Action, Send, SendPlanNow
 from gui.console.state.intents import Abort, Change, Intent, SendHead, SendNow
-from gui.console.state.memory import Memory
+from gui.console.state.memory import Memory, Refusal
 from gui.console.state.presence import apart, orientation, reading
 from gui.console.state.views import ButtonView, HeadOrientation, HeadView, SendingView
 from gui.console.state.world import PlanPhase, PlanProgress, World
@@ -160,7 +160,7 @@ def follow(memory: Memory, world: World) -> None:
         memory.aborted_row = 0
     elif memory.aborted_row and memory.rows[-1].ended and world.plan is None and apart(world):
         memory.aborted_row = 0
-        memory.refuse(PAD, refusals.LEFT)
+        memory.refusal = Refusal(PAD, refusals.LEFT, side="sim")
 
 
 def _restore_target(memory: Memory, world: World) -> None:

@@ -168,15 +168,15 @@ def changed(poses: tuple[SavedPose, ...], intent: Intent) -> tuple[SavedPose, ..
             return (*poses[:at], structs.replace(pose, duration_s=chosen_s), *poses[at + 1 :])
         case RenamePose(new=new) if new.strip() and new.strip() != pose.name:
             name = new.strip()
-            taken = any(other.name == name for other in others)
-            renamed = structs.replace(pose, name=_free(poses, name) if taken else name)
-            return (*poses[:at], renamed, *poses[at + 1 :])
+            return (*poses[:at], structs.replace(pose, name=_free(poses, name)), *poses[at + 1 :])
     return poses
 
 
 def _free(poses: tuple[SavedPose, ...], name: str) -> str:
-    """Return the name with a number, for which there is no pose."""
+    """Return the name, with a number if there is a pose of this name."""
     names, stem = {pose.name for pose in poses}, name
+    if name not in names:
+        return name
     head, dash, number = name.rpartition("-")
     if dash and number.isdecimal():
         stem = head
@@ -208,11 +208,8 @@ def _add(memory: Memory, world: World) -> None:
     if arms is None:
         memory.refuse(CONTROL, "off.no_position")
         return
-    name = memory.choices.texts("sequence.auto_name")
-    free = (
-        f"{name}-1" if all(pose.name != f"{name}-1" for pose in memory.poses) else _free(memory.poses, name)
-    )
-    change(memory, (*memory.poses, new_pose(memory, world, free, arms)))
+    name = _free(memory.poses, f"{memory.choices.texts('sequence.auto_name')}-1")
+    change(memory, (*memory.poses, new_pose(memory, world, name, arms)))
 
 
 # -- playing ----------------------------------------------------------------------------------------
@@ -351,8 +348,7 @@ def _read(steps: list[tuple[str, Step]], limits: timing.Pace) -> tuple[SavedPose
             arms = timing.arms_of(HeadAngles(step.yaw, step.pitch, step.roll))
         else:
             arms = ArmAngles(step.short, step.middle, step.long)
-        name = title if all(pose.name != title for pose in poses) else _free(poses, title)
-        pose = SavedPose(name, *(round(angle, 3) + 0.0 for angle in arms))
+        pose = SavedPose(_free(poses, title), *(round(angle, 3) + 0.0 for angle in arms))
         speed = min(max(step.speed, timing.SLOWEST), limits.speed)
         own_s = timing.shortest(here, pose, timing.Pace(speed, limits.acceleration))
         duration_s = following.at - step.at if following is not step else own_s

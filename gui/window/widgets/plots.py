@@ -241,11 +241,11 @@ class PlotsPanel(FilePanel):
         if any(len(history.samples) for history in self._histories.values()):
             self._stack.setCurrentIndex(1)
         hw, sim = (between(samples[side], self._begin_s, self._end_s) for side in BOTH)
-        apart = difference(hw, sim)
         for name, curves in self.plots.items():
             if curves.isHidden():
                 continue
             if name == DIFFERENCE:
+                apart = difference(hw, sim)
                 curves.draw([(apart[:, 0], apart[:, arm]) for arm in range(1, 1 + len(ARMS))])
             else:
                 column = 1 + ARMS.index(name)

@@ -20,6 +20,7 @@ from PyQt5.QtWidgets import (
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract.errors import WrongUsage
+from gui.console.state.actions import LARGEST_BYTES
 from gui.console.state.intents import AimHead, DeletePose, PlayFile, Theme
 from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.sequence_intents import (
@@ -39,8 +40,6 @@ from gui.window.widgets.files import FilePanel
 from gui.window.widgets.number_box import NumberBox
 from gui.window.widgets.strip import Strip
 
-LARGEST_BYTES = 1 << 19
-"""Largest choreography that is opened (bytes)."""
 NAME_LONGEST = 24
 NAME_PX = 90
 

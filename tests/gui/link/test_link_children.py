@@ -70,7 +70,7 @@ def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None
         linked.online("sim")
         linked.do(Send(1, look(5), ("sim",)))
         assert linked.end_of(1, "sim").accepted
-        kill(linked.link._children._simulation)
+        kill(linked.link._children._nodes["simulation"])
         world = linked.until(lambda world: not world.own_simulation, "it was killed")
         assert world.child_trouble is not None
         assert (world.child_trouble.key, world.child_trouble.code) == ("trouble.simulation", "SIGKILL")
