@@ -87,6 +87,7 @@ def _class_router(of_class: Path, shutdown: Shutdown) -> None:
     Zenoh 1.10 reads its access rules only while it opens.
     """
     from beatrix_zenoh.classroom import router_file
+    from beatrix_zenoh.lessons import lesson
 
     file = router_file.load(of_class)
     place = router_file.place(of_class)
@@ -104,7 +105,7 @@ def _class_router(of_class: Path, shutdown: Shutdown) -> None:
         seen = written
         return None if found == file else found
 
-    reports = zbus.KeptReports()
+    reports = zbus.KeptReports(lesson.names())
     session = zbus.open_router(file.listen, file.access())
     while True:
         try:

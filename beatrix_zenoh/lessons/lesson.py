@@ -122,18 +122,22 @@ class Lesson:
         return translated if translated.is_file() else path
 
 
+def names() -> list[str]:
+    """Return the names of all lessons in their order."""
+    return sorted(path.parent.name for path in LIBRARY.glob("*/lesson.toml"))
+
+
 def lessons(language: str = ENGLISH) -> list[Lesson]:
     """Return all lessons in their order."""
-    return [Lesson(path.parent, language) for path in sorted(LIBRARY.glob("*/lesson.toml"))]
+    return [Lesson(LIBRARY / name, language) for name in names()]
 
 
 def find(number: int, language: str = ENGLISH) -> Lesson:
     """Return a lesson by its number; raises Refused (BAD_VALUE) if there is none."""
-    for path in LIBRARY.glob(f"{number:02d}-*/lesson.toml"):
-        return Lesson(path.parent, language)
-    numbers = ", ".join(
-        str(int(path.parent.name.split("-")[0])) for path in sorted(LIBRARY.glob("*/lesson.toml"))
-    )
+    by_number = {int(name.split("-")[0]): name for name in names()}
+    if number in by_number:
+        return Lesson(LIBRARY / by_number[number], language)
+    numbers = ", ".join(map(str, by_number))
     raise Refused(
         Reason.BAD_VALUE,
         f"There is no lesson {number}: choose one of {numbers}. `beatrix lesson list` shows them.",

@@ -50,7 +50,7 @@ def test_the_teacher_reads_what_each_seat_has_reported(
     ]
     use_account(tmp_path, router.path("ana"))
     reporting.report("01-hello", PASSED)
-    assert [row.progress for row in rows(router)] == ["passed", "passed"], "only the newest is kept"
+    assert [row.words for row in rows(router)] == ["passed (9)", "passed (2)"], "from another folder"
     with pytest.raises(Refused) as refused:
         rows(router, "ana")
     assert refused.value.reason is Reason.TEACHER_ONLY
@@ -62,7 +62,13 @@ def test_the_teacher_reads_what_each_seat_has_reported(
     forged = codec.encode(reporting.state_of(Record(tries=1)))
     for key in (keys.lesson("ana", "01-hello"), keys.lesson("ana", "02-steps")):
         ben.put(key, forged, codec.MSGPACK)
-    ben.put(keys.lesson("ben", "03-arms"), b"x" * 5000, codec.MSGPACK)
+    for lesson, report in (
+        ("03-arms", b"x" * 5000),
+        ("03-arms", b"x"),
+        ("99-invented", forged),
+        ("*", forged),
+    ):
+        ben.put(keys.lesson("ben", lesson), report, codec.MSGPACK)
     settled(ben)
     assert [(row.seat, row.lesson, row.progress) for row in rows(router)] == [
         ("ana", "01-hello", "passed"),

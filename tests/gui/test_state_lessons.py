@@ -9,7 +9,7 @@ from gui_views import class_world, full_class, lesson
 
 from beatrix_zenoh.client.lesson_reports import Row
 from gui.console.state import lessons
-from gui.console.state.lessons import COLUMNS_MAX, LessonRowView, LessonsView, Progress
+from gui.console.state.lessons import LessonRowView, LessonsView, Progress
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 
@@ -70,16 +70,6 @@ def test_a_pupil_is_shown_by_name_in_the_language_of_the_window() -> None:
     view = shown(STUCK, now=now, language="de")
     assert view.rows[0].cells == ("Ána Ruiz (ana)", "03-arms", "▲ hängt fest: nods (5 x)", "0")
     assert view.title == "Lektionen: 1 hängt fest"
-
-
-def test_invented_lessons_of_a_seat_fill_neither_the_columns_nor_other_rows() -> None:
-    invented = [lesson("cleo", f"{number:02}-x") for number in range(13, 99)]
-    foul = [lesson("cleo", name) for name in ("<b>", "1", "01-Hello", "x" * 60)]
-    view = shown(*invented, *foul, lesson("ana", "01-hello"))
-    assert len(view.columns) == COLUMNS_MAX
-    assert view.columns[0] == "01"
-    assert "<b>" not in "".join(row.details for row in view.rows)
-    assert shown(*foul).rows == ()
 
 
 @pytest.mark.parametrize("language", ["en", "de"])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import groupby
@@ -12,11 +11,6 @@ from beatrix_zenoh.client.lesson_reports import PASSED, STUCK_AT, TRYING, Row
 from beatrix_zenoh.contract.names import TEACHER
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
-
-COLUMNS_MAX: Final = 16
-"""Largest number of columns of lessons, so that a seat that reports invented lessons cannot fill the page."""
-LESSON: Final = re.compile(r"(\d\d)-[a-z0-9-]{1,40}")
-"""A name of a lesson; its number is the heading of a column. Other names are ignored."""
 
 
 class Progress(StrEnum):
@@ -65,8 +59,8 @@ class LessonsView:
 
 def view(world: World, texts: Texts) -> LessonsView:
     """Return what the page of the class shows about lessons; it has rows only while the page is shown."""
-    reports = [row for row in world.reports or () if LESSON.fullmatch(row.lesson)]
-    columns = tuple(sorted({row.lesson[:2] for row in reports})[:COLUMNS_MAX])
+    reports = world.reports or ()
+    columns = tuple(sorted({row.lesson[:2] for row in reports}))
     by_seat = {seat: list(rows) for seat, rows in groupby(reports, lambda row: row.seat)}
     seats = {*by_seat, *(world.seats if by_seat else ())} - {TEACHER}
     rows = [_row(seat, by_seat.get(seat, []), columns, world, texts) for seat in seats]
