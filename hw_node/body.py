@@ -11,8 +11,8 @@ from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node import ArmState, Component, Node
-from hw_node.cameras.camera import PATTERN, Camera, CameraChoice, same_for_both
-from hw_node.microphones.microphones import Microphones, SoundSource
+from hw_node.cameras.camera import PATTERN, CameraChoice, CameraSensor, same_for_both
+from hw_node.microphones.microphones import MicrophoneSensor, SoundSource
 from hw_node.port import VIRTUAL, SerialPort, find
 
 
@@ -49,8 +49,8 @@ class Hardware:
 
     def components(self, node: Node) -> list[Component]:
         """Return a component for each camera, and one for the microphones if there are any."""
-        eyes = [Camera(node, choice.eye, choice.build()) for choice in self._cameras]
-        ears = [] if self._microphones is None else [Microphones(node, self._microphones)]
+        eyes = [CameraSensor(node, choice.eye, choice.build()) for choice in self._cameras]
+        ears = [] if self._microphones is None else [MicrophoneSensor(node, self._microphones)]
         return [*eyes, *ears]
 
     def plant(self) -> PlantStatus | None:

@@ -27,7 +27,7 @@ T_co = TypeVar("T_co", covariant=True)
 T_contra = TypeVar("T_contra", contravariant=True)
 
 
-class Source(Protocol[T_co]):
+class SensorSource(Protocol[T_co]):
     """A camera, two microphones, or what stands in for them; used by one thread.
 
     `open` and `next` raise NoAnswer, with a message that says what to do, if there are no frames.
@@ -50,7 +50,7 @@ class Source(Protocol[T_co]):
         """Stop taking frames; may be called twice, and after `open` has failed."""
 
 
-class Publisher(Protocol[T_contra]):
+class SensorPublisher(Protocol[T_contra]):
     """What publishes the frames of a sensor, as in `beatrix_zenoh.node`."""
 
     @property
@@ -79,8 +79,8 @@ class Sensor(Component, Generic[T]):
     def __init__(
         self,
         title: str,
-        source: Source[T],
-        publisher: Publisher[T],
+        source: SensorSource[T],
+        publisher: SensorPublisher[T],
         wake: threading.Event,
         silence: str,
     ) -> None:

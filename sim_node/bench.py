@@ -35,7 +35,7 @@ BUSIEST_MOTION = 1000
 Answer = dict[str, object]
 
 
-class Bench:
+class VirtualTimeRobot:
     """A calibrated robot in virtual time; `speed` (deg/s) of its motions, None: the default."""
 
     def __init__(self, speed: float | None = None) -> None:
@@ -94,7 +94,7 @@ def _degrees(angles: tuple[float, float, float]) -> list[float]:
 def main() -> int:
     """Answer the lines of standard input; an entry point of group `beatrix.processes`. The first line has the speed."""
     options: Mapping[str, float | None] = json.loads(sys.stdin.readline())
-    bench = Bench(options["speed"])
+    bench = VirtualTimeRobot(options["speed"])
     _write({"ready": True})
     for line in sys.stdin:
         _write(bench.tick(json.loads(line).get("head")))

@@ -19,7 +19,7 @@ from sim_node.hearing import Hearing, hearing
 from sim_node.model import TIMESTEP_MS
 from sim_node.painter import SceneState
 from sim_node.plant import Plant
-from sim_node.preview import Preview, PreviewHandler, simulate_motion
+from sim_node.preview import PreviewHandler, PreviewResult, simulate_motion
 from sim_node.sound_queries import SoundHandler, SoundSource
 from sim_node.target import PersonTarget, TargetHandler, TargetPath
 from sim_node.viewer import SceneViewer, ViewerFeed
@@ -215,7 +215,7 @@ class Simulation:
             reached_s, head, arms = self._clock.reached_s, self._plant.rotation(), self._plant.arms()
         return hearing(head, arms, self._sound.place(self._target.place(reached_s)), self._robot)
 
-    def preview(self, move: Move | MoveStraight) -> Preview:
+    def preview(self, move: Move | MoveStraight) -> PreviewResult:
         """Carry out the motion on a copy of firmware and plant, and return its samples."""
         with self._lock, self._board.lock:
             memory, plant = self._firmware.snapshot(), self._plant.copy()

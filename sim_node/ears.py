@@ -14,7 +14,7 @@ from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.node import Component, MicrophonesPublisher, Node, SoundBlock, StatusFields
 from beatrix_zenoh.node.microphones import RATE, BlockClock, to_pcm
 from sim_node.hearing import Ears, Hearing
-from sim_node.sounds import Playing
+from sim_node.sounds import PlayingSound
 
 SOURCE: Final = "simulation"
 WAIT_S: Final = 0.2
@@ -31,7 +31,7 @@ class SimulatedMicrophones(Component):
         node: Node,
         robot: RobotData,
         hearing: Callable[[], Hearing],
-        playing: Callable[[], Playing | None],
+        playing: Callable[[], PlayingSound | None],
     ) -> None:
         """Store the arguments; `start` starts the thread.
 

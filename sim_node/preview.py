@@ -48,7 +48,7 @@ PREVIEW_MAX_S = 60.0
 
 
 @dataclass(frozen=True)
-class Preview:
+class PreviewResult:
     """Result of a motion on a copy of the robot.
 
     `arms` and `head` (yaw, pitch, roll), in rad, are the angles at the times `t` (s) after the start; `tilt_max` and
@@ -78,7 +78,7 @@ _SEQ_MOVE: Final = 1
 _SEQ_PING: Final = 2
 
 
-def simulate_motion(plant: Plant, firmware: Firmware, move: Move | MoveStraight) -> Preview:
+def simulate_motion(plant: Plant, firmware: Firmware, move: Move | MoveStraight) -> PreviewResult:
     """Carry out a motion until the arms rest, as fast as this computer can, and return its samples.
 
     This changes `plant` and `firmware`, which must be copies. Raises Refused if the firmware refuses the motion, stops
@@ -153,7 +153,7 @@ class _MotionSimulation:
         waited = self.now_ms - self._stopped_ms >= _SETTLE_MS
         return waited or max(map(abs, self._plant.velocities())) < _AT_REST
 
-    def result(self) -> Preview:
+    def result(self) -> PreviewResult:
         """Return the samples of the motion up to its end; raises Refused if the firmware stopped it."""
         outcome = BoardOutcome.DONE if self._telemetry is None else BoardOutcome(self._telemetry.outcome)
         if outcome is not BoardOutcome.DONE:
@@ -162,7 +162,7 @@ class _MotionSimulation:
             )
         if self._samples[-1][0] != self.now_ms:
             self._sample()
-        return Preview(
+        return PreviewResult(
             duration_s=self.now_ms / 1000,
             tilt_max=self._tilt_max,
             gap_min=self._gap_min,
@@ -199,7 +199,10 @@ class PreviewHandler(Component):
     """Answers preview queries one after the other."""
 
     def __init__(
-        self, name: str, controller: MotionController, carry_out: Callable[[Move | MoveStraight], Preview]
+        self,
+        name: str,
+        controller: MotionController,
+        carry_out: Callable[[Move | MoveStraight], PreviewResult],
     ) -> None:
         """Store `carry_out`, which runs a motion on a copy of the robot and may raise BeatrixError."""
         self._key, self._controller, self._carry_out = keys.preview(name, "*"), controller, carry_out
@@ -230,7 +233,7 @@ class PreviewHandler(Component):
                 reply = preview_refusal(error)
             self._reply(incoming, reply)
 
-    def _preview(self, raw: RawQuery) -> Preview:
+    def _preview(self, raw: RawQuery) -> PreviewResult:
         query = query_forms.read_motion_or_pose(raw)
         controller = self._controller
         if controller.access.following:
@@ -257,7 +260,7 @@ class PreviewHandler(Component):
             self._thread.join(timeout=2.0)
 
 
-def preview_reply(preview: Preview) -> PreviewReply:
+def preview_reply(preview: PreviewResult) -> PreviewReply:
     """Return the reply to a preview."""
     return PreviewReply(
         result=True,

@@ -20,7 +20,7 @@ from beatrix_zenoh.contract.refusals import bad_field
 from beatrix_zenoh.node import Component
 from beatrix_zenoh.node.microphones import FULL_SCALE, RATE
 from sim_node.shapes import Point
-from sim_node.sounds import GENERATORS, Playing, Samples, generated
+from sim_node.sounds import GENERATORS, PlayingSound, Samples, generated
 from sim_node.target import BOUNDS
 
 SILENCE, SAMPLES = "silence", "samples"
@@ -37,12 +37,12 @@ MOUTH_BELOW_EYES: Final = 0.079
 
 
 @dataclass(frozen=True)
-class Source:
+class PlacedSound:
     """What is heard, and from where."""
 
     place: Point | None = None
     """m; None: from the mouth of the person"""
-    playing: Playing | None = None
+    playing: PlayingSound | None = None
 
 
 class SoundSource:
@@ -57,14 +57,14 @@ class SoundSource:
         """
         self._person, self._clock_s = person, clock_s
         self._lock = threading.Lock()
-        self._source = Source()
+        self._source = PlacedSound()
 
     def place(self, eyes: Point) -> Point:
         """Return the place (m) of the source while the person's eyes are at `eyes`."""
         placed = self._source.place
         return (eyes[0], eyes[1], eyes[2] - MOUTH_BELOW_EYES) if placed is None else placed
 
-    def playing(self) -> Playing | None:
+    def playing(self) -> PlayingSound | None:
         """Return the sound that plays; None: silence.
 
         A sound that has ended stays for a short time, because it is still on its way to the ears.
@@ -87,7 +87,7 @@ class SoundSource:
                 source = replace(source, playing=self._play(query, samples))
             self._source = source
 
-    def _play(self, query: SoundQuery, samples: Samples | None) -> Playing | None:
+    def _play(self, query: SoundQuery, samples: Samples | None) -> PlayingSound | None:
         if query.play not in NAMES:
             text = f"There is no sound {quoted(query.play)}. Choose one of {', '.join(NAMES)}."
             raise bad_field("play", text, NAMES)
@@ -105,7 +105,7 @@ class SoundSource:
             seconds = query.seconds or len(samples) / RATE
         else:
             samples = generated(query.play)
-        return Playing(query.play, self._clock_s(), seconds, samples)
+        return PlayingSound(query.play, self._clock_s(), seconds, samples)
 
     def reply(self, refusal: BeatrixError | None) -> SoundReply:
         """Return what plays where, and the refusal if there is one."""

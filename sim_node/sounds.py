@@ -24,7 +24,7 @@ Samples = npt.NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
-class Playing:
+class PlayingSound:
     """A sound that is repeated until its end."""
 
     name: str

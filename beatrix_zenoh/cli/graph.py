@@ -58,7 +58,7 @@ def graph(
         say(text(programs, endpoint))
 
 
-def as_row(program: Program) -> dict[str, object]:
+def as_row(program: ProgramAtRouter) -> dict[str, object]:
     """Return the fields of a program, for JSON output."""
     return {
         "title": program.title,
@@ -70,7 +70,7 @@ def as_row(program: Program) -> dict[str, object]:
     }
 
 
-def lines(program: Program, nodes: Sequence[Program]) -> list[str]:
+def lines(program: ProgramAtRouter, nodes: Sequence[ProgramAtRouter]) -> list[str]:
     """Return a line for each key that a node publishes or serves, or for each node that a client watches or asks."""
     if not program.described:
         return [UNDESCRIBED]
@@ -85,14 +85,14 @@ def lines(program: Program, nodes: Sequence[Program]) -> list[str]:
     return rows or ["watches and asks no robot"]
 
 
-def text(programs: Sequence[Program], endpoint: str) -> str:
+def text(programs: Sequence[ProgramAtRouter], endpoint: str) -> str:
     """Return a text for a terminal: all programs, with their keys."""
     nodes = [program for program in programs if program.robot is not None]
     listed = ("\n  ".join([program.title, *lines(program, nodes)]) for program in programs)
     return "\n\n".join([f"router {endpoint}", *listed])
 
 
-def drawing(programs: Sequence[Program], endpoint: str) -> str:
+def drawing(programs: Sequence[ProgramAtRouter], endpoint: str) -> str:
     """Return an SVG: nodes to the left, clients to the right, arrows to who watches a node and from who asks it."""
     nodes = [program for program in programs if program.robot is not None]
     clients = [program for program in programs if program.robot is None]
@@ -126,7 +126,7 @@ def drawing(programs: Sequence[Program], endpoint: str) -> str:
 
 
 def _column(
-    programs: Sequence[Program], nodes: Sequence[Program], x: int
+    programs: Sequence[ProgramAtRouter], nodes: Sequence[ProgramAtRouter], x: int
 ) -> tuple[dict[str, tuple[int, int]], int]:
     """Return the position of each program's box, and the lower end of the column (px)."""
     places, y = {}, LINE_PX + PAD_PX
@@ -136,11 +136,11 @@ def _column(
     return places, y
 
 
-def _height(program: Program, nodes: Sequence[Program]) -> int:
+def _height(program: ProgramAtRouter, nodes: Sequence[ProgramAtRouter]) -> int:
     return (len(lines(program, nodes)) + 1) * LINE_PX + PAD_PX
 
 
-def _box(program: Program, nodes: Sequence[Program], x: int, y: int) -> str:
+def _box(program: ProgramAtRouter, nodes: Sequence[ProgramAtRouter], x: int, y: int) -> str:
     colour = "#e8f1fb" if program.robot is not None else "#f6f2e6"
     rows = [program.title, *lines(program, nodes)]
     texts = [
@@ -172,7 +172,7 @@ Owner = tuple[str, str]
 
 
 @dataclass
-class Program:
+class ProgramAtRouter:
     """A program at the router: a node or a client. Those of the same title are shown as one."""
 
     title: str
@@ -185,17 +185,17 @@ class Program:
     subscribes: set[str] = field(default_factory=set)
     asks: set[str] = field(default_factory=set)
 
-    def watches(self, node: Program) -> list[str]:
+    def watches(self, node: ProgramAtRouter) -> list[str]:
         """Return the publications of a node that this program subscribes to, such as `state/positions`; sorted."""
         return sorted({short(key) for key in node.publishes if _any_matches(self.subscribes, key)})
 
-    def queries(self, node: Program) -> list[str]:
+    def queries(self, node: ProgramAtRouter) -> list[str]:
         """Return the purposes of the queries and puts that this program has lately sent to a node; sorted."""
         answered = node.serves | node.subscribes
         return sorted({_purpose(key) for key in self.asks if _any_matches(answered, key)})
 
 
-def read(client: Client) -> list[Program]:
+def read(client: Client) -> list[ProgramAtRouter]:
     """Return all programs at the client's router but this one: first the nodes, then the clients, sorted by title.
 
     Raises NoAnswer (ACCOUNT_REFUSED) as `Client.robots`.
@@ -204,14 +204,14 @@ def read(client: Client) -> list[Program]:
     infos, (nodes, seats) = _descriptions(client), _tokens(client)
     if not infos.keys() >= nodes | seats:  # a program has joined meanwhile, or hangs
         infos, (nodes, seats) = _descriptions(client), _tokens(client)
-    programs: dict[str, Program] = {}
+    programs: dict[str, ProgramAtRouter] = {}
     for owner in sorted({*infos, *nodes, *seats} - {(client.settings.who, client.bus.session_id)}):
         node = owner[1] in names.SIDES
         if node and owner not in nodes:
             continue  # a description without the token of its robot: the node starts or ends
         for info in infos.get(owner, [None]):
             title = "{} ({})".format(*owner) if node else _title(owner[0], info)
-            _add(programs.setdefault(title, Program(title, owner if node else None)), info)
+            _add(programs.setdefault(title, ProgramAtRouter(title, owner if node else None)), info)
     return sorted(programs.values(), key=lambda program: (program.robot is None, program.title))
 
 
@@ -219,7 +219,7 @@ def _title(seat: str, info: ProgramInfo | None) -> str:
     return f"seat {seat}" if info is None else f"seat {seat}: {info.program}"
 
 
-def _add(program: Program, info: ProgramInfo | None) -> None:
+def _add(program: ProgramAtRouter, info: ProgramInfo | None) -> None:
     if info is not None:
         program.described = True
         for name in ("serves", "publishes", "subscribes", "asks"):

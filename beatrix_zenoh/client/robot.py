@@ -21,7 +21,7 @@ from beatrix_zenoh.client.lease import Lease
 from beatrix_zenoh.client.motion import MARGIN_S, Motion
 from beatrix_zenoh.client.preview import Preview, preview_of
 from beatrix_zenoh.client.request import Request, ask
-from beatrix_zenoh.client.room import Room
+from beatrix_zenoh.client.room import RobotWithRoom
 from beatrix_zenoh.client.slips import value_method
 from beatrix_zenoh.client.stopping import SentStop, publish_stop
 from beatrix_zenoh.contract import refusals
@@ -51,7 +51,7 @@ SLOWEST_LIMIT = math.radians(SLOWEST_LIMIT_DEG)
 SLOWEST_DEFAULT = math.radians(ALLOWED["limits"]["speed_default"].low)
 
 
-class Robot(Room):
+class Robot(RobotWithRoom):
     """One robot: `Robot("bea1", side="sim")`. Use it in a `with` block, or close it.
 
     Args:

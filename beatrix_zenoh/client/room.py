@@ -19,7 +19,7 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.errors import Refused, WrongUsage
 
 
-class Room(RobotBase):
+class RobotWithRoom(RobotBase):
     """The part of a robot that changes the room of its simulation; hardware has none.
 
     x (forward), y (left) and z (up) are distances (m) from the neck's centre.

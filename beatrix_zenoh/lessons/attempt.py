@@ -198,7 +198,9 @@ class Attempt:
         """
         plant = bench.start(speed)
         try:
-            drive = bench.Drive(lambda *arguments: self.value(function, *arguments), function, result)
+            drive = bench.TargetFunction(
+                lambda *arguments: self.value(function, *arguments), function, result
+            )
             return bench.run(plant, drive, seconds, course, delay_s)
         finally:
             plant.close()

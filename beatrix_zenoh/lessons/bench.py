@@ -59,7 +59,7 @@ class Bench:
         return self.head[:, 2]
 
 
-class Drive:
+class TargetFunction:
     """Calls the pupil's function, and turns what it returns into the next target."""
 
     def __init__(self, call: Callable[..., object], name: str, result: Result) -> None:
@@ -105,7 +105,9 @@ def start(speed: float | None) -> LineChild:
     return child
 
 
-def run(plant: LineChild, drive: Drive, seconds: float, course: Course | None, delay_s: float) -> Bench:
+def run(
+    plant: LineChild, drive: TargetFunction, seconds: float, course: Course | None, delay_s: float
+) -> Bench:
     """Drive the bench for some time (s); see `Attempt.bench`."""
     ticks, late = round(seconds / TICK_S), round(delay_s / TICK_S)
     states: list[dict[str, list[float]]] = []

@@ -23,7 +23,7 @@ GENERAL = "figures"
 """Name of the file, beside the lessons, with the figures that every lesson has."""
 
 
-class Figure(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class FigureTexts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What is said when a figure is not met; braces name values that the check reports, as in `{count}`."""
 
     asked: str
@@ -37,10 +37,10 @@ class _Texts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The contents of `hints.toml`."""
 
     hints: list[str] = []
-    figures: dict[str, Figure] = {}
+    figures: dict[str, FigureTexts] = {}
 
 
-class About(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class LessonFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The contents of `lesson.toml`."""
 
     title: str
@@ -72,7 +72,7 @@ class Lesson:
         self.language = language if (folder / f"lesson.{language}.md").is_file() else ENGLISH
         self.name = folder.name
         self.number = int(folder.name.split("-")[0])
-        self.about = _read(folder / "lesson.toml", About)
+        self.about = _read(folder / "lesson.toml", LessonFile)
         self._texts = _read(self._translated(folder / "hints.toml"), _Texts)
 
     @property
@@ -100,7 +100,7 @@ class Lesson:
         """The hints, the first to give first."""
         return self._texts.hints
 
-    def figure(self, name: str) -> Figure:
+    def figure(self, name: str) -> FigureTexts:
         """Return what to say about a figure: of this lesson, or of every lesson."""
         if name in self._texts.figures:
             return self._texts.figures[name]

@@ -33,7 +33,7 @@ class Record(msgspec.Struct, forbid_unknown_fields=True):
     """SHA-256 of each program that has passed, the newest last"""
 
 
-class Progress(msgspec.Struct, forbid_unknown_fields=True):
+class ProgressFile(msgspec.Struct, forbid_unknown_fields=True):
     """All lessons by name."""
 
     language: str = ENGLISH
@@ -51,7 +51,7 @@ class Workspace:
         self._path = folder / FILE
         try:
             text = files.text(self._path, LONGEST, "JSON") if self._path.exists() else "{}"
-            self.progress = msgspec.json.decode(text, type=Progress)
+            self.progress = msgspec.json.decode(text, type=ProgressFile)
         except (OSError, ValueError) as error:
             raise Refused(
                 Reason.BAD_VALUE, f"{self._path} cannot be read: {error}. Delete it; your programs stay."

@@ -49,7 +49,7 @@ lesson.command()(turn)
 lesson.command()(report)
 
 
-class Language(StrEnum):
+class LessonLanguage(StrEnum):
     """Languages of lessons."""
 
     ENGLISH = "en"
@@ -159,7 +159,7 @@ def start(
         bool, typer.Option("--notebook", help="Write a Jupyter notebook instead of a Python file.")
     ] = False,
     language: Annotated[
-        Language | None,
+        LessonLanguage | None,
         typer.Option(help="Language of pages, hints and checks from now on, where a lesson has it."),
     ] = None,
 ) -> None:

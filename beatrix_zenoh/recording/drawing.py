@@ -33,7 +33,7 @@ SMOOTHING: Final = 2
 """Pixels are drawn this much smaller in both directions, and averaged."""
 
 
-class Drawing:
+class PoseRenderer:
     """Pictures of one robot in the poses that are asked for."""
 
     def __init__(self, figure: Figure, width: int, height: int) -> None:

@@ -17,7 +17,7 @@ from av.video.stream import VideoStream
 from PIL import Image, ImageDraw, ImageFont
 
 from beatrix_zenoh.contract.names import ARMS, EYES, SIDE_TITLES, SIDES
-from beatrix_zenoh.recording.drawing import BACKGROUND, Array, Drawing, Pixels
+from beatrix_zenoh.recording.drawing import BACKGROUND, Array, Pixels, PoseRenderer
 from beatrix_zenoh.recording.export import Block, Table
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.samples import EyePicture, EyePictures
@@ -61,7 +61,7 @@ def side_by_side(table: Table, name: str, eyes: EyePictures) -> Iterator[FilmFra
     The robots have the geometry of the project. A robot without samples at a time is not drawn.
     """
     sides = [side for side in SIDES if (name, side) in table.robots]
-    drawings = {side: Drawing(Figure(), *PANEL) for side in sides}
+    drawings = {side: PoseRenderer(Figure(), *PANEL) for side in sides}
     with_eyes = any(key[:1] == (name,) for key in eyes)
     shown = {key: EyeTile(pictures) for key, pictures in eyes.items()}
     canvas = Image.new("RGB", (PANEL[0] * len(sides), PANEL[1] + EYE[1] * with_eyes), BACKGROUND)
@@ -89,7 +89,7 @@ def frame_rows(table: Table) -> Iterator[tuple[int, float, Block, int]]:
             yield table.start_ns + round(time_s * 1e9), time_s, block, row
 
 
-def panel(drawing: Drawing, block: Block, row: int, robot: str, title: str) -> Image.Image:
+def panel(drawing: PoseRenderer, block: Block, row: int, robot: str, title: str) -> Image.Image:
     """Return the drawing of one robot with its title."""
     arms, head = (
         np.array([value(block, row, f"{robot}{axis}_deg") for axis in axes]) for axes in (ARMS, HEAD)

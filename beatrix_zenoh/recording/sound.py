@@ -23,7 +23,7 @@ ZEROS: Final = 48_000
 """Frames of silence that are written at once, so that a long gap needs no memory."""
 
 
-class SoundBlock(NamedTuple):
+class RecordedBlock(NamedTuple):
     """A recorded block, and its time (ns since 1970) by the clock of the recording computer."""
 
     time_ns: int
@@ -65,7 +65,7 @@ def rows_of(place: Place, block: Sound, time_ns: int) -> Iterator[RecordingRow]:
             begin += len(piece)
 
 
-def write_wav(path: Path, blocks: Iterable[SoundBlock]) -> WrittenSound:
+def write_wav(path: Path, blocks: Iterable[RecordedBlock]) -> WrittenSound:
     """Write blocks, in the order of time, as a WAV file in which each is at its time; what is missing is silence.
 
     Raises:

@@ -25,7 +25,7 @@ from gui.console.state.state import State
 from gui.console.state.views import BannerView, ButtonView, View
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts, load
-from gui.page.messages import DRIVING, OWN, Hold
+from gui.page.messages import DRIVING, OWN, ButtonHeld
 
 HISTORY: Final = 40
 """Largest number of rows of the history of a page."""
@@ -231,7 +231,7 @@ class Face:
         """Show the outcome of a request."""
         self.state.report(outcome)
 
-    def hold(self, hold: Hold) -> None:
+    def hold(self, hold: ButtonHeld) -> None:
         """Begin or continue the motion of a held button; do nothing if this press has ended."""
         driver, session = self.driver, None if self.driver is None else self.driver.link.session
         if driver is None or session is None:

@@ -219,10 +219,10 @@ class Live(Socket):
     def carry_out(self, request: messages.Request) -> None:
         """Carry out a request that is not STOP."""
         face = self.face
-        if face.driver is not None and not isinstance(request, messages.Seen):
+        if face.driver is not None and not isinstance(request, messages.ViewReceived):
             face.driver.beat()
         match request:
-            case messages.Seen():
+            case messages.ViewReceived():
                 face.seen()
             case messages.Open(saved=saved):
                 face.open(saved)
@@ -232,9 +232,9 @@ class Live(Socket):
                 self.hub.end_driver(face)
             case messages.Hidden():
                 face.stop_moving()
-            case messages.Hold():
+            case messages.ButtonHeld():
                 face.hold(request)
-            case messages.Release(press=press):
+            case messages.ButtonReleased(press=press):
                 face.release(press)
             case messages.ShowClass(on=on):
                 face.shows_class = on

@@ -46,11 +46,11 @@ class Hidden(Message, frozen=True, tag="hidden"):
     """The page is no longer visible."""
 
 
-class Seen(Message, frozen=True, tag="seen"):
+class ViewReceived(Message, frozen=True, tag="seen"):
     """The page has received a view."""
 
 
-class Hold(Message, frozen=True, tag="hold"):
+class ButtonHeld(Message, frozen=True, tag="hold"):
     """A button is held: the heartbeat of a jog."""
 
     press: Press
@@ -58,7 +58,7 @@ class Hold(Message, frozen=True, tag="hold"):
     sign: Literal[-1, 1]
 
 
-class Release(Message, frozen=True, tag="release"):
+class ButtonReleased(Message, frozen=True, tag="release"):
     """The button of this press is no longer held."""
 
     press: Press
@@ -116,10 +116,31 @@ NAME_MAX: Final = 64
 ANGLE_MAX: Final = 360.0
 """Largest angle of the target, deg."""
 Request = (
-    Open | Drive | Leave | Beat | Hidden | Seen | Hold | Release | ShowClass | StopRobot | intents.Intent
+    Open
+    | Drive
+    | Leave
+    | Beat
+    | Hidden
+    | ViewReceived
+    | ButtonHeld
+    | ButtonReleased
+    | ShowClass
+    | StopRobot
+    | intents.Intent
 )
 _DECODER: Final = msgspec.json.Decoder(
-    Open | Drive | Leave | Beat | Hidden | Seen | Hold | Release | ShowClass | StopRobot | OWN | DRIVING
+    Open
+    | Drive
+    | Leave
+    | Beat
+    | Hidden
+    | ViewReceived
+    | ButtonHeld
+    | ButtonReleased
+    | ShowClass
+    | StopRobot
+    | OWN
+    | DRIVING
 )
 
 

@@ -23,7 +23,7 @@ from hw_node.sensor import SILENT_S, Sensor
 SILENCE: Final = f"The camera is plugged in but has delivered no picture for {SILENT_S:g} s. Unplug it, and plug it in again."
 
 
-class Camera(Sensor[CameraFrame]):
+class CameraSensor(Sensor[CameraFrame]):
     """One eye of the robot."""
 
     def __init__(self, node: Node, eye: str, source: FrameSource) -> None:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 
 from beatrix_zenoh.node import CameraFrame
-from hw_node.sensor import Source
+from hw_node.sensor import SensorSource
 
 WIDTH, HEIGHT, HZ = 640, 480, 30
 """Format requested from cameras: pixels, and pictures a second."""
 
 
-FrameSource = Source[CameraFrame]
+FrameSource = SensorSource[CameraFrame]
 """A camera or another source of pictures."""
 
 

@@ -13,14 +13,14 @@ from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
 from beatrix_zenoh.node import MicrophonesPublisher, Node, SoundBlock
 from beatrix_zenoh.node.microphones import TITLE
 from hw_node.microphones.stand_ins import SoundFile, Tone
-from hw_node.sensor import SILENT_S, Sensor, Source
+from hw_node.sensor import SILENT_S, Sensor, SensorSource
 
 TONE, FILE, OFF = "tone", "file:", "off"
 SILENCE: Final = f"The microphones are plugged in but have delivered no sound for {SILENT_S:g} s. Unplug them, and plug them in again."
-SoundSource = Source[SoundBlock]
+SoundSource = SensorSource[SoundBlock]
 
 
-class Microphones(Sensor[SoundBlock]):
+class MicrophoneSensor(Sensor[SoundBlock]):
     """The two microphones of the robot."""
 
     def __init__(self, node: Node, source: SoundSource) -> None:

@@ -21,10 +21,13 @@ from gui.console.state.intents import SetLanguage
 from gui.console.state.pills import pill
 from gui.console.state.state import State
 from gui.console.state.views import Condition
-from gui.console.state.world import Port, Trouble, World
+from gui.console.state.world import Trouble, UsbPort, World
 from gui.console.texts import Texts
 
-BOARD, CABLE = Port("/dev/ttyACM0", "Arduino Mega", board=True), Port("/dev/ttyUSB1", "FT232R", board=False)
+BOARD, CABLE = (
+    UsbPort("/dev/ttyACM0", "Arduino Mega", board=True),
+    UsbPort("/dev/ttyUSB1", "FT232R", board=False),
+)
 WITHOUT = world(hw=absent("hw"))
 READY_S = 60.0
 """Time limit (s) of a child process on a busy machine."""

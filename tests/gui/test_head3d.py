@@ -38,12 +38,12 @@ from gui.window.widgets.head3d_drag import (
     picked,
     turned,
 )
-from gui.window.widgets.head3d_scene import Camera, Screen, draw, hull
+from gui.window.widgets.head3d_scene import Screen, Viewpoint, draw, hull
 from gui.window.widgets.head3d_shape import HEAD, meshes, turns
 
 UPRIGHT = HeadOrientation(0.0, 0.0, 0.0)
 angles = st.floats(-30.0, 30.0)
-cameras = st.builds(Camera, st.floats(0.0, 360.0), st.floats(-10.0, 80.0), st.floats(0.6, 3.0))
+cameras = st.builds(Viewpoint, st.floats(0.0, 360.0), st.floats(-10.0, 80.0), st.floats(0.6, 3.0))
 LEFT, RIGHT = Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton
 
 
@@ -61,7 +61,7 @@ def test_from_behind_the_left_ear_is_at_the_left(name: str, sign: int) -> None:
 
 
 @given(camera=cameras, yaw=st.floats(-180, 180), pitch=angles, roll=angles)
-def test_the_middle_of_the_head_is_the_face(camera: Camera, yaw: float, pitch: float, roll: float) -> None:
+def test_the_middle_of_the_head_is_the_face(camera: Viewpoint, yaw: float, pitch: float, roll: float) -> None:
     seen, head = Screen(camera, 600.0, 450.0), HeadOrientation(yaw, pitch, roll)
     middle = on_screen(seen, head, SKULL)
     ears = [on_screen(seen, head, place) for place in EARS.values()]

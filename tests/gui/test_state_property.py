@@ -60,9 +60,9 @@ from gui.console.state.world import (
     LinkPhase,
     PlanPhase,
     PlanProgress,
-    Port,
     RecordingProgress,
     Trouble,
+    UsbPort,
     World,
 )
 
@@ -217,7 +217,7 @@ WORLDS: st.SearchStrategy[World] = st.builds(
     starting=st.booleans(),
     connecting=st.booleans(),
     own_hardware=st.booleans(),
-    ports=st.none() | st.just(()) | st.just((Port("COM4", "Arduino", board=True),)),
+    ports=st.none() | st.just(()) | st.just((UsbPort("COM4", "Arduino", board=True),)),
     wall_s=st.floats(0, 2e9),
     playing=st.sampled_from(["", "hello"]),
     seat=st.sampled_from(["ben", "teacher"]),

@@ -18,7 +18,7 @@ from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import CameraFrame, Component, Node
 from hw_node import sensor
 from hw_node.body import VirtualHardware
-from hw_node.cameras.camera import Camera
+from hw_node.cameras.camera import CameraSensor
 
 PICTURE = b"\xff\xd8 picture"
 
@@ -60,7 +60,7 @@ class HardwareWithOneEye(VirtualHardware):
         self._source = source
 
     def components(self, node: Node) -> list[Component]:
-        return [Camera(node, "left", self._source)]
+        return [CameraSensor(node, "left", self._source)]
 
 
 @pytest.fixture

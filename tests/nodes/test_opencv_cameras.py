@@ -12,7 +12,7 @@ from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.node import Component, Node
 from hw_node import sensor
 from hw_node.body import VirtualHardware
-from hw_node.cameras.camera import Camera
+from hw_node.cameras.camera import CameraSensor
 from hw_node.cameras.opencv import OpenCvCamera
 
 
@@ -24,7 +24,7 @@ class HardwareWithOneEye(VirtualHardware):
         self._module = module
 
     def components(self, node: Node) -> list[Component]:
-        return [Camera(node, "left", OpenCvCamera(0, self._module))]
+        return [CameraSensor(node, "left", OpenCvCamera(0, self._module))]
 
 
 def test_an_eye_is_open_while_subscribed_and_returns_after_unplugging(

@@ -10,7 +10,7 @@ import pytest
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording import drawing
-from beatrix_zenoh.recording.drawing import Array, Drawing, Pixels
+from beatrix_zenoh.recording.drawing import Array, Pixels, PoseRenderer
 from beatrix_zenoh.recording.figure import Body, Figure, ellipsoid
 
 SIZE = 320, 240
@@ -47,7 +47,7 @@ def where(picture: Pixels, colour: tuple[int, int, int]) -> tuple[float, float]:
 @pytest.mark.parametrize("head", [(0, 0, 0), (30, 10, 5), (-60, -15, -10), (20, 30, 0)])
 def test_a_mark_on_the_head_is_where_the_orientation_puts_it(head: tuple[float, float, float]) -> None:
     place = (0.14, 0.0, 0.1)
-    picture = Drawing(Marked(place), *SIZE).picture(arms(*head), np.array(head, float))
+    picture = PoseRenderer(Marked(place), *SIZE).picture(arms(*head), np.array(head, float))
     x, y, _ = drawing.camera() @ (
         np.array(rotation_of(*np.radians(head))) @ place - np.array((0, 0, drawing.CENTRE_HEIGHT_M))
     )
@@ -60,15 +60,15 @@ def test_a_mark_on_the_head_is_where_the_orientation_puts_it(head: tuple[float, 
 def test_a_mark_behind_the_head_is_hidden() -> None:
     x, y, z = -0.13 * drawing.camera()[2]
     figure = Marked((x, y, z + 0.11))
-    picture = Drawing(figure, *SIZE).picture(arms(0, 0, 0), np.zeros(3))
+    picture = PoseRenderer(figure, *SIZE).picture(arms(0, 0, 0), np.zeros(3))
     with pytest.raises(AssertionError, match="nothing is"):
         where(picture, MARK)
-    turned = Drawing(figure, *SIZE).picture(arms(150, 0, 0), np.array((150.0, 0, 0)))
+    turned = PoseRenderer(figure, *SIZE).picture(arms(150, 0, 0), np.array((150.0, 0, 0)))
     where(turned, MARK)
 
 
 def test_a_pose_is_drawn_again_only_if_it_changes() -> None:
-    made = Drawing(Figure(), *SIZE)
+    made = PoseRenderer(Figure(), *SIZE)
     first = made.picture(arms(0, 0, 0), np.zeros(3))
     assert made.picture(arms(0, 0, 0), np.full(3, 0.01)) is first
     assert made.picture(arms(1, 0, 0), np.array((1.0, 0, 0))) is not first

@@ -17,7 +17,7 @@ from PIL import Image
 from written_recordings import BEGAN_NS, write_lesson
 
 from beatrix_zenoh.cli import app
-from beatrix_zenoh.recording.drawing import Drawing, Pixels
+from beatrix_zenoh.recording.drawing import Pixels, PoseRenderer
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.film import EMPTY, EYE, PANEL
 from beatrix_zenoh.recording.rows import Frame, of_robot
@@ -89,7 +89,7 @@ def test_both_robots_stand_beside_each_other(folder: Path, capsys: pytest.Captur
     last = film.pictures[-1]
     assert last.shape == (PANEL[1] + EYE[1], 2 * PANEL[0], 3)
     samples = read(folder / "lesson.rrd").robots[SIM]
-    wanted = Drawing(Figure(), *PANEL).picture(samples.arms[40], samples.head[40])
+    wanted = PoseRenderer(Figure(), *PANEL).picture(samples.arms[40], samples.head[40])
     for column in (0, PANEL[0]):
         shown = last[60 : PANEL[1], column : column + PANEL[0]]
         assert np.abs(shown.astype(int) - wanted[60:]).mean() < 3

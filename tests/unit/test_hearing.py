@@ -15,7 +15,7 @@ from beatrix_zenoh.motion.rotation import Rotation
 from beatrix_zenoh.node.microphones import BLOCK, RATE
 from sim_node.hearing import SHADOW, SOUND, Ears, Hearing, heard_by, hearing
 from sim_node.shapes import Point, Vector
-from sim_node.sounds import GENERATORS, LOUDNESS, Playing, generated
+from sim_node.sounds import GENERATORS, LOUDNESS, PlayingSound, generated
 
 REST = (0.0, 0.0, 0.0)
 HEIGHT = ROBOT.head.centre_height
@@ -34,15 +34,15 @@ def at(bearing_deg: float, away: float = 1.15) -> Point:
     return away * math.cos(bearing), away * math.sin(bearing), HEIGHT
 
 
-def played(name: str) -> Playing:
-    return Playing(name, 0.0, LONG_S, generated(name))
+def played(name: str) -> PlayingSound:
+    return PlayingSound(name, 0.0, LONG_S, generated(name))
 
 
-def hum(hz: float) -> Playing:
-    return Playing("hum", 0.0, LONG_S, np.sin(math.tau * hz * np.arange(RATE) / RATE).astype(np.float32))
+def hum(hz: float) -> PlayingSound:
+    return PlayingSound("hum", 0.0, LONG_S, np.sin(math.tau * hz * np.arange(RATE) / RATE).astype(np.float32))
 
 
-def listen(ears: Ears, scenes: list[Hearing], sound: Playing | None) -> Vector:
+def listen(ears: Ears, scenes: list[Hearing], sound: PlayingSound | None) -> Vector:
     """Return what the ears hear during the scenes, one block for each, from the second second of the sound on."""
     signal = None if sound is None else sound.emitted
     return np.concatenate([ears.block(one, signal, RATE + i * BLOCK) for i, one in enumerate(scenes)])
@@ -228,7 +228,7 @@ def test_a_sound_fits_into_16_bits_and_repeats_without_a_click(name: str) -> Non
 @given(st.integers(-2 * RATE, 4 * RATE), st.integers(1, 3000))
 def test_a_sound_is_silent_before_its_begin_and_after_its_end(first: int, count: int) -> None:
     ones = np.ones(100, np.float32)
-    emitted = Playing("ones", 0.0, 1.0, ones).emitted(first, count)
+    emitted = PlayingSound("ones", 0.0, 1.0, ones).emitted(first, count)
     numbers = np.arange(first, first + count)
     assert (emitted[(numbers < 0) | (numbers >= RATE)] == 0).all()
     assert (emitted[(numbers > 300) & (numbers < RATE - 300)] == 1).all()

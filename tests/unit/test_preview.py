@@ -14,7 +14,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from sim_node.plant import Plant
-from sim_node.preview import Preview, simulate_motion
+from sim_node.preview import PreviewResult, simulate_motion
 
 GEAR = Gear()
 NECK = Neck()
@@ -49,7 +49,7 @@ def copy_of(firmware: Firmware) -> Firmware:
     return other
 
 
-def preview(move: Move | MoveStraight) -> Preview:
+def preview(move: Move | MoveStraight) -> PreviewResult:
     return simulate_motion(*ready(), move)
 
 

@@ -25,7 +25,7 @@ from beatrix_zenoh.recording.rrd.layout import SOUND as TAB
 from beatrix_zenoh.recording.rrd.layout import TABS
 from beatrix_zenoh.recording.rrd.read import read_sound
 from beatrix_zenoh.recording.rrd.stream import RowStream
-from beatrix_zenoh.recording.sound import SoundBlock, rows_of, write_wav
+from beatrix_zenoh.recording.sound import RecordedBlock, rows_of, write_wav
 from beatrix_zenoh.recording.verbs.record import missing
 
 SIM, HW = ("ada", "sim"), ("ada", "hw")
@@ -91,7 +91,7 @@ def test_each_block_of_a_wav_file_is_at_its_time(
     """Time stamps that tremble by less than half a block move nothing; each missing block is its length of zeros."""
     numbers = [number for number, there in enumerate([True, *arrives, True]) if there]
     blocks = [
-        SoundBlock(
+        RecordedBlock(
             round((number + (late[number] if number else 0)) * STEP_NS), pcm(number).tobytes(), RATE, number
         )
         for number in numbers

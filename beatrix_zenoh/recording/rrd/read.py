@@ -34,7 +34,7 @@ from beatrix_zenoh.recording.samples import (
     TimedEvent,
     TimedTexts,
 )
-from beatrix_zenoh.recording.sound import SoundBlock
+from beatrix_zenoh.recording.sound import RecordedBlock
 from beatrix_zenoh.recording.viewer import check_recording
 
 TIME, ROBOT_TIME = "time", "robot_time"
@@ -56,7 +56,7 @@ class Column(NamedTuple):
 
 Columns = dict[tuple[str, str], Column]
 """Columns by entity and component."""
-SoundBlocks = dict[Place, list[SoundBlock]]
+SoundBlocks = dict[Place, list[RecordedBlock]]
 
 
 def read(path: Path) -> Recorded:
@@ -305,7 +305,7 @@ def read_sound(paths: Sequence[Path], places: Sequence[Place], first_ns: int, la
                 parts = (batch.column(name).flatten().to_pylist() for name in ("pcm", "rate", "number"))
                 found.setdefault(entities[chunk.entity_path], []).extend(
                     block
-                    for block in itertools.starmap(SoundBlock, zip(times, *parts, strict=True))
+                    for block in itertools.starmap(RecordedBlock, zip(times, *parts, strict=True))
                     if first_ns <= block.time_ns <= last_ns
                 )
     for blocks in found.values():

@@ -27,7 +27,7 @@ from gui.console.link.pictures import Cameras, OnImage
 from gui.console.link.ports import Ports
 from gui.console.link.probe import Probe
 from gui.console.link.stopping import send_stop
-from gui.console.link.worker import Part, Worker
+from gui.console.link.worker import LinkPart, Worker
 from gui.console.state import actions
 from gui.console.state.actions import Action, Outcome
 from gui.console.state.world import LinkPhase, World
@@ -291,7 +291,7 @@ class Link:
     def close(self) -> None:
         """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
         deadline_s = time.monotonic() + CLOSE_S
-        parts: tuple[Part, ...] = (
+        parts: tuple[LinkPart, ...] = (
             self.jogging,
             *self._moving.parts,
             *self._probes.values(),

@@ -17,7 +17,7 @@ from gui.console.link.outcomes import WindowError, deselected, failed, replaced,
 from gui.console.link.plans import Plans
 from gui.console.link.playing import Playing
 from gui.console.link.request_queue import RequestQueue
-from gui.console.link.worker import Part
+from gui.console.link.worker import LinkPart
 from gui.console.state import actions
 from gui.console.state.actions import Outcome
 
@@ -37,7 +37,7 @@ class Moving:
         self.plans, self.playing, self.face = Plans(report), Playing(report), FaceProgram(report)
 
     @property
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[LinkPart, ...]:
         """What has threads, in the order in which the link closes it."""
         return self.playing, self.face, self.plans, *self._queues.values()
 

@@ -8,7 +8,7 @@ from typing import Final
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.processes import POLL_S, Supervisor
 from gui.console.link.worker import Worker
-from gui.console.state.world import Port
+from gui.console.state.world import UsbPort
 
 LIST_S: Final = 15.0
 """Time limit of the child; a busy computer may need several seconds to start Python."""
@@ -21,7 +21,7 @@ class Ports(Worker):
     def __init__(self) -> None:
         super().__init__("window-ports")
         self._closed = False
-        self.newest: tuple[Port, ...] | None = None
+        self.newest: tuple[UsbPort, ...] | None = None
         """the ports found last; None: not known yet"""
 
     def look(self) -> None:
@@ -48,8 +48,8 @@ class Ports(Worker):
         super().close()
 
 
-def parsed(lines: list[str]) -> tuple[Port, ...]:
+def parsed(lines: list[str]) -> tuple[UsbPort, ...]:
     """Return the ports of the output of `beatrix hw --ports`, boards first."""
     rows = [line.split("\t") for line in lines if line.count("\t") == 2]
-    ports = [Port(device, title, board=kind == "board") for kind, device, title in rows]
+    ports = [UsbPort(device, title, board=kind == "board") for kind, device, title in rows]
     return tuple(sorted(ports, key=lambda port: not port.board))

@@ -10,7 +10,7 @@ from typing import Protocol
 from beatrix_zenoh import threads
 
 
-class Part(Protocol):
+class LinkPart(Protocol):
     """A part of the link that has threads."""
 
     def close(self) -> None:

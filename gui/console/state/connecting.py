@@ -8,7 +8,7 @@ from gui.console.state.intents import Intent, Retry, StartSimulation
 from gui.console.state.memory import Memory
 from gui.console.state.presence import online
 from gui.console.state.views import ButtonView, ConnectView
-from gui.console.state.world import Port, World
+from gui.console.state.world import UsbPort, World
 from gui.console.texts import Texts
 
 VIRTUAL = "virtual:"
@@ -60,7 +60,7 @@ def view(memory: Memory, world: World) -> ConnectView | None:
     )
 
 
-def _port(port: Port, texts: Texts, *, off: bool) -> ButtonView:
+def _port(port: UsbPort, texts: Texts, *, off: bool) -> ButtonView:
     tooltip = texts("connect.board_tip" if port.board else "connect.port_tip", device=port.device)
     name = texts("connect.board" if port.board else "connect.port", device=port.device, title=port.title)
     return ButtonView(name, tooltip, ConnectHardware(port.device), enabled=not off)

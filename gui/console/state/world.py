@@ -64,7 +64,7 @@ class Trouble:
 
 
 @dataclass(frozen=True)
-class Port:
+class UsbPort:
     """A serial port of this computer."""
 
     device: str
@@ -136,7 +136,7 @@ class World:
     """whether this window is starting the program of the hardware"""
     own_hardware: bool = False
     """whether a program of the hardware of this window is running"""
-    ports: tuple[Port, ...] | None = None
+    ports: tuple[UsbPort, ...] | None = None
     """serial ports of this computer, when the user has asked for them; None: not known yet"""
     child_trouble: Trouble | None = None
     """why a router, simulation or viewer of this window did not start or has failed; None: no failure"""

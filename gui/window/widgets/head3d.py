@@ -34,10 +34,10 @@ from gui.window.widgets.head3d_paint import (
     paint_robot,
     same,
 )
-from gui.window.widgets.head3d_scene import Camera, Screen
+from gui.window.widgets.head3d_scene import Screen, Viewpoint
 from gui.window.widgets.head_pad import after_key
 
-VIEWS: Final = {"front": Camera(0.0), "behind": Camera(180.0), "side": Camera(90.0)}
+VIEWS: Final = {"front": Viewpoint(0.0), "behind": Viewpoint(180.0), "side": Viewpoint(90.0)}
 LIVE_MS: Final = 50
 """Time between two targets for a simulation that follows a drag."""
 ORBIT_DEG: Final = 0.5
@@ -100,7 +100,7 @@ class Head3d(QWidget):
         if old is None or not same(old, view):
             self.update()
 
-    def look_from(self, camera: Camera) -> None:
+    def look_from(self, camera: Viewpoint) -> None:
         """Show the head from elsewhere."""
         if camera != self.camera:
             self.camera = camera

@@ -32,7 +32,7 @@ Whole = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Camera:
+class Viewpoint:
     """Where the viewer is: angles in deg."""
 
     azimuth: float = 180.0
@@ -53,7 +53,7 @@ class Camera:
 class Screen:
     """A camera, and the picture that it fills (px)."""
 
-    camera: Camera
+    camera: Viewpoint
     width: float
     height: float
 
