@@ -104,6 +104,13 @@ def joined() -> Path:
     return files.user_folder() / "account.toml"
 
 
+def store(account: Account) -> None:
+    """Store the account for all programs of this user, as `beatrix join` does; raises OSError if that is impossible."""
+    place = joined()
+    place.parent.mkdir(parents=True, exist_ok=True)
+    files.write_private(place, account.text())
+
+
 def load(path: Path) -> Account:
     """Read an account file; raises WrongUsage (BAD_VALUE) if it cannot be read or is invalid."""
     try:

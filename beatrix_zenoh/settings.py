@@ -101,6 +101,11 @@ def resolve_valid(
     return settings, errors
 
 
+def account_at(endpoint: str) -> Account | None:
+    """Return the account that programs use at this router; raises WrongUsage (BAD_VALUE) if its file is invalid."""
+    return _account(os.environ.get("BEATRIX_ACCOUNT"), _stored().get("account"), endpoint)
+
+
 def _account(environment: str | None, stored: str | None, endpoint: str | None) -> Account | None:
     """Return the account in the file that a setting names, else the one that `beatrix join` has stored.
 

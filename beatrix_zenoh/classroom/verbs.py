@@ -15,7 +15,6 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.files import write_private
 from beatrix_zenoh.output import exit_code, note, say
 
 STDIN = Path("-")
@@ -100,8 +99,7 @@ def join(
     account = accounts.parse(sys.stdin.read(), "The text") if file == STDIN else accounts.load(file)
     before = f" It replaces the account that was stored in {place}." if place.exists() else ""
     try:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        write_private(place, account.text())
+        accounts.store(account)
     except OSError as error:
         raise Refused(
             Reason.BAD_VALUE,

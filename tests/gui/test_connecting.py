@@ -70,7 +70,7 @@ def test_the_list_has_boards_first_and_always_the_virtual_robot() -> None:
     text, ports = shown(state, replace(WITHOUT, ports=(BOARD, CABLE)))
     assert text == "Choose the board of your robot."
     assert ports == [
-        "Robot's board at /dev/ttyACM0 (Arduino Mega)",
+        "Robot at /dev/ttyACM0 (Arduino Mega)",
         "Other port /dev/ttyUSB1 (FT232R)",
         virtual,
     ]
@@ -92,6 +92,15 @@ def test_a_choice_starts_the_hardware_once_and_the_list_goes_when_its_board_answ
     online = world(hw=robot("hw"))
     state.follow(online)
     assert state.view(online).connect is None
+
+
+def test_the_sheet_stays_beside_hardware_that_is_online_and_offers_no_second_one() -> None:
+    online = world(hw=robot("hw"))
+    state = State()
+    assert state.handle(LookForPorts(), online) == []
+    state.follow(online)
+    text, ports = shown(state, online)
+    assert (text, ports) == ("The hardware of bea1 is online.", [])
 
 
 def test_a_failure_is_shown_in_the_language_with_the_output_as_a_detail() -> None:

@@ -23,7 +23,7 @@ from gui.console.state.intents import (
 )
 from gui.console.state.state import State
 from gui.console.state.views import Condition, PillView
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.world import LinkPhase, OwnAccount, World
 
 CALIBRATE_SIM = RunCommand(Command.CALIBRATE, side="sim")
 
@@ -110,20 +110,22 @@ def test_without_a_router_no_robot_is_online(phase: LinkPhase, text: str) -> Non
     )
 
 
-def test_a_window_whose_account_is_refused_only_offers_to_try_again() -> None:
+def test_a_window_whose_account_is_refused_offers_another_one() -> None:
     now = replace(
-        world(absent("sim"), absent("hw"), phase=LinkPhase.REFUSED), trouble="The router refuses ana."
+        world(absent("sim"), absent("hw"), phase=LinkPhase.REFUSED),
+        trouble="The router refuses ana.",
+        account=OwnAccount("ana", "8b", "2027-07-31", expired=False),
     )
     for side in ("sim", "hw"):
         assert pill(now, side).next_step is None
     state = State()
-    for language, text in (("en", "refuses this window's account"), ("de", "nimmt dieses Konto nicht an")):
+    for language, text in (("en", "does not accept account ana"), ("de", "nimmt das Konto ana")):
         state.handle(SetLanguage(language), now)
         banner = state.view(now).banner
         assert banner is not None
         assert text in banner.text
-        assert "The router refuses ana." in banner.buttons[0].tooltip
-        assert [button.intent for button in banner.buttons] == [Retry()]
+        assert "The router refuses ana." in banner.buttons[1].tooltip
+        assert [button.intent for button in banner.buttons] == [LookForPorts(), Retry()]
 
 
 def test_a_robot_that_was_online_is_lost_and_one_that_was_not_is_absent() -> None:

@@ -39,6 +39,11 @@ class Session:
     seats: Seats
     """the seats that are connected to the router"""
 
+    def close(self) -> None:
+        """Close the session, so that robots stop its motions; a slow router delays the return."""
+        self.client.close()
+        self.twin.close()
+
 
 class Connection:
     """Looks for the router in a thread until there is a session, which stays open until `close`.
@@ -67,6 +72,8 @@ class Connection:
         self.settings = settings
         self.robot = settings.robot
         self.session: Session | None = None
+        self._client: Client | None = None
+        """the newest client: reports about the router of an older one are ignored"""
         self._on_session, self._chosen = on_session, name_given
         self._source, self._shared = source, shared
         self._router_present = True
@@ -104,6 +111,17 @@ class Connection:
     def try_now(self) -> None:
         """Look now for the router and whether it accepts the account."""
         self._tasks.put(self._check_account)
+
+    def change(self, settings: Settings, *, name_given: bool) -> None:
+        """Close the session, and look for the router of these settings from now on; returns at once."""
+        with self._lock:
+            old, self.session, self._client = self.session, None, None
+            self.settings, self.robot, self._chosen = settings, settings.robot, name_given
+            self._router_present, self._trouble, self._refused, self._refusals = True, "", False, 0
+        if old is not None:
+            self._tasks.put(old.close)  # on the connection's thread, because closing may wait for a robot
+        else:
+            self.try_now()
 
     def select(self, robot: str) -> None:
         """Watch and drive the robots of another name from now on, through the same session; returns at once."""
@@ -157,25 +175,26 @@ class Connection:
         task()
 
     def _connect(self) -> None:
+        settings = self.settings
         try:
-            client = Client(self.settings, source=self._source)
+            client = Client(settings, source=self._source)
         except BeatrixError as error:
-            self._refused = error.reason is Reason.ACCOUNT_REFUSED
-            self._trouble = error.message
+            self._note(error, settings)
             return
+        self._client = client
         try:
             if (refused := client.bus.refusal(client.token)) is not None:
                 raise refused
-            client.bus.watch_router(self._on_router)
+            client.bus.watch_router(lambda present: self._on_router(client, present=present))
             shared = self._shared
             monitor = Monitor(client, events=EVENTS) if shared is None else shared.monitor
             seats = Seats(client) if shared is None else shared.seats
         except BeatrixError as error:  # the router has no rules for this account, or was lost meanwhile
             client.close()
-            self._refused, self._trouble = error.reason is Reason.ACCOUNT_REFUSED, error.message
+            self._note(error, settings)
             return
         with self._lock:
-            if not self._closed:
+            if not self._closed and settings is self.settings:
                 self._refused = False
                 session = self.session = Session(client, monitor, Twin(self.robot, client=client), seats)
                 self._trouble = ""
@@ -183,7 +202,15 @@ class Connection:
                 return
         client.close()
 
-    def _on_router(self, present: bool) -> None:  # noqa: FBT001
+    def _note(self, error: BeatrixError, settings: Settings) -> None:
+        """Store why there is no session, unless other settings were chosen meanwhile."""
+        with self._lock:
+            if settings is self.settings:
+                self._refused, self._trouble = error.reason is Reason.ACCOUNT_REFUSED, error.message
+
+    def _on_router(self, client: Client, *, present: bool) -> None:
+        if client is not self._client:
+            return
         if present and not self._router_present:
             self._tasks.put(self._check_account)
         self._router_present = present
@@ -194,6 +221,8 @@ class Connection:
         if session is None or self._closed:
             return
         error = session.client.bus.refusal(session.client.token)
+        if session is not self.session:
+            return
         self._refusals = 0 if error is None else self._refusals + 1
         self._refused = self._refusals >= REFUSALS
         self._trouble = error.message if error is not None and self._refused else ""
@@ -223,8 +252,7 @@ class Connection:
             session = self.session
         self.try_now()
         if session is not None:
-            session.client.close()
-            session.twin.close()
+            session.close()
 
     def join(self, deadline_s: float) -> None:
         """Wait for the end of the thread until `deadline_s` (monotonic clock, s)."""

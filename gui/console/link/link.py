@@ -26,6 +26,7 @@ from gui.console.link.outcomes import WindowError, done, failed
 from gui.console.link.pictures import Cameras, OnImage
 from gui.console.link.ports import Ports
 from gui.console.link.probe import Probe
+from gui.console.link.routers import Routers, own_account
 from gui.console.link.stopping import send_stop
 from gui.console.link.worker import LinkPart, Worker
 from gui.console.state import actions
@@ -62,7 +63,7 @@ class Link:
             shared: a session whose states of robots and seats this link reads; None: it receives them itself.
         """
         self._on_outcome, self._caller = on_outcome, threading.get_ident()
-        self._default_seat = names.default_seat() if settings.account is None else settings.account.name
+        self._default_seat = names.default_seat()
         self._outcomes = Worker("window-outcomes")
         report = self._report
         self._cameras, self._levels = Cameras(on_image), Levels()
@@ -76,6 +77,7 @@ class Link:
         self._probes = {side: Probe(side, lambda: self._connection.session) for side in SIDES}
         self._children = Children(self._connection.try_now)
         self._recordings, self._ports = Recordings(), Ports()
+        self._routers = Routers(self._connection, self._leave)
         self._files = Worker("window-files")
 
     def start(self) -> None:
@@ -99,13 +101,15 @@ class Link:
         robot = robot or connection.robot
         sim, hw = connection.states(robot)
         session, now_s = connection.session, time.monotonic()
-        account = connection.settings.account
+        settings = connection.settings
+        account = settings.account
+        default_seat = self._default_seat if account is None else account.name
         return World(
             now_s=now_s,
             phase=connection.phase,
-            endpoint=connection.settings.connect,
-            seat=connection.settings.who,
-            who="" if connection.settings.who == self._default_seat else connection.settings.who,
+            endpoint=settings.connect,
+            seat=settings.who,
+            who="" if settings.who == default_seat else settings.who,
             robot=robot,
             sim=sim,
             hw=hw,
@@ -120,6 +124,9 @@ class Link:
             own_hardware=self._children.runs(HARDWARE),
             ports=self._ports.newest,
             child_trouble=self._children.trouble,
+            account=None if account is None else own_account(account),
+            choosing=self._routers.busy,
+            router_trouble=self._routers.trouble,
             playing=self._moving.playing.title,
             playing_pose=self._moving.playing.pose,
             face=self._moving.face.progress(),
@@ -177,9 +184,13 @@ class Link:
 
     def _select(self, robot: str) -> None:
         if robot != self._connection.robot:
-            self.jogging.end()
-            self._moving.deselect()
+            self._leave()
         self._connection.select(robot)
+
+    def _leave(self) -> None:
+        """End all motions of this link, because the user has chosen another robot, router or account."""
+        self.jogging.end()
+        self._moving.deselect()
 
     def _do_here(self, action: Action) -> None:
         """Carry out an action on files and processes of this computer."""
@@ -197,6 +208,8 @@ class Link:
                 self._ports.look()
             case actions.RunHardware():
                 self._children.connect(connection.robot, connection.settings.connect, action.port)
+            case actions.UseEndpoint() | actions.JoinClass():
+                self._routers.choose(action)
             case actions.EndFollowing():
                 self._moving.face.end(None)
             case actions.CopyProgram():
@@ -302,6 +315,7 @@ class Link:
             self._levels,
             self._recordings,
             self._ports,
+            self._routers,
             self._children,
             self._files,
         )

@@ -221,6 +221,20 @@ class Connect(Action):
 
 
 @dataclass(frozen=True)
+class UseEndpoint(Action):
+    """Check the router at this endpoint, and use it."""
+
+    endpoint: str
+
+
+@dataclass(frozen=True)
+class JoinClass(Action):
+    """Check an account file, store it for the user, and use its router and seat."""
+
+    file: Path
+
+
+@dataclass(frozen=True)
 class Select(Action):
     """Watch and drive the robot of this name."""
 

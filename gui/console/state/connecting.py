@@ -1,26 +1,53 @@
-"""What makes robots come online: router, simulation, and hardware at a port that the user chooses from a list."""
+"""What makes robots come online: router, account, simulation, and hardware at a port that the user chooses."""
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Final
+
 from beatrix_zenoh.contract._generated.messages import Fault
-from gui.console.state.actions import Action, Connect, FindPorts, RunHardware, RunSimulation
+from beatrix_zenoh.settings import DEFAULT_ENDPOINT
+from gui.console.state.actions import (
+    Action,
+    Connect,
+    FindPorts,
+    JoinClass,
+    RunHardware,
+    RunSimulation,
+    UseEndpoint,
+)
 from gui.console.state.intents import Intent, Retry, StartSimulation
 from gui.console.state.memory import Memory
 from gui.console.state.presence import online
-from gui.console.state.views import ButtonView, ConnectView
-from gui.console.state.world import UsbPort, World
+from gui.console.state.views import ButtonView, ConnectView, RouterView
+from gui.console.state.world import LinkPhase, UsbPort, World
 from gui.console.texts import Texts
 
-VIRTUAL = "virtual:"
+VIRTUAL: Final = "virtual:"
 """Port of the virtual robot."""
+PORT: Final = DEFAULT_ENDPOINT.rpartition(":")[2]
+"""Usual port of a router."""
 
 
 class ConnectIntent(Intent, frozen=True):
-    """Base class of the intents of the list."""
+    """Base class of the intents of the sheet."""
 
 
 class LookForPorts(ConnectIntent, frozen=True):
-    """Show the list, and look for the serial ports of this computer."""
+    """Show the sheet, and look for the serial ports of this computer."""
+
+
+class UseRouter(ConnectIntent, frozen=True):
+    """Use the router at this address."""
+
+    address: str
+    """as the user has typed it"""
+
+
+class UseAccount(ConnectIntent, frozen=True):
+    """Join a class with the account file of a seat."""
+
+    file: Path
 
 
 class ConnectHardware(ConnectIntent, frozen=True):
@@ -30,15 +57,17 @@ class ConnectHardware(ConnectIntent, frozen=True):
 
 
 class CloseConnect(ConnectIntent, frozen=True):
-    """Hide the list."""
+    """Hide the sheet."""
 
 
 def view(memory: Memory, world: World) -> ConnectView | None:
-    """Return the list; None while it is hidden."""
+    """Return the sheet; None while it is hidden."""
     if not memory.connecting:
         return None
-    texts, failed = memory.choices.texts, world.child_trouble
-    if world.connecting:
+    texts, failed, here = memory.choices.texts, world.child_trouble, _serves(world)
+    if here:
+        text = texts("connect.online", robot=world.robot)
+    elif world.connecting:
         text = texts("connect.starting")
     elif failed is not None:
         text = texts(failed.key, code=failed.code)
@@ -52,12 +81,74 @@ def view(memory: Memory, world: World) -> ConnectView | None:
         texts("connect.virtual"), texts("connect.virtual_tip"), ConnectHardware(VIRTUAL), enabled=not off
     )
     return ConnectView(
+        router(world, texts),
         text,
         "" if failed is None or off else failed.detail,
-        (*ports, virtual),
+        () if here else (*ports, virtual),
         ButtonView(texts("connect.again"), texts("connect.again_tip"), LookForPorts(), enabled=not off),
         ButtonView(texts("connect.close"), texts("connect.close_tip"), CloseConnect()),
     )
+
+
+def router(world: World, texts: Texts) -> RouterView:
+    """Return the router and the account of the window, and what can be changed."""
+    failed, account, off = world.router_trouble, world.account, world.choosing
+    if off:
+        text, good = texts("connect.checking"), None
+    elif failed is not None:
+        text, good = texts(failed.key, **failed.slots), False
+    else:
+        text, good = _router_state(world, texts)
+    if account is None:
+        own = texts("connect.no_account")
+    else:
+        own = texts(
+            "connect.account", account=account.name, expires=account.expires, **{"class": account.class_name}
+        )
+    return RouterView(
+        world.endpoint,
+        text,
+        "" if failed is None or off else failed.detail,
+        good,
+        ButtonView(texts("connect.use"), texts("connect.use_tip"), UseRouter(""), enabled=not off),
+        own,
+        ButtonView(texts("connect.join"), texts("connect.join_tip"), UseAccount(Path()), enabled=not off),
+    )
+
+
+def _router_state(world: World, texts: Texts) -> tuple[str, bool | None]:
+    """Return whether the present router answers and accepts the window, as a sentence and as a value."""
+    match world.phase:
+        case LinkPhase.ONLINE:
+            return texts("connect.answers", robots=float(len(world.names))), True
+        case LinkPhase.CONNECTING:
+            return texts("banner.connecting", endpoint=world.endpoint), None
+        case LinkPhase.NO_ROUTER:
+            return texts("connect.unanswered", endpoint=world.endpoint), False
+    return refused(world, texts), False
+
+
+def refused(world: World, texts: Texts) -> str:
+    """Return why the router does not accept this window, and what to do."""
+    account = world.account
+    if account is None:
+        return texts("connect.needs_account", endpoint=world.endpoint)
+    slots = {"account": account.name, "class": account.class_name, "expires": account.expires}
+    return texts(
+        "connect.expired" if account.expired else "connect.foreign", endpoint=world.endpoint, **slots
+    )
+
+
+def completed(address: str) -> str:
+    """Return a typed address as endpoints: `192.168.1.20` becomes `tcp/192.168.1.20:7447`."""
+    return ",".join(_endpoint(one.strip()) for one in address.split(","))
+
+
+def _endpoint(address: str) -> str:
+    if not address or "/" in address:
+        return address
+    with_port = address.rpartition(":")[2].isdigit() and (address.count(":") == 1 or "]:" in address)
+    return f"tcp/{address}" if with_port else f"tcp/{address}:{PORT}"
 
 
 def _port(port: UsbPort, texts: Texts, *, off: bool) -> ButtonView:
@@ -74,16 +165,41 @@ def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
         case Retry():
             return [Connect()]
         case LookForPorts():
-            memory.connecting = True
-            return [FindPorts()]
+            memory.connecting, memory.port_chosen = True, False
+            return [] if _serves(world) else [FindPorts()]
         case ConnectHardware(port=port):
+            memory.port_chosen = True
             return [] if world.connecting else [RunHardware(port)]
-    memory.connecting = False
+        case CloseConnect():
+            memory.connecting = False
     return []
 
 
+def choose_router(world: World, intent: UseRouter | UseAccount) -> list[Action]:
+    """Return the action of the choice of a router or account; none while another one is being checked."""
+    if world.choosing:
+        return []
+    if isinstance(intent, UseRouter):
+        return [UseEndpoint(completed(intent.address))]
+    return [JoinClass(intent.file)]
+
+
 def follow(memory: Memory, world: World) -> None:
-    """Hide the list when hardware is online and its board answers."""
+    """Hide the sheet when the chosen hardware is online; forget leases and angles of a router that was left."""
+    if memory.port_chosen and not world.connecting and _serves(world):
+        memory.connecting = memory.port_chosen = False
+    place = (world.endpoint, world.seat)
+    if memory.router not in (("", ""), place):
+        memory.standings, memory.lease_notice, memory.refusal, memory.undo = {}, None, None, ()
+    memory.router = place
+
+
+def _serves(world: World) -> bool:
+    """Return whether hardware is online, and its board answers."""
     status = world.hw.status
-    if memory.connecting and not world.connecting and online(world, "hw") and status is not None:
-        memory.connecting = status.fault is Fault.BOARD_LOST or not status.board.connected
+    return (
+        online(world, "hw")
+        and status is not None
+        and status.fault is not Fault.BOARD_LOST
+        and status.board.connected
+    )

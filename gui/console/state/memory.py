@@ -187,7 +187,11 @@ class Memory:
     open_hold: int = 0
     """row of the newest hold until its end; 0: none"""
     connecting: bool = False
-    """whether the list of ports is shown"""
+    """whether the sheet that connects is shown"""
+    port_chosen: bool = False
+    """whether the user has chosen a port in it"""
+    router: tuple[str, str] = ("", "")
+    """endpoint and seat of the window at the last call of `connecting.follow`"""
     notice: str = ""
     """a sentence to show until the first request"""
     troubles: Mapping[str, Trouble | None] = field(default_factory=dict)

@@ -317,7 +317,7 @@ def banner(memory: Memory, world: World) -> BannerView | None:
     tooltip = f"{texts('next.retry_tip')} {world.trouble}".strip()
     retry = ButtonView(texts("next.retry"), tooltip, Retry())
     if world.phase is LinkPhase.REFUSED:
-        found = BannerView(texts("banner.refused", endpoint=world.endpoint), (retry,))
+        found = BannerView(connecting.refused(world, texts), (connect, retry))
     elif world.phase is LinkPhase.NO_ROUTER:
         found = BannerView(texts("banner.no_router", endpoint=world.endpoint), (start, connect, retry))
     elif others:

@@ -167,6 +167,11 @@ class State:
                 self._guide.handle(intent, self._memory)
             case intents.ChooseRobot(name=name):
                 return self._choose(name, world)
+            case connecting.UseRouter() | connecting.UseAccount():
+                shown = class_page.show(
+                    self._memory, WindowPage.ROBOT
+                )  # the next seat may not be the teacher's
+                return [*shown, *connecting.choose_router(world, intent)]
             case intents.StartSimulation() | intents.Retry() | connecting.ConnectIntent():
                 return connecting.handle(self._memory, world, intent)
             case intents.SavePlots():

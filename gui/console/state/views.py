@@ -435,15 +435,34 @@ class ClassView:
 
 
 @dataclass(frozen=True)
-class ConnectView:
-    """The list of ports to connect hardware with."""
+class RouterView:
+    """The router and the account of the window."""
 
+    address: str
+    text: str
+    """whether the router answers, what goes on, or why the last choice is not used"""
+    details: str
+    """the English sentence of the library about that; empty: none"""
+    good: bool | None
+    """whether the router answers and the last choice is used; None: not known yet"""
+    use: ButtonView
+    """the button's intent has no address: the widget adds the text of the field"""
+    account: str
+    join: ButtonView
+    """the button's intent has no file: the widget asks for it"""
+
+
+@dataclass(frozen=True)
+class ConnectView:
+    """The sheet that connects: router, account, and the list of ports of the hardware."""
+
+    router: RouterView
     text: str
     """what to do, what goes on, or why it has failed"""
     details: str
     """the output of the program that has failed, in English; empty: none has"""
     ports: tuple[ButtonView, ...]
-    """boards, other ports, the virtual robot"""
+    """boards, other ports, the virtual robot; empty if hardware is online"""
     again: ButtonView
     close: ButtonView
 
@@ -486,4 +505,4 @@ class View:
     page: WindowPage = WindowPage.ROBOT
     tab: Tab = Tab.HEADS
     connect: ConnectView | None = None
-    """None: the list of ports is hidden"""
+    """None: the sheet is hidden"""

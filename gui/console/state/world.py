@@ -53,7 +53,7 @@ class PlanProgress:
 
 @dataclass(frozen=True)
 class Trouble:
-    """Why a program of this window did not start or has failed."""
+    """Why a program of this window did not start or has failed, or why a router or account cannot be used."""
 
     key: str
     """a text of the faces"""
@@ -61,6 +61,19 @@ class Trouble:
     """exit code, or name of the signal; a slot of the text"""
     detail: str = ""
     """last lines of its output, or the error of the system, in English"""
+    slots: Mapping[str, str] = field(default_factory=dict)
+    """further slots of the text"""
+
+
+@dataclass(frozen=True)
+class OwnAccount:
+    """The account of the window."""
+
+    name: str
+    class_name: str
+    expires: str
+    """last day of its certificate, as 2027-07-31"""
+    expired: bool
 
 
 @dataclass(frozen=True)
@@ -138,6 +151,12 @@ class World:
     """whether a program of the hardware of this window is running"""
     ports: tuple[UsbPort, ...] | None = None
     """serial ports of this computer, when the user has asked for them; None: not known yet"""
+    account: OwnAccount | None = None
+    """None: the window has no account"""
+    choosing: bool = False
+    """whether another router or account is being checked"""
+    router_trouble: Trouble | None = None
+    """why the last choice of a router or account is not used; None: it is, or there was none"""
     child_trouble: Trouble | None = None
     """why a router, simulation or viewer of this window did not start or has failed; None: no failure"""
     playing: str = ""

@@ -27,7 +27,9 @@ class FileDialog(QFileDialog):
         files: str = "",
     ) -> None:
         """Create a hidden dialog for files with this suffix; `files` names their kind, by default the suffix."""
-        super().__init__(parent, title, str(begin_folder(mode)), texts(f"label.{files or suffix}_files"))
+        super().__init__(
+            parent, title, str(begin_folder(mode, suffix)), texts(f"label.{files or suffix}_files")
+        )
         self._texts = texts
         self.setOption(QFileDialog.Option.DontUseNativeDialog)
         self.setOption(QFileDialog.Option.DontConfirmOverwrite)
@@ -124,13 +126,13 @@ class FilePanel(QWidget):
         self.dialog = None
 
 
-def begin_folder(mode: QFileDialog.AcceptMode) -> Path:
+def begin_folder(mode: QFileDialog.AcceptMode, suffix: str) -> Path:
     """Return the first folder of the dialog.
 
-    For reading: the folder of the shipped choreographies. For writing: the working folder or, if it was
-    deleted, the home folder.
+    For reading choreographies: the folder of the shipped ones. Otherwise the working folder or, if it was deleted, the
+    home folder.
     """
-    if mode == QFileDialog.AcceptMode.AcceptOpen:
+    if mode == QFileDialog.AcceptMode.AcceptOpen and suffix == "csv":
         return Path(str(resources.files("beatrix_zenoh") / "choreographies"))
     try:
         return Path.cwd()

@@ -17,6 +17,7 @@ from PyQt5.QtWidgets import (
 )
 
 from beatrix_zenoh.contract.names import SIDES
+from gui.console.state.connecting import LookForPorts
 from gui.console.state.intents import ChooseRobot, SetLanguage, SetTheme, Theme, WindowPage
 from gui.console.state.views import ButtonView, PillView, RecordView, View
 from gui.console.texts import LANGUAGES, Texts
@@ -218,6 +219,9 @@ class Header(QWidget):
             choices[code] = self._choice(menu, texts(f"label.language_{code}"), SetLanguage(code))
             languages.addAction(choices[code])
         menu.addSeparator()
+        connect = QAction(texts("label.connect"), menu)
+        connect.triggered.connect(lambda: self.intent.emit(LookForPorts()))
+        menu.addAction(connect)
         keys = QAction(f"{texts('label.keys')}\tF1", menu)
         keys.triggered.connect(self.keys_asked)
         menu.addAction(keys)

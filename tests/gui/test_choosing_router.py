@@ -1,0 +1,268 @@
+"""Choose another router or account in the window: what the sheet says, and what real routers answer."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import msgspec
+import pytest
+from class_router import ClassRouter
+from gui_links import Linked, at_home, look
+from gui_windows import windowed
+from gui_worlds import absent, world
+from PyQt5.QtCore import Qt
+from PyQt5.QtTest import QTest
+from robots import Stage, free_endpoint, start_router
+
+from beatrix_zenoh import account as accounts
+from beatrix_zenoh.client import Presence
+from gui.console.state.actions import Action, JoinClass, Outcome, Send, UseEndpoint
+from gui.console.state.connecting import LookForPorts, UseAccount, UseRouter, completed
+from gui.console.state.intents import SendHead, SetDestination, SetLanguage, TogglePage, WindowPage
+from gui.console.state.state import State
+from gui.console.state.views import RouterView
+from gui.console.state.world import LinkPhase, OwnAccount, Trouble, World
+from gui.console.texts import LANGUAGES
+
+ANA = OwnAccount("ana", "8b", "2027-07-31", expired=False)
+ALONE = world(absent("sim"), absent("hw"))
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder for the settings of the user, who has no account yet."""
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def sheet(now: World, language: str = "en") -> RouterView:
+    """Return what the sheet says about router and account."""
+    state = State()
+    state.handle(SetLanguage(language), now)
+    state.handle(LookForPorts(), now)
+    found = state.view(now).connect
+    assert found is not None
+    return found.router
+
+
+# -- what the sheet says --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("typed", "endpoint"),
+    [
+        ("192.168.1.20", "tcp/192.168.1.20:7447"),
+        (" lab-pc:7448 ", "tcp/lab-pc:7448"),
+        ("tcp/127.0.0.1:7447", "tcp/127.0.0.1:7447"),
+        ("tls/10.0.0.2:7447,tls/lab:7447", "tls/10.0.0.2:7447,tls/lab:7447"),
+        ("[fe80::1]:7447", "tcp/[fe80::1]:7447"),
+        ("", ""),
+    ],
+)
+def test_an_address_may_be_typed_without_protocol_and_port(typed: str, endpoint: str) -> None:
+    assert completed(typed) == endpoint
+    assert State().handle(UseRouter(typed), ALONE) == [UseEndpoint(endpoint)]
+
+
+def test_the_sheet_shows_router_and_account() -> None:
+    alone = sheet(ALONE)
+    assert (alone.address, alone.good) == (ALONE.endpoint, True)
+    assert alone.account.startswith("No account.")
+    joined = sheet(replace(ALONE, account=ANA))
+    assert joined.account == "Account ana of class 8b, valid until 2027-07-31."
+
+
+@pytest.mark.parametrize(
+    ("phase", "account", "words"),
+    [
+        (LinkPhase.NO_ROUTER, None, "Check the address"),
+        (LinkPhase.REFUSED, None, "Choose the account file of your seat"),
+        (LinkPhase.REFUSED, ANA, "Choose the newest file of your seat"),
+        (LinkPhase.REFUSED, replace(ANA, expired=True), "expired on 2027-07-31"),
+    ],
+)
+def test_a_router_that_cannot_be_used_says_what_to_do(
+    phase: LinkPhase, account: OwnAccount | None, words: str
+) -> None:
+    now = replace(ALONE, phase=phase, account=account)
+    assert words in sheet(now).text
+    assert sheet(now).good is False
+    assert sheet(now, "de").text != sheet(now).text
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        "bad_address",
+        "bad_account",
+        "no_file",
+        "not_account",
+        "not_stored",
+        "expired",
+        "foreign",
+        "needs_account",
+    ],
+)
+def test_a_choice_that_cannot_be_used_is_explained_in_both_languages(key: str) -> None:
+    slots = dict.fromkeys(("address", "file", "endpoint", "account", "class", "expires"), "X")
+    now = replace(ALONE, router_trouble=Trouble(f"connect.{key}", detail="In English.", slots=slots))
+    texts = [sheet(now, language) for language in LANGUAGES]
+    assert texts[0].text != texts[1].text
+    assert {found.details for found in texts} == {"In English."}
+    assert not any(found.good for found in texts)
+
+
+def test_while_a_choice_is_checked_there_is_no_second_one() -> None:
+    now = replace(ALONE, choosing=True)
+    assert not sheet(now).use.enabled
+    assert not sheet(now).join.enabled
+    assert State().handle(UseRouter("lab"), now) == []
+    assert State().handle(UseAccount(Path("ana.toml")), now) == []
+
+
+def test_undo_and_the_page_of_the_class_belong_to_the_router_that_was_left() -> None:
+    teacher = replace(world(), seat="teacher", account=replace(ANA, name="teacher"))
+    state = State()
+    state.follow(teacher)
+    state.handle(SetDestination("hw", checked=False), teacher)
+    (send,) = state.handle(SendHead(), teacher)
+    assert isinstance(send, Send)
+    state.report(Outcome(send.row, "sim", accepted=True, done=True))
+    assert state.view(teacher).commands.undo.enabled
+    state.handle(TogglePage(), teacher)
+    actions: list[Action] = state.handle(UseAccount(Path("ana.toml")), teacher)
+    assert JoinClass(Path("ana.toml")) in actions
+    now = replace(teacher, seat="ana", endpoint="tls/lab:7447")
+    state.follow(now)
+    shown = state.view(now)
+    assert shown.page is WindowPage.ROBOT
+    assert not shown.commands.undo.enabled
+
+
+# -- real routers ---------------------------------------------------------------------------------
+
+
+def refused(linked: Linked, action: Action) -> Trouble:
+    """Make a choice; return why it is not used."""
+    linked.do(action)
+    found = linked.until(lambda world: not world.choosing, "the choice is checked").router_trouble
+    assert found is not None
+    return found
+
+
+def test_another_router_is_used_and_its_only_robot_is_shown() -> None:
+    with Stage() as here, Stage() as there:
+        here.node("bea")
+        there.simulation("anton")
+        with Linked(here.endpoint) as linked:
+            linked.online("hw")
+            assert refused(linked, UseEndpoint("nonsense")).key == "connect.bad_address"
+            assert refused(linked, UseEndpoint(free_endpoint())).key == "connect.unanswered"
+            assert linked.world.phase is LinkPhase.ONLINE, "a wrong address costs no connection"
+            assert linked.world.endpoint == here.endpoint
+            linked.do(UseEndpoint(there.endpoint))
+            linked.until(lambda world: world.robot == "anton", "the robot of the other router is shown")
+            linked.until(lambda world: world.sim.presence is Presence.ONLINE, "its positions arrive")
+            assert linked.world.endpoint == there.endpoint
+            assert linked.world.hw.presence is Presence.ABSENT
+            linked.do(UseEndpoint(here.endpoint))
+            linked.until(lambda world: world.robot == "bea", "the first robot is shown again")
+            linked.online("hw")
+
+
+def test_a_window_without_a_router_waits_for_the_one_that_was_typed() -> None:
+    later = free_endpoint()
+    with Linked(free_endpoint()) as linked:
+        linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "no router answers")
+        linked.do(UseEndpoint(later))
+        linked.until(lambda world: world.endpoint == later, "the window looks for the other router")
+        router = start_router(later)
+        try:
+            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "it answers")
+        finally:
+            router.end()
+
+
+def test_the_motion_of_the_window_ends_with_its_session() -> None:
+    with Stage() as here, Stage() as there:
+        here.simulation("bea")
+        here.hardware("bea")
+        with Linked(here.endpoint) as linked:
+            at_home(linked)
+            linked.do(Send(1, look(120.0, 20.0), ("hw",)))
+            linked.accepted(1, "hw")
+            linked.do(UseEndpoint(there.endpoint))
+            assert not linked.end_of(1, "hw").accepted
+            robot = here.robot("bea", "hw")
+            assert robot.positions().arms.long < 110.0
+
+
+def test_account_files_are_checked_before_they_are_stored(folder: Path) -> None:
+    (folder / "one").mkdir()
+    with ClassRouter(folder / "one") as router, Stage() as stage:
+        old, junk = folder / "old.toml", folder / "junk.toml"
+        ana = router.account("ana")
+        old.write_text(msgspec.structs.replace(ana, expires=dt.date(2020, 7, 31)).text())
+        junk.write_text("speed = 3\n")
+        with Linked(stage.endpoint) as linked:
+            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "a session without an account")
+            assert refused(linked, JoinClass(folder / "none.toml")).key == "connect.no_file"
+            assert refused(linked, JoinClass(junk)).key == "connect.not_account"
+            expired = refused(linked, JoinClass(old))
+            assert (expired.key, expired.slots["expires"]) == ("connect.expired", "2020-07-31")
+            assert refused(linked, UseEndpoint(ana.connect)).key == "connect.needs_account"
+            former = folder / "former.toml"
+            former.write_text(router.replace("ana").text())
+            assert refused(linked, JoinClass(former)).key == "connect.foreign"
+            assert linked.world.endpoint == stage.endpoint
+            assert not accounts.joined().exists(), "nothing was stored"
+            linked.do(JoinClass(router.path("ana")))
+            joined = linked.until(lambda world: world.account is not None, "the account is used")
+            assert (joined.seat, joined.robot, joined.endpoint) == ("ana", "ana", ana.connect)
+            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "the router of the class accepts it")
+            assert accounts.load(accounts.joined()).name == "ana"
+            linked.do(UseEndpoint(stage.endpoint))
+            left = linked.until(lambda world: world.account is None, "no account at another router")
+            assert left.endpoint == stage.endpoint
+            linked.do(UseEndpoint(ana.connect))
+            linked.until(
+                lambda world: world.account is not None, "the account of this computer is used again"
+            )
+
+
+# -- the window -----------------------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("qapp")
+def test_a_user_types_an_address_and_chooses_a_file(folder: Path) -> None:
+    with Stage() as here, Stage() as there, windowed(here.endpoint) as user:
+        panels = user.window.panels
+        panels.header.menu.actions()[-2].trigger()
+        router = panels.connect_sheet.router
+        user.until(lambda: "answers" in router.state.text(), "the present router answers")
+        assert router.address.text() == here.endpoint
+
+        def typed(text: str) -> Callable[[], None]:
+            router.address.setFocus()
+            router.address.selectAll()
+            QTest.keyClicks(router.address, text)
+            return lambda: QTest.keyClick(router.address, Qt.Key.Key_Return)
+
+        typed("no/such/thing")()
+        user.until(lambda: "is not an address" in router.state.text(), "a wrong address is explained")
+        assert router.address.text() == "no/such/thing", "it can be corrected"
+        QTest.keyClick(router.address, Qt.Key.Key_Space)
+        assert "stop" in user.last, "Space is STOP in this field, too"
+        typed(there.endpoint)()
+        user.until(lambda: user.window._world.endpoint == there.endpoint, "the other router is used")
+        user.until(lambda: "answers" in router.state.text(), "it answers")
+        user.press(router.join)
+        dialog = router.dialog
+        assert dialog is not None
+        dialog.close()
+        user.window.handle(UseAccount(folder / "none.toml"))
+        user.until(lambda: "none.toml cannot be read" in router.state.text(), "a missing file is explained")
