@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, Self
 
 from beatrix_zenoh import files
 from beatrix_zenoh.client.degrees import DAY_S, ArmAngles, HeadAngles
@@ -60,6 +60,18 @@ class MotionFile:
     """whether the file has a column of speeds; a choreography has one, a path does not"""
 
 
+class WrongLine(WrongUsage):
+    """A line of a motion file that cannot be used."""
+
+    def __init__(self, line: int, message: str) -> None:
+        """`line` counts from 1."""
+        super().__init__(Reason.BAD_VALUE, message)
+        self.line = line
+
+    def __reduce__(self) -> tuple[type[Self], tuple[int, str]]:  # type: ignore[override]
+        return type(self), (self.line, self.message)
+
+
 def read(path: Path) -> MotionFile:
     """Read a motion file.
 
@@ -105,7 +117,7 @@ def refusing(source: str, line: int) -> Iterator[None]:
     try:
         yield
     except (ValueError, csv.Error) as error:
-        raise WrongUsage(Reason.BAD_VALUE, f"{source}, line {line}: {error}. {FORM}") from error
+        raise WrongLine(line, f"{source}, line {line}: {error}. {FORM}") from error
 
 
 def counts(line: str) -> bool:

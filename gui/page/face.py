@@ -17,12 +17,13 @@ from gui.console.link.jogging import Press
 from gui.console.link.moving import robots_of
 from gui.console.state import class_page, intents, projector
 from gui.console.state.actions import Action, Outcome, SendStop, WatchMicrophones
+from gui.console.state.connecting import ConnectIntent
 from gui.console.state.holding import AHEAD_S, ROTATIONS, jog_query
 from gui.console.state.intents import Intent, Tab
 from gui.console.state.presence import online
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
-from gui.console.state.views import BannerView, ButtonView, View
+from gui.console.state.views import BannerView, ButtonView, PillView, View
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts, load
 from gui.page.messages import DRIVING, OWN, ButtonHeld
@@ -163,10 +164,7 @@ class Face:
             "class": [{"cells": row.cells, "robot": row.place[0]} for row in rows],
             "projector": projector.view(world, texts) if self.shows_class else None,
             "banner": _banner(view, world),
-            "pills": [
-                replace(pill, next_step=_offered(pill.next_step), lease=_lease(pill.lease))
-                for pill in view.pills
-            ],
+            "pills": [_pill(pill) for pill in view.pills],
             "head": replace(view.head, path=()),
             "history": view.history[:HISTORY],
             **{
@@ -283,6 +281,13 @@ def _offered(button: ButtonView | None) -> ButtonView | None:
     return button if button is not None and isinstance(button.intent, OFFERED) else None
 
 
+def _pill(pill: PillView) -> PillView:
+    """Return the pill without a button that pages may not use, and without a reason that mentions it."""
+    offered = _offered(pill.next_step)
+    reason = pill.reason if offered == pill.next_step else ""
+    return replace(pill, next_step=offered, reason=reason, lease=_lease(pill.lease))
+
+
 def _lease(button: ButtonView | None) -> ButtonView | None:
     """Return the button of a lease, unless it gives the robot back as the button beside *Drive* does for both robots."""
     match button:
@@ -297,7 +302,7 @@ def _banner(view: View, world: World) -> BannerView | None:
     if banner is None:
         return None
     buttons = tuple(button for button in banner.buttons if _offered(button))
-    if any(isinstance(button.intent, intents.StartSimulation) for button in banner.buttons):
+    if any(isinstance(button.intent, intents.StartSimulation | ConnectIntent) for button in banner.buttons):
         key = "page.no_robot" if world.phase is LinkPhase.ONLINE else "page.no_router"
         return BannerView(texts(key, robot=view.robot), buttons)
     return BannerView(banner.text, buttons)

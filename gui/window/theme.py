@@ -60,6 +60,9 @@ class Style:
     stop: str
     stop_pressed: str
     stop_text: str
+    message: str
+    """background of the last request beside STOP, dark in every theme: white would draw the eye away from STOP"""
+    message_text: str
 
     def px(self, pixels: float) -> int:
         """Return a length (px) multiplied by the scale of this theme."""

@@ -299,7 +299,10 @@ def test_every_state_can_be_drawn_in_every_language(qtbot: QtBot, code: str) -> 
     only_sim = world(hw=NOWHERE.hw)
     pictures = []
     for now in (NOWHERE, only_sim, ready()):
-        for aim in (AimHead(0.0, 0.0, 0.0), AimHead(170.0, 38.0, 10.0)):
+        aims = (AimHead(0.0, 0.0, 0.0), AimHead(170.0, 38.0, 10.0))
+        for aim in (
+            aims[:1] if now is NOWHERE else aims
+        ):  # without a robot the sentence has the picture for itself
             state = State()
             state.handle(aim, now)
             panel.show_view(state.view(now).head)

@@ -11,7 +11,7 @@ from gui_worlds import world
 from beatrix_zenoh.client.choreography import ArmPose, choreography
 from beatrix_zenoh.client.motion_file import parse
 from gui.console.state.actions import WriteFile
-from gui.console.state.intents import DeletePose
+from gui.console.state.intents import DeletePose, SetLanguage
 from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.sequence import POSES_MAX
 from gui.console.state.sequence_intents import OpenSequence, SaveSequence, SetLoop
@@ -37,6 +37,34 @@ def written(state: State, intent: SaveSequence) -> str:
     (write,) = state.handle(intent, world())
     assert isinstance(write, WriteFile)
     return str(write.content)
+
+
+@pytest.mark.parametrize(
+    ("text", "english", "german"),
+    [
+        ("speed\n1\n", "line 1: 'speed' is not a column", "Zeile 1 von dance.csv passt nicht"),
+        (
+            "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n1,0,0,0,20\n0,0,0,0,20\n",
+            "line 3",
+            "Zeile 3 von dance.csv",
+        ),
+        ("", "begin with the names of the columns", "dance.csv ist keine Bewegungsdatei"),
+        (
+            "t_s,yaw_deg,pitch_deg,roll_deg\n1,0,0,0\n",
+            "so it is a path",
+            "dance.csv ist keine Bewegungsdatei",
+        ),
+    ],
+)
+def test_a_file_that_is_no_choreography_is_explained_in_both_languages(
+    text: str, english: str, german: str
+) -> None:
+    state = editing(*THREE)
+    for code, words in (("en", english), ("de", german)):
+        state.handle(SetLanguage(code), world())
+        state.handle(OpenSequence(Path("dance.csv"), text), world())
+        assert words in refusal_of(state)
+    assert state.saved.poses == THREE
 
 
 def test_a_saved_choreography_is_opened_as_the_same_sequence() -> None:
@@ -71,7 +99,7 @@ def test_a_saved_program_contains_the_motions(loop: bool) -> None:
     [
         ("t_s,yaw_deg,pitch_deg,roll_deg\n0,1,2,3\n", "", "has no column speed_deg_s"),
         ("nothing", "", "'nothing' is not a column"),
-        ("", "Permission denied", "Permission denied"),
+        ("", "Permission denied", "x.csv cannot be opened"),
         ("t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,89,0,30\n", "", "tilt"),
         ("t_s,short_deg,middle_deg,long_deg,speed_deg_s\n" + "0,0,0,0,30\n", "", ""),
         (

@@ -73,7 +73,9 @@ def test_languages_have_the_same_keys(code: str) -> None:
 
 @pytest.mark.parametrize("code", OTHERS)
 def test_languages_have_the_same_slots(code: str) -> None:
-    assert {key for key, text in TABLES[code].items() if slots(text) != slots(ENGLISH[key])} == set()
+    """A text that is the library's own sentence in English has further slots in other languages."""
+    different = {key for key, text in TABLES[code].items() if slots(text) != slots(ENGLISH[key])}
+    assert {key for key in different if ENGLISH[key] != "{text}"} == set()
 
 
 @pytest.mark.parametrize("code", LANGUAGES)

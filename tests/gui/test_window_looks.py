@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from contrast import contrast
+from contrast import contrast, luminance
 from gui_views import STATES, example
 from PyQt5.QtCore import QRect, QSize, Qt
 from PyQt5.QtGui import QTextDocumentFragment
@@ -25,6 +25,9 @@ from gui.window.window import LEAST_HEIGHT, LEAST_WIDTH, Window
 SIZES = [(1366, 768), (1024, 600), (LEAST_WIDTH, LEAST_HEIGHT)]
 READABLE, LEGIBLE = 4.5, 3.0
 """Least contrast of text, and of disabled text and large symbols."""
+
+DARK = 0.05
+"""Largest luminance of a dark ground."""
 
 
 def pairs(colours: Style) -> Iterator[tuple[str, str, str, float]]:
@@ -47,6 +50,7 @@ def pairs(colours: Style) -> Iterator[tuple[str, str, str, float]]:
     yield "STOP", colours.stop_text, colours.stop, READABLE
     yield "STOP, pressed", colours.stop_text, colours.stop_pressed, READABLE
     yield "STOP in the window", colours.stop, colours.ground, 2.5
+    yield "message beside STOP", colours.message_text, colours.message, READABLE
 
 
 @pytest.mark.parametrize("theme", Theme)
@@ -57,6 +61,11 @@ def test_every_text_has_enough_contrast(theme: Theme) -> None:
         if contrast(*colours) < least
     }
     assert found == {}
+
+
+@pytest.mark.parametrize("theme", Theme)
+def test_the_message_beside_stop_is_on_a_dark_ground(theme: Theme) -> None:
+    assert luminance(style_of(theme).message) < DARK
 
 
 @pytest.mark.parametrize("theme", Theme)

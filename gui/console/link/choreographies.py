@@ -10,12 +10,14 @@ from beatrix_zenoh.client.choreography import ArmPose, Choreography, Step, play
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.recording.follow import follow, robots_of
 from beatrix_zenoh.recording.path import check_choreography, path_of
 from beatrix_zenoh.recording.replay import replay
 from gui.console.link.outcomes import WindowError
 from gui.console.state.actions import LARGEST_BYTES, POSES, Play
+from gui.console.state.refusals import wrong_file
 
 
 def prepared(
@@ -89,6 +91,9 @@ def read(action: Play) -> Choreography | motion_file.MotionFile:
                 allowed=f"{LARGEST_BYTES / 1e6:.1f}",
             )
         found = motion_file.read(action.file)
+        return choreography.choreography(found) if found.with_speed else found
     except OSError as error:
         raise WindowError(Reason.BAD_VALUE, "result.no_read", file=str(action.file)) from error
-    return choreography.choreography(found) if found.with_speed else found
+    except WrongUsage as error:
+        key, slots = wrong_file(error, action.file.name)
+        raise WindowError(Reason.BAD_VALUE, key, None, **slots) from error

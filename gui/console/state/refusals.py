@@ -10,6 +10,7 @@ from typing import Final
 import msgspec
 
 from beatrix_zenoh.client.degrees import arm_angles, head_angles, motion_query
+from beatrix_zenoh.client.motion_file import COLUMNS, HEAD, TIME, WrongLine
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Command,
@@ -21,6 +22,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Reason,
     Vector3,
 )
+from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state.actions import (
     Action,
     Outcome,
@@ -76,6 +78,14 @@ def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) 
     if reason is Reason.BAD_VALUE and message:
         return texts("result.invalid", message=message)
     return texts.refusal(reason, None)
+
+
+def wrong_file(error: WrongUsage, file: str) -> tuple[str, dict[str, str]]:
+    """Return key and slots of the text about a motion file that cannot be used: the library's sentence is English."""
+    slots = {"text": error.message, "file": file}
+    if isinstance(error, WrongLine):
+        return "result.bad_line", {**slots, "line": str(error.line), "columns": ", ".join(COLUMNS)}
+    return "result.bad_file", {**slots, "columns": ",".join((TIME, *HEAD))}
 
 
 def record(memory: Memory, row: RequestRow, outcome: Outcome) -> None:

@@ -13,7 +13,7 @@ from beatrix_zenoh.client.choreography import ArmPose, Pose, Step, choreography
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.client.motion_file import ARMS, FIGURE, SPEED, TIME
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from gui.console.state import code_lines
 from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Action, Outcome, Play, WriteFile
@@ -21,6 +21,7 @@ from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory, Refusal, RequestRow
 from gui.console.state.motions import begin
 from gui.console.state.presence import commanded, online, orientation, unreachable
+from gui.console.state.refusals import wrong_file
 from gui.console.state.saved import DURATION_MAX_S, SavedPose
 from gui.console.state.sequence_intents import (
     AddPose,
@@ -326,7 +327,7 @@ def _calls(poses: tuple[SavedPose, ...], start: ArmAngles, limits: timing.Pace) 
 def _open(memory: Memory, world: World, intent: OpenSequence) -> None:
     """Replace the strip by a choreography: each pose is reached when the next one begins."""
     if intent.trouble:
-        memory.refuse(CONTROL, "cannot.open", text=intent.trouble)
+        memory.refuse(CONTROL, "cannot.open", file=intent.file.name)
         return
     try:
         found = choreography(motion_file.parse(intent.text, intent.file.name))
@@ -334,6 +335,10 @@ def _open(memory: Memory, world: World, intent: OpenSequence) -> None:
             memory.refuse(CONTROL, "cannot.too_many", count=str(len(found.steps)), allowed=str(POSES_MAX))
             return
         poses = _read(found.steps, timing.pace(world))
+    except WrongUsage as error:
+        key, slots = wrong_file(error, intent.file.name)
+        memory.refuse(CONTROL, key, **slots)
+        return
     except BeatrixError as error:
         memory.refusal = Refusal(CONTROL, reason=error.reason, message=error.message, detail=error.detail)
         return

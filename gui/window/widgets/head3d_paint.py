@@ -35,6 +35,8 @@ RING: Final = 0.15
 AHEAD: Final = 0.06
 """Length (m) of the line from the nose."""
 POINT_BYTES: Final = 16
+GAP: Final = 12.0
+"""Room (px) beside a sentence."""
 
 
 @cache
@@ -180,12 +182,15 @@ def paint_marks(painter: QPainter, marks: Marks, texts: Texts, *, focused: bool)
     view = marks.view
     shown = view.sim if view.hw is None else view.hw
     aims = marks.dragged or apart(shown, view.target)
-    if aims or marks.strain > GLOW:
-        _paint_border(painter, marks)
-    if aims:
-        _paint_outline(painter, marks)
-    _paint_handles(painter, marks, aims=aims)
-    _paint_letters(painter, marks, texts)
+    if shown is None:
+        _paint_nothing(painter, marks, texts)
+    else:
+        if aims or marks.strain > GLOW:
+            _paint_border(painter, marks)
+        if aims:
+            _paint_outline(painter, marks)
+        _paint_handles(painter, marks, aims=aims)
+        _paint_letters(painter, marks, texts)
     if focused:
         painter.setPen(QPen(QColor(marks.style.accent), 2))
         painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -268,14 +273,17 @@ def _paint_handles(painter: QPainter, marks: Marks, *, aims: bool) -> None:
             painter.drawEllipse(QPointF(ear[0], ear[1]), 16.0, 16.0)
 
 
+def _paint_nothing(painter: QPainter, marks: Marks, texts: Texts) -> None:
+    """Say that no robot is online, above the ground; an outline would cross the sentence."""
+    painter.setPen(QColor(marks.style.text))
+    above = QRectF(GAP, 0, marks.screen.width - 2 * GAP, marks.screen.height / 2)
+    wrapped = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
+    painter.drawText(above, wrapped, texts("label.no_head"))
+
+
 def _paint_letters(painter: QPainter, marks: Marks, texts: Texts) -> None:
     """Name the robots, and a refused target where it is."""
     view, style = marks.view, marks.style
-    if view.sim is None and view.hw is None:
-        painter.setPen(QColor(style.text))
-        whole = QRectF(0, 0, marks.screen.width, marks.screen.height)
-        wrapped = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
-        painter.drawText(whole, wrapped, texts("label.no_head"))
     font = painter.font()
     font.setPixelSize(style.px(12))
     painter.setFont(font)
