@@ -87,7 +87,8 @@ def hw(
         )
     raise typer.Exit(
         serve(
-            lambda: build(port, settings.robot, robot, cameras, ears),
+            lambda name: build(port, name, robot, cameras, ears),
+            [settings.robot],
             settings,
             robot=robot,
             legacy=legacy,

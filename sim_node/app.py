@@ -2,19 +2,39 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from beatrix_zenoh.contract import names
 from beatrix_zenoh.motion import robot_file as values
 from beatrix_zenoh.node.serve import serve
-from beatrix_zenoh.settings import resolve
-from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, RobotFile, finite
+from beatrix_zenoh.settings import Settings, resolve
+from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, RobotFile, finite
 from beatrix_zenoh.terminal.run import run_command
 from sim_node.body import EYES_HZ, EYES_HZ_MAX, Simulation
 from sim_node.picture import KEYS
 from sim_node.target import TargetPath
 from sim_node.viewer import SceneViewer
+
+OwnNames = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--name",
+        metavar="ROBOT",
+        help="Name of the robot; default: BEATRIX_ROBOT, beatrix.toml, your user name and host. May be given several times: "
+        "one process simulates all of them.",
+    ),
+]
+Seats = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="CLASS.TOML",
+        help="Simulate the robot of every seat in this class file; in a class with the teacher's account.",
+    ),
+]
 
 
 def sim(
@@ -45,20 +65,26 @@ def sim(
     legacy: Legacy = None,
     robot_file: RobotFile = None,
     log_file: LogFile = None,
-    name: OwnName = None,
+    name: OwnNames = None,
+    seats: Seats = None,
     connect: Connect = None,
 ) -> None:
-    """Simulate a robot. Ends with Ctrl-C."""
-    settings = resolve(name, connect)
+    """Simulate one robot or several. Ends with Ctrl-C."""
+    settings, robots = chosen(name or [], seats, connect)
+    if len(robots) > 1 and (view or legacy is not None):
+        raise typer.BadParameter(
+            f"--view and --legacy are for one simulation, not for {len(robots)}: give one --name, or leave them out."
+        )
     robot = values.load(robot_file)
     viewer = SceneViewer(robot) if view else None
     if view:
         typer.echo(KEYS, err=True)
     raise typer.Exit(
         serve(
-            lambda: Simulation(
-                settings.robot, robot, eyes_hz=eyes_hz, target=target, viewer=viewer, follow=follow
+            lambda name: Simulation(
+                name, robot, eyes_hz=eyes_hz, target=target, viewer=viewer, follow=follow
             ),
+            robots,
             settings,
             robot=robot,
             ready=ready or follow,
@@ -66,6 +92,26 @@ def sim(
             log_file=log_file,
         )
     )
+
+
+def chosen(given: list[str], seats: Path | None, connect: str | None) -> tuple[Settings, list[str]]:
+    """Return the settings, and the names of the robots to simulate: those given and the seats of a class file.
+
+    Raises:
+        BadParameter: a name is given twice.
+        WrongUsage: BAD_VALUE, as `resolve`; the class file or a name is wrong.
+    """
+    wanted = list(given)
+    if seats is not None:
+        from beatrix_zenoh.classroom import class_file  # noqa: PLC0415 - only --seats needs it
+
+        wanted += class_file.read(seats).seats
+    if twice := [name for name, times in Counter(wanted).items() if times > 1]:
+        raise typer.BadParameter(
+            f"{', '.join(twice)} would be simulated twice: give each name once. With --seats those of the class are given."
+        )
+    settings = resolve(wanted[0] if wanted else None, connect)
+    return settings, [names.check_name(name) for name in wanted] or [settings.robot]
 
 
 def main(words: list[str] | None = None) -> int:

@@ -68,7 +68,7 @@ class Scopes(LoadScopeScheduling):  # type: ignore[misc]
     """
 
     def _split_scope(self, nodeid: str) -> str:
-        if body := re.search(r"^tests/contract/.*[\[-](sim|mega)[\]-]", nodeid):
+        if body := re.search(r"^tests/contract/.*[\[-](sim|mega|shared)[\]-]", nodeid):
             return body[1]
         file, _, test = nodeid.partition("::")
         if file.startswith("tests/lessons/") and (lesson := re.search(r"(\w+)\[(\d\d)-", test)):

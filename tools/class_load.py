@@ -58,7 +58,7 @@ class Ours:
 
     def publish(self, key: str) -> Callable[[int], None]:
         """Return a function that publishes one message."""
-        publication = self._bus.publication(key, codec.MSGPACK)
+        publication, _ = self._bus.publication(key, codec.MSGPACK)
         return lambda number: publication.put(positions(number))
 
     def subscribe(self, key: str, handle: Callable[[str, int, int], None]) -> Callable[[], object]:

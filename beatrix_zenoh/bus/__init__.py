@@ -23,6 +23,7 @@ from beatrix_zenoh.bus.router import open_router as open_router
 from beatrix_zenoh.bus.session import Bus as Bus
 from beatrix_zenoh.bus.session import connect as connect
 from beatrix_zenoh.bus.session import hanging_router as hanging_router
+from beatrix_zenoh.bus.sessions import ProcessSessions as ProcessSessions
 from beatrix_zenoh.bus.sessions import Sessions as Sessions
-from beatrix_zenoh.bus.sessions import SessionWatchdog as SessionWatchdog
 from beatrix_zenoh.bus.sessions import describe as describe
+from beatrix_zenoh.bus.watchdog import Listener as Listener

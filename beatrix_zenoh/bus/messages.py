@@ -39,8 +39,13 @@ class MessageSession(RenewableSession):
     def __init__(self, open_session: Callable[[], zenoh.Session]) -> None:
         super().__init__(open_session)
         self._asked: dict[str, float] = {}
-        self.served = ""
+
+    @property
+    def served(self) -> str:
         """A key that this session serves and its own account may query; empty: none."""
+        with self._lock:
+            first = next((made.key for made in self._made if made.kind == QUERYABLE), "")
+        return _own_seat(first)
 
     def asked(self) -> list[str]:
         """Return the keys of the queries and puts of the last LATELY_S seconds, sorted."""
@@ -77,8 +82,11 @@ class MessageSession(RenewableSession):
             lambda session: Query(session, key, payload, encoding, priority, timeout_s, attachment)
         )
 
-    def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
-        """Pass queries on `key` to `handle`, which runs on Zenoh's thread and must return at once."""
+    def serve(self, key: str, handle: Callable[[Incoming], None]) -> Callable[[], None]:
+        """Pass queries on `key` to `handle`, and return a function that ends this.
+
+        `handle` runs on Zenoh's thread and must return at once.
+        """
 
         def receive(query: zenoh.Query) -> None:
             if str(query.parameters) == HEALTH:
@@ -91,10 +99,9 @@ class MessageSession(RenewableSession):
         def declare(session: zenoh.Session) -> Declared:
             return session.declare_queryable(key, Callback(receive, indirect=False), complete=True)
 
-        self.served = self.served or _own_seat(key)
-        self.add(QUERYABLE, key, declare)
+        return self.add(QUERYABLE, key, declare)
 
-    def serve_rest(self, key: str, handle: Callable[[Incoming], None]) -> None:
+    def serve_rest(self, key: str, handle: Callable[[Incoming], None]) -> Callable[[], None]:
         """Pass queries on `key`, a key with wildcards, to `handle` as `serve` does, except those of the watchdog.
 
         The queryable is not complete, so that a foreign complete one on these keys keeps receiving all its queries.
@@ -106,19 +113,19 @@ class MessageSession(RenewableSession):
             else:
                 handle(Incoming(query))
 
-        self.add(REST, key, lambda session: session.declare_queryable(key, Callback(receive, indirect=False)))
+        callback: Callback[zenoh.Query] = Callback(receive, indirect=False)
+        return self.add(REST, key, lambda session: session.declare_queryable(key, callback))
 
     def publication(
         self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None
-    ) -> Publication:
-        """Declare a publication.
+    ) -> tuple[Publication, Callable[[], None]]:
+        """Declare a publication; return it, and a function that ends it.
 
         `on_subscribed` is called when `Publication.subscribed` may have changed. It may run on Zenoh's thread and must
         return at once.
         """
         publication = Publication(key, encoding, on_subscribed)
-        self.add(PUBLISHER, key, publication.declare)
-        return publication
+        return publication, self.add(PUBLISHER, key, publication.declare)
 
     def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
         """Pass publications on `key` to `handle`, and return a function that ends the subscription.

@@ -117,13 +117,16 @@ class Bus(MessageSession):
             ),
         )
 
-    def watch_router(self, handle: Callable[[bool], None]) -> None:
-        """Call `handle(connected)` when the router connects or disconnects, and once if it is connected now."""
+    def watch_router(self, handle: Callable[[bool], None]) -> Callable[[], None]:
+        """Call `handle(connected)` when the router connects or disconnects, and once if it is connected now.
+
+        Return a function that ends the calls.
+        """
 
         def receive(event: zenoh.TransportEvent) -> None:
             handle(event.kind == zenoh.SampleKind.PUT)
 
-        self.add(
+        return self.add(
             WATCH,
             "",
             lambda session: session.info.declare_transport_events_listener(

@@ -171,7 +171,7 @@ class Node:
             Refused: NAME_TAKEN, before any component starts.
             NoAnswer: NO_ROUTER, the router was lost meanwhile; ACCOUNT_REFUSED, it has no rules for the account.
         """
-        claim_name(self.sessions.control, self.name, self.side)
+        claim_name(self.sessions, self.name, self.side)
         with ExitStack() as undo:
             undo.callback(self.board.close)
             for component in self._components:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
-from beatrix_zenoh.bus import Bus, Sessions, SessionWatchdog
+from beatrix_zenoh.bus import Bus, Listener, Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
@@ -15,24 +16,23 @@ from beatrix_zenoh.node.requests import Requests
 
 
 class ClientWatch(Component):
-    """Declares the robot's token, watches the tokens of clients and the router, and runs the session watchdog."""
+    """Declares the robot's token, watches the tokens of clients and the router, and listens to the session watchdog."""
 
     def __init__(self, requests: Requests, controller: MotionController) -> None:
         self._controller = controller
         self._alive_key = keys.alive(requests.name, requests.side)
         self._queue, self._events, self._access = requests.queue, requests.events, controller.access
-        self._watchdog: SessionWatchdog | None = None
+        self._end_reports: Callable[[], None] = lambda: None
         self._endpoint = ""
         self._router_connected = True
         self._closed = False
 
     def start(self, sessions: Sessions) -> None:
-        bus = sessions.control
-        self._endpoint = bus.endpoint
-        bus.watch_tokens(keys.seat("*", "*"), self._seat)
-        bus.watch_router(self._router)
-        bus.declare_token(self._alive_key)
-        self._watchdog = SessionWatchdog(sessions, self._alive_key, self._renewed, self._refused)
+        self._endpoint = sessions.control.endpoint
+        sessions.watch_tokens(keys.seat("*", "*"), self._seat)
+        sessions.watch_router(self._router)
+        sessions.declare_token(self._alive_key)
+        self._end_reports = sessions.watch_sessions(Listener(self._alive_key, self._renewed, self._refused))
 
     def _seat(self, key: str, alive: bool) -> None:  # noqa: FBT001
         """Handle a client's session that has begun or ended, on Zenoh's thread."""
@@ -94,10 +94,9 @@ class ClientWatch(Component):
         self._events.add(EventKind.ROUTER, reason=error.reason, message=text)
 
     def close(self) -> None:
-        """End the watchdog; the robot's token ends with the session."""
+        """End the reports of the watchdog; the robot's token ends when the node closes its sessions."""
         self._closed = True
-        if self._watchdog is not None:
-            self._watchdog.close()
+        self._end_reports()
 
 
 WAIT_S = 3.0
@@ -105,8 +104,8 @@ WAIT_S = 3.0
 POLL_S = 0.02
 
 
-def claim_name(bus: Bus, name: str, side: str) -> None:
-    """Claim the name until the session ends, because two robots with one name would both carry out every request.
+def claim_name(sessions: Sessions, name: str, side: str) -> None:
+    """Claim the name until the node closes its sessions, because two robots with one name would both carry out every request.
 
     Each node first declares its claim, then looks for other claims, so of two nodes at least one sees the other. The
     node with the larger session id withdraws its claim; the other node waits for this. If a node that looked earlier
@@ -116,10 +115,11 @@ def claim_name(bus: Bus, name: str, side: str) -> None:
         Refused: NAME_TAKEN; the claim was withdrawn.
         NoAnswer: ACCOUNT_REFUSED, the router has no rules for the account of this session.
     """
+    bus = sessions.control
     alive, own = keys.alive(name, side), keys.claim(name, side, bus.session_id)
     if bus.tokens(alive):
         raise taken(bus, name, side)
-    withdraw = bus.declare_token(own)
+    withdraw = sessions.declare_token(own)
     if (refused := bus.refusal(own)) is not None:
         raise refused
     deadline = time.monotonic() + WAIT_S

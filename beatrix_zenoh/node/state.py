@@ -269,7 +269,7 @@ class StateQueries(Component):
             sessions.serve(key, lambda incoming, key=key: self._query(incoming, key))  # type: ignore[misc]
         for traffic, expressions in REST.items():
             for expression in expressions:
-                sessions.session(traffic).serve_rest(f"{self._unknown.base}{expression}", self._rest)
+                sessions.serve_rest(traffic, f"{self._unknown.base}{expression}", self._rest)
 
     def _query(self, incoming: Incoming, key: str) -> None:
         """Pass a query from Zenoh's thread to the worker's thread."""

@@ -29,13 +29,17 @@ def body(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     with Stage() as stage:
         if kind == "sim":
             stage.simulation("bea")
+        elif kind == "shared":
+            stage.process("sim_node", "--name", "bob", "--name", "bea", "--connect", stage.endpoint).expect(
+                "ready beatrix/bea/"
+            )
         elif kind == "mega":
             path = tmp_path_factory.mktemp("mega") / "board"
             stage.mega(path)
             stage.hardware("bea", str(path), "--microphones", "tone")
         else:
             stage.node("bea", VirtualHardware("bea", microphones=Tone()))
-        yield Body(kind, stage, "bea", "sim" if kind == "sim" else "hw")
+        yield Body(kind, stage, "bea", "hw" if kind in ("in-process", "mega") else "sim")
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from bodies import EVERY
 from late_tests import in_time
 from robots import ask_raw, until
 
@@ -16,6 +17,7 @@ from beatrix_zenoh.contract._generated.messages import MotionReply, Phase, PoseQ
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.motion.kinematics import Neck
 
+pytestmark = pytest.mark.bodies(*EVERY)
 STEP_DEG = 360 / Gear().steps_per_turn
 MEASURED_DEG = 0.25
 

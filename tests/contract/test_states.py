@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import pytest
+from bodies import EVERY
 from robots import ask_raw, ready, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, CommandReply, Fault, Reason
+
+pytestmark = pytest.mark.bodies(*EVERY)
 
 
 def test_the_refusal_of_a_motion_with_motors_off_names_enable(robot: Robot) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import zenoh
-from bodies import Body
+from bodies import EVERY, Body
 from late_tests import within
 from robots import ready, until
 
@@ -15,6 +15,8 @@ from beatrix_zenoh.client.stopping import publish_stop, stop_key
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, Event, EventKind, Fault, Reason
+
+pytestmark = pytest.mark.bodies(*EVERY)
 
 
 def test_enable_does_not_clear_the_emergency_latch(body: Body, robot: Robot) -> None:

@@ -208,7 +208,7 @@ def test_the_end_names_positions_that_the_network_lost(stage: Stage, tmp_path: P
         sample = stream.next(5.0)
     process = recorder(stage, path, "--name", "lossy", "--cameras", "0")
     with zbus.connect(stage.endpoint) as bus:
-        publication = bus.publication(keys.positions("lossy", "hw"), codec.MSGPACK)
+        publication, _ = bus.publication(keys.positions("lossy", "hw"), codec.MSGPACK)
         until(lambda: publication.subscribed, "the recorder has subscribed")
         for seq in range(201):
             if seq % 10 != 5:

@@ -9,6 +9,10 @@ from robots import Stage
 
 from beatrix_zenoh import Robot
 
+EVERY = ("sim", "in-process", "mega", "shared")
+"""All kinds of bodies. `shared` is a simulation beside others in one process: its node is that of `sim`, so only tests of
+motions, states and STOP run on it."""
+
 
 @dataclass(frozen=True)
 class Body:

@@ -1,0 +1,124 @@
+"""The log output of a process that serves robots: warnings on stderr, all records in a file."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import queue
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from logging.handlers import QueueHandler
+from pathlib import Path
+
+from beatrix_zenoh import threads
+from beatrix_zenoh.contract import printable
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.node.events import LOGGERS
+
+CAPACITY = 10_000
+"""Largest number of waiting records; further ones are dropped, because stderr may be a pipe that no program reads."""
+CLOSE_S = 1.0
+STDERR = 2
+
+
+class Writer:
+    """Writes records on a thread of its own, so that a blocked stderr does not delay the robot."""
+
+    def __init__(self, file: logging.Handler | None) -> None:
+        self._records: queue.Queue[logging.LogRecord | None] = queue.Queue(CAPACITY)
+        self._file = file
+        self.handler = Enqueue(self._records)
+        self._thread = threads.start(self._run, "log")
+
+    def _run(self) -> None:
+        while (record := self._records.get()) is not None:
+            if self._file is not None:
+                self._file.handle(record)
+            if record.levelno >= logging.WARNING:
+                print_raw(printable.line(record.getMessage()))
+
+    def close(self) -> None:
+        """Write the waiting records, for CLOSE_S at most; if the queue is full, return at once."""
+        try:
+            self._records.put_nowait(None)
+        except queue.Full:
+            return
+        self._thread.join(CLOSE_S)
+        if self._file is not None and not self._thread.is_alive():
+            with contextlib.suppress(OSError):  # for example a full disk, which LogFile has reported
+                self._file.close()
+
+
+class Enqueue(QueueHandler):
+    """A handler that drops records when the queue is full."""
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 - the name is logging's
+        """Ignore that the queue is full."""
+
+
+class OneLine(logging.Formatter):
+    """Formats a record as one line, because its message may quote a request; a traceback follows on further lines."""
+
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 - the name is logging's
+        """Return the line of a record."""
+        return printable.line(super().formatMessage(record))
+
+
+class LogFile(logging.FileHandler):
+    """A log file that reports its first error in one line and then writes nothing more."""
+
+    broken = False
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write a record, unless an earlier one could not be written."""
+        if not self.broken:
+            super().emit(record)
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: ARG002, N802 - the name is logging's
+        """Report the cause and stop writing; logging would print a traceback for every record."""
+        self.broken = True
+        print_raw(f"--log-file {self.baseFilename}: {sys.exc_info()[1]}. Nothing more is written there.")
+
+
+def print_raw(text: str) -> None:
+    """Print a line on stderr without taking a lock of Python, so that the process can end while the write blocks."""
+    with contextlib.suppress(OSError):  # the terminal was closed
+        os.write(STDERR, f"{text}\n".encode(errors="replace"))
+
+
+@contextmanager
+def log_to(path: Path | None) -> Iterator[None]:
+    """Until the context ends, write warnings of our loggers to stderr and all their records to `path`; None: no file.
+
+    Raises:
+        WrongUsage: BAD_VALUE, the file cannot be written.
+    """
+    writer = Writer(None if path is None else _file(path))
+    loggers = [logging.getLogger(name) for name in LOGGERS]
+    before = [(logger, logger.level, logger.propagate) for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.INFO)
+        logger.propagate = False
+        logger.addHandler(writer.handler)
+    try:
+        yield
+    finally:
+        for logger, level, propagate in before:
+            logger.removeHandler(writer.handler)
+            logger.setLevel(level)
+            logger.propagate = propagate
+        writer.close()
+
+
+def _file(path: Path) -> logging.Handler:
+    try:
+        handler = LogFile(path, encoding="utf-8")
+    except OSError as error:
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"--log-file {path}: {error.strerror}. Name a file that can be written."
+        ) from error
+    handler.setFormatter(OneLine("%(asctime)s %(levelname)s %(name)s: %(message)s"))
+    return handler

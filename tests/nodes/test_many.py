@@ -1,0 +1,112 @@
+"""Several simulations in one process: each behaves as alone, and one does not disturb the others."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Iterator
+
+import pytest
+from robots import Process, Stage, ask_raw, ready, until
+from shell import beatrix
+
+from beatrix_zenoh import Interrupted
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import PoseQuery
+
+NAMES = ("ada", "bob", "cem")
+
+
+@pytest.fixture(scope="module")
+def many() -> Iterator[Stage]:
+    with Stage() as stage:
+        start(stage)
+        yield stage
+
+
+def start(stage: Stage, *options: str) -> Process:
+    """Start one process that simulates all robots of NAMES."""
+    words = [word for name in NAMES for word in ("--name", name)]
+    process = stage.process("sim_node", *words, "--connect", stage.endpoint, *options)
+    for name in NAMES:
+        process.expect(f"ready {keys.alive(name, 'sim')}")
+    return process
+
+
+def test_each_robot_has_its_own_state_and_driver(many: Stage) -> None:
+    ada, bob = many.robot("ada", "sim", "ana"), many.robot("bob", "sim", "ben")
+    for robot, seat, yaw in ((ready(ada), "ana", 10), (ready(bob), "ben", -10)):
+        motion = robot.look(yaw=yaw, speed=20, wait=False)
+        assert robot.status().holder == seat
+        motion.result(20)
+    assert [round(robot.positions().head.yaw) for robot in (ada, bob)] == [10, -10]
+    assert not many.robot("cem", "sim").status().enabled
+    many.close_clients()
+
+
+def test_each_robot_describes_only_itself(many: Stage) -> None:
+    with many.client() as client:
+        answers = ask_raw(client, keys.program("*", "*"))
+    served = {answer.key.split("/")[2]: json.loads(answer.payload)["serves"] for answer in answers}
+    assert set(NAMES) <= served.keys()
+    for name in NAMES:
+        assert {key.split("/")[1] for key in served[name]} == {name}
+    many.close_clients()
+
+
+def test_a_robot_stops_while_another_is_flooded(many: Stage) -> None:
+    ada, cem = ready(many.robot("ada", "sim")), ready(many.robot("cem", "sim"))
+    over, flooded = threading.Event(), threading.Event()
+    client, key = many.client("cleo"), keys.pose("cem", "sim", "cleo")
+    payload = codec.encode(PoseQuery(yaw=0.1))
+
+    def flood() -> None:
+        waiting = []
+        while not over.is_set():
+            waiting.append(client.bus.query(key, payload, codec.MSGPACK))
+            if len(waiting) > 200:
+                waiting.pop(0).close()
+                flooded.set()
+        for query in waiting:
+            query.close()
+
+    thread = threading.Thread(target=flood)
+    thread.start()
+    try:
+        assert flooded.wait(20)
+        motion = ada.look(yaw=40, speed=20, wait=False)
+        until(lambda: ada.status().moving, "ada moves")
+        ada.stop()
+        with pytest.raises(Interrupted):
+            motion.result(10)
+        assert abs(ada.positions().head.yaw) < 39
+    finally:
+        over.set()
+        thread.join()
+    assert cem.status().board.connected
+    many.close_clients()
+
+
+def test_a_second_process_may_not_take_a_name(many: Stage) -> None:
+    second = many.process("sim_node", "--name", "dan", "--name", "bob", "--connect", many.endpoint)
+    assert second.wait() == 1
+    assert any("'bob' is already online" in line for line in second.lines)
+    with many.client() as client:
+        until(lambda: ("dan", "sim") not in client.bus.robots(), "the name dan is free again")
+        assert ("bob", "sim") in client.bus.robots()
+    many.close_clients()
+
+
+def test_a_signal_ends_all_robots() -> None:
+    with Stage() as stage:
+        process = start(stage)
+        with stage.client() as client:
+            assert client.bus.robots() == [(name, "sim") for name in NAMES]
+            assert process.end() == 0
+            until(lambda: client.bus.robots() == [], "all robots are gone")
+
+
+@pytest.mark.parametrize("options", [("--name", "ada"), ("--legacy", "COM4"), ("--view",)])
+def test_impossible_options_are_refused(options: tuple[str, ...]) -> None:
+    assert beatrix("sim", "--name", "ada", "--name", "bob", *options).returncode == 2
