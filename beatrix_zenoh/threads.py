@@ -3,9 +3,32 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 PREFIX = "beatrix-"
+
+
+class Owner:
+    """A robot whose work a thread does; a robot that is started anew is another owner of the same name."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+
+OWNER: ContextVar[Owner | None] = ContextVar("owner", default=None)
+"""The robot whose work the present thread does; threads started by `start` inherit it. None: all robots of the process."""
+
+
+@contextmanager
+def owned_by(owner: Owner) -> Iterator[None]:
+    """Do the work of this robot in a block."""
+    before = OWNER.set(owner)
+    try:
+        yield
+    finally:
+        OWNER.reset(before)
 
 
 def start(work: Callable[[], None], name: str) -> threading.Thread:
@@ -14,9 +37,10 @@ def start(work: Callable[[], None], name: str) -> threading.Thread:
     The wait takes a fraction of a millisecond. Without it, on CPython 3.11 two threads that start together under a
     debugger or coverage can fail with "Cannot install a trace function while another …".
     """
-    begun = threading.Event()
+    begun, owner = threading.Event(), OWNER.get()
 
     def run() -> None:
+        OWNER.set(owner)
         begun.set()
         work()
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from beatrix_zenoh.board.state import Port
+from beatrix_zenoh.board.state import Port, Turns
 from beatrix_zenoh.board.virtual import Firmware, RealTime, RealTimePort, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node import ArmState, Component, Node
+from beatrix_zenoh.threads import Owner
 from hw_node.cameras.camera import PATTERN, CameraChoice, CameraSensor, same_for_both
 from hw_node.microphones.microphones import MicrophoneSensor, SoundSource
 from hw_node.port import VIRTUAL, SerialPort, find
@@ -34,6 +35,10 @@ class Hardware:
     def open_port(self) -> Port:
         """Open the serial port; raises NoAnswer if there is no board."""
         return SerialPort(self._device or find(", or try `--port virtual:` for a virtual board"))
+
+    def turns(self, owner: Owner) -> Turns | None:  # noqa: ARG002
+        """Return None: a thread of its own waits for the serial port."""
+        return None
 
     def pose(self, telemetry: Telemetry, t_mono_ns: int) -> ArmState:
         """Return the arm angles that the firmware has counted; the robot has no angle sensors."""

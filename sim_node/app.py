@@ -37,6 +37,19 @@ Seats = Annotated[
 ]
 
 
+EyesHz = Annotated[
+    float,
+    typer.Option(
+        metavar="HZ",
+        min=0.0,
+        max=EYES_HZ_MAX,
+        callback=finite,
+        help="Pictures a second of each eye, drawn only while a program subscribes; 0: no eyes.",
+    ),
+]
+Target = Annotated[TargetPath, typer.Option(help="Movement of the person in front of the eyes.")]
+
+
 def sim(
     *,
     ready: Annotated[bool, typer.Option("--ready", help="Start with motors on and calibrated.")] = False,
@@ -46,19 +59,8 @@ def sim(
             "--follow", help="Follow the hardware of this name in real time; starts ready (--ready)."
         ),
     ] = False,
-    eyes_hz: Annotated[
-        float,
-        typer.Option(
-            metavar="HZ",
-            min=0.0,
-            max=EYES_HZ_MAX,
-            callback=finite,
-            help="Pictures a second of each eye, drawn only while a program subscribes; 0: no eyes.",
-        ),
-    ] = EYES_HZ,
-    target: Annotated[
-        TargetPath, typer.Option(help="Movement of the person in front of the eyes.")
-    ] = TargetPath.STILL,
+    eyes_hz: EyesHz = EYES_HZ,
+    target: Target = TargetPath.STILL,
     view: Annotated[
         bool, typer.Option("--view", help="Also show robot and room in a window; needs a display.")
     ] = False,
@@ -81,8 +83,14 @@ def sim(
         typer.echo(KEYS, err=True)
     raise typer.Exit(
         serve(
-            lambda name: Simulation(
-                name, robot, eyes_hz=eyes_hz, target=target, viewer=viewer, follow=follow
+            lambda name, clock: Simulation(
+                name,
+                robot,
+                eyes_hz=eyes_hz,
+                target=target,
+                viewer=viewer,
+                follow=follow,
+                schedule=clock,
             ),
             robots,
             settings,

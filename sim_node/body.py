@@ -6,12 +6,14 @@ import threading
 import time
 from collections import deque
 
-from beatrix_zenoh.board.state import Port
+from beatrix_zenoh.board.state import Port, Turns
 from beatrix_zenoh.board.virtual import BUSY_S, Firmware, RealTimePort, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.node import ArmState, Component, Node
+from beatrix_zenoh.schedule import Schedule
+from beatrix_zenoh.threads import Owner
 from sim_node.ears import SimulatedMicrophones
 from sim_node.eyes import Eyes
 from sim_node.following.handler import FollowHandler
@@ -108,6 +110,7 @@ class Simulation:
         target: TargetPath = TargetPath.STILL,
         viewer: SceneViewer | None = None,
         follow: bool = False,
+        schedule: Schedule | None = None,
     ) -> None:
         """Create the robot and start its physics.
 
@@ -118,6 +121,7 @@ class Simulation:
             target: movement of the person in front of the eyes.
             viewer: a window that shows the robot; closed with the simulation.
             follow: follow the hardware of this name from the start on, as soon as the motors are on and home is known.
+            schedule: thread that advances several simulations; None: this one has a thread of its own.
         """
         self._robot, self._eyes_hz, self._viewer, self._follow = robot, eyes_hz, viewer, follow
         self._target = PersonTarget(target, time.monotonic())
@@ -131,6 +135,14 @@ class Simulation:
         self._turns, self._busy_until_s = 0, 0.0
         self._lock = threading.Lock()
         self._port = RealTimePort(self._board, self)
+        self._schedule = schedule
+
+    def turns(self, owner: Owner) -> Turns | None:
+        """Return the turns on the thread of several simulations; None if this one has a thread of its own."""
+        if self._schedule is None:
+            return None
+        self.open_port()
+        return Turns(self._schedule, owner, self._port)
 
     def open_port(self) -> Port:
         """Return the port of the virtual board, which is always present; its time passes from now on."""

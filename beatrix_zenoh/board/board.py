@@ -9,7 +9,7 @@ from typing import Final
 
 from beatrix_zenoh.board.connection import BoardConnection
 from beatrix_zenoh.board.link import SerialFrame, encode
-from beatrix_zenoh.board.state import BoardLink, Port, TelemetrySample, not_connected
+from beatrix_zenoh.board.state import BoardLink, Port, TelemetrySample, Turns, not_connected
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -36,7 +36,7 @@ REPLY_S: Final = wire.REPLY_TIMEOUT / 1000
 class Board:
     """A board on a port that may be unplugged and plugged in again.
 
-    `on_telemetry` is called for every TELEMETRY, after `sample` has been set; `on_link` when the board is connected or
+    `on_telemetry` is called for the newest TELEMETRY that has arrived, after `sample` has been set; `on_link` when the board is connected or
     lost; `on_text` for every line and warning of the text port, with the seq of its frame. All callbacks run on the
     board's own thread, never on the thread that calls `request`. They must be quick and must not call the board.
 
@@ -58,9 +58,9 @@ class Board:
         self._pending: dict[tuple[int, int], queue.SimpleQueue[int]] = {}
         self._seq = 0
 
-    def start(self) -> None:
-        """Open the port and start the board's thread, which runs the callbacks."""
-        self._connection.start()
+    def start(self, turns: Turns | None = None) -> None:
+        """Open the port and start the board's thread, which runs the callbacks; with `turns` their thread runs them."""
+        self._connection.start(turns)
 
     @property
     def link(self) -> BoardLink:

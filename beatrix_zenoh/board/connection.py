@@ -14,6 +14,8 @@ from beatrix_zenoh.board.state import (
     BoardLink,
     Port,
     TelemetrySample,
+    TimedPort,
+    Turns,
     mismatch_text,
     not_connected,
     same_contract,
@@ -23,6 +25,7 @@ from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import FrameType, HelloReply, Telemetry
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.schedule import Task
 
 READ_S: Final = 0.05
 REOPEN_S: Final = 0.3
@@ -39,8 +42,8 @@ LOST_S: Final = 0.4
 class BoardConnection:
     """A thread that opens the port, sends handshake and heartbeat, and decodes the frames of the board.
 
-    `on_frame` is called for every frame that is neither HELLO_REPLY nor TELEMETRY, `on_telemetry` for every TELEMETRY,
-    `on_link` when the board is connected or lost; all on this thread.
+    `on_frame` is called for every frame that is neither HELLO_REPLY nor TELEMETRY, `on_telemetry` for the newest
+    TELEMETRY that has arrived, `on_link` when the board is connected or lost; all on this thread.
     """
 
     def __init__(
@@ -67,10 +70,19 @@ class BoardConnection:
         self._silent_s = self._sent_s = 0.0
         self._closed = threading.Event()
         self._thread: threading.Thread | None = None
+        self._turns: Turns | None = None
+        self._task: Task | None = None
 
-    def start(self) -> None:
-        """Start the thread, which runs the callbacks."""
-        self._thread = threads.start(self._run, "board")
+    def start(self, turns: Turns | None = None) -> None:
+        """Start the thread, which runs the callbacks; with `turns` their thread does, and the port stays open."""
+        self._turns = turns
+        if turns is None:
+            self._thread = threads.start(self._run, "board")
+            return
+        self._opened(turns.port)
+        self._task = turns.schedule.add(turns.owner, lambda: self._turn(turns.port))
+        turns.port.on_wake(self._task.wake)
+        self._task.wake()
 
     @property
     def link(self) -> BoardLink:
@@ -136,31 +148,47 @@ class BoardConnection:
                 self._trouble = str(error)
                 self._closed.wait(REOPEN_S)
                 continue
-            self._port, self._port_name, self._decoder = port, port.name, Decoder()
-            self._trouble = ""
-            self._silent_s = 0.0
-            self._handshake = Handshake(time.monotonic(), port.boot_s)
-            self._clock.restart()
+            self._opened(port)
             with contextlib.suppress(OSError, NoAnswer):
-                self._run_port(port)
-            self._port = self._hello = None
-            self._reset = False
-            self._set_connected(connected=False)
-            port.close()
+                while not self._closed.is_set():
+                    self._exchange(port, READ_S)
+            self._end_port(port)
             self._closed.wait(0 if self._closed.is_set() else REOPEN_S)
 
-    def _run_port(self, port: Port) -> None:
-        while not self._closed.is_set():
-            self._send_due(time.monotonic())
-            frames = self._decoder.feed(self._read(port))
-            received_ns = time.monotonic_ns()
-            for frame in frames:
-                self._silent_s = 0.0
+    def _turn(self, port: TimedPort) -> float:
+        """Exchange what is due with a virtual board; return the time (s) of the next turn."""
+        with contextlib.suppress(OSError, NoAnswer):
+            self._exchange(port, 0.0)
+            return port.due_s()
+        return float("inf")  # the port was closed
+
+    def _opened(self, port: Port) -> None:
+        self._port, self._port_name, self._decoder = port, port.name, Decoder()
+        self._trouble = ""
+        self._silent_s = 0.0
+        self._handshake = Handshake(time.monotonic(), port.boot_s)
+        self._clock.restart()
+
+    def _end_port(self, port: Port) -> None:
+        self._port = self._hello = None
+        self._reset = False
+        self._set_connected(connected=False)
+        port.close()
+
+    def _exchange(self, port: Port, timeout_s: float) -> None:
+        """Send what is due and handle what arrives, waiting up to `timeout_s`; raises OSError or NoAnswer."""
+        self._send_due(time.monotonic())
+        frames = self._decoder.feed(self._read(port, timeout_s))
+        received_ns = time.monotonic_ns()
+        newest = next((frame for frame in reversed(frames) if frame.type == FrameType.TELEMETRY), None)
+        for frame in frames:
+            self._silent_s = 0.0
+            if frame.type != FrameType.TELEMETRY or frame is newest:  # one that has waited is out of date
                 self._receive(frame, received_ns)
-                if self._hello is None:
-                    self._handshake.frame_received()
-            if self._silent_s > LOST_S and (self.connected or self._hello is not None):
-                self._lose(reset=False)
+            if self._hello is None:
+                self._handshake.frame_received()
+        if self._silent_s > LOST_S and (self.connected or self._hello is not None):
+            self._lose(reset=False)
 
     def _send_due(self, now: float) -> None:
         """Send HELLO or a heartbeat if it is due."""
@@ -178,9 +206,9 @@ class BoardConnection:
         self._hello, self._reset = None, reset
         self._set_connected(connected=False)
 
-    def _read(self, port: Port) -> bytes:
+    def _read(self, port: Port, timeout_s: float) -> bytes:
         began_s = time.monotonic()
-        data = port.read(READ_S)
+        data = port.read(timeout_s)
         # Limit the time: while the computer suspends this process, the board is not silent.
         self._silent_s += min(time.monotonic() - began_s, 2 * READ_S)
         return data
@@ -216,3 +244,5 @@ class BoardConnection:
         self._closed.set()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
+        if self._turns is not None and self._task is not None and self._turns.schedule.remove(self._task):
+            self._end_port(self._turns.port)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -9,6 +10,8 @@ from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import HelloReply, Telemetry
 from beatrix_zenoh.contract.errors import NoAnswer
+from beatrix_zenoh.schedule import Schedule
+from beatrix_zenoh.threads import Owner
 
 NO_TELEMETRY: Final = Telemetry(0, 0, 0, 0, 0, (0, 0, 0), (0, 0, 0), 0, 0)
 
@@ -38,6 +41,25 @@ class Port(Protocol):
 
     def close(self) -> None:
         """Close the device and wake a waiting reader."""
+
+
+class TimedPort(Port, Protocol):
+    """The port of a virtual board, whose time passes in `read`."""
+
+    def due_s(self) -> float:
+        """Return the monotonic time (s) at which `read` should be called again."""
+
+    def on_wake(self, notify: Callable[[], None]) -> None:
+        """Let `wake` call `notify`, which must not wait."""
+
+
+@dataclass(frozen=True)
+class Turns:
+    """How a virtual board gets its turns on a thread that it shares with the boards of other robots."""
+
+    schedule: Schedule
+    owner: Owner
+    port: TimedPort
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import itertools
 import struct
 import threading
 import time
+from collections.abc import Callable
 from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Final, Protocol
@@ -199,6 +200,8 @@ class VirtualBoard:
         self._closed = False
         self.woken = threading.Event()
         """Set by `wake` and `close`: a thread that waits before advancing an idle board may advance it now."""
+        self.notify: Callable[[], None] = lambda: None
+        """Called by `wake`, for a thread that advances several boards."""
         with self.lock:
             self._collect()
 
@@ -220,6 +223,7 @@ class VirtualBoard:
         with self.lock:
             self._arrived.notify_all()
         self.woken.set()
+        self.notify()
 
     def read(self, timeout_s: float) -> bytes:
         """Return the unread bytes, waiting up to `timeout_s` for the first; empty if none arrive, or after `close`."""
@@ -293,6 +297,14 @@ class RealTimePort:
     def __init__(self, board: VirtualBoard, board_time: BoardTime) -> None:
         self._board, self._time = board, board_time
         self.write, self.wake, self.close = board.write, board.wake, board.close
+
+    def due_s(self) -> float:
+        """Return the monotonic time (s) of the next turn."""
+        return time.monotonic() + self._time.wait_s()
+
+    def on_wake(self, notify: Callable[[], None]) -> None:
+        """Let `wake` call `notify`, for a thread that advances several boards and reads without waiting."""
+        self._board.notify = notify
 
     def read(self, timeout_s: float) -> bytes:
         """Advance the board until it has sent bytes, and return them; empty after `timeout_s`, or after `close`."""

@@ -16,12 +16,13 @@ from beatrix_zenoh.bus.incoming import Incoming, Received
 from beatrix_zenoh.bus.messages import PUBLISHER, QUERYABLE, REST, SUBSCRIBER, TOKEN, WATCH
 from beatrix_zenoh.bus.publication import Publication
 from beatrix_zenoh.bus.session import Bus
-from beatrix_zenoh.bus.watchdog import Listener, SessionWatchdog
+from beatrix_zenoh.bus.watchdog import CONTROL, Listener, SessionWatchdog
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import ProgramInfo
 
-CONTROL = "control"
-"""Traffic class of tokens, STOP and commands; its session is always open and is closed last."""
+MOTION = "motion"
+"""Traffic class of motions. Nodes of one process do not share its session: a flood of motions to one robot may fill it,
+and the router then disconnects it."""
 
 
 class ProcessSessions:
@@ -32,7 +33,7 @@ class ProcessSessions:
 
     def __init__(self, connect: Callable[[], Bus]) -> None:
         """Open the control session; raises the errors of `connect` (NoAnswer: no router)."""
-        self._connect = connect
+        self.connect = connect
         self._lock = threading.Lock()
         self._open: dict[str, Bus] = {CONTROL: connect()}
         self.watchdog = SessionWatchdog(self.opened)
@@ -46,7 +47,7 @@ class ProcessSessions:
         """Return the session of a traffic class, opened if necessary; raises the errors of `connect`."""
         with self._lock:
             if traffic not in self._open:
-                self._open[traffic] = self._connect()
+                self._open[traffic] = self.connect()
             return self._open[traffic]
 
     def opened(self) -> dict[str, Bus]:
@@ -69,6 +70,8 @@ class Sessions:
         """Use the sessions of a process, or open some with a function that connects; raises its errors."""
         self._shared = isinstance(opened, ProcessSessions)
         self._all = opened if isinstance(opened, ProcessSessions) else ProcessSessions(opened)
+        self._motion: Bus | None = None
+        """The session of motions of this node if it shares the others."""
         self._lock = threading.Lock()
         self._ends: dict[Callable[[], None], tuple[str, str]] = {}
         """Kind and key of each declaration by the function that ends it, the oldest first."""
@@ -80,11 +83,18 @@ class Sessions:
 
     def session(self, traffic: str) -> Bus:
         """Return the session of a traffic class, opened if necessary; raises the errors of `connect`."""
-        return self._all.session(traffic)
+        if traffic != MOTION or not self._shared:
+            return self._all.session(traffic)
+        with self._lock:
+            self._motion = self._motion or self._all.connect()
+            return self._motion
 
     def opened(self) -> dict[str, Bus]:
         """Return the open sessions by traffic class, the control session first."""
-        return self._all.opened()
+        return {**self._all.opened(), **self._own()}
+
+    def _own(self) -> dict[str, Bus]:
+        return {} if self._motion is None else {MOTION: self._motion}
 
     def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
         """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve` does."""
@@ -127,7 +137,7 @@ class Sessions:
 
     def watch_sessions(self, listener: Listener) -> Callable[[], None]:
         """Let the watchdog of the sessions report to a listener; return a function that ends this, before `close`."""
-        return self._all.watchdog.add(listener)
+        return self._all.watchdog.add(listener, self._own)
 
     def _declared(self, kind: str, key: str, end: Callable[[], None]) -> Callable[[], None]:
         """Record a declaration; return the function that ends it and its record."""
@@ -154,9 +164,13 @@ class Sessions:
         """
         if not self._shared:
             self._all.close()
-        while self._ends:
+        if self._motion is not None:
+            self._motion.close()
+        while True:
             with self._lock:
-                end = next(reversed(self._ends))
+                end = next(reversed(self._ends), None)
+            if end is None:
+                return
             end()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import weakref
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -12,6 +13,8 @@ from beatrix_zenoh.bus.session import Bus
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 
+CONTROL = "control"
+"""Traffic class of tokens, STOP and commands; its session is always open and is closed last."""
 PERIOD_S = 1.0
 ANSWER_S = 1.0
 FAILURES = 2
@@ -43,16 +46,20 @@ class SessionWatchdog:
         """`opened` returns the sessions to check by traffic class, the control session first."""
         self._opened = opened
         self._lock = threading.Lock()
-        self._listeners: list[Listener] = []
+        self._listeners: dict[Listener, Callable[[], dict[str, Bus]]] = {}
+        """The listeners, each with a function that returns the sessions of its node that no other node uses."""
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
         self._refusals, self._without_rights = 0, False
-        self._failures: dict[str, int] = {}
+        self._failures: weakref.WeakKeyDictionary[Bus, int] = weakref.WeakKeyDictionary()
 
-    def add(self, listener: Listener) -> Callable[[], None]:
-        """Report to a listener, on the watchdog's thread; return a function that ends this."""
+    def add(self, listener: Listener, own: Callable[[], dict[str, Bus]]) -> Callable[[], None]:
+        """Report to a listener, on the watchdog's thread, and check the sessions that `own` returns for it alone.
+
+        Return a function that ends this.
+        """
         with self._lock:
-            self._listeners.append(listener)
+            self._listeners = {**self._listeners, listener: own}
             if self._thread is None:
                 self._ended = ended = threading.Event()
                 self._thread = threads.start(lambda: self._run(ended), "watchdog")
@@ -61,7 +68,7 @@ class SessionWatchdog:
     def _remove(self, listener: Listener) -> None:
         """End the reports to a listener; with the last one end the thread."""
         with self._lock:
-            self._listeners = [other for other in self._listeners if other is not listener]
+            self._listeners = {other: own for other, own in self._listeners.items() if other is not listener}
             thread = None if self._listeners else self._thread
             if thread is not None:
                 self._ended.set()
@@ -72,21 +79,28 @@ class SessionWatchdog:
     def _run(self, ended: threading.Event) -> None:
         while not ended.wait(PERIOD_S):
             opened = self._opened()
-            control, *_ = opened.values()
+            control, *others = opened.values()
             for traffic, checked in opened.items():
-                others = [bus for bus in opened.values() if bus is not checked]
-                if others and checked.served and not ended.is_set():
-                    self._check(traffic, checked, others[0], control)
+                through = next(iter(others), None) if checked is control else control
+                if through is not None and not ended.is_set():
+                    self._check(traffic, checked, through, list(self._listeners))
+            for listener, own in self._listeners.items():
+                for traffic, checked in own().items():
+                    if not ended.is_set():
+                        self._check(traffic, checked, control, [listener])
             if not ended.is_set():
                 self._check_account(control)
 
-    def _check(self, traffic: str, checked: Bus, through: Bus, control: Bus) -> None:
-        failed = not reached(checked, through)
-        self._failures[traffic] = self._failures.get(traffic, 0) + 1 if failed else 0
-        if self._failures[traffic] < FAILURES:
+    def _check(self, traffic: str, checked: Bus, through: Bus, listeners: list[Listener]) -> None:
+        if not checked.served:
             return
-        self._failures[traffic] = 0
-        if self._without_rights and checked is not control:
+        failed = not reached(checked, through)
+        self._failures[checked] = self._failures.get(checked, 0) + 1 if failed else 0
+        if self._failures[checked] < FAILURES:
+            return
+        del self._failures[checked]
+        is_control = traffic == CONTROL
+        if self._without_rights and not is_control:
             return
         try:
             checked.renew()
@@ -94,8 +108,7 @@ class SessionWatchdog:
             return  # the router has just been lost; the old session remains
         except WrongUsage:
             return  # the node closes
-        listeners = self._listeners
-        error = control.refusal(listeners[0].token) if checked is control and listeners else None
+        error = checked.refusal(listeners[0].token) if is_control and listeners else None
         if error is None:
             self._without_rights = False
             for listener in listeners:

@@ -14,6 +14,7 @@ from beatrix_zenoh.contract._generated.serial import BoardState, Telemetry, Text
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.interfaces import Component, HardwareInterface, StatusFields
 from beatrix_zenoh.node.requests import ControllerQueue
+from beatrix_zenoh.threads import Owner
 
 BOARD_READY_S = 1.7
 """Time (s) within which a board that was reset by opening its port sends telemetry."""
@@ -33,7 +34,10 @@ class Observer(NamedTuple):
 class BoardWatch(Component):
     """Owns the board. The callbacks of the board run on its thread and only queue calls for the controller's thread."""
 
-    def __init__(self, hardware: HardwareInterface, access: Access, queue: ControllerQueue) -> None:
+    def __init__(
+        self, hardware: HardwareInterface, access: Access, queue: ControllerQueue, owner: Owner
+    ) -> None:
+        self._owner = owner
         self._hardware, self._access, self._queue = hardware, access, queue
         self._observers: list[Observer] = []
         self._on_text: Callable[[int, Text | TextWarning], None] = lambda *_: None
@@ -49,7 +53,7 @@ class BoardWatch(Component):
         self._on_text = handle
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002
-        self.board.start()
+        self.board.start(self._hardware.turns(self._owner))
         self.board.wait_for(lambda _: True, BOARD_READY_S)
 
     def contribute(self, status: StatusFields) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import logging
 import os
 import queue
@@ -27,10 +28,10 @@ STDERR = 2
 class Writer:
     """Writes records on a thread of its own, so that a blocked stderr does not delay the robot."""
 
-    def __init__(self, file: logging.Handler | None) -> None:
+    def __init__(self, file: logging.Handler | None, *, named: bool) -> None:
         self._records: queue.Queue[logging.LogRecord | None] = queue.Queue(CAPACITY)
         self._file = file
-        self.handler = Enqueue(self._records)
+        self.handler = Enqueue(self._records, named=named)
         self._thread = threads.start(self._run, "log")
 
     def _run(self) -> None:
@@ -54,6 +55,21 @@ class Writer:
 
 class Enqueue(QueueHandler):
     """A handler that drops records when the queue is full."""
+
+    def __init__(self, records: queue.Queue[logging.LogRecord | None], *, named: bool) -> None:
+        """Put records into a queue; `named`: begin their messages with the name of their robot."""
+        super().__init__(records)
+        self._named = named
+
+    def prepare(self, record: logging.LogRecord) -> logging.LogRecord:
+        """Return the record for the queue; called on the thread that logs."""
+        prepared: logging.LogRecord = super().prepare(record)
+        owner = threads.OWNER.get()
+        if self._named and owner is not None:
+            prepared = copy.copy(prepared)
+            prepared.msg = f"{owner.name}: {prepared.getMessage()}"
+            prepared.args = None
+        return prepared
 
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 - the name is logging's
         """Ignore that the queue is full."""
@@ -90,13 +106,15 @@ def print_raw(text: str) -> None:
 
 
 @contextmanager
-def log_to(path: Path | None) -> Iterator[None]:
+def log_to(path: Path | None, *, named: bool = False) -> Iterator[None]:
     """Until the context ends, write warnings of our loggers to stderr and all their records to `path`; None: no file.
+
+    `named`: begin each message with the name of its robot, because the process serves several.
 
     Raises:
         WrongUsage: BAD_VALUE, the file cannot be written.
     """
-    writer = Writer(None if path is None else _file(path))
+    writer = Writer(None if path is None else _file(path), named=named)
     loggers = [logging.getLogger(name) for name in LOGGERS]
     before = [(logger, logger.level, logger.propagate) for logger in loggers]
     for logger in loggers:

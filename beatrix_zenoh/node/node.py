@@ -34,14 +34,16 @@ from beatrix_zenoh.node.requests import ControllerQueue, Requests
 from beatrix_zenoh.node.snapshot import Snapshot
 from beatrix_zenoh.node.state import Publisher, StateQueries
 from beatrix_zenoh.node.stop import StopHandler
+from beatrix_zenoh.schedule import Schedule
+from beatrix_zenoh.threads import Owner
 
 
 class LogEvents(Component, logging.Handler):
-    """Adds each record of our loggers to the event log, except the records of the event log itself."""
+    """Adds the records of our loggers to the event log, except those of the event log itself and of other robots."""
 
-    def __init__(self, log: NodeEvents) -> None:
+    def __init__(self, log: NodeEvents, owner: Owner) -> None:
         logging.Handler.__init__(self, logging.INFO)
-        self._events = log
+        self._events, self._owner = log, owner
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002
         for name in LOGGERS:
@@ -49,7 +51,7 @@ class LogEvents(Component, logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Add a record; called by logging, on any thread."""
-        if record.name != events.log.name:
+        if record.name != events.log.name and threads.OWNER.get() in (None, self._owner):
             message = f"{record.name}: {record.getMessage()}"
             self._events.add(EventKind.LOG, action=record.levelname, message=message)
 
@@ -112,26 +114,31 @@ class Node:
         robot: RobotData = ROBOT,
         terminal: Terminal | None = None,
         kept: Path | None = None,
+        publishing: Schedule | None = None,
     ) -> None:
         """Construct the components; `start` starts the threads.
 
-        `kept` is the folder in which the decisions of the teacher outlive the node; None: they end with it.
+        `kept` is the folder in which the decisions of the teacher outlive the node; None: they end with it. `publishing`
+        is a thread that publishes for several nodes; None: this one has a thread of its own.
         """
+        self.owner = Owner(name)
         self.sessions, self.hardware = sessions, hardware
         self.name, self.side = names.check_name(name), hardware.side
         self.events, queue = NodeEvents(), ControllerQueue()
         planner, access, diagnostics = Planner(robot), Access(), Diagnostics(self.events)
         self.requests = Requests(name, self.side, queue, self.events)
-        self.board_watch = BoardWatch(hardware, access, queue)
+        self.board_watch = BoardWatch(hardware, access, queue, self.owner)
         self.board = self.board_watch.board
         self.controller = MotionController(self.board, planner, access, diagnostics)
         self.snapshot = Snapshot(name, hardware, self.board, planner, sessions.control.endpoint)
         # Add the controller first: the other observers, for example that of STOP, read the state of the motion from it.
         self.board_watch.observe(Observer(self.controller.observe, self.controller.overdue))
         path = None if kept is None else kept / f"{name}.{self.side}.toml"
-        self.snapshot.components = self._components = self._build(terminal, path)
+        self.snapshot.components = self._components = self._build(terminal, path, publishing)
 
-    def _build(self, terminal: Terminal | None, kept: Path | None) -> list[Component]:
+    def _build(
+        self, terminal: Terminal | None, kept: Path | None, publishing: Schedule | None
+    ) -> list[Component]:
         """Return the components in the order in which they start; `kept`: file of the teacher's decisions."""
         requests, controller, watch, hardware = (
             self.requests,
@@ -141,9 +148,15 @@ class Node:
         )
         decisions, stop = TeacherDecisions(controller, kept), StopHandler(requests, controller, watch)
         controller.on_stop.append(decisions.keep)  # an EMERGENCY_STOP may be the teacher's
-        publisher = Publisher(self.snapshot, self.events, lambda: controller.driven or controller.moving)
+        publisher = Publisher(
+            self.snapshot,
+            self.events,
+            lambda: controller.driven or controller.moving,
+            self.owner,
+            publishing,
+        )
         return [
-            LogEvents(self.events),
+            LogEvents(self.events, self.owner),
             decisions,
             watch,
             publisher,
@@ -172,7 +185,7 @@ class Node:
             NoAnswer: NO_ROUTER, the router was lost meanwhile; ACCOUNT_REFUSED, it has no rules for the account.
         """
         claim_name(self.sessions, self.name, self.side)
-        with ExitStack() as undo:
+        with threads.owned_by(self.owner), ExitStack() as undo:
             undo.callback(self.board.close)
             for component in self._components:
                 undo.callback(component.close)

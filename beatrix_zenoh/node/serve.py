@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import sys
 import threading
 import traceback
@@ -11,7 +12,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import files
+from beatrix_zenoh import files, threads
 from beatrix_zenoh.bus import ProcessSessions, Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
@@ -19,6 +20,8 @@ from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.node.logs import log_to
 from beatrix_zenoh.node.node import Node, RobotBody
+from beatrix_zenoh.node.robots import Robots
+from beatrix_zenoh.schedule import Schedule
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import FAULT, Shutdown
 
@@ -31,7 +34,7 @@ SWITCH_S = 0.0005
 
 
 def serve(
-    build: Callable[[str], RobotBody],
+    build: Callable[[str, Schedule | None], RobotBody],
     names: Sequence[str],
     settings: Settings,
     *,
@@ -42,7 +45,7 @@ def serve(
 ) -> int:
     """Serve robots until a signal arrives; return the exit code: FAULT after an uncaught exception in a thread, else 0.
 
-    `build` makes the robot of a name. `ready` (simulation only) switches the motors on and calibrates. `legacy` is the
+    `build` makes the robot of a name; of several robots the schedule advances the boards. `ready` (simulation only) switches the motors on and calibrates. `legacy` is the
     path of the terminal for programs of 2023. All log records are written to `log_file`. Prints `ready <key>` for each
     robot when its node serves.
 
@@ -56,32 +59,76 @@ def serve(
             "the limits compiled into the firmware apply. Omit one of the two options.",
         )
     shutdown = Shutdown()
+    shutdown.handle_signals()
+    sys.setswitchinterval(SWITCH_S)
+    with log_to(log_file, named=len(names) > 1):
+        sessions = _connect(settings, names, shutdown)
+        if sessions is None:
+            return 0
+
+        def open_node(name: str, clock: Schedule | None, publishing: Schedule | None) -> Node:
+            node = _open(Sessions(sessions), build(name, clock), name, robot, legacy, publishing)
+            if ready:
+                node.make_ready()
+            _announce(node, legacy)
+            return node
+
+        try:
+            if len(names) == 1:
+                return _serve_one(lambda: open_node(names[0], None, None), shutdown)
+            return _serve_several(
+                names, lambda name, robots: open_node(name, robots.clock, robots.publishing), shutdown
+            )
+        finally:
+            sessions.close()
+
+
+def _serve_one(open_node: Callable[[], Node], shutdown: Shutdown) -> int:
+    """Serve a robot; an uncaught exception in a thread ends it, because it would answer only some requests."""
     broken: list[threading.ExceptHookArgs] = []
 
     def give_up(died: threading.ExceptHookArgs) -> None:
-        """End the node after an uncaught exception in a thread; otherwise it would answer only some requests."""
         traceback.print_exception(died.exc_type, died.exc_value, died.exc_traceback)
         broken.append(died)
         shutdown.request()
 
     threading.excepthook = give_up
-
-    shutdown.handle_signals()
-    sys.setswitchinterval(SWITCH_S)
-    with log_to(log_file), ExitStack() as opened:
-        sessions = _connect(settings, names, shutdown)
-        if sessions is None:
-            return 0
-        opened.callback(sessions.close)
-        for name in names:
-            node = _open(Sessions(sessions), build(name), name, robot, legacy)
-            opened.callback(node.close)
-            if ready:
-                node.make_ready()
-            _announce(node, legacy)
+    node = open_node()
+    try:
         gc.freeze()  # without this, garbage collection would stop all threads for milliseconds
         shutdown.wait()
+    finally:
+        node.close()
     return FAULT if broken else 0
+
+
+def _serve_several(names: Sequence[str], open_node: Callable[[str, Robots], Node], shutdown: Shutdown) -> int:
+    """Serve robots; an uncaught exception in a thread of one robot replaces it, one in another thread ends all."""
+    broken: list[threading.ExceptHookArgs] = []
+    robots = Robots(open_node)
+
+    def replace(died: threading.ExceptHookArgs) -> None:
+        owner, error = threads.OWNER.get(), died.exc_value
+        if owner is not None and error is not None:
+            robots.fail(owner, error)
+            return
+        traceback.print_exception(died.exc_type, error, died.exc_traceback)
+        broken.append(died)
+        shutdown.request()
+
+    threading.excepthook = replace
+    try:
+        for name in names:
+            robots.start(name)
+        gc.freeze()  # as above
+        shutdown.wait()
+    finally:
+        robots.close()
+    code = FAULT if broken or robots.failed else 0
+    if robots.hung:
+        sys.stdout.flush()
+        os._exit(code or FAULT)  # Python would wait for threads that hang
+    return code
 
 
 def _announce(node: Node, legacy: Path | None) -> None:
@@ -93,7 +140,14 @@ def _announce(node: Node, legacy: Path | None) -> None:
         print(f"Old programs open {legacy.absolute()}.", file=sys.stderr, flush=True)
 
 
-def _open(sessions: Sessions, hardware: RobotBody, name: str, robot: RobotData, legacy: Path | None) -> Node:
+def _open(
+    sessions: Sessions,
+    hardware: RobotBody,
+    name: str,
+    robot: RobotData,
+    legacy: Path | None,
+    publishing: Schedule | None,
+) -> Node:
     """Return a started node; if it cannot start, close `sessions`, `hardware` and the terminal."""
     with ExitStack() as undo:
         undo.callback(hardware.close)
@@ -101,7 +155,7 @@ def _open(sessions: Sessions, hardware: RobotBody, name: str, robot: RobotData, 
         terminal = None if legacy is None else Terminal(legacy)
         if terminal is not None:
             undo.callback(terminal.close)
-        node = Node(sessions, name, hardware, robot, terminal, files.user_folder() / KEPT)
+        node = Node(sessions, name, hardware, robot, terminal, files.user_folder() / KEPT, publishing)
         node.start()
         undo.pop_all()
         return node

@@ -17,6 +17,7 @@ from beatrix_zenoh.contract._generated.messages import Head, Info, Positions, St
 from beatrix_zenoh.contract._generated.robot import GeometryData
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import ARMS
+from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.robot_file import fingerprint
 from beatrix_zenoh.node.interfaces import Component, HardwareInterface, StatusFields
 from beatrix_zenoh.node.planner import Planner, vector
@@ -36,6 +37,8 @@ class Snapshot:
         self.name, self.side, self._endpoint = name, hardware.side, endpoint
         self._hardware, self._board, self._planner = hardware, board, planner
         self._head = Head(0.0, 0.0, 0.0)
+        self._head_at: Arms = (0.0, 0.0, 0.0)
+        """Arm angles (rad) of this orientation."""
         self._lock = threading.Lock()
         self._seq = 0
         self._published_ns = -1, 0
@@ -60,10 +63,11 @@ class Snapshot:
                 t_wall_ns = self._published_ns[1]
             elif count:
                 self._published_ns = t_mono_ns, t_wall_ns
-            with contextlib.suppress(
-                BeatrixError
-            ):  # publish the last orientation if none is possible; the status reports a fault
-                self._head = Head(*self._planner.neck.forward(pose.position))
+            if pose.position != self._head_at:
+                self._head_at = pose.position
+                # Publish the last orientation if none is possible; the status reports a fault.
+                with contextlib.suppress(BeatrixError):
+                    self._head = Head(*self._planner.neck.forward(pose.position))
             return Positions(
                 seq=self._seq,
                 t_mono_ns=t_mono_ns,

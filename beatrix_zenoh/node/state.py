@@ -6,7 +6,6 @@ Queries for keys that the robot does not have get an error reply.
 from __future__ import annotations
 
 import difflib
-import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -15,7 +14,6 @@ from functools import lru_cache
 import msgspec
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Incoming, Publication, Sessions
 from beatrix_zenoh.contract import codec, refusals
 from beatrix_zenoh.contract._generated import keys
@@ -33,6 +31,8 @@ from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.events import NodeEvents
 from beatrix_zenoh.node.interfaces import Component
 from beatrix_zenoh.node.snapshot import Snapshot
+from beatrix_zenoh.schedule import SLACK_S, Schedule, Task
+from beatrix_zenoh.threads import Owner
 
 
 class StatusEvents:
@@ -102,16 +102,31 @@ class Publisher(Component):
     and when `changed` is called.
     """
 
-    def __init__(self, snapshot: Snapshot, events: NodeEvents, busy: Callable[[], bool]) -> None:
-        """`busy` returns whether the robot moves or is about to."""
+    def __init__(
+        self,
+        snapshot: Snapshot,
+        events: NodeEvents,
+        busy: Callable[[], bool],
+        owner: Owner,
+        schedule: Schedule | None,
+    ) -> None:
+        """Store the arguments; `start` declares the publications.
+
+        Args:
+            snapshot: builds the messages.
+            events: the events to publish.
+            busy: returns whether the robot moves or is about to.
+            owner: the robot.
+            schedule: thread that publishes for several robots; None: this one has a thread of its own.
+        """
         self._snapshot, self._recorded, self._busy = snapshot, events, busy
         self._changes = StatusEvents(events)
         self._published: object = None
         self._status_due_s = self._check_due_s = 0.0
         self._dirty, self._idle = True, False
-        self._wake = threading.Event()
-        self._closed = False
-        self._thread: threading.Thread | None = None
+        self._due_s = float("inf")
+        self._owner, self._schedule, self._shared = owner, schedule, schedule is not None
+        self._task: Task | None = None
 
     def start(self, sessions: Sessions) -> None:
         name, side = self._snapshot.name, self._snapshot.side
@@ -124,29 +139,31 @@ class Publisher(Component):
         self._events = StatePublication(
             sessions, keys.events(name, side), keys.events_json(name, side), self.changed
         )
-        self._thread = threads.start(self._run, "publisher")
+        self._schedule = self._schedule or Schedule("publisher")
+        self._task = self._schedule.add(self._owner, self._turn)
+        self._due_s = time.monotonic()
+        self._task.wake()
 
     def changed(self) -> None:
         """Compare the status in the next period, or now if the thread waits for longer; any thread may call this."""
         self._dirty = True
-        if self._idle:
-            self._wake.set()
+        if self._idle and self._task is not None:
+            self._task.wake()
 
-    def _run(self) -> None:
-        due_s = time.monotonic()
-        while not self._closed:
-            self._wake.wait(max(0.0, due_s - time.monotonic()))
-            self._wake.clear()
-            if self._positions.subscribed:
-                self._positions.put(self._snapshot.positions(count=True))
-            self._publish_changes()
-            self._idle = not (self._watched or self._busy())
-            if self._idle and self._dirty:
-                self._wake.set()  # `changed` was called before the thread was idle
-            period_s, now_s = CHECK_S if self._idle else PERIOD_S, time.monotonic()
-            # After a stall of the process, skip the missed publications: clients need no burst of old positions. After
-            # a wake-up the periods begin anew.
-            due_s = now_s + period_s if due_s > now_s else max(due_s + period_s, now_s - period_s)
+    def _turn(self) -> float:
+        """Publish what is due; return the monotonic time (s) of the next turn."""
+        if self._positions.subscribed:
+            self._positions.put(self._snapshot.positions(count=True))
+        self._publish_changes()
+        self._idle = not (self._watched or self._busy())
+        if self._idle and self._dirty and self._task is not None:
+            self._task.wake()  # `changed` was called before the thread was idle
+        period_s, now_s = CHECK_S if self._idle else PERIOD_S, time.monotonic()
+        # After a stall of the process, skip the missed publications: clients need no burst of old positions. After a
+        # wake-up the periods begin anew.
+        early = self._due_s > now_s + SLACK_S
+        self._due_s = now_s + period_s if early else max(self._due_s + period_s, now_s - period_s)
+        return self._due_s
 
     @property
     def _watched(self) -> bool:
@@ -175,10 +192,12 @@ class Publisher(Component):
 
     def close(self) -> None:
         """End the thread; publish a last status and the last events."""
-        self._closed = True
-        self._wake.set()
-        if self._thread is not None:
-            self._thread.join(timeout=2.0)
+        if self._schedule is None or self._task is None:
+            return
+        ended = self._schedule.remove(self._task)
+        if not self._shared:
+            self._schedule.close()
+        if ended:
             self._publish_status(always=True)
             self._publish_events()
 
