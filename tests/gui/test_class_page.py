@@ -10,6 +10,7 @@ from gui_worlds import robot, status, world
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
+from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, WatchedState
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction
@@ -46,6 +47,16 @@ def test_the_page_takes_the_place_of_the_robot(window: Window, page: ClassPage) 
     QTest.mouseClick(window.panels.header.page, LEFT)
     assert window.panels.body.isVisible()
     assert not page.isVisible()
+
+
+def test_names_of_32_letters_are_shown_whole_in_a_narrow_window(
+    qtbot: QtBot, window: Window, page: ClassPage, link: RecordingLink
+) -> None:
+    name = "robot-of-the-third-row-at-window"
+    window.resize(1024, 600)
+    link.known = replace(link.known, robots=tuple(replace(one, robot=name) for one in link.known.robots[:2]))
+    qtbot.waitUntil(lambda: page.list.topLevelItemCount() == 2)
+    assert page.list.columnWidth(0) > page.list.fontMetrics().horizontalAdvance(name)
 
 
 def test_the_projector_fills_the_screen_and_stop_works(

@@ -5,7 +5,9 @@ from __future__ import annotations
 import ast
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import MagicMock
 
+import msgspec
 import pytest
 from gui_worlds import BOTH, accept, robot, state_after, world
 from hypothesis import given
@@ -15,11 +17,16 @@ from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QFileDialog
 
+import beatrix_zenoh
+from beatrix_zenoh.client import choreography
+from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.contract._generated.messages import Command, Reason
 from gui.console.state import intents
-from gui.console.state.actions import Outcome, WriteFile
+from gui.console.state.actions import Outcome, Play, WriteFile
 from gui.console.state.intents import AimHead, Intent, Jog, RunCommand, SendHead
 from gui.console.state.program import SaveProgram
+from gui.console.state.saved import Saved, SavedPose
+from gui.console.state.sequence_intents import PlaySequence, SetLoop
 from gui.console.state.state import State
 from gui.window.window import Window
 
@@ -88,6 +95,64 @@ def test_another_router_and_a_file_are_part_of_the_program() -> None:
     assert "from beatrix_zenoh.client.choreography import load, play" in text
     elsewhere = replace(world(), endpoint="tcp/10.0.0.1:7447")
     assert 'Twin("bea1", connect="tcp/10.0.0.1:7447")' in state.view(elsewhere).code.text
+
+
+THREE = (
+    SavedPose("nod", 20, 0, 0, 2.0),
+    SavedPose("wait", 20, 0, 0, 1.5),
+    SavedPose("left", 30, 30, 30, 1.0),
+)
+
+
+def plays_of(text: str, monkeypatch: pytest.MonkeyPatch) -> list[list[ArmPose]]:
+    """Run a program with a robot that only records; return the poses of each play, with their times."""
+    plays: list[list[ArmPose]] = []
+    monkeypatch.setattr(beatrix_zenoh, "Twin", MagicMock())
+    monkeypatch.setattr(
+        choreography, "play", lambda _robot, found: plays.append([pose for _, pose in found.steps])
+    )
+    exec(compile(text, "program", "exec"), {})
+    return plays
+
+
+def test_a_played_sequence_is_repeated_with_its_pauses(monkeypatch: pytest.MonkeyPatch) -> None:
+    state = State(Saved(poses=THREE))
+    (play,) = state.handle(PlaySequence("sim"), world())
+    assert isinstance(play, Play)
+    ended(state, play.row, Reason.OK)
+    (found,) = plays_of(state.view(world()).code.text, monkeypatch)
+    assert [pose.at for pose in found] == [0.0, 2.0, 3.5]
+    assert [msgspec.structs.astuple(pose) for pose in found] == [
+        pytest.approx(msgspec.structs.astuple(pose), abs=1e-3) for pose in play.poses
+    ]
+
+
+@pytest.mark.parametrize("rounds", [1, 2, 4])
+def test_a_loop_is_repeated_as_often_as_it_was_played(rounds: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    state = State(Saved(poses=THREE))
+    state.handle(SetLoop(on=True), world())
+    (play,) = state.handle(PlaySequence("sim"), world())
+    assert isinstance(play, Play)
+    for played in range(rounds + 1):
+        state.report(Outcome(play.row, "sim", accepted=True, done=False, rounds=played))
+    ended(state, play.row, Reason.STOPPED, accepted=False)
+    text = state.view(world()).code.text
+    found = plays_of(text, monkeypatch)
+    assert len(found) == rounds
+    assert [pose.at for pose in found[0]] == [pose.at for pose in play.poses]
+    assert all([pose.at for pose in again] == [pose.at for pose in play.again] for again in found[1:])
+    assert text.splitlines()[-1].strip().startswith("# play 3 poses: ended early"), (
+        "the round that was stopped"
+    )
+
+
+def test_one_loop_is_copied_as_a_program_without_an_end() -> None:
+    state = State(Saved(poses=THREE))
+    state.handle(SetLoop(on=True), world())
+    state.handle(PlaySequence("sim"), world())
+    (row,) = state.view(world()).history
+    ast.parse(row.program)
+    assert "while True:  # until Ctrl-C" in row.program
 
 
 PRESSES = st.sampled_from(

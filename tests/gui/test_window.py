@@ -253,3 +253,19 @@ def test_a_name_of_32_letters_leaves_room_for_the_pills(
     popup = header.robots.view()
     assert popup is not None
     assert popup.minimumWidth() > header.robots.fontMetrics().horizontalAdvance(name)
+
+
+@pytest.mark.qt_log_ignore("This plugin does not support")  # popups without a display
+def test_the_list_of_41_robots_scrolls(qtbot: QtBot, window: Window, link: RecordingLink) -> None:
+    names = tuple(f"robot-{number:02d}" for number in range(1, 42))
+    header = window.panels.header
+    link.known = replace(link.known, robot=names[0], names=names)
+    qtbot.waitUntil(lambda: header.robots.count() == 41)
+    header.robots.showPopup()
+    popup = header.robots.view()
+    assert popup is not None
+    bar = popup.verticalScrollBar()
+    assert bar is not None
+    qtbot.waitUntil(bar.isVisible)
+    assert bar.maximum() > 0
+    header.robots.hidePopup()

@@ -6,11 +6,12 @@ import math
 import shlex
 from collections.abc import Sequence
 
+from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
-from gui.console.state.actions import Govern, Play, Ready, Send, SendCommand, SendLease, SendStop
+from gui.console.state.actions import POSES, Govern, Play, Ready, Send, SendCommand, SendLease, SendStop
 from gui.console.state.memory import Request
 from gui.console.state.presence import online
 from gui.console.state.views import CodeLine
@@ -63,8 +64,9 @@ def _beginning(calls: Sequence[str], world: World, side: str = "") -> list[str]:
     """Return the imports that calls need, and the line that opens the robots."""
     imports = ["import time", ""] if any("time.sleep(" in call for call in calls) else []
     imports.append(f"from beatrix_zenoh import {'Robot' if side else 'Twin'}")
-    if any(call.startswith("play(") for call in calls):
-        imports.append("from beatrix_zenoh.client.choreography import load, play")
+    plays = {word for call in calls for word in ("ArmPose", "Choreography", "load") if f"{word}(" in call}
+    if any(call.lstrip().startswith("play(") for call in calls):
+        imports.append(f"from beatrix_zenoh.client.choreography import {', '.join((*sorted(plays), 'play'))}")
     return [*imports, "", _opening(world, side)]
 
 
@@ -88,10 +90,11 @@ def _sides(request: Request) -> tuple[str, ...]:
     return SIDES
 
 
-def python(request: Request, variable: str = "twin") -> str:
+def python(request: Request, variable: str = "twin", rounds: int | None = None) -> str:
     """Return Python that sends the request, one line; for a play of poses, one for each. Empty if there is none.
 
-    `variable` is `twin` for a `Twin`, or `robot` for a `Robot`.
+    `variable` is `twin` for a `Twin`, or `robot` for a `Robot`; `rounds` is how often a play that repeats was played to
+    its end, None: it repeats for ever.
     """
     sides = _sides(request)
     both = len(sides) > 1
@@ -110,12 +113,36 @@ def python(request: Request, variable: str = "twin") -> str:
             text = f"{robot}.lease()"
         case SendLease(action=LeaseAction.WAIT):
             text = f"{robot}.lease(wait_s=60)"
-        case Play(lead_s=lead_s) if _played(request):
-            lead = f", lead_s={_number(lead_s)}" if lead_s and both else ""
-            text = f"play({robot}, load({_played(request)!r}){lead})"
-        case Play(file=None, poses=poses, lead_s=lead_s):
-            text = "\n".join(_motion_python(pose.query(), robot, lead_s, both=both) for pose in poses)
+        case Play():
+            text = _play_python(request, robot, rounds, both=both)
     return text
+
+
+def _play_python(request: Play, robot: str, rounds: int | None, *, both: bool) -> str:
+    """Return the lines of a play, which contain the time of each pose, so that pauses are repeated as well."""
+    lead = f", lead_s={_number(request.lead_s)}" if request.lead_s and both else ""
+    if _played(request):
+        return f"play({robot}, load({_played(request)!r}){lead})"
+    lines = _poses_python(request.poses, robot, lead)
+    if request.again and rounds is None:
+        lines += ["while True:  # until Ctrl-C", *_indented(_poses_python(request.again, robot, lead))]
+    elif request.again and rounds is not None and rounds > 1:
+        times = f"for _ in range({rounds - 1}):"
+        lines += [times, *_indented(_poses_python(request.again, robot, lead))]
+    return "\n".join(lines)
+
+
+def _poses_python(poses: Sequence[ArmPose], robot: str, lead: str) -> list[str]:
+    steps = [
+        f'    ("{POSES}", ArmPose({", ".join(map(_number, (pose.at, pose.short, pose.middle, pose.long, pose.speed)))})),'
+        for pose in poses
+    ]
+    words = "at, short, middle, long, speed"
+    return [f"play({robot}, Choreography([  # {words}", *steps, f"]){lead})"]
+
+
+def _indented(lines: Sequence[str]) -> list[str]:
+    return [f"    {line}" for line in lines]
 
 
 def command_line(request: Request, world: World) -> str:

@@ -59,6 +59,8 @@ class RequestRow:
     """the newest outcome of each robot"""
     accepted: frozenset[str] = frozenset()
     """robots that accepted it"""
+    rounds: int = 0
+    """how often the poses of a play that repeats were played to their end"""
 
     @property
     def number(self) -> int:
@@ -86,7 +88,8 @@ class RequestRow:
     def after(self, outcome: Outcome) -> RequestRow:
         """Return the row with one more outcome."""
         accepted = self.accepted | {outcome.side} if outcome.accepted else self.accepted
-        return replace(self, outcomes={**self.outcomes, outcome.side: outcome}, accepted=accepted)
+        outcomes, rounds = {**self.outcomes, outcome.side: outcome}, max(self.rounds, outcome.rounds)
+        return replace(self, outcomes=outcomes, accepted=accepted, rounds=rounds)
 
 
 @dataclass(frozen=True)

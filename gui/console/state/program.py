@@ -49,21 +49,27 @@ def view(memory: Memory, world: World, cache: CodeCache) -> CodeView:
 def lines_of(row: RequestRow, texts: Texts, *, from_set_point: bool = False) -> list[CodeLine]:
     """Return the lines of one row; a request that did not do what was asked is a comment.
 
+    A play that repeats always ends early: its whole rounds are repeated.
+
     from_set_point: whether the motion before it is a comment. Then a relative motion becomes an absolute one, from where
     the arms were at its request.
     """
     request = row.request
     if from_set_point:
         request = _absolute(request, row.before)
-    calls = [] if isinstance(request, SendStop) else code_lines.python(request).splitlines()
+    calls = (
+        [] if isinstance(request, SendStop) else code_lines.python(request, rounds=row.rounds).splitlines()
+    )
+    lines = [CodeLine(call, row.number) for call in calls]
     result, good = history.result(row, texts)
     if calls and good is not False:
-        return [CodeLine(call, row.number) for call in calls]
+        return lines
     if not calls and not isinstance(request, SendStop):
         return []  # it is no request to the robot of the window, or has no line of Python
     first, _, _ = result.partition(". ")
     comment = " ".join(f"# {history.what(row, texts)}: {first}".split())
-    return [CodeLine(comment.removesuffix("."), row.number)]
+    ended = CodeLine(comment.removesuffix("."), row.number)
+    return [*lines, ended] if row.rounds else [ended]
 
 
 def _lines(rows: tuple[RequestRow, ...], texts: Texts) -> list[CodeLine]:

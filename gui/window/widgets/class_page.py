@@ -31,8 +31,9 @@ TIPS = ("turn", "rate", "age")
 """Columns of numbers, whose headings have a tooltip."""
 RIGHT = tuple(COLUMNS.index(name) for name in TIPS)
 WIDTHS_PX = (90, 84, 124, 130, 46, 120, 56, 50)
-"""Widths (px) of all columns but the last, at scale 1."""
-WIDER_PX = {"robot": 150, "driver": 130, "waiting": 150}
+"""Least widths (px) of all columns but the last, at scale 1."""
+NAME_PADDING_PX = 14
+WIDER_PX = {"driver": 130, "waiting": 150}
 """What these columns get (px at scale 1) in a wide window, of the room that the last one does not need."""
 REMARKS_PX = 200
 """Room (px) at scale 1 that the last column keeps."""
@@ -155,6 +156,7 @@ class ClassPage(QFrame):
         names = self.seats.view()
         if names is not None:
             names.setMinimumWidth(self._style.px(NAMES_PX))
+            names.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
         self.lessons.show_theme(theme)
         if self._view is not None:
             self._show_rows(self._view.rows)
@@ -164,11 +166,19 @@ class ClassPage(QFrame):
         self._widen()
 
     def _widen(self) -> None:
-        """Share the width of the window among the columns."""
-        free = self.width() - self._style.px(sum(WIDTHS_PX) + REMARKS_PX)
+        """Show the names whole, in a narrow window at the cost of the last columns; share the rest of the width."""
+        least, *widths = map(self._style.px, WIDTHS_PX)
+        advance, rows = (
+            self.list.fontMetrics().horizontalAdvance,
+            () if self._view is None else self._view.rows,
+        )
+        padding = self._style.px(NAME_PADDING_PX)
+        names = max([least, *(advance(row.place[0]) + padding for row in rows)])
+        free = self.width() - names - sum(widths) - self._style.px(REMARKS_PX)
         share = min(1.0, max(0.0, free / self._style.px(sum(WIDER_PX.values()))))
-        for column, (name, width) in enumerate(zip(COLUMNS, WIDTHS_PX, strict=False)):
-            self.list.setColumnWidth(column, self._style.px(width + share * WIDER_PX.get(name, 0)))
+        self.list.setColumnWidth(0, names)
+        for column, (name, width) in enumerate(zip(COLUMNS[1:], widths, strict=False), 1):
+            self.list.setColumnWidth(column, width + self._style.px(share * WIDER_PX.get(name, 0)))
 
     def show_view(self, view: ClassView | None) -> None:
         """Show all robots; the selected one stays selected while it is online."""
@@ -205,6 +215,7 @@ class ClassPage(QFrame):
             again = next((i for i, row in enumerate(rows) if row.place == chosen), 0)
             self.list.setCurrentItem(self.list.topLevelItem(again))
             self.list.blockSignals(False)  # noqa: FBT003
+            self._widen()
         for number, row in enumerate(rows):
             item = self.list.topLevelItem(number)
             if item is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QPoint, QSignalBlocker, QSize, pyqtSignal
+from PyQt5.QtCore import QPoint, QSignalBlocker, QSize, Qt, pyqtSignal
 from PyQt5.QtWidgets import (
     QAction,
     QActionGroup,
@@ -37,6 +37,8 @@ from gui.window.widgets.robot_menu import RobotMenu
 MORE_PX = 24
 ROBOT_PX = 160
 """Largest width of the box with the robot: a name of 32 letters must not take the room of the pills."""
+ROBOTS_SHOWN = 16
+"""Robots in the open list; further ones are reached by its scroll bar, or by typing the first letters of a name."""
 LONGEST = "■ 888:88"
 """The widest duration of a recording."""
 
@@ -182,6 +184,7 @@ class Header(QWidget):
         self.robots.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         self.robots.setMinimumWidth(70)
         self.robots.setMaximumWidth(ROBOT_PX)
+        self.robots.setMaxVisibleItems(ROBOTS_SHOWN)
         self.robots.textActivated.connect(lambda name: self.intent.emit(ChooseRobot(name)))
         self.pills = {side: Pill(side, texts) for side in SIDES}
         self.page = IntentButton()
@@ -258,6 +261,7 @@ class Header(QWidget):
                 if (names := self.robots.view()) is not None:
                     widest = max(map(self.robots.fontMetrics().horizontalAdvance, robots))
                     names.setMinimumWidth(widest + MORE_PX)
+                    names.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
             if self.robots.currentText() != view.robot:
                 self.robots.setCurrentText(view.robot)
         self.robots.setToolTip(f"{view.robot}\n{self._tip}")
