@@ -13,9 +13,8 @@ from typing import Final
 
 import mujoco
 
-from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, path_figure
 from beatrix_zenoh.client.degrees import Path as ArmsPath
-from beatrix_zenoh.client.figures import path_figure
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.trajectory import plan

@@ -14,9 +14,9 @@ import msgspec
 import typer
 
 from beatrix_zenoh.client import subscription
-from beatrix_zenoh.client.clocks import clock_offsets
 from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.robot_base import clock_offsets
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, Arrival, CameraImage, Subscription, images
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason, Status

@@ -1,4 +1,4 @@
-"""Degrees of the SDK and radians of the messages: positions that are read, and arguments.
+"""Degrees of the SDK and radians of the messages: positions and previews that are read, kinematics, and arguments.
 
 Invalid arguments are rejected before sending.
 """
@@ -9,11 +9,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Real
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
+from msgspec.structs import replace
 
+from beatrix_zenoh.client.figures import time_figure
 from beatrix_zenoh.client.slips import Suggesting
+from beatrix_zenoh.colours import ARMS, AXES
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import (
     Head,
@@ -22,11 +25,19 @@ from beatrix_zenoh.contract._generated.messages import (
     MotionQuery,
     PoseQuery,
     Positions,
+    PreviewReply,
     Reason,
     Vector3,
 )
+from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, GeometryData, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.motion.kinematics import Neck
 
+if TYPE_CHECKING:
+    from beatrix_zenoh.client.figures import Figure
+
+EYE_UP_M = ROBOT.head.centre_height + SIZES.eye_up
+"""Height of the eyes above the neck's centre while the head is upright."""
 DAY_S = 86400.0
 SLOWEST, FASTEST = 0.01, 100.0
 """Range of speed factors."""
@@ -290,4 +301,99 @@ def checked_factor(factor: float) -> float:
     raise WrongUsage(
         Reason.BAD_VALUE,
         f"The speed factor is {factor:g}: give a number from {SLOWEST:g} to {FASTEST:g}, for example 0.5.",
+    )
+
+
+def robot_of(info: RobotInfo) -> RobotData:
+    """Return robot data with the limits and the geometry of this info, in the units of robot.toml."""
+    shape = info.geometry
+    geometry = ROBOT.geometry if shape is None else GeometryData(**shape._asdict())
+    return replace(ROBOT, geometry=geometry, limits=replace(ROBOT.limits, **info.limits._asdict()))
+
+
+class Kinematics:
+    """Inverse and forward kinematics of one robot; they need no connection. See `beatrix_zenoh.motion.kinematics`."""
+
+    def __init__(self, info: RobotInfo) -> None:
+        robot = robot_of(info)
+        self.geometry = RobotGeometry(
+            **{name: getattr(robot.geometry, name) for name in RobotGeometry._fields}
+        )
+        """Geometry of the neck (deg)"""
+        self.limits: RobotLimits = info.limits
+        """Limits of every motion (deg, deg/s, deg/s2); `inverse` and `forward` do not check them: see `Robot.preview`"""
+        self._neck = Neck(robot.geometry)
+
+    def inverse(self, yaw: float = 0.0, pitch: float = 0.0, roll: float = 0.0) -> ArmAngles:
+        """Return the arm angles (deg) for an orientation of the head (deg).
+
+        Raises:
+            Refused: OUT_OF_REACH if rods and arms cannot reach it.
+            WrongUsage: an angle is not a finite number.
+        """
+        angles = (to_rad("yaw", yaw), to_rad("pitch", pitch), to_rad("roll", roll))
+        return ArmAngles(*map(math.degrees, self._neck.inverse(*angles)))
+
+    def forward(self, short: float, middle: float, long: float) -> HeadAngles:
+        """Return the orientation of the head (deg) for arm angles (deg).
+
+        Raises:
+            BeatrixError: OUT_OF_REACH if the rods do not fit these arms.
+            WrongUsage: an angle is not a finite number.
+        """
+        arms = (to_rad("short", short), to_rad("middle", middle), to_rad("long", long))
+        return HeadAngles(*map(math.degrees, self._neck.forward(arms)))
+
+
+def bearing(x: float, y: float, z: float) -> tuple[float, float]:
+    """Return yaw and pitch (deg) of a head whose eyes look at a place (m, in the frame of the neck's centre).
+
+    The head turns about the neck's centre, and the eyes are EYE_UP_M above it: after the yaw, the place must be as high
+    above the head's x axis as the eyes are. Raises WrongUsage (BAD_VALUE) for a place too near for that.
+    """
+    away = math.hypot(x, y)
+    distance = math.hypot(away, z)
+    if distance <= EYE_UP_M or away == 0.0:
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"The place is {distance:.2f} m from the neck's centre, in or straight above the head: choose one further "
+            "away, for example look_at(1, 0, 0.16).",
+        )
+    return math.degrees(math.atan2(y, x)), math.degrees(math.asin(EYE_UP_M / distance) - math.atan2(z, away))
+
+
+@dataclass(frozen=True, repr=False)
+class Preview(Suggesting):
+    """What a motion would do; the robot has not moved."""
+
+    duration: float
+    """time until the arms rest (s)"""
+    tilt_max: float
+    """largest tilt of the head on the way (deg)"""
+    gap_min: float
+    """smallest gap between neighbouring arms on the way (deg)"""
+    path: Path
+    """times (s), arms and head (deg)"""
+
+    def plot(self) -> Figure:
+        """Return a figure of the path; raises WrongUsage without the extra `plot`."""
+        return path_figure(self.path)
+
+    def __repr__(self) -> str:
+        return f"<preview: {self.duration:.1f} s, tilt up to {self.tilt_max:.1f}°, gap at least {self.gap_min:.1f}°>"
+
+
+def path_figure(path: Path) -> Figure:
+    """Return a figure of a previewed path: arms and head over time; raises the errors of `time_figure`."""
+    arms, head = zip(*path.arms, strict=True), zip(*path.head, strict=True)
+    return time_figure(path.t, dict(zip(ARMS, arms, strict=True)), dict(zip(AXES, head, strict=True)))
+
+
+def preview_of(reply: PreviewReply) -> Preview:
+    """Convert an accepted preview to degrees."""
+    return Preview(
+        reply.duration,
+        math.degrees(reply.tilt_max),
+        math.degrees(reply.gap_min),
+        Path(reply.t, [arm_angles(arms) for arms in reply.arms], [head_angles(head) for head in reply.head]),
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from beatrix_zenoh.client.degrees import Path
 from beatrix_zenoh.colours import ARMS, AXES, hexadecimal
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
@@ -18,12 +17,6 @@ WIDTH_IN = 10.0
 """Width of figures (inches)."""
 Curves = Mapping[str, Iterable[float]]
 """Angles (deg) by the name of the arm or axis."""
-
-
-def path_figure(path: Path) -> Figure:
-    """Return a figure of a previewed path: arms and head over time; raises the errors of `time_figure`."""
-    arms, head = zip(*path.arms, strict=True), zip(*path.head, strict=True)
-    return time_figure(path.t, dict(zip(ARMS, arms, strict=True)), dict(zip(AXES, head, strict=True)))
 
 
 def time_figure(

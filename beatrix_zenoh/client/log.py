@@ -14,9 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.degrees import RobotInfo, arm_angles, head_angles
+from beatrix_zenoh.client.degrees import Kinematics, RobotInfo, arm_angles, head_angles
 from beatrix_zenoh.client.figures import time_figure
-from beatrix_zenoh.client.kinematics import Kinematics
 from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.slips import Suggesting

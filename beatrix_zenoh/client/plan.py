@@ -5,8 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.degrees import Path, RobotInfo, arm_angles, checked_wait, head_angles, true_or_false
-from beatrix_zenoh.client.figures import path_figure
+from beatrix_zenoh.client.degrees import (
+    Path,
+    RobotInfo,
+    arm_angles,
+    checked_wait,
+    head_angles,
+    path_figure,
+    true_or_false,
+)
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin_motion import TwinMotion, furthest
 from beatrix_zenoh.client.twin_state import PlanPosition, TwinState, query_plan_position

@@ -8,20 +8,22 @@ from msgspec import structs
 
 from beatrix_zenoh.client.degrees import (
     DAY_S,
+    Kinematics,
+    Preview,
     Speed,
+    bearing,
     checked_number,
     checked_seconds,
     checked_wait,
     motion_query,
     pose_query,
+    preview_of,
     true_or_false,
 )
-from beatrix_zenoh.client.kinematics import Kinematics, bearing
 from beatrix_zenoh.client.lease import Lease
 from beatrix_zenoh.client.motion import MARGIN_S, Motion
-from beatrix_zenoh.client.preview import Preview, preview_of
 from beatrix_zenoh.client.request import Request, ask
-from beatrix_zenoh.client.room import RobotWithRoom
+from beatrix_zenoh.client.robot_base import RobotWithRoom
 from beatrix_zenoh.client.slips import value_method
 from beatrix_zenoh.client.stopping import SentStop, publish_stop
 from beatrix_zenoh.contract import refusals

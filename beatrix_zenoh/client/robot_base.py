@@ -1,31 +1,53 @@
-"""Name, session and state of one robot."""
+"""Name, session, state and clocks of one robot, and the room of its simulation."""
 
 from __future__ import annotations
 
 import math
 import os
+import time
 from enum import Enum
-from typing import TYPE_CHECKING, Self
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import msgspec
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client import subscription
-from beatrix_zenoh.client.choice import chosen_name
-from beatrix_zenoh.client.degrees import Reading, RobotInfo, checked_seconds, reading, robot_info
+from beatrix_zenoh.client.degrees import (
+    Reading,
+    RobotInfo,
+    checked_number,
+    checked_seconds,
+    reading,
+    robot_info,
+)
 from beatrix_zenoh.client.request import ask
-from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.client.session import Client, Place, chosen_name
 from beatrix_zenoh.client.slips import Suggesting, known_arguments, value_method
 from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, SILENCE_S, CameraImage, Subscription, message
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Event, Events, Info, Positions, Reason, Status
-from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.contract._generated.messages import (
+    Clock,
+    Event,
+    Events,
+    Info,
+    Positions,
+    Reason,
+    SoundQuery,
+    SoundReply,
+    Status,
+    TargetQuery,
+    TargetReply,
+)
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.settings import resolve
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.log import Log
     from beatrix_zenoh.client.sound import Microphones, Sound
+
+CLOCK_TRIES = 20
 
 
 class RobotStatus(Status, frozen=True, kw_only=True):
@@ -204,3 +226,145 @@ class RobotBase(ProcessBound, Suggesting):
 
     def __exit__(self, *exc: object) -> None:
         self.close()
+
+
+class RobotWithRoom(RobotBase):
+    """The part of a robot that changes the room of its simulation; hardware has none.
+
+    x (forward), y (left) and z (up) are distances (m) from the neck's centre.
+    """
+
+    @value_method
+    def target(self) -> TargetReply:
+        """Return the place (m) of the simulated person in front of the robot: the middle between the eyes."""
+        return self._ask_target(None)
+
+    def move_target(self, x: float, y: float, z: float) -> TargetReply:
+        """Place the middle between the eyes of the simulated person, and end the person's own path.
+
+        Raises Refused for a place outside the room.
+        """
+        query = TargetQuery(
+            x=checked_number("x", x, "m"), y=checked_number("y", y, "m"), z=checked_number("z", z, "m")
+        )
+        return self._ask_target(query)
+
+    def walk_target(self, path: str = "sway", period_s: float = 12.0) -> TargetReply:
+        """Let the simulated person walk a path from its beginning: `sway`, `circle`, or `still` to stand in front.
+
+        `period_s` is the time (s) for once there and back, from 2 to 600. Raises Refused for another path or period.
+        """
+        return self._ask_target(TargetQuery(path=path, period_s=checked_seconds("period_s", period_s)))
+
+    def _ask_target(self, query: TargetQuery | None) -> TargetReply:
+        place = (self.name, "sim")
+        reply = ask(self.client, place, keys.target(self.name), query, TargetReply, self.timeout_s)
+        if query is not None and not reply.result:
+            raise Refused(reply.reason, reply.message, reply.detail)
+        return reply
+
+    def place_sound(
+        self, x: float | None = None, y: float | None = None, z: float | None = None
+    ) -> SoundReply:
+        """Place the source of sound in the simulated room; without a place, in the mouth of the simulated person.
+
+        Raises Refused for a place outside the room or inside the head.
+        """
+        if x is None and y is None and z is None:
+            return self._ask_sound(SoundQuery(mouth=True))
+        if x is None or y is None or z is None:
+            raise WrongUsage(Reason.BAD_VALUE, "A place needs x, y and z (m); without any, it is the mouth.")
+        query = SoundQuery(
+            x=checked_number("x", x, "m"), y=checked_number("y", y, "m"), z=checked_number("z", z, "m")
+        )
+        return self._ask_sound(query)
+
+    def play_sound(self, sound: str | Path = "voice", seconds: float | None = None) -> SoundReply:
+        """Play a sound in the simulated room, in place of the last one; returns at once.
+
+        Args:
+            sound: `clap` (one a second), `voice`, `noise`, `silence`, or the path of a WAV file of 16 bits.
+            seconds: how long (s, at most 60); a shorter sound is repeated. By default 3 s, and a file once.
+
+        Raises:
+            Refused: BAD_VALUE: there is no such sound, or `seconds` is not allowed.
+            WrongUsage: BAD_VALUE: the file cannot be read, has another format, or lasts longer than 10 s.
+        """
+        lasts_s = 0.0 if seconds is None else checked_seconds("seconds", seconds)
+        path = Path(sound)
+        if path.suffix.lower() != ".wav":
+            return self._ask_sound(SoundQuery(play=str(sound), seconds=lasts_s))
+        from beatrix_zenoh.client.sound import mono  # noqa: PLC0415 - numpy would delay every verb
+
+        return self._ask_sound(SoundQuery(play="samples", seconds=lasts_s), mono(path))
+
+    def _ask_sound(self, query: SoundQuery, samples: bytes | None = None) -> SoundReply:
+        key, place = keys.sound(self.name), (self.name, "sim")
+        reply = ask(self.client, place, key, query, SoundReply, self.timeout_s, samples)
+        if not reply.result:
+            raise Refused(reply.reason, reply.message, reply.detail)
+        return reply
+
+
+class Offset(NamedTuple):
+    """A robot's clock minus this computer's (s), and the largest possible error (s), which is half the round trip."""
+
+    offset: float
+    bound: float
+
+    @property
+    def certain(self) -> float:
+        """The offset, or 0 if 0 is within its error, as for two programs on one computer, which share a clock."""
+        return 0.0 if abs(self.offset) <= self.bound else self.offset
+
+    @property
+    def offset_ns(self) -> int:
+        """The offset in ns."""
+        return round(self.offset * 1e9)
+
+    @property
+    def bound_ns(self) -> int:
+        """The largest error in ns."""
+        return round(self.bound * 1e9)
+
+
+class Offsets(NamedTuple):
+    """Offsets of both clocks of a robot, wall clock and monotonic clock."""
+
+    wall: Offset
+    mono: Offset
+
+
+def clock_offsets(
+    client: Client, robot: str, side: str, *, timeout_s: float = 2.0, tries: int = CLOCK_TRIES
+) -> Offsets:
+    """Return the offsets of the fastest of several round trips, which has the smallest error (Cristian, 1989).
+
+    One round trip takes 0.4 ms on loopback.
+
+    Args:
+        client: the session.
+        robot: name of the robot.
+        side: `sim` or `hw`.
+        timeout_s: time limit of each reply (s).
+        tries: number of round trips.
+
+    Raises:
+        NoAnswer: as `Robot.status`.
+    """
+    return min(
+        (_round_trip(client, robot, side, timeout_s) for _ in range(tries)),
+        key=lambda found: found.wall.bound,
+    )
+
+
+def _round_trip(client: Client, robot: str, side: str, timeout_s: float) -> Offsets:
+    """Return the offsets from one query, assuming that the robot reads its clocks half-way between query and reply."""
+    key = keys.clock(robot, side)
+    asked_wall, asked_mono = time.time_ns(), time.monotonic_ns()
+    clock = ask(client, (robot, side), key, None, Clock, timeout_s)
+    heard_mono, heard_wall = time.monotonic_ns(), time.time_ns()
+    bound = (heard_mono - asked_mono) / 2e9
+    wall = Offset((2 * clock.t_wall_ns - asked_wall - heard_wall) / 2e9, bound)
+    mono = Offset((2 * clock.t_mono_ns - asked_mono - heard_mono) / 2e9, bound)
+    return Offsets(wall, mono)

@@ -21,8 +21,7 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.stopping import StopEvents, sentence, stop_robots
 from beatrix_zenoh.client.subscription import Arrival
-from beatrix_zenoh.client.twin_lead import POLL_S, Lead
-from beatrix_zenoh.client.twin_state import PlanPosition
+from beatrix_zenoh.client.twin_state import POLL_S, Lead, PlanPosition
 from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply, PoseQuery, Positions, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, naming
 

@@ -69,17 +69,17 @@ def report(
     passed; trying, with the number of checks; stuck: five checks or more have ended at the same figure. The router of
     the class keeps this in memory until it ends.
     """
-    from beatrix_zenoh.client import lesson_reports
     from beatrix_zenoh.client.session import Client
+    from beatrix_zenoh.lessons import reports
     from beatrix_zenoh.settings import resolve
 
     with Client(resolve(None, connect, who)) as client:
-        rows = lesson_reports.read(client)
+        rows = reports.read(client)
         shown = client.settings.shown
     if as_json:
         print_json({"result": True, "rows": [row.fields for row in rows]})
     elif as_csv:
-        writer = csv.DictWriter(sys.stdout, lesson_reports.FIELDS, lineterminator="\n")
+        writer = csv.DictWriter(sys.stdout, reports.FIELDS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(row.fields for row in rows)
     elif rows:

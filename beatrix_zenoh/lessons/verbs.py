@@ -214,7 +214,7 @@ def check(
 
     Exit codes: 0 passed, 1 not yet, 4 this computer was too busy to measure.
     """
-    from beatrix_zenoh.lessons import checking, reporting
+    from beatrix_zenoh.lessons import checking, reports
     from beatrix_zenoh.lessons import program as programs
     from beatrix_zenoh.shutdown import signals_interrupt
 
@@ -235,7 +235,7 @@ def check(
     else:
         _print(found, verdict, record)
     workspace.save()
-    reporting.report(found.name, record)
+    reports.report(found.name, record)
     if verdict.result.value:
         raise typer.Exit(verdict.result.value)
 
@@ -308,7 +308,7 @@ def _print(found: Lesson, verdict: Verdict, record: Record) -> None:
 @lesson.command()
 def hint(number: LatestNumber = None) -> None:
     """Print a hint: the one that helps with what the last check has found, then the others."""
-    from beatrix_zenoh.lessons import reporting
+    from beatrix_zenoh.lessons import reports
 
     workspace = _workspace()
     found, _ = _program(number, workspace)
@@ -322,7 +322,7 @@ def hint(number: LatestNumber = None) -> None:
     if fresh:
         record.hints.append(chosen)
         workspace.save()
-        reporting.report(found.name, record)
+        reports.report(found.name, record)
     text = f"{LABELS[found.language][4]} {chosen}/{len(found.hints)}: {found.hints[chosen - 1]}"
     say(_filled(text))
 

@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Final, TextIO
 
-from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, RobotInfo, arm_angles
-from beatrix_zenoh.client.kinematics import robot_of
+from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, RobotInfo, arm_angles, robot_of
 from beatrix_zenoh.client.motion_file import Place, line_of, lines_of
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract._generated.messages import Positions, Reason

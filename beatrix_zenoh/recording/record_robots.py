@@ -6,8 +6,8 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from beatrix_zenoh.client.clocks import Offset, clock_offsets
 from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.robot_base import Offset, clock_offsets
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.contract.errors import naming
 from beatrix_zenoh.recording.series import Recording, recording

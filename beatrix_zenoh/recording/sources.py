@@ -12,8 +12,8 @@ from enum import Enum, auto
 from typing import Final, NamedTuple
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.client.clocks import Offset, clock_offsets
 from beatrix_zenoh.client.request import ask
+from beatrix_zenoh.client.robot_base import Offset, clock_offsets
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.sound import Sound, sound
 from beatrix_zenoh.client.subscription import (
@@ -197,7 +197,7 @@ class Timebase:
     """Times of samples by the recording computer's clock.
 
     Both sides use monotonic clocks, so that changes of a wall clock during the recording have no effect. Queries
-    measure the offset between them (client.clocks); the wall clock of the recording computer is read once, at the
+    measure the offset between them (`clock_offsets`); the wall clock of the recording computer is read once, at the
     beginning.
     """
 

@@ -9,11 +9,10 @@ from dataclasses import dataclass
 
 import typer
 
-from beatrix_zenoh.client.choice import chosen_name
 from beatrix_zenoh.client.degrees import Reading
 from beatrix_zenoh.client.request import absent_reason
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.session import Client, chosen_name
 from beatrix_zenoh.client.stopping import sentence, stop_robots
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source

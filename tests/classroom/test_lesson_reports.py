@@ -10,17 +10,17 @@ from class_router import ClassRouter, replies, settled
 from patient_connections import patiently
 from students import use_account
 
-from beatrix_zenoh.client import Client, lesson_reports
+from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LessonState, Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.lessons import reporting
+from beatrix_zenoh.lessons import reports
 from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.settings import Settings
 
-STUCK = Record(tries=7, hints=[1], figure="nods", stuck=lesson_reports.STUCK)
+STUCK = Record(tries=7, hints=[1], figure="nods", stuck=reports.STUCK)
 PASSED = Record(tries=2, passed=["0" * 64])
 
 
@@ -30,10 +30,10 @@ def router(tmp_path: Path) -> Iterator[ClassRouter]:
         yield made
 
 
-def rows(router: ClassRouter, seat: str = "teacher") -> list[lesson_reports.Row]:
+def rows(router: ClassRouter, seat: str = "teacher") -> list[reports.Row]:
     account = router.account(seat)
     with patiently(lambda: Client(Settings("bea1", account.connect, seat, account=account))) as client:
-        return lesson_reports.read(client)
+        return reports.read(client)
 
 
 def test_the_teacher_reads_what_each_seat_has_reported(
@@ -42,14 +42,14 @@ def test_the_teacher_reads_what_each_seat_has_reported(
     monkeypatch.chdir(tmp_path)
     for seat, record in (("ana", STUCK), ("ben", PASSED)):
         use_account(tmp_path, router.path(seat))
-        reporting.report("01-hello", record)
+        reports.report("01-hello", record)
     found = rows(router)
     assert [(row.seat, row.lesson, row.words) for row in found] == [
         ("ana", "01-hello", "stuck: nods (5 x)"),
         ("ben", "01-hello", "passed (2)"),
     ]
     use_account(tmp_path, router.path("ana"))
-    reporting.report("01-hello", PASSED)
+    reports.report("01-hello", PASSED)
     assert [row.words for row in rows(router)] == ["passed (9)", "passed (2)"], "from another folder"
     with pytest.raises(Refused) as refused:
         rows(router, "ana")
@@ -59,7 +59,7 @@ def test_the_teacher_reads_what_each_seat_has_reported(
     ana, ben = router.session("ana"), router.session("ben")
     for key in (keys.lesson("*", "*"), keys.lesson("ana", "*"), "beatrix/@lesson/**"):
         assert replies(ana, key) == [], key
-    forged = codec.encode(reporting.state_of(Record(tries=1)))
+    forged = codec.encode(reports.state_of(Record(tries=1)))
     for key in (keys.lesson("ana", "01-hello"), keys.lesson("ana", "02-steps")):
         ben.put(key, forged, codec.MSGPACK)
     for lesson, report in (
@@ -81,7 +81,7 @@ def test_the_teacher_reads_what_each_seat_has_reported(
 
 
 def test_a_report_names_no_person_and_is_small() -> None:
-    state = reporting.state_of(STUCK)
+    state = reports.state_of(STUCK)
     assert state == LessonState(version=1, tries=7, hints=1, figure="nods", stuck=5, passed=False)
     assert len(codec.encode(state)) <= 100
 
@@ -89,8 +89,8 @@ def test_a_report_names_no_person_and_is_small() -> None:
 def test_without_a_class_nothing_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("BEATRIX_ACCOUNT", "")
-    monkeypatch.setattr(reporting, "_publish", lambda *_: pytest.fail("published"))
-    reporting.report("01-hello", PASSED)
+    monkeypatch.setattr(reports, "_publish", lambda *_: pytest.fail("published"))
+    reports.report("01-hello", PASSED)
 
 
 def test_the_account_of_a_class_is_not_used_in_a_check(

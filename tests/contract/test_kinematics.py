@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.client.kinematics import bearing
+from beatrix_zenoh.client.degrees import bearing
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 

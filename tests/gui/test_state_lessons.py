@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from gui_views import class_world, full_class, lesson
 
-from beatrix_zenoh.client.lesson_reports import Row
+from beatrix_zenoh.lessons.reports import Row
 from gui.console.state import lessons
 from gui.console.state.lessons import LessonRowView, LessonsView, Progress
 from gui.console.state.world import LinkPhase, World

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh.client.kinematics import EYE_UP_M, bearing
+from beatrix_zenoh.client.degrees import EYE_UP_M, bearing
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.rotation import rotation_of
 

@@ -10,8 +10,7 @@ import pytest
 
 from beatrix_zenoh import NoAnswer, Refused
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.client.choice import chosen_name, only_name
-from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.client.session import Client, Place, chosen_name, only_name
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.settings import Settings, resolve
 

@@ -14,7 +14,7 @@ from golden import same
 from robots import until
 from statuses import AT_HOME, READY
 
-from beatrix_zenoh.client.clocks import Offset
+from beatrix_zenoh.client.robot_base import Offset
 from beatrix_zenoh.client.subscription import Arrival
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.contract._generated.robot import ROBOT

@@ -116,7 +116,7 @@ def read_motion_file(file: Path) -> motion_file.MotionFile:
 
 def path_of_file(read: motion_file.MotionFile, info: RobotInfo) -> ArmPath:
     """Return the path of a motion file; raises Refused, which names the line, for a head that tilts too far."""
-    from beatrix_zenoh.client.kinematics import robot_of
+    from beatrix_zenoh.client.degrees import robot_of
     from beatrix_zenoh.recording.path import path_of
 
     return path_of(read, MotionLimits(robot_of(info)))

@@ -7,8 +7,8 @@ from enum import StrEnum
 from itertools import groupby
 from typing import Final
 
-from beatrix_zenoh.client.lesson_reports import PASSED, STUCK_AT, TRYING, Row
 from beatrix_zenoh.contract.names import TEACHER
+from beatrix_zenoh.lessons.reports import PASSED, STUCK_AT, TRYING, Row
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 
