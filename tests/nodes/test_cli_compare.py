@@ -23,6 +23,7 @@ def turn(tmp_path: Path) -> str:
     return str(path)
 
 
+@pytest.mark.long("three verbs for twenty seconds")
 def test_a_replay_with_a_lead_is_compared_live_and_from_its_recording(
     free: Shell, turn: str, tmp_path: Path
 ) -> None:
@@ -67,9 +68,7 @@ def ended_at(path: Path) -> motion_file.Place:
     return motion_file.read(path).points[-1].place
 
 
-@pytest.mark.parametrize(
-    ("number", "background"), [(signal.SIGINT, False), (signal.SIGINT, True), (signal.SIGTERM, True)]
-)
+@pytest.mark.parametrize(("number", "background"), [(signal.SIGINT, False), (signal.SIGTERM, True)])
 def test_signals_end_a_recording_of_a_motion_with_its_summary(
     free: Shell, tmp_path: Path, number: signal.Signals, *, background: bool
 ) -> None:

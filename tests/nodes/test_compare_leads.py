@@ -94,6 +94,7 @@ def lead_error_s(part: MovedPart) -> float:
     return abs(part.shift_s - (part.lead_s or 0.0))
 
 
+@pytest.mark.long("figures of ten seconds of motions")
 def test_leads_and_lags_of_both_robots_are_told_apart(stage: Stage, twin: Twin) -> None:
     def moves() -> None:
         for pose, lead_s in zip(POSES, LEADS_S, strict=True):
@@ -108,6 +109,7 @@ def test_leads_and_lags_of_both_robots_are_told_apart(stage: Stage, twin: Twin) 
     assert max(map(lead_error_s, found.moved)) < LEAD_ASKED_S
 
 
+@pytest.mark.long("figures of ten seconds of motions")
 def test_a_motion_that_the_hardware_never_received_is_no_difference(stage: Stage, twin: Twin) -> None:
     def moves() -> None:
         plan = twin.preview(20, speed=60)

@@ -123,6 +123,7 @@ def test_both_robots_follow_a_path_and_a_known_lag_and_offset_are_found(stage: S
     assert after.axes[1].lag_s - before.axes[1].lag_s == pytest.approx(0.2, abs=0.005)
 
 
+@pytest.mark.long("records and replays in real time")
 def test_a_recorded_motion_file_is_replayed(stage: Stage, twin: Twin, tmp_path: Path) -> None:
     path = tmp_path / "turn.csv"
     other = stage.robot("bea", "hw", "eve")

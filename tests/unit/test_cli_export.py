@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import signal
 from pathlib import Path
 
@@ -20,12 +21,18 @@ from beatrix_zenoh.shutdown import SIGNALS
 PLACES = ("ada", "sim"), ("ada", "hw"), ("bob", "sim")
 
 
-@pytest.fixture
-def lesson(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A recording of 6 s of two robots, one of them without hardware."""
-    path = tmp_path / "lesson.rrd"
+    path = tmp_path_factory.mktemp("lesson") / "lesson.rrd"
     write_lesson(path, PLACES)
     return path
+
+
+@pytest.fixture
+def lesson(written: Path, tmp_path: Path) -> Path:
+    """The recording, alone in a folder."""
+    return Path(shutil.copy(written, tmp_path))
 
 
 def test_csv_and_parquet_hold_the_same_table(lesson: Path, capsys: pytest.CaptureFixture[str]) -> None:

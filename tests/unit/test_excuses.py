@@ -72,7 +72,11 @@ def test_no_pause_excuses_these(tmp_path: Path) -> None:
     assert (done.returncode, "5 failed" in done.stdout) == (1, True), done.stdout
 
 
-@pytest.mark.parametrize("options", [(), ("-n", "2")], ids=["one process", "two processes"])
+@pytest.mark.parametrize(
+    "options",
+    [(), pytest.param(("-n", "2"), marks=pytest.mark.long("starts processes of pytest"))],
+    ids=["one process", "two processes"],
+)
 def test_three_late_tests_are_excused_and_printed_and_the_fourth_fails(
     tmp_path: Path, options: tuple[str, ...]
 ) -> None:
