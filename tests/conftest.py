@@ -16,6 +16,7 @@ import pytest
 from hypothesis import settings
 from late_tests import Excuses
 from quick_waits import check_quick_waits
+from robots import IDLE, IDLE_THREAD, Stage, end_idle_routers
 from stall_monitor import Witness
 from xdist.remote import Producer  # type: ignore[import-untyped]
 from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped]
@@ -23,7 +24,7 @@ from xdist.workermanage import WorkerController  # type: ignore[import-untyped]
 
 # Hypothesis has no deadline, because tests of correct code may be slow on a busy machine; pytest's timeout applies.
 # Each run draws new examples.
-settings.register_profile("beatrix", deadline=None, max_examples=50)
+settings.register_profile("beatrix", deadline=None, max_examples=25)
 settings.load_profile("beatrix")
 
 LOOPBACK = ("127.0.0.1", "127.0.0.2", "::1", "localhost")
@@ -105,6 +106,11 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         session.config.stash[EXCUSES].witness = Witness()
 
 
+def pytest_sessionfinish() -> None:
+    """End the routers that stages have left for the next one."""
+    end_idle_routers()
+
+
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
     """Let a test that is marked `alone` run while no test runs in another process; wait before its time limit begins."""
@@ -130,6 +136,15 @@ user_folder_of_file = pytest.fixture(scope="module", autouse=True)(own_user_fold
 """A robot that the tests of one file leave frozen is not frozen in another file."""
 
 
+@pytest.fixture(scope="session")
+def bea() -> Iterator[Stage]:
+    """Simulation and virtual robot `bea` in processes of their own, for all tests that leave them running."""
+    with Stage() as made:
+        made.simulation("bea")
+        made.hardware("bea")
+        yield made
+
+
 @pytest.fixture(scope="module", autouse=True)
 def quick_waits_of_file() -> Iterator[None]:
     """Fail the last test of a file if the waits that are normally quick were slow."""
@@ -147,12 +162,17 @@ def no_settings_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def running_threads() -> set[threading.Thread]:
     """Return Python's threads without the dummy objects of Zenoh threads that have called into Python."""
-    return {thread for thread in threading.enumerate() if not isinstance(thread, threading._DummyThread)}
+    return {
+        thread
+        for thread in threading.enumerate()
+        if not isinstance(thread, threading._DummyThread) and thread.name != IDLE_THREAD
+    }
 
 
 def running_children() -> dict[int, str]:
     """Return the command lines of this process's living children by process number; none if /proc is missing."""
     found = {}
+    idle = {router.pid for router in IDLE.values()}
     for listing in Path(f"/proc/{os.getpid()}/task").glob("*/children"):
         try:
             numbers = listing.read_text().split()
@@ -165,7 +185,7 @@ def running_children() -> dict[int, str]:
             except OSError:
                 continue  # it has just ended
             command = b" ".join(words).decode(errors="replace").strip()
-            if state != "Z" and not any(name in command for name in LONG_LIVED):
+            if state != "Z" and int(number) not in idle and not any(name in command for name in LONG_LIVED):
                 found[int(number)] = command
     return found
 

@@ -13,6 +13,8 @@ from robots import Process
 from school_network import LISTENING, Host, School, permits_namespaces, sockets
 from students import PROGRAM, Seat, use_account
 
+pytestmark = pytest.mark.long("several computers in network namespaces")
+
 CONNECT = "__import__('socket').create_connection(('{}', {}), 5)"
 MULTICAST = "__import__('socket').socket(2, 2).sendto(b'x', ('224.0.0.224', 7446))"
 

@@ -231,18 +231,6 @@ def test_the_sdk_raises_the_reason_of_each_missing_answer(
     assert (caught.value.reason, sentence in caught.value.message) == (reason, True), caught.value.message
 
 
-@pytest.mark.parametrize(("make", "reason", "sentence"), TABLE, ids=[row[0].__name__ for row in TABLE])
-def test_the_command_line_ends_with_the_exit_code_of_each_missing_answer(
-    lesson: Lesson, make: Provoke, reason: Reason, sentence: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(lesson.folder)
-    with make(lesson) as case:
-        monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(case.account)))
-        done = beatrix("enable", "--name", case.name, "--on", case.side)
-    assert (done.returncode, sentence in done.stderr) == (exit_code(reason), True), done.stderr
-    assert done.stdout == ""
-
-
 def test_the_error_reports_a_robot_that_was_lost_and_is_online_again(lesson: Lesson) -> None:
     received: list[threading.Timer] = []
 

@@ -112,35 +112,29 @@ def test_the_reply_to_stop_at_rest_says_that_nothing_moves(robot: Robot) -> None
 
 REFUSALS = [
     ((120.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "30.0°"),
-    ((-95.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "25.0° apart; at least 30.0°"),
     ((200.0, 200.0, 200.0), 30.0, Reason.YAW_LIMIT, "180"),
     ((5.0, 0.0, 0.0), 0.0, Reason.SPEED_LIMIT, "speed"),
-    ((5.0, 0.0, 0.0), 1e-30, Reason.SPEED_LIMIT, "0.022°/s"),
-    ((5.0, 0.0, 0.0), -3.0, Reason.SPEED_LIMIT, "speed"),
     ((5.0, 0.0, 0.0), 1000.0, Reason.SPEED_LIMIT, "90"),
-    ((math.degrees(1e6), 0.0, 0.0), 30.0, None, ""),
     ((math.nan, 0.0, 0.0), 30.0, Reason.BAD_VALUE, "finite"),
-    ((0.0, math.inf, 0.0), 30.0, Reason.BAD_VALUE, "finite"),
-    ((0.0, 0.0, 0.0), math.nan, Reason.BAD_VALUE, "finite"),
 ]
 
 
 @pytest.mark.bodies("in-process")
 @pytest.mark.parametrize(("arms", "speed", "reason", "word"), REFUSALS)
 def test_an_impossible_motion_is_refused_and_nothing_moves(
-    robot: Robot, arms: tuple[float, float, float], speed: float, reason: Reason | None, word: str
+    robot: Robot, arms: tuple[float, float, float], speed: float, reason: Reason, word: str
 ) -> None:
     before = raw_positions(robot).steps
     with pytest.raises(Refused) as refusal:
         robot.move(*arms, speed=speed)
-    assert reason in (None, refusal.value.reason)
+    assert refusal.value.reason is reason
     assert word in refusal.value.message.lower()
     assert raw_positions(robot).steps == before
     assert not robot.status().moving
 
 
 @pytest.mark.bodies("in-process")
-@pytest.mark.parametrize(("pitch", "word"), [(40.0, "35"), (60.0, "35"), (80.0, "35"), (179.0, "")])
+@pytest.mark.parametrize(("pitch", "word"), [(40.0, "35"), (179.0, "")])
 def test_the_refusal_of_an_impossible_pose_states_the_limit(robot: Robot, pitch: float, word: str) -> None:
     with pytest.raises(Refused) as refusal:
         robot.look(pitch=pitch)

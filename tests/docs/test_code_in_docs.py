@@ -30,6 +30,8 @@ PAGES = (
     "beatrix_zenoh/lessons/library/04-look-there/lesson.md",
     "beatrix_zenoh/lessons/library/04-look-there/lesson.de.md",
 )
+ALWAYS = PAGES[:2]
+MOVES = pytest.mark.long("the programs of a page move robots in real time")
 FILES = re.compile(r"```(?:csv|toml)\n(# (\S+\.(?:csv|toml))\n.*?)```", re.DOTALL)
 """Files that a page shows; the first line of each is its name."""
 PROGRAM = re.compile(r"# (\S+\.py)\n")
@@ -69,7 +71,9 @@ def robots(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
             robot.disable()
 
 
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize(
+    "page", [*ALWAYS, *(pytest.param(page, marks=MOVES) for page in PAGES if page not in ALWAYS)]
+)
 @pytest.mark.timeout(120)
 def test_the_python_of_a_page_runs(
     page: str, robots: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

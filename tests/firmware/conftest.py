@@ -57,7 +57,7 @@ def sketch(build: Build) -> Path:
     return build("arduino", "avr-g++") / "beatrix.ino.hex"
 
 
-@pytest.fixture(params=["virtual", "mega"])
+@pytest.fixture(params=["virtual", pytest.param("mega", marks=pytest.mark.long("cycle by cycle"))])
 def body(request: pytest.FixtureRequest) -> Iterator[Core]:
     """The firmware on each target, for a Program."""
     if request.param == "virtual":

@@ -121,6 +121,9 @@ def hello(avr: Avr) -> HelloReply | None:
     return HelloReply.unpack(frames[0].payload) if frames else None
 
 
+SLOW = pytest.mark.long("flashes a board, cycle by cycle")
+
+
 def test_a_new_board_answers_after_flashing_and_verification() -> None:
     progress: list[tuple[str, int, int]] = []
     with board() as avr:
@@ -138,7 +141,7 @@ def test_flashing_succeeds_although_replies_are_damaged() -> None:
         assert hello(avr) is not None
 
 
-@pytest.mark.parametrize(("command", "nth"), [(PROGRAM, 8), (READ, PAGES)])
+@pytest.mark.parametrize(("command", "nth"), [(PROGRAM, 8), pytest.param(READ, PAGES, marks=SLOW)])
 def test_half_written_firmware_does_not_start_and_the_error_reports_it(command: int, nth: int) -> None:
     with board() as avr:
         put(BenchWire(avr))
@@ -177,8 +180,10 @@ ERROR, INTERRUPT, KILL, HANG_UP = (pull, 1), (interrupt, 130), (kill, 130), (clo
 
 @pytest.mark.parametrize(
     ("command", "nth", "state", "runs", "fault", "code"),
-    [(*at, *fault) for at in AT_EDGES for fault in (ERROR, KILL)]
-    + [(*AT_EDGES[5], *INTERRUPT), (*AT_EDGES[5], *HANG_UP), *[(*at, *ERROR) for at in BETWEEN]],
+    [(*at, *ERROR) for at in AT_EDGES]
+    + [(*AT_EDGES[5], *fault) for fault in (KILL, INTERRUPT, HANG_UP)]
+    + [pytest.param(*at, *KILL, marks=SLOW) for at in AT_EDGES if at != AT_EDGES[5]]
+    + [pytest.param(*at, *ERROR, marks=SLOW) for at in BETWEEN],
 )
 def test_every_abort_prints_the_state_of_the_board(
     command: int,
@@ -205,8 +210,8 @@ def test_every_abort_prints_the_state_of_the_board(
     [
         (1, flash.FIRST_PAGE),
         (PAGES // 2, flash.HALF_WRITTEN),
-        (PAGES, flash.HALF_WRITTEN),
-        (PAGES + 1, flash.FIRST_PAGE),
+        pytest.param(PAGES, flash.HALF_WRITTEN, marks=SLOW),
+        pytest.param(PAGES + 1, flash.FIRST_PAGE, marks=SLOW),
     ],
 )
 def test_a_wrongly_written_page_is_detected_and_the_firmware_does_not_start(nth: int, state: str) -> None:

@@ -39,6 +39,7 @@ def test_the_drivers_stay_off_at_start() -> None:
         assert len(mega.avr.edges("enable")) == 0
 
 
+@pytest.mark.long("a search, cycle by cycle")
 def test_a_reset_during_start_does_not_reuse_a_boot_number() -> None:
     chance = random.Random(3)
     boot_numbers = [0]
@@ -65,6 +66,7 @@ def test_a_name_survives_resets_and_power_loss() -> None:
         assert hello(mega).name == b"x" * 32
 
 
+@pytest.mark.long("a search, cycle by cycle")
 def test_a_reset_during_a_name_write_leaves_the_old_or_the_new_name() -> None:
     chance = random.Random(4)
     seen = set()

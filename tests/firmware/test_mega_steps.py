@@ -14,7 +14,9 @@ from firmware_host import KEEP_ALIVE_MS, SPEED_MAX, Steps
 from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState, FrameType
 
 
-@pytest.fixture(params=["shipped", "sketch"])
+@pytest.fixture(
+    params=["shipped", pytest.param("sketch", marks=pytest.mark.long("compiled as in the Arduino IDE"))]
+)
 def ready(request: pytest.FixtureRequest) -> Iterator[Mega]:
     """A Mega with either build of the firmware, enabled and calibrated.
 

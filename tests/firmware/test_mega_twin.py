@@ -21,6 +21,7 @@ right after it."""
 AHEAD_MS = 2
 """Milliseconds from the time a tick is due to the end of the millisecond that it plans."""
 STOP_MS = 660
+MORE = pytest.mark.long("a search with random sequences")
 LENGTH_MS = 1200
 """Milliseconds until all arms rest: a stop from full speed takes half a second."""
 
@@ -58,7 +59,7 @@ def positions(mega: Mega, arm: int, times: NDArray[np.int64]) -> NDArray[np.int6
     return counts[np.searchsorted(steps, times)]
 
 
-@pytest.mark.parametrize("seed", range(50))
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(n, marks=MORE) for n in range(2, 50))])
 def test_mega_and_virtual_board_differ_by_at_most_a_step(seed: int) -> None:
     frames = script(seed)
     firmware = Firmware()

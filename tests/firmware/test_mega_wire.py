@@ -15,6 +15,7 @@ from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState, E
 MOVE = encode(FrameType.MOVE, 7, Move(513, (100, -200, 300), (1400, 1400, 1400)).pack())
 
 
+@pytest.mark.long("a search, cycle by cycle")
 def test_none_of_3000_damaged_moves_is_executed_and_the_next_frame_is_answered() -> None:
     chance, whole = random.Random(1), MOVE.strip(b"\0")
     with Mega() as mega:
@@ -35,6 +36,7 @@ def test_none_of_3000_damaged_moves_is_executed_and_the_next_frame_is_answered()
         assert BoardState.MOVING not in mega.state
 
 
+@pytest.mark.long("a minute, cycle by cycle")
 def test_a_minute_of_noise_changes_neither_the_state_nor_the_position() -> None:
     chance = random.Random(2)
     minute = 60 * 16_000_000

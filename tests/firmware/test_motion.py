@@ -59,7 +59,7 @@ class Watched:
         return [(b[0] - a[0], b[1] - a[1], b[2] - a[2]) for a, b in itertools.pairwise(self.path)]
 
 
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(TARGETS, SPEEDS, st.booleans())
 def test_every_motion_ends_exactly_at_its_target(target: Steps, speed: Steps, straight: bool) -> None:
     rig = Rig().ready()
@@ -82,7 +82,7 @@ def test_top_speed_and_ramp_times_are_exact() -> None:
     assert len(speeds) == pytest.approx(2000 + ramp, abs=3)
 
 
-@settings(max_examples=15)
+@settings(max_examples=6)
 @given(st.lists(st.tuples(TARGETS, SPEEDS, st.booleans(), st.integers(1, 900)), min_size=1, max_size=6))
 @example(  # the last target is 0.02 microsteps ahead
     [
@@ -120,7 +120,7 @@ def test_a_new_target_in_motion_keeps_the_acceleration_limit_and_is_reached(
             assert abs(b - a) <= bound + dead + ROUNDING, tick
 
 
-@settings(max_examples=20)
+@settings(max_examples=6)
 @given(TARGETS, st.integers(20, SPEED_MAX), TARGETS)
 def test_a_straight_move_from_rest_is_straight_and_all_arms_arrive_together(
     first: Steps, speed: int, target: Steps
@@ -188,7 +188,7 @@ def test_an_arm_that_only_turns_back_keeps_a_minimum_speed(ready: Rig) -> None:
     assert ready.outcome == BoardOutcome.DONE
 
 
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(TARGETS, SPEEDS, st.booleans(), st.integers(1, 1500))
 def test_stop_slows_every_arm_in_the_next_tick(target: Steps, speed: Steps, straight: bool, ms: int) -> None:
     watched = Watched()
@@ -235,8 +235,8 @@ def test_pulses_equal_reported_steps() -> None:
 
 
 @pytest.mark.parametrize("straight", [False, True], ids=["each", "straight"])
-@pytest.mark.parametrize("speed", [SPEED_MAX, 800, 200])
-@pytest.mark.parametrize(("first", "then"), [(300, -300), (300, 0), (4, -3), (-8, 5), (-300, 300)])
+@pytest.mark.parametrize("speed", [SPEED_MAX, 200])
+@pytest.mark.parametrize(("first", "then"), [(300, -300), (-8, 5)])
 def test_a_slow_arm_reverses_without_a_further_step_in_the_old_direction(
     first: int, then: int, speed: int, straight: bool
 ) -> None:

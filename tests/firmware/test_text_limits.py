@@ -96,7 +96,7 @@ ANYWHERE = st.integers(-3000, 3000)
 MOVES = st.tuples(st.sampled_from(["@MOVAALL", "@MOVRALL"]), st.tuples(ANYWHERE, ANYWHERE, ANYWHERE))
 
 
-@settings(max_examples=15)
+@settings(max_examples=6)
 @given(st.lists(MOVES, min_size=1, max_size=5))
 def test_random_programs_never_move_the_arms_beyond_the_limits(script: list[tuple[str, Steps]]) -> None:
     program = Program(framed=True).ready()

@@ -71,12 +71,12 @@ FAST = Saved(speed=80.0, lead_s=0.0)
 
 
 @pytest.fixture(scope="module")
-def stage() -> Iterator[Stage]:
-    with Stage() as made:
-        made.simulation("bea")
-        made.hardware("bea")
-        made.node("other")
-        yield made
+def stage(bea: Stage) -> Iterator[Stage]:
+    """Both robots `bea`, and a robot `other`."""
+    bea.node("other")
+    yield bea
+    bea.close_clients()
+    bea.end_nodes()
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ import sys
 
 import hour_of_work
 import msgspec
+import pytest
 from hour_of_work import ROUNDS
 from robots import ROOT, untraced
 
@@ -18,6 +19,7 @@ GROWTH = 50_000
 """Bytes by which the memory of our modules may grow between the two measurements."""
 
 
+@pytest.mark.long("an hour of work, and tracemalloc")
 def test_an_hour_of_work_needs_bounded_memory_and_no_more_threads() -> None:
     done = subprocess.run(
         [sys.executable, hour_of_work.__file__],

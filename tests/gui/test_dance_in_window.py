@@ -76,6 +76,7 @@ def assert_program_passes(user: Windowed, file: Path, sim: Robot, goals: list[tu
     assert left == []
 
 
+@pytest.mark.long("a dance in real time")
 def test_a_dance_is_made_played_and_saved_as_a_program(
     user: Windowed, sim: Robot, hw: Robot, tmp_path: Path
 ) -> None:

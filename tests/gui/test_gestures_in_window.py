@@ -65,6 +65,7 @@ MOVES: dict[str, Callable[[list[HeadAngles]], bool]] = {
 """What the positions of each robot show."""
 
 
+@pytest.mark.long("all gestures in real time")
 def test_each_gesture_moves_both_heads_and_ends_at_home(
     user: Windowed,
     robots: dict[str, Robot],
@@ -99,6 +100,7 @@ def test_stop_ends_a_gesture(user: Windowed, robots: dict[str, Robot]) -> None:
     assert user.state.view(user.window._link.world()).history[1].result == "stopped"
 
 
+@pytest.mark.long("follows with its eyes in real time")
 def test_the_simulated_head_follows_a_person_who_walks_until_the_second_press(
     user: Windowed, sim: Robot, hw: Robot
 ) -> None:

@@ -33,11 +33,9 @@ class ImageLog:
 
 
 @pytest.fixture(scope="module")
-def stage() -> Iterator[Stage]:
-    with Stage() as stage:
-        stage.simulation("bea")
-        stage.hardware("bea")
-        yield stage
+def stage(bea: Stage) -> Iterator[Stage]:
+    yield bea
+    bea.close_clients()
 
 
 @pytest.fixture

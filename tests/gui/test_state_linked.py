@@ -17,13 +17,16 @@ from gui.console.state.views import Condition
 
 
 @pytest.fixture
-def linked() -> Iterator[Linked]:
-    with Stage() as stage:
-        stage.simulation("bea")
-        stage.hardware("bea")
-        with Linked(stage.endpoint) as made:
-            made.online("sim", "hw")
-            yield made
+def linked(bea: Stage) -> Iterator[Linked]:
+    """A link to both robots, whose motors are off."""
+    for side in ("sim", "hw"):
+        robot = bea.robot("bea", side)
+        robot.stop()
+        robot.disable()
+    with Linked(bea.endpoint) as made:
+        made.online("sim", "hw")
+        yield made
+    bea.close_clients()
 
 
 def changed(window: BareWindow, number: int, condition: Condition) -> bool:
@@ -69,7 +72,7 @@ def test_both_robots_carry_out_next_steps_motions_alternatives_and_undo(linked: 
     assert [round(angle, 1) for angle in window.commanded("hw")] == [0, 0, 10]
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long("a second history of motions"))])
 def test_the_program_of_a_history_repeats_its_motions(linked: Linked, seed: int) -> None:
     pressed, repeated = repeat(linked, seed)
     assert any(pressed)

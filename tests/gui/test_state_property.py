@@ -308,5 +308,5 @@ class AnyOrder(RuleBasedStateMachine):
         assert self.state.saved == self.state.saved
 
 
-AnyOrder.TestCase.settings = settings(max_examples=40, stateful_step_count=20, deadline=None)
+AnyOrder.TestCase.settings = settings(max_examples=20, stateful_step_count=20, deadline=None)
 TestAnyOrder = AnyOrder.TestCase

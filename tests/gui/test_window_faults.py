@@ -98,7 +98,7 @@ def test_the_window_shows_the_loss_and_the_return_of_a_robot(stage: Stage) -> No
         user.send_to("hw")
         user.press(user.window.panels.arms.rows["short"].plus)
         assert "not online" in user.window.panels.refusal.text.text()
-        stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
+        stage.node("bea")
         user.until(shows(user, "hw", "motors off"), "it is back")
         user.press(user.window.panels.header.pills["hw"].next_step)
         user.until_last("enable done")
@@ -135,6 +135,7 @@ def test_a_suspended_hardware_node_slows_neither_window_nor_simulation(stage: St
         user.until_last("enable done")
 
 
+@pytest.mark.long("test_link.py restarts a router without a window")
 def test_the_window_works_again_after_a_restart_of_the_router(stage: Stage) -> None:
     endpoint = free_endpoint()
     router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
@@ -163,6 +164,7 @@ def banner_names_router(user: Windowed, endpoint: str) -> bool:
     return banner.isVisible() and endpoint in banner.text.text()
 
 
+@pytest.mark.long("test_cameras.py unplugs a camera without a window")
 def test_the_window_shows_the_loss_and_the_return_of_a_camera(stage: Stage, tmp_path: Path) -> None:
     picture, away = tmp_path / "eye.jpg", tmp_path / "away"
     picture.write_bytes(simplejpeg.encode_jpeg(np.zeros((48, 64, 3), np.uint8)))

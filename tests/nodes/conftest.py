@@ -19,12 +19,10 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 @pytest.fixture(scope="module")
-def stage() -> Iterator[Stage]:
+def stage(bea: Stage) -> Iterator[Stage]:
     """Simulation and virtual robot `bea`; a file that needs others has a fixture of its own."""
-    with Stage() as made:
-        made.simulation("bea")
-        made.hardware("bea")
-        yield made
+    yield bea
+    bea.close_clients()
 
 
 @pytest.fixture
@@ -52,7 +50,7 @@ def place(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         yield Place(stage, request.param, path)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def shell() -> Iterator[Shell]:
     with both() as made:
         yield made

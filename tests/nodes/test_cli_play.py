@@ -50,7 +50,7 @@ def test_look_with_a_lead_counts_down_and_reports_the_lag(free: Shell) -> None:
     ]
     lag = re.search(r"The hardware began (\S+) s after the simulation", done.stderr)
     assert lag is not None
-    assert float(lag[1]) == pytest.approx(2.0, abs=0.15)
+    assert float(lag[1]) == pytest.approx(2.0, abs=0.5), "test_twin_lead.py measures it"
     yaws = [row["head_deg"]["yaw"] for row in json.loads(done.stdout)["robots"]]
     assert yaws == pytest.approx([8, 8], abs=0.5)
 

@@ -54,8 +54,8 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def up(endpoint: str, temporary: Path) -> Iterator[Process]:
-    """`beatrix up`, with router, simulation and virtual robot."""
-    process = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--hw", "virtual:")
+    """`beatrix up`, with router and virtual robot."""
+    process = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:")
     try:
         process.expect("router")
         process.expect("The output of all processes")
@@ -64,12 +64,11 @@ def up(endpoint: str, temporary: Path) -> Iterator[Process]:
         process.end(signal.SIGKILL)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_router_prints_ready_and_ends_cleanly(endpoint: str, number: signal.Signals) -> None:
+def test_a_router_prints_ready_and_ends_cleanly(endpoint: str) -> None:
     router = Process(*CLI, "router", "--listen", endpoint)
     assert router.expect("ready") == f"ready {endpoint}"
     zbus.connect(endpoint).close()
-    assert router.end(number) == 0
+    assert router.end(signal.SIGINT) == 0
 
 
 ELSEWHERE = "tcp/192.0.2.7:7447"
@@ -92,32 +91,21 @@ def test_is_local_is_true_only_for_addresses_of_this_computer() -> None:
     assert asked.lines == ["[True, True, True, False]"]
 
 
-def test_the_command_line_passes_options_to_the_node(endpoint: str) -> None:
-    robot = Process(*CLI, "hw", "--help")
-    assert robot.wait() == 0
-    assert any("--port" in line for line in robot.lines)
-    wrong = Process(*CLI, "sim", "--nonsense", "--connect", endpoint)
-    assert wrong.wait() == 2
-
-
-@pytest.mark.parametrize(("port", "end"), [("virtual:", ""), ("{folder}/COM9", " (no board yet)")])
-def test_the_ready_line_says_whether_there_is_a_board(
-    endpoint: str, temporary: Path, port: str, end: str
-) -> None:
-    named = ("--name", "bea", "--port", port.format(folder=temporary))
+def test_the_ready_line_says_that_there_is_no_board(endpoint: str, temporary: Path) -> None:
+    named = ("--name", "bea", "--port", f"{temporary}/COM9")
     with routing(endpoint):
         robot = Process(*CLI, "hw", *named, "--connect", endpoint)
         try:
-            assert robot.expect("ready") == f"ready beatrix/bea/hw/@alive{end}"
+            assert robot.expect("ready") == "ready beatrix/bea/hw/@alive (no board yet)"
         finally:
             assert robot.end() == 0
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGHUP])  # Process.end of other tests sends SIGTERM
-def test_up_ends_everything_with_one_signal(up: Process, number: signal.Signals, temporary: Path) -> None:
+def test_up_ends_everything_with_one_signal(up: Process, temporary: Path) -> None:
+    """The shell of other tests ends `up` with SIGINT, and a simulation with it."""
     started = children(up)
-    assert set(started) == {"router", "sim", "hw"}
-    assert up.end(number) == 0
+    assert set(started) == {"router", "hw"}
+    assert up.end(signal.SIGHUP) == 0
     assert not list(temporary.iterdir())
     assert not [verb for verb, process in started.items() if alive(process)]
 
@@ -137,29 +125,25 @@ def test_up_ends_all_processes_and_fails_when_the_router_ends(up: Process) -> No
     assert not [verb for verb, process in started.items() if alive(process)]
 
 
-def test_up_starts_a_crashed_robot_again_and_the_others_continue(up: Process, endpoint: str) -> None:
+def test_up_starts_a_crashed_robot_again_once(up: Process, endpoint: str) -> None:
     started = children(up)
-    for verb, title in (("sim", "simulation"), ("hw", "hardware")):
-        os.kill(started[verb], signal.SIGKILL)
-        up.expect(
-            f"The {title} has crashed (SIGKILL). It is started again, as if it had just been switched on."
-        )
-        assert up.expect(f"{title}: ready") == f"{title}: ready beatrix/bea/{verb}/@alive"
+    os.kill(started["hw"], signal.SIGKILL)
+    up.expect("The hardware has crashed (SIGKILL). It is started again, as if it had just been switched on.")
+    assert up.expect("hardware: ready") == "hardware: ready beatrix/bea/hw/@alive"
     after = children(up)
     assert after["router"] == started["router"]
-    assert not {after["sim"], after["hw"]} & set(started.values())
-    for side in ("sim", "hw"):
-        with Robot("bea", side, connect=endpoint) as robot:
-            robot.make_ready()
-            robot.look(yaw=2)
-    os.kill(after["sim"], signal.SIGKILL)
-    up.expect("The simulation has crashed again (SIGKILL) and stays down.")
-    command = up.expect("To start it again: beatrix sim --name bea").removeprefix(
+    assert after["hw"] != started["hw"]
+    with Robot("bea", "hw", connect=endpoint) as robot:
+        robot.make_ready()
+        robot.look(yaw=2)
+    os.kill(after["hw"], signal.SIGKILL)
+    up.expect("The hardware has crashed again (SIGKILL) and stays down.")
+    command = up.expect("To start it again: beatrix hw --name bea").removeprefix(
         "To start it again: beatrix "
     )
-    assert children(up) == {"router": started["router"], "hw": after["hw"]}
+    assert children(up) == {"router": started["router"]}
     by_hand = Process(*CLI, *command.split())
-    by_hand.expect("ready beatrix/bea/sim/@alive")
+    by_hand.expect("ready beatrix/bea/hw/@alive")
     assert by_hand.end() == 0
     assert up.end(signal.SIGINT) == 0
 
@@ -228,14 +212,12 @@ def test_up_uses_a_running_router_and_leaves_it_running(endpoint: str) -> None:
         up.end(signal.SIGKILL)
 
 
-@pytest.mark.parametrize(
-    ("robots", "driven"), [(["--hw", "virtual:", "--no-sim"], "hardware"), ([], "simulation")]
-)
-def test_up_gives_old_programs_a_port(endpoint: str, tmp_path: Path, robots: list[str], driven: str) -> None:
+def test_up_gives_old_programs_a_port(endpoint: str, tmp_path: Path) -> None:
     path = tmp_path / "ttyACM0"
-    up = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", *robots, "--legacy", str(path))
+    robots = ("--name", "bea", "--hw", "virtual:", "--no-sim", "--legacy", str(path))
+    up = Process(*CLI, "up", "--connect", endpoint, *robots)
     try:
-        assert up.expect("Programs of 2023 open") == f"Programs of 2023 open {path} and drive the {driven}."
+        assert up.expect("Programs of 2023 open") == f"Programs of 2023 open {path} and drive the hardware."
         program = Program(path)
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
         program.port.close()

@@ -81,7 +81,7 @@ def test_echo_of_events_ends_when_the_robot_is_lost(shell: Shell) -> None:
         echo = shell.start("echo", "events", "--name", "bea5")
         shell.good("stop", "--name", "bea5")
         wait_for(echo, "stop STOP")
-        node.end()
+        node.close()
         output, _ = echo.communicate(timeout=END_S)
     assert (echo.returncode, "bea5 (hw) is no longer online" in output) == (9, True)
 
@@ -164,19 +164,6 @@ def test_a_refusal_is_printed_on_stderr_with_exit_code_one(shell: Shell) -> None
     assert "tilt" in done.stderr
 
 
-def test_an_interrupted_look_stops_the_robot(free: Shell) -> None:
-    with free.robot("hw") as robot:
-        start = yaw_deg(robot)
-        look = free.start("look", "--yaw", "100", "--speed", "20", "--on", "hw")
-        until(lambda: yaw_deg(robot) > start + 2, "the robot moves, and the verb has its reply")
-        look.send_signal(signal.SIGINT)
-        output, _ = look.communicate(timeout=END_S)
-        assert look.returncode == 130
-        assert "(hw): Stopped; the arms rest at" in output
-        assert not robot.status().moving
-        assert yaw_deg(robot) < 90
-
-
 def test_an_interrupted_look_with_json_prints_a_document(free: Shell) -> None:
     with free.robot("hw") as robot:
         start = yaw_deg(robot)
@@ -187,6 +174,8 @@ def test_an_interrupted_look_with_json_prints_a_document(free: Shell) -> None:
         document = json.loads(output.splitlines()[-1])
         assert (look.returncode, document["result"], document["reason"]) == (130, False, "STOPPED")
         assert "Stopped; the arms rest at" in document["message"]
+        assert not robot.status().moving
+        assert yaw_deg(robot) < 90
 
 
 def test_an_interrupted_look_on_both_robots_stops_both(free: Shell) -> None:

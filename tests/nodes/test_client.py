@@ -158,6 +158,7 @@ def resident_kb() -> int:
     return pages * 4
 
 
+@pytest.mark.long("thousands of queries")
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from /proc")
 @pytest.mark.no_cover
 def test_queries_free_their_memory(stage: Stage) -> None:

@@ -107,6 +107,7 @@ def of_messages(messages: list[Message], name: str) -> Singles:
     ).astype(np.float32)
 
 
+@pytest.mark.long("records three files")
 @pytest.mark.parametrize(("suffix", "load"), [(".csv", pd.read_csv), (".parquet", pd.read_parquet)])
 @pytest.mark.parametrize("side", SIDES)
 def test_every_sample_is_in_the_table_to_the_last_bit(

@@ -125,9 +125,7 @@ def test_the_picture_follows_the_person(robot: Robot) -> None:
     assert robot.target() == reply
 
 
-def test_stop_ends_a_motion_while_the_eyes_draw(stage: Stage) -> None:
-    sim = stage.simulation("halted", "--ready")
-    robot = stage.robot("halted", "sim")
+def test_stop_ends_a_motion_while_the_eyes_draw(robot: Robot) -> None:
     with robot.camera("left") as left, robot.camera("right") as right:
         left.next(FIRST_S)
         right.next(FIRST_S)
@@ -142,8 +140,6 @@ def test_stop_ends_a_motion_while_the_eyes_draw(stage: Stage) -> None:
         left.take()
         left.next(FIRST_S)
         assert robot.positions().head.yaw == pytest.approx(at, abs=0.2)
-    robot.client.close()
-    assert sim.end() == 0
 
 
 def test_motions_and_real_time_are_kept_while_the_eyes_draw(robot: Robot) -> None:
@@ -279,6 +275,7 @@ def counted() -> Iterator[Stage]:
         yield stage
 
 
+@pytest.mark.long("a window on a virtual screen")
 @pytest.mark.usefixtures("display")
 def test_closing_the_window_does_not_disturb_the_robot(counted: Stage) -> None:
     sim = counted.simulation("shown", "--ready", "--view")

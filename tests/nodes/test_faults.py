@@ -33,7 +33,7 @@ def stage() -> Iterator[Stage]:
 
 
 def test_a_second_node_under_a_name_is_refused_and_the_first_continues(stage: Stage) -> None:
-    stage.hardware("bea")
+    stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
     second = stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
     assert second.wait() == 1
@@ -97,7 +97,7 @@ def test_a_killed_node_is_lost_at_once_and_may_return(stage: Stage) -> None:
     with pytest.raises(NoAnswer) as lost:
         motion.wait()
     assert lost.value.reason is Reason.NODE_LOST
-    stage.hardware("bea")
+    stage.node("bea")
     assert not robot.status().calibrated, "the home of a restarted board is not known"
     ready(robot).look(yaw=2, speed=60)
 
@@ -118,8 +118,7 @@ def test_a_request_to_a_suspended_node_times_out_and_the_node_answers_when_it_co
     assert robot.status().robot == "bea"
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("module", ["hw_node", "sim_node"])
+@pytest.mark.parametrize(("module", "number"), [("hw_node", signal.SIGINT), ("sim_node", signal.SIGTERM)])
 def test_a_signal_stops_the_arms_and_ends_the_node(stage: Stage, module: str, number: signal.Signals) -> None:
     side = "sim" if module == "sim_node" else "hw"
     process = stage.simulation("bea") if side == "sim" else stage.hardware("bea")
@@ -134,11 +133,9 @@ def test_a_signal_stops_the_arms_and_ends_the_node(stage: Stage, module: str, nu
     assert "Traceback" not in "\n".join(process.lines)
 
 
-@pytest.mark.parametrize("module", ["hw_node", "sim_node"])
-def test_a_node_delayed_by_a_second_finishes_its_motion(stage: Stage, module: str) -> None:
-    side = "sim" if module == "sim_node" else "hw"
-    process = stage.simulation("bea") if side == "sim" else stage.hardware("bea")
-    robot = ready(stage.robot("bea", side))
+def test_a_node_delayed_by_a_second_finishes_its_motion(stage: Stage) -> None:
+    process = stage.simulation("bea")
+    robot = ready(stage.robot("bea", "sim"))
     motion = robot.look(yaw=30, wait=False)
     process.send(signal.SIGSTOP)
     threading.Event().wait(1.0)  # the fault itself: time during which the process does not run
@@ -162,7 +159,7 @@ def test_the_robot_stops_if_its_client_is_killed_or_suspended_during_a_motion(
     stage: Stage, tmp_path: Path, number: signal.Signals
 ) -> None:
     (tmp_path / "goner.py").write_text(CLIENT)
-    stage.hardware("bea")
+    stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
     goner = stage.script(tmp_path / "goner.py", stage.endpoint)
     goner.expect("ready")

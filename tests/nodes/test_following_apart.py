@@ -12,6 +12,7 @@ from old_programs import Program
 from robots import Stage, until, wait_status
 from statuses import READY
 
+from beatrix_zenoh import Robot
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -25,6 +26,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Steps,
     Vector3,
 )
+from sim_node.body import Simulation
 
 
 def govern(stage: Stage, name: str, action: LeaseAction) -> None:
@@ -32,6 +34,12 @@ def govern(stage: Stage, name: str, action: LeaseAction) -> None:
     key = keys.lease(name, "sim", "teacher")
     client = stage.client("teacher")
     assert ask(client, (name, "sim"), key, LeaseQuery(action=action), LeaseReply, 10.0).result
+
+
+def follower(stage: Stage, name: str) -> Robot:
+    """Start a simulation that follows, in this process; return it."""
+    stage.node(name, Simulation(name, eyes_hz=0.0, follow=True)).make_ready()
+    return stage.robot(name, "sim")
 
 
 class FakeHardware:
@@ -94,8 +102,7 @@ class FakeHardware:
 
 def test_an_arm_that_turns_the_other_way_is_reported_and_a_silent_hardware_is_waited_for() -> None:
     with Stage() as stage:
-        stage.simulation("cid", "--follow", "--eyes-hz", "0")
-        simulation = stage.robot("cid", "sim")
+        simulation = follower(stage, "cid")
         fake = FakeHardware(stage, "cid", turns=-1.0)
         try:
             wait_status(simulation, lambda status: status.following is FollowState.PARTED, "parted")
@@ -116,8 +123,7 @@ def test_an_arm_that_turns_the_other_way_is_reported_and_a_silent_hardware_is_wa
 
 def test_a_simulation_that_must_wait_brakes_on_its_way() -> None:
     with Stage() as stage:
-        stage.simulation("eli", "--follow", "--eyes-hz", "0")
-        simulation = stage.robot("eli", "sim")
+        simulation = follower(stage, "eli")
         fake = FakeHardware(stage, "eli", place=80.0)
         try:
             until(lambda: simulation.positions().arms.short > 5, "on its way")
@@ -130,8 +136,7 @@ def test_a_simulation_that_must_wait_brakes_on_its_way() -> None:
 
 def test_while_two_programs_publish_it_holds_its_place() -> None:
     with Stage() as stage:
-        stage.simulation("gil", "--follow", "--eyes-hz", "0")
-        simulation = stage.robot("gil", "sim")
+        simulation = follower(stage, "gil")
         fake = FakeHardware(stage, "gil", place=0.0)
         try:
             wait_status(simulation, lambda status: status.following is FollowState.FOLLOWING, "following")

@@ -18,6 +18,7 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.node.callers import QUIET_S
 from hw_node.body import VirtualHardware
+from sim_node.body import Simulation
 
 GET = """
 import json, sys, zenoh
@@ -43,7 +44,7 @@ list(session.get("beatrix/bea/hw/cmd/me/pose?yaw=2;speed=0.5", timeout=60))
 @pytest.fixture(scope="module")
 def stage() -> Iterator[Stage]:
     with Stage() as made:
-        made.simulation("bea")
+        made.node("bea", Simulation("bea"))
         yield made
 
 

@@ -11,6 +11,7 @@ import pytest
 from robots import Stage
 
 from beatrix_zenoh.bus.forks import CURE
+from sim_node.body import Simulation
 
 START = """
 import json, multiprocessing, os, signal, sys, threading, time, warnings
@@ -146,8 +147,8 @@ if __name__ == "__main__":
 @pytest.fixture(scope="module")
 def stage() -> Iterator[Stage]:
     with Stage() as made:
-        made.simulation("bea1", "--ready")
-        made.hardware("bea1")
+        made.node("bea1", Simulation("bea1")).make_ready()
+        made.node("bea1")
         yield made
 
 

@@ -15,9 +15,17 @@ from robots import Stage, until
 from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh.contract._generated.messages import Command, EventKind, Phase, Reason
 
+SLOW = pytest.mark.long("half a minute in real time; test_text_dialogues.py has it in virtual time")
+
 
 @pytest.mark.bodies("sim")
-@pytest.mark.parametrize("dialogue", DIALOGUES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "dialogue",
+    [
+        pytest.param(path, id=path.stem, marks=() if path.stem == "every-reply" else SLOW)
+        for path in DIALOGUES
+    ],
+)
 def test_the_recorded_dialogues_are_reproduced_exactly(place: Place, dialogue: Path) -> None:
     entries = read(dialogue)
     replies = iter(expected_replies(entries))
@@ -84,6 +92,7 @@ def test_any_client_stops_an_old_program(place: Place) -> None:
         )
 
 
+@pytest.mark.long("waits longer than the pause of a stopped program")
 @pytest.mark.bodies("hw")
 def test_a_program_that_moves_every_second_stays_stopped_until_it_closes_the_port(place: Place) -> None:
     with place.program() as program:

@@ -176,6 +176,7 @@ def test_a_truncated_file_is_repaired_and_another_file_is_not(
     assert "must end with .rrd" in capsys.readouterr().err
 
 
+@pytest.mark.long("records for eight seconds")
 def test_rotated_files_are_complete(stage: Stage, tmp_path: Path) -> None:
     path = tmp_path / "day.rrd"
     output = run(
@@ -222,6 +223,7 @@ def test_the_end_names_positions_that_the_network_lost(stage: Stage, tmp_path: P
     assert read(path).robots["lossy", "hw"].lost == 20
 
 
+@pytest.mark.long("starts a robot twice")
 def test_a_robot_may_leave_and_return_during_a_recording(stage: Stage, tmp_path: Path) -> None:
     path = tmp_path / "guest.rrd"
     process = recorder(stage, path, "--name", "guest", "--cameras", "0")

@@ -13,6 +13,8 @@ from robots import Process, Stage, free_endpoint, ready
 from shell import beatrix
 
 from beatrix_zenoh import Robot, Twin
+from beatrix_zenoh.contract._generated.robot import LimitsData, RobotData
+from sim_node.body import Simulation
 
 CLI = (sys.executable, "-m", "beatrix_zenoh.cli")
 
@@ -37,25 +39,15 @@ def doctor(stage: Stage) -> dict[str, str]:
     return {found["what"]: found["todo"] for found in json.loads(done.stdout)["findings"] if found["todo"]}
 
 
-@pytest.mark.parametrize("module", ["sim_node", "hw_node"])
-def test_a_robot_file_changes_the_limits_in_info(stage: Stage, lab: Path, module: str) -> None:
-    port = ("--port", "virtual:") if module == "hw_node" else ()
-    process = stage.process(
-        module, "--name", "bea", "--connect", stage.endpoint, "--robot-file", str(lab), *port
-    )
-    process.expect("ready")
-    robot = stage.robot("bea", module.removesuffix("_node"))
-    assert robot.info().limits.tilt_max == 20
-
-
 def test_doctor_and_preview_report_twins_with_different_values(
-    stage: Stage, lab: Path, monkeypatch: pytest.MonkeyPatch
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    small = RobotData(limits=LimitsData(tilt_max=20.0))
     monkeypatch.setenv("MUJOCO_GL", "off")  # drawing is no part of this test
-    stage.simulation("bea")
-    stage.hardware("bea")
-    other = stage.simulation("other", "--robot-file", str(lab))
-    stage.hardware("other")
+    stage.node("bea", Simulation("bea"))
+    stage.node("bea")
+    other = stage.node("other", Simulation("other", small), small)
+    stage.node("other")
     with Twin("bea", connect=stage.endpoint, who="ana") as twin:
         ready(twin.sim)
         ready(twin.hw)
@@ -64,7 +56,7 @@ def test_doctor_and_preview_report_twins_with_different_values(
         ready(twin.sim)
         assert "different values" in twin.preview(yaw=5).verdict
     assert doctor(stage) == {"other (sim, hw)": "start both with the same --robot-file, or without one"}
-    other.end()
+    other.close()
     assert doctor(stage) == {}
 
 

@@ -71,9 +71,10 @@ def test_all_sessions_return_after_a_restart_of_the_router(tmp_path: Path) -> No
 def test_all_processes_return_after_a_restart_of_the_router_process(stage: Stage) -> None:
     endpoint = free_endpoint()
     router = start_router(endpoint)
-    node = stage.process("sim_node", "--name", "bea", "--connect", endpoint, "--ready")
+    node = stage.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
     node.expect("ready")
-    with Robot("bea", "sim", connect=endpoint, who="ana") as robot:
+    with Robot("bea", "hw", connect=endpoint, who="ana") as robot:
+        robot.make_ready()
         motion = robot.look(yaw=30, wait=False)
         router.end(signal.SIGKILL)
         with pytest.raises(NoAnswer, match="is lost, so the robots stop their motions"):
@@ -82,7 +83,7 @@ def test_all_processes_return_after_a_restart_of_the_router_process(stage: Stage
         with pytest.raises(NoAnswer, match="is lost, so the robots stop their motions"):
             robot.look(yaw=4)
         with routing(endpoint):
-            until(lambda: robot.client.bus.robots(0.3) == [("bea", "sim")], "back online", 10.0)
+            until(lambda: robot.client.bus.robots(0.3) == [("bea", "hw")], "back online", 10.0)
             node.expect(f"The router at {endpoint} is connected again.")
             until(lambda: not refused(robot), "the seat is connected again", 5.0)
             node.end()
@@ -182,7 +183,15 @@ with Robot("bea", "hw", connect=sys.argv[1], who="ana") as robot:
 """
 
 
-@pytest.mark.parametrize(("yaw", "more_s"), [(100, 0.0), (40, MARGIN_S + 3)], ids=["long", "overdue"])
+@pytest.mark.parametrize(
+    ("yaw", "more_s"),
+    [
+        pytest.param(100, 0.0, id="under way"),
+        pytest.param(
+            40, MARGIN_S + 3, id="overdue", marks=pytest.mark.long("waits until a motion is overdue")
+        ),
+    ],
+)
 def test_the_error_of_a_suspended_program_does_not_name_the_router(
     stage: Stage, tmp_path: Path, yaw: int, more_s: float
 ) -> None:

@@ -11,7 +11,7 @@ from beatrix_zenoh.contract._generated.serial import FrameType, Move
 
 @pytest.mark.no_cover  # tests/unit/test_plant.py covers the same code
 def test_the_robot_rests_at_random_poses_that_it_was_sent() -> None:
-    rest = bench_poses.random_poses(30, seed=7)
+    rest = bench_poses.random_poses(8, seed=7)
     assert rest.arms_deg < 0.25
     assert rest.head_deg < 0.02
     assert rest.re_placed == 0

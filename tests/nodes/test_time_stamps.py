@@ -43,6 +43,7 @@ def turned(robot: Robot, *yaws: float) -> list[Positions]:
     return published
 
 
+@pytest.mark.long("a figure of make bench")
 @pytest.mark.parametrize("side", ["sim", "hw"])
 def test_time_stamps_follow_the_set_points_of_a_steady_turn(stage: Stage, side: str) -> None:
     turn = recorded(ready(stage.robot("bea", side)), 90)

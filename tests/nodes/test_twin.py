@@ -15,6 +15,7 @@ from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot, Twin
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.stopping import stop_robots
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
+from sim_node.body import Simulation
 
 
 @pytest.fixture
@@ -108,11 +109,11 @@ def test_only_a_relative_plan_needs_both_robots_at_one_position(twin: Twin) -> N
 
 def test_hardware_that_starts_after_the_preview_is_not_moved() -> None:
     with Stage() as stage, Twin("late", connect=stage.endpoint, who="ana") as late:
-        stage.simulation("late")
+        stage.node("late", Simulation("late"))
         late.sim.enable()
         late.sim.calibrate()
         plan = late.preview(yaw=5)
-        stage.hardware("late")
+        stage.node("late")
         late.hw.enable()
         late.hw.calibrate()
         with pytest.raises(Refused, match=r"late \(hw\) was not online"):
@@ -210,7 +211,7 @@ def test_stop_is_sent_to_both_robots_before_waiting_for_a_reply(twin: Twin) -> N
 def test_the_hardware_is_stopped_when_the_simulation_is_lost() -> None:
     with Stage() as stage, Twin("bea", connect=stage.endpoint, who="ana") as twin:
         simulation = stage.simulation("bea")
-        stage.hardware("bea")
+        stage.node("bea")
         twin.enable()
         twin.calibrate()
         other = stage.robot("bea", "hw", "ben")

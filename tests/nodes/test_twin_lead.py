@@ -21,6 +21,7 @@ from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Positions, Reason, Steps
 from beatrix_zenoh.contract.errors import NoAnswer
+from sim_node.body import Simulation
 
 
 def steps(robot: Robot) -> Steps:
@@ -282,14 +283,14 @@ def test_a_target_that_one_robot_refuses_stops_the_other(stage: Stage, twin: Twi
 
 def test_hardware_that_is_replaced_during_the_lead_is_not_moved() -> None:
     with Stage() as stage:
-        stage.simulation("bea", "--ready")
+        stage.node("bea", Simulation("bea"))
         first = stage.hardware("bea")
         with Twin("bea", connect=stage.endpoint, who="ana") as twin:
             twin.make_ready()
             motion = twin.preview(yaw=20, speed=60).commit(lead_s=8.0, wait=False)
             first.send(signal.SIGKILL)
             first.wait()
-            stage.hardware("bea")
+            stage.node("bea")
             with pytest.raises(NoAnswer, match="is no longer online"):
                 motion.result(10)
             assert twin.hw.positions().commanded.short == 0

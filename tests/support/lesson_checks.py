@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import pytest
+from _pytest.mark import ParameterSet
 
 from beatrix_zenoh.lessons import program
 from beatrix_zenoh.lessons.checking import Result, Verdict, check
@@ -17,7 +17,7 @@ ALWAYS = ("01-", "02-", "11-")
 """Lessons that `make test` checks: one observes a robot, one also calls functions, one has two robots."""
 
 
-def of_lesson(value: object, lesson: str, name: str) -> Any:
+def of_lesson(value: object, lesson: str, name: str) -> ParameterSet:
     """Return a value of a parametrized test; only the lessons of ALWAYS are checked in `make test`."""
     marks = () if lesson.startswith(ALWAYS) else pytest.mark.long("programs move a robot in real time")
     return pytest.param(value, marks=marks, id=name)

@@ -21,7 +21,9 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Reply, Sessions
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated.messages import Status
+from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.node import Node
+from beatrix_zenoh.node.node import RobotBody
 from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
@@ -118,6 +120,10 @@ class Process:
         self._child.stdin.write(line + "\n")
         self._child.stdin.flush()
 
+    def name_thread(self, name: str) -> None:
+        """Give the thread that reads the output another name."""
+        self._reader.name = name
+
     def send(self, number: signal.Signals) -> None:
         """Send a signal."""
         self._child.send_signal(number)
@@ -168,16 +174,32 @@ def start_router(endpoint: str) -> Process:
     return router
 
 
+IDLE: dict[str, Process] = {}
+"""Routers by endpoint that no stage uses: the start of a process takes longer than many tests. They end with the tests."""
+IDLE_THREAD = "output of an idle router"
+
+
+def end_idle_routers() -> None:
+    """End the routers that no stage uses."""
+    while IDLE:
+        IDLE.popitem()[1].end()
+
+
 class Stage:
-    """A router and robots in processes of their own, clients here; all ended on exit.
+    """A router and robots in processes of their own, clients here; all ended on exit, but the router waits for the next.
 
     `traced`: count the coverage of its simulations and hardware nodes.
     """
 
     def __init__(self, *, traced: bool = False) -> None:
         self._traced = traced
-        self.endpoint = free_endpoint()
-        self._router = start_router(self.endpoint)
+        self._own_router = False
+        if IDLE:
+            self.endpoint, self._router = IDLE.popitem()
+        else:
+            self.endpoint = free_endpoint()
+            self._router = start_router(self.endpoint)
+            self._router.name_thread(IDLE_THREAD)
         self._processes: list[Process] = []
         self._nodes: list[Node] = []
         self._clients: list[Client] = []
@@ -216,10 +238,10 @@ class Stage:
         process.expect("ready")
         return process
 
-    def node(self, name: str, body: VirtualHardware | None = None) -> Node:
+    def node(self, name: str, body: RobotBody | None = None, robot: RobotData = ROBOT) -> Node:
         """Start a node inside this process, on a virtual board of its own unless a body is given."""
         body = body or VirtualHardware(name)
-        node = Node(Sessions(lambda: zbus.connect(self.endpoint)), name, body).start()
+        node = Node(Sessions(lambda: zbus.connect(self.endpoint)), name, body, robot).start()
         self._nodes.append(node)
         return node
 
@@ -244,7 +266,10 @@ class Stage:
         self.end_nodes()
         for process in reversed(self._processes):
             process.end()
-        self.end_router()
+        if self._own_router:
+            self._router.end()
+        else:
+            IDLE[self.endpoint] = self._router
 
     def end_nodes(self) -> None:
         """End the nodes in this process."""
@@ -253,11 +278,12 @@ class Stage:
 
     def end_router(self) -> None:
         """End the router; robots and clients go on."""
+        self._own_router = True
         self._router.end()
 
     def restart_router(self) -> None:
         """End the router and start it again."""
-        self._router.end()
+        self.end_router()
         self._router = start_router(self.endpoint)
 
     def __enter__(self) -> Self:

@@ -20,10 +20,14 @@ from typing import Any
 from robots import ROOT, Process, free_endpoint, until, untraced
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.contract._generated.messages import EventKind
+from beatrix_zenoh.node import Node
 from beatrix_zenoh.node.callers import QUIET_S
 from beatrix_zenoh.shutdown import SIGNALS
+from hw_node.body import VirtualHardware
 
 CLI = ("-m", "beatrix_zenoh.cli")
 NAME = "bea1"
@@ -126,15 +130,13 @@ def both() -> Iterator[Shell]:
 
 
 @contextlib.contextmanager
-def another(shell: Shell, name: str) -> Iterator[Process]:
-    """Start another robot at the same router."""
-    where = ("--name", name, "--connect", shell.endpoint)
-    process = Process(*CLI, "hw", *where, "--port", "virtual:", traced=False)
+def another(shell: Shell, name: str) -> Iterator[Node]:
+    """Start another robot at the same router, in this process."""
+    node = Node(Sessions(lambda: zbus.connect(shell.endpoint)), name, VirtualHardware(name)).start()
     try:
-        process.expect("ready")
-        yield process
+        yield node
     finally:
-        process.end()
+        node.close()
 
 
 def wait_until_free(shell: Shell) -> None:

@@ -122,7 +122,7 @@ def test_both_robots_stand_beside_each_other(folder: Path, capsys: pytest.Captur
         (["--video", "new.mp4", "--eye", "left", "--from", "1.6"], 1, "it has pictures of: none"),
         (["--video", "new.mp4", "--samples"], 2, "--samples needs a table"),
         (["--video", "kept.mp4"], 1, "kept.mp4 exists and is not overwritten"),
-        (["--video", "missing/new.mp4"], 1, "cannot be written: No such file"),
+        (["--video", "missing/new.mp4", "--to", "0.1"], 1, "cannot be written: No such file"),
     ],
 )
 def test_refusals_name_the_cure_and_write_nothing(

@@ -126,7 +126,7 @@ def test_a_stream_of_targets_is_followed_within_two_degrees() -> None:
 angles = st.floats(-60.0, 60.0)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(
     targets=st.lists(st.tuples(angles, st.floats(5.0, 90.0), st.integers(50, 900)), min_size=1, max_size=5)
 )

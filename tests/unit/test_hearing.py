@@ -128,7 +128,7 @@ def test_the_far_ear_misses_the_high_frequencies_and_hears_the_low_ones() -> Non
     st.floats(-180, 180),
     st.sampled_from([300.0, 1000.0, 3000.0]),
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_a_turning_head_hears_no_click(begin: float, speed: float, bearing: float, hz: float) -> None:
     """The curvature of a tone is bounded by its frequency: a step or a kink between blocks would exceed it."""
     scenes = [hearing(turned(begin + speed * i * BLOCK / RATE), REST, at(bearing)) for i in range(8)]

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from _pytest.mark import ParameterSet
 from robots import free_endpoint, untraced
 
 from beatrix_zenoh.cli import app
@@ -31,6 +32,15 @@ NEEDED = (
 )
 
 
+ALWAYS = ("logging", "zenoh", "json")
+"""Modules that `make test` hides: one of Python that is imported first, one of Zenoh, one of Python that others import."""
+
+
+def long_one(*values: str) -> ParameterSet:
+    """Return the values of a case that is checked in `make test-long` only."""
+    return pytest.param(*values, marks=pytest.mark.long("a process for each module"))
+
+
 def python(folder: Path, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run Python in a folder, without the PYTHONPATH of the tests."""
     kept = {name: value for name, value in untraced().items() if name != "PYTHONPATH"}
@@ -45,7 +55,7 @@ def python(folder: Path, *words: str, **environment: str) -> subprocess.Complete
     )
 
 
-@pytest.mark.parametrize("name", NEEDED)
+@pytest.mark.parametrize("name", [*ALWAYS, *(long_one(name) for name in NEEDED if name not in ALWAYS)])
 def test_the_error_of_a_program_names_the_file_that_hides_a_module(name: str, tmp_path: Path) -> None:
     (tmp_path / f"{name}.py").touch()
     (tmp_path / "prog.py").write_text(PROGRAM, encoding="utf-8")
@@ -56,8 +66,11 @@ def test_the_error_of_a_program_names_the_file_that_hides_a_module(name: str, tm
     assert f" {name}, which BEATRIX needs: rename it" in last
 
 
-@pytest.mark.parametrize("name", ["logging", "select", "zenoh", "msgspec", "typer", "random", "dataclasses"])
-@pytest.mark.parametrize("verb", ["doctor", "ls"])
+@pytest.mark.parametrize(
+    ("name", "verb"),
+    [("logging", "doctor"), ("typer", "doctor"), ("zenoh", "ls"), ("dataclasses", "ls")]
+    + [long_one(name, verb) for name in ("select", "msgspec", "random") for verb in ("doctor", "ls")],
+)
 def test_the_command_line_names_a_hiding_file_in_one_line(name: str, verb: str, tmp_path: Path) -> None:
     (tmp_path / f"{name}.py").touch()
     where = ("--connect", free_endpoint())

@@ -25,10 +25,20 @@ from beatrix_zenoh.recording.series import Recording, part_of, recording
 CASES = {case.name: case for case in known_cases.cases()}
 NOISE, LOST = (variant for variant in VARIANTS if variant.name in {"noise", "10 % lost"})
 (FILE,) = (variant for variant in VARIANTS if variant.file)
-FROM_FILE = ("none", "long misses a step at 13 s", "short and middle exchanged", "leads of 0, 0.5 and 1.5 s")
+LONG = pytest.mark.long("all known errors again; tools/known_errors.py prints them")
+FROM_FILE = (
+    "long misses a step at 13 s",
+    *(
+        pytest.param(name, marks=LONG)
+        for name in ("none", "short and middle exchanged", "leads of 0, 0.5 and 1.5 s")
+    ),
+)
 
 
-@pytest.mark.parametrize("variant", [NOISE, LOST], ids=lambda variant: variant.name)
+@pytest.mark.parametrize(
+    "variant",
+    [pytest.param(NOISE, id=NOISE.name), pytest.param(LOST, id=LOST.name, marks=LONG)],
+)
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES.keys())
 def test_a_known_error_and_no_other_is_found(case: Case, variant: Variant, tmp_path: Path) -> None:
     assert wrong(case, variant, compared(case, variant, tmp_path)) == []

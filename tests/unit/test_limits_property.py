@@ -92,7 +92,9 @@ def test_short_accepted_paths_keep_the_limits_and_refused_paths_do_not(
         assert_keeps(limits, outcome)
 
 
-@pytest.mark.parametrize("arm", [0, 1, 2])
+@pytest.mark.parametrize(
+    "arm", [0, *(pytest.param(n, marks=pytest.mark.long("the arms are alike")) for n in (1, 2))]
+)
 @pytest.mark.parametrize("limits", [LIMITS, CLOSE_ARMS])
 def test_short_paths_of_one_arm_near_a_limit_are_checked_correctly(arm: int, limits: MotionLimits) -> None:
     for index in range(8):

@@ -104,7 +104,7 @@ MOVING = at(0)._replace(position=(797, 905, 1051), velocity=(-413, -475, 492))
 
 
 @pytest.mark.no_cover
-@settings(max_examples=100)
+@settings(max_examples=30)
 @given(queries, boards())
 @example(SLOW, MOVING)
 def test_every_alternative_is_accepted(query: MotionQuery | PoseQuery, board: Telemetry) -> None:
@@ -122,7 +122,7 @@ def test_every_alternative_is_accepted(query: MotionQuery | PoseQuery, board: Te
 
 
 @pytest.mark.no_cover
-@settings(max_examples=80)
+@settings(max_examples=30)
 @given(queries, boards())
 def test_the_rounded_numbers_in_a_sentence_are_accepted(
     query: MotionQuery | PoseQuery, board: Telemetry

@@ -131,7 +131,7 @@ def loaded(values: dict[tuple[str, str], float]) -> RobotData | str:
 
 
 @pytest.mark.no_cover
-@settings(max_examples=120)
+@settings(max_examples=40)
 @given(VALUES)
 def test_any_file_of_numbers_gives_a_working_robot_or_an_error_with_the_field(
     values: dict[tuple[str, str], float],

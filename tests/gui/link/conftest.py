@@ -10,11 +10,10 @@ from robots import Stage
 
 
 @pytest.fixture(scope="module")
-def stage() -> Iterator[Stage]:
-    with Stage() as made:
-        made.simulation("bea", "--ready")
-        made.hardware("bea")
-        yield made
+def stage(bea: Stage) -> Iterator[Stage]:
+    """Both robots `bea`."""
+    yield bea
+    bea.close_clients()
 
 
 @pytest.fixture

@@ -134,11 +134,11 @@ def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_los
                 router.end()
 
 
-def retried(linked: Linked) -> bool:
+def retried(linked: Linked, side: str = "hw") -> bool:
     """Send `Ready` in a new row; return whether it is accepted."""
     row = 100 + len(linked.outcomes)
-    linked.do(Ready(row, "hw"))
-    return linked.end_of(row, "hw").accepted
+    linked.do(Ready(row, side))
+    return linked.end_of(row, side).accepted
 
 
 def test_the_only_name_online_is_selected_and_another_can_be_selected(stage: Stage) -> None:
@@ -176,11 +176,22 @@ def test_a_suspended_router_counts_as_lost_and_delays_no_request(stage: Stage) -
 # -- robots that are suspended or killed ----------------------------------------------------------
 
 
-@pytest.fixture
-def own() -> Iterator[tuple[Stage, Process, Process]]:
-    """A stage whose robots the test may suspend or kill."""
+@pytest.fixture(scope="module")
+def of_module() -> Iterator[tuple[Stage, Process, Process]]:
     with Stage() as stage:
         yield stage, stage.simulation("bea", "--ready"), stage.hardware("bea")
+
+
+@pytest.fixture
+def own(of_module: tuple[Stage, Process, Process]) -> Iterator[tuple[Stage, Process, Process]]:
+    """A stage with a simulation that is ready, whose robots the test may suspend."""
+    stage, *processes = of_module
+    with Linked(stage.endpoint) as linked:
+        linked.online("sim", "hw")
+        until(lambda: retried(linked, "sim"), "the simulation is ready")
+    yield of_module
+    for process in processes:
+        process.send(signal.SIGCONT)
 
 
 @pytest.mark.measures_time
@@ -215,8 +226,6 @@ def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
         hardware.send(signal.SIGCONT)
         linked.online("hw")
         until(lambda: retried(linked), "the robot carries out requests again")
-        hardware.end(signal.SIGKILL)
-        linked.until(lambda world: world.hw.presence is Presence.ABSENT, "it was killed", 0.5)
 
 
 @pytest.mark.measures_time
@@ -236,6 +245,16 @@ def test_an_emergency_stop_reaches_a_moving_robot_while_the_other_one_is_suspend
         assert linked.end_of(2, "sim", 0.5).reason is not Reason.OK
         assert linked.end_of(3, "hw").reason in (Reason.NODE_HANGS, Reason.NODE_LOST)
         hardware.send(signal.SIGCONT)
+        linked.do(SendCommand(4, Command.RESET, value=True, sides=("sim",)))
+        assert linked.end_of(4, "sim").accepted
+
+
+def test_a_killed_node_is_shown_as_absent(stage: Stage) -> None:
+    with Linked(stage.endpoint, "mortal") as linked:
+        mortal = stage.hardware("mortal")
+        linked.online("hw")
+        mortal.end(signal.SIGKILL)
+        linked.until(lambda world: world.hw.presence is Presence.ABSENT, "it was killed", 0.5)
 
 
 def fault_of(world: World) -> Fault:

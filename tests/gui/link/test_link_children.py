@@ -124,6 +124,7 @@ def test_a_recording_can_be_read(linked: Linked, tmp_path: Path) -> None:
     assert list(read_recording(begun.file).robots) == [("bea", "sim")]
 
 
+@pytest.mark.long("starts a recorder")
 def test_a_recording_that_is_ended_while_it_starts_is_complete(linked: Linked) -> None:
     linked.do(BeginRecording())
     linked.do(EndRecording())
@@ -149,12 +150,14 @@ def test_the_loss_of_the_recorder_is_reported(linked: Linked) -> None:
     assert (world.recording.trouble.key, world.recording.trouble.code) == ("trouble.recorder", "SIGKILL")
 
 
+@pytest.mark.long("starts a recorder")
 def test_the_end_of_the_window_completes_a_recording(linked: Linked) -> None:
     begun = recording(linked)
     linked.close()
     assert read_recording(begun.file).robots
 
 
+@pytest.mark.long("starts a recorder")
 def test_a_suspended_recorder_does_not_delay_the_end_of_the_window(linked: Linked) -> None:
     recording(linked)
     child = linked.link._recordings._child
