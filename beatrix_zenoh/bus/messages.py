@@ -11,8 +11,8 @@ import time
 from collections.abc import Callable
 
 import zenoh
-from zenoh.handlers import Callback
 
+from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.bus.declarations import Declared, RenewableSession
 from beatrix_zenoh.bus.incoming import Incoming, Received, subscribe_newest
 from beatrix_zenoh.bus.publication import Publication
@@ -97,7 +97,7 @@ class MessageSession(RenewableSession):
                 handle(Incoming(query))
 
         def declare(session: zenoh.Session) -> Declared:
-            return session.declare_queryable(key, Callback(receive, indirect=False), complete=True)
+            return session.declare_queryable(key, direct(receive), complete=True)
 
         return self.add(QUERYABLE, key, declare)
 
@@ -113,8 +113,7 @@ class MessageSession(RenewableSession):
             else:
                 handle(Incoming(query))
 
-        callback: Callback[zenoh.Query] = Callback(receive, indirect=False)
-        return self.add(REST, key, lambda session: session.declare_queryable(key, callback))
+        return self.add(REST, key, lambda session: session.declare_queryable(key, direct(receive)))
 
     def publication(
         self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None
@@ -136,8 +135,7 @@ class MessageSession(RenewableSession):
         def receive(sample: zenoh.Sample) -> None:
             handle(Received.of(sample))
 
-        callback: Callback[zenoh.Sample] = Callback(receive, indirect=False)
-        return self.add(SUBSCRIBER, key, lambda session: session.declare_subscriber(key, callback))
+        return self.add(SUBSCRIBER, key, lambda session: session.declare_subscriber(key, direct(receive)))
 
     def subscribe_newest(
         self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool]

@@ -8,9 +8,9 @@ from collections.abc import Callable
 from typing import Final
 
 import zenoh
-from zenoh.handlers import Callback
 
 from beatrix_zenoh.bus.at_exit import OPEN
+from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.bus.query import PRIORITIES
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract.errors import WrongUsage
@@ -44,10 +44,12 @@ class Publication:
         )
         # The listener ends with its publisher. Zenoh does not call a new one if the key has no subscribers, so call
         # `_changed` here.
-        changed: Callback[zenoh.MatchingStatus] = Callback(lambda _: self._changed(), indirect=False)
-        self._publisher.declare_matching_listener(changed)
+        self._publisher.declare_matching_listener(direct(self._on_matching))
         self._changed()
         return self._publisher
+
+    def _on_matching(self, _: zenoh.MatchingStatus) -> None:
+        self._changed()
 
     def _changed(self) -> None:
         self._read_s = float("-inf")

@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import zenoh
-from zenoh.handlers import Callback
 
 from beatrix_zenoh.bus.at_exit import OPEN
+from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract.errors import WrongUsage
 
@@ -78,7 +78,7 @@ class Query:
         self._notify: Callable[[], None] | None = None
         session.get(
             key,
-            Callback(self._receive, drop=self._end, indirect=False),
+            direct(self._receive, self._end),
             payload=payload,
             encoding=encoding,
             attachment=attachment,

@@ -9,8 +9,8 @@ from typing import Final
 
 import zenoh
 from msgspec import structs
-from zenoh.handlers import Callback
 
+from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LessonState
@@ -70,8 +70,8 @@ class KeptReports:
         """Keep what the clients of a router publish, and answer its queries, until the session is closed."""
         key = keys.lesson("*", "*")
         self._declared = (
-            session.declare_subscriber(key, Callback(self._keep, indirect=False)),
-            session.declare_queryable(key, Callback(self._answer, indirect=False), complete=True),
+            session.declare_subscriber(key, direct(self._keep)),
+            session.declare_queryable(key, direct(self._answer), complete=True),
         )
 
     def _keep(self, sample: zenoh.Sample) -> None:

@@ -32,7 +32,7 @@ class RouterAccess:
     identity: Identity
     """certificate and key of this router"""
     rates: Mapping[str, float] = field(default_factory=dict)
-    """largest rate (Hz) at which a session receives publications of each of these keys"""
+    """largest rate (Hz) of the publications of each of these keys that the router accepts from a session"""
 
 
 def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Session:

@@ -8,10 +8,10 @@ import time
 from collections.abc import Callable
 
 import zenoh
-from zenoh.handlers import Callback
 
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import credentials, forks
+from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe
 from beatrix_zenoh.bus.messages import TOKEN, WATCH, MessageSession
 from beatrix_zenoh.bus.query import intersects
@@ -112,9 +112,7 @@ class Bus(MessageSession):
         return self.add(
             WATCH,
             key,
-            lambda session: session.liveliness().declare_subscriber(
-                key, Callback(receive, indirect=False), history=True
-            ),
+            lambda session: session.liveliness().declare_subscriber(key, direct(receive), history=True),
         )
 
     def watch_router(self, handle: Callable[[bool], None]) -> Callable[[], None]:
@@ -129,9 +127,7 @@ class Bus(MessageSession):
         return self.add(
             WATCH,
             "",
-            lambda session: session.info.declare_transport_events_listener(
-                Callback(receive, indirect=False), history=True
-            ),
+            lambda session: session.info.declare_transport_events_listener(direct(receive), history=True),
         )
 
     @property

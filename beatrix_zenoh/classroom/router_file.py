@@ -174,7 +174,7 @@ def _own_tokens(key: str, name: str) -> list[str]:
 
 
 def picture_rates(seats: tuple[str, ...], robots: tuple[str, ...], pictures_hz: float) -> dict[str, float]:
-    """Return, for the key of each camera, the largest rate (Hz) at which a session receives its pictures."""
+    """Return, for the key of each camera, the largest rate (Hz) at which the router passes on its pictures."""
     return {
         keys.camera(robot, side, view): pictures_hz
         for robot in (*robots, *seats, names.TEACHER)
