@@ -129,6 +129,30 @@ def test_the_lead_is_beaten_while_the_hardware_waits(later_s: float, aborts: boo
     assert ("All missions done" in text(state, after)) is done
 
 
+def test_sending_now_beats_the_lead() -> None:
+    state = begun("lead")
+    state.handle(SetDestination("hw", checked=True), WELL)
+    state.handle(AimHead(20.0, 5.0, 0.0), WELL)
+    state.handle(SendHead(), WELL)
+    for later_s, phase, countdown_s, done in (
+        (0.0, PlanPhase.LEADING, 1.4, False),
+        (
+            0.5,
+            PlanPhase.LEADING,
+            0.0,
+            False,
+        ),  # the window draws between the press and the motion of the hardware
+        (0.6, PlanPhase.SENT, 0.0, True),
+    ):
+        now = replace(
+            WELL,
+            now_s=WELL.now_s + later_s,
+            plan=PlanProgress(phase, lead_s=2.0, countdown_s=countdown_s),
+        )
+        state.follow(now)
+        assert ("All missions done" in text(state, now)) is done
+
+
 def test_the_first_run_is_skipped_step_by_step_or_closed_for_good() -> None:
     state = State()
     for number in range(1, len(TASKS) + 1):

@@ -77,8 +77,8 @@ class Guide:
         """row of the newest request when the task began"""
         self._praise = False
         self._swings: dict[str, Swings] = {}
-        self._lead: tuple[float, float] = (0.0, 0.0)
-        """when the lead of a motion was last seen (monotonic clock), and how long it still lasted (s)"""
+        self._lead_ends_s = 0.0
+        """when the lead of the present motion ends by itself (monotonic clock); 0: it has not begun"""
 
     def follow(self, memory: Memory, world: World) -> None:
         """Go on to the next task if the robots, or the outcomes of requests, show that the present one is done."""
@@ -94,8 +94,10 @@ class Guide:
             if task != "drag":  # with Send on release, the target is sent while it is dragged
                 self._begin(memory)
         plan = world.plan
-        leading = plan is not None and plan.phase is PlanPhase.LEADING
-        self._lead = (world.now_s, plan.countdown_s) if plan is not None and leading else (0.0, 0.0)
+        if plan is None or plan.phase is PlanPhase.TRYING:
+            self._lead_ends_s = 0.0
+        elif plan.phase is PlanPhase.LEADING and not self._lead_ends_s:
+            self._lead_ends_s = world.now_s + plan.countdown_s
 
     def handle(self, intent: GuideIntent, memory: Memory) -> None:
         """Go on to the next task, or end."""
@@ -120,7 +122,7 @@ class Guide:
         return BannerView(texts("guide.well_done", text=text) if self._praise else text, (skip, close))
 
     def _begin(self, memory: Memory) -> None:
-        self._since, self._swings, self._lead = memory.numbers, {}, (0.0, 0.0)
+        self._since, self._swings, self._lead_ends_s = memory.numbers, {}, 0.0
 
     def _is_done(self, task: str, memory: Memory, world: World) -> bool:
         rows = [row for row in memory.rows if row.number > self._since]
@@ -146,12 +148,14 @@ class Guide:
 
     def _beats_the_lead(self, rows: list[RequestRow], world: World) -> bool:
         """Return whether the user has sent, changed or aborted a motion while the hardware waited for it."""
-        seen_s, left_s = self._lead
-        waits = world.plan is not None and world.plan.phase is PlanPhase.LEADING
-        if waits or left_s < EARLY_S or world.now_s > seen_s + left_s - EARLY_S:
+        plan = world.plan
+        if world.now_s > self._lead_ends_s - EARLY_S or (
+            plan is not None and plan.phase is PlanPhase.LEADING
+        ):
             return False
         motion = next((row for row in reversed(rows) if isinstance(row.request, Send)), None)
-        return motion is not None and (motion.aborted or "hw" in motion.accepted)
+        sent = plan is not None and plan.phase is PlanPhase.SENT
+        return motion is not None and (motion.aborted or sent)
 
 
 def _is_aimed(memory: Memory, world: World) -> bool:
