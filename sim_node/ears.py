@@ -12,7 +12,7 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.node import Component, MicrophonesPublisher, Node, SoundBlock, StatusFields
-from beatrix_zenoh.node.microphones import RATE, BlockClock, to_pcm
+from beatrix_zenoh.node.sensors import RATE, BlockClock, to_pcm
 from sim_node.hearing import Ears, Hearing
 from sim_node.sounds import PlayingSound
 

@@ -21,7 +21,7 @@ from numpy.lib.stride_tricks import as_strided
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, RobotData
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.rotation import Rotation
-from beatrix_zenoh.node.microphones import BLOCK, RATE
+from beatrix_zenoh.node.sensors import BLOCK, RATE
 from sim_node.shapes import Point, Vector
 from sim_node.sounds import Samples
 

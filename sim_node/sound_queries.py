@@ -18,7 +18,7 @@ from beatrix_zenoh.contract._generated.messages import Detail, Reason, SoundQuer
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, quoted
 from beatrix_zenoh.contract.refusals import bad_field
 from beatrix_zenoh.node import Component
-from beatrix_zenoh.node.microphones import FULL_SCALE, RATE
+from beatrix_zenoh.node.sensors import FULL_SCALE, RATE
 from sim_node.shapes import Point
 from sim_node.sounds import GENERATORS, PlayingSound, Samples, generated
 from sim_node.target import BOUNDS

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh.node.microphones import RATE
+from beatrix_zenoh.node.sensors import RATE
 from sim_node.shapes import Vector
 
 LOUDNESS: Final = 0.05

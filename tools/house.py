@@ -1,7 +1,7 @@
 """The size and the shape of the house, as a table: `python tools/house.py`, or `… house.py FOLDER` for another clone.
 
 A line of code has a token that is neither comment nor docstring. Imports for types only count, those inside functions
-do not. A floor is one module (or room) of the longest chain of imports; modules of a circle share one floor.
+only for short modules, which belong to their one importer. A floor is one module (or room) of the longest chain of imports; modules of a circle share one floor.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ LAYOUT = {
     tokenize.ENCODING,
     tokenize.ENDMARKER,
 }
+SHORT = 50
+"""Lines of code below which a module is short."""
 Graph = dict[str, set[str]]
 
 
@@ -65,13 +67,13 @@ def at_import(tree: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
             yield from at_import(node)
 
 
-def imported(tree: ast.AST, known: Mapping[str, Path]) -> set[str]:
-    """Return the modules of the packages that a module imports."""
+def imported(imports: Iterable[ast.AST], known: Mapping[str, Path]) -> set[str]:
+    """Return the modules of the packages that some imports name."""
     found: set[str] = set()
-    for node in at_import(tree):
+    for node in imports:
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names if alias.name in known)
-        elif node.module in known:
+        elif isinstance(node, ast.ImportFrom) and node.module in known:
             for alias in node.names:
                 name = f"{node.module}.{alias.name}"
                 found.add(name if name in known else str(node.module))
@@ -81,9 +83,19 @@ def imported(tree: ast.AST, known: Mapping[str, Path]) -> set[str]:
 def graph_of(found: Mapping[str, Path]) -> Graph:
     """Return what each module imports."""
     return {
-        name: imported(ast.parse(path.read_text(encoding="utf-8")), found) - {name}
+        name: imported(at_import(ast.parse(path.read_text(encoding="utf-8"))), found) - {name}
         for name, path in found.items()
     }
+
+
+def short_modules(found: Mapping[str, Path]) -> list[str]:
+    """Return the modules with fewer than SHORT lines of code that one module imports, at import or inside a function."""
+    importers = Counter(
+        other
+        for name, path in found.items()
+        for other in imported(ast.walk(ast.parse(path.read_text(encoding="utf-8"))), found) - {name}
+    )
+    return [name for name, path in found.items() if importers[name] == 1 and code_lines(path) < SHORT]
 
 
 def circles(graph: Graph) -> list[set[str]]:
@@ -157,6 +169,7 @@ def figures(root: Path) -> Iterator[tuple[str, object]]:
     yield "files", len(found)
     importers = Counter(other for others in graph.values() for other in others)
     yield "modules with at most one importer", sum(importers[name] <= 1 for name in graph)
+    yield "short modules with one importer", len(short_modules(found))
     yield "rooms and floors of beatrix_zenoh", _size(inside(graph, "beatrix_zenoh", rooms=True))
     for room in ("node", "client"):
         yield f"files and floors of {room}", _size(inside(graph, f"beatrix_zenoh.{room}", rooms=False))

@@ -196,7 +196,7 @@ def start(
 
 
 def _write_program(found: Lesson, path: Path) -> None:
-    from beatrix_zenoh.lessons.notebook import notebook
+    from beatrix_zenoh.lessons.program import notebook
 
     text = (found.folder / "start.py").read_text(encoding="utf-8")
     path.write_text(notebook(text) if path.suffix == ".ipynb" else text, encoding="utf-8")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh.node.camera import CameraFrame as CameraFrame
-from beatrix_zenoh.node.camera import CameraPublisher as CameraPublisher
 from beatrix_zenoh.node.interfaces import ArmState as ArmState
 from beatrix_zenoh.node.interfaces import Component as Component
 from beatrix_zenoh.node.interfaces import StatusFields as StatusFields
-from beatrix_zenoh.node.microphones import MicrophonesPublisher as MicrophonesPublisher
-from beatrix_zenoh.node.microphones import SoundBlock as SoundBlock
 from beatrix_zenoh.node.node import Node as Node
+from beatrix_zenoh.node.sensors import CameraFrame as CameraFrame
+from beatrix_zenoh.node.sensors import CameraPublisher as CameraPublisher
+from beatrix_zenoh.node.sensors import MicrophonesPublisher as MicrophonesPublisher
+from beatrix_zenoh.node.sensors import SoundBlock as SoundBlock

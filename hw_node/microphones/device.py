@@ -11,7 +11,7 @@ from typing import Final, Protocol, cast
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
 from beatrix_zenoh.node import SoundBlock
-from beatrix_zenoh.node.microphones import BEHIND, BLOCK, BLOCK_NS, RATE
+from beatrix_zenoh.node.sensors import BEHIND, BLOCK, BLOCK_NS, RATE
 
 CHANNELS: Final = 2
 JUMP_NS: Final = BLOCK_NS // 2

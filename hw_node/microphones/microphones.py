@@ -1,20 +1,29 @@
-"""The microphones of the robot: the values of `--microphones`, and the component that publishes their sound."""
+"""The microphones of the robot: the values of `--microphones`, and the component that publishes their sound.
+
+A test tone or a WAV file can stand in for the microphones.
+"""
 
 from __future__ import annotations
 
 import threading
+import wave
 from pathlib import Path
 from typing import Final
+
+import numpy as np
+import numpy.typing as npt
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
 from beatrix_zenoh.node import MicrophonesPublisher, Node, SoundBlock
-from beatrix_zenoh.node.microphones import TITLE
-from hw_node.microphones.stand_ins import SoundFile, Tone
+from beatrix_zenoh.node.sensors import BLOCK, RATE, TITLE, BlockClock, to_pcm
 from hw_node.sensor import SILENT_S, Sensor, SensorSource
 
+TONES_HZ: Final = (500.0, 1000.0)
+"""Frequencies of the test tone in the left and the right ear; a block contains whole periods of both."""
+LOUDNESS: Final = 0.25
 TONE, FILE, OFF = "tone", "file:", "off"
 SILENCE: Final = f"The microphones are plugged in but have delivered no sound for {SILENT_S:g} s. Unplug them, and plug them in again."
 SoundSource = SensorSource[SoundBlock]
@@ -68,3 +77,85 @@ def choose(word: str) -> SoundSource | None:
 def wrong(word: str, text: str) -> WrongUsage:
     """Return the error for a value of --microphones."""
     return WrongUsage(Reason.BAD_VALUE, f"--microphones {quoted(word)}: {text}")
+
+
+class Tone:
+    """A test tone of 500 Hz in the left and of 1000 Hz in the right ear."""
+
+    name: Final = "tone"
+
+    def __init__(self) -> None:
+        self._clock = BlockClock()
+        t_s = np.arange(BLOCK)[:, None] / RATE
+        self._block = to_pcm(LOUDNESS * np.sin(2 * np.pi * np.array(TONES_HZ) * t_s))
+
+    def trouble(self) -> str:
+        """Return an empty text: the tone is always available."""
+        return ""
+
+    def open(self) -> None:
+        """Restart the clock."""
+        self._clock.restart()
+
+    def next(self, timeout_s: float) -> SoundBlock | None:
+        """Wait for the next block and return it; None if it is complete after `timeout_s`."""
+        begin_ns = self._clock.wait(timeout_s)
+        if begin_ns is None:
+            return None
+        return SoundBlock(self._block, begin_ns, self.name, self._clock.dropped)
+
+    def close(self) -> None:
+        """Do nothing: there are no resources to free."""
+
+
+class SoundFile:
+    """A WAV file of 16 bits at 48 kHz, repeated; one channel is heard by both ears."""
+
+    name: Final = "file"
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._clock = path, BlockClock()
+        self._samples = np.zeros((0, 2), "<i2")
+        self._at = 0
+
+    def trouble(self) -> str:
+        """Return an error message if the file does not exist, else an empty text."""
+        return "" if self._path.is_file() else f"{self._path} does not exist. Name a WAV file."
+
+    def open(self) -> None:
+        """Read the file, and begin with its first block."""
+        try:
+            self._samples = read(self._path)
+        except (OSError, EOFError, wave.Error, ValueError, RuntimeError) as error:
+            why = str(error) or "its header is damaged"
+            text = f"{self._path} cannot be played: {why}. Give a WAV file of 16 bits at {RATE} Hz, mono or stereo."
+            raise NoAnswer(Reason.BAD_VALUE, text) from error
+        self._at = 0
+        self._clock.restart()
+
+    def next(self, timeout_s: float) -> SoundBlock | None:
+        """Wait for the next block and return it; None if it is complete after `timeout_s`."""
+        begin_ns = self._clock.wait(timeout_s)
+        if begin_ns is None:
+            return None
+        rows = (self._at + np.arange(BLOCK)) % len(self._samples)
+        self._at = int(rows[-1] + 1) % len(self._samples)
+        return SoundBlock(self._samples[rows].tobytes(), begin_ns, self.name, self._clock.dropped)
+
+    def close(self) -> None:
+        """Forget the samples."""
+        self._samples = np.zeros((0, 2), "<i2")
+
+
+def read(path: Path) -> npt.NDArray[np.int16]:
+    """Return the frames of a WAV file, shape (frames, 2); raises OSError, EOFError, wave.Error, ValueError or RuntimeError."""
+    with wave.open(str(path)) as file:
+        channels, width, rate, frames = file.getparams()[:4]
+        if channels not in (1, 2) or width != 2 or rate != RATE:
+            raise ValueError(f"it has {channels} channels of {8 * width} bits at {rate} Hz")
+        if not frames:
+            raise ValueError("it is empty")
+        if frames * channels * width > path.stat().st_size:
+            raise ValueError("it ends before its sound does")
+        samples = np.frombuffer(file.readframes(frames), "<i2").reshape(-1, channels)
+    return np.broadcast_to(samples, (len(samples), 2)) if channels == 1 else samples

@@ -11,7 +11,7 @@ import pytest
 from shell import beatrix
 
 from beatrix_zenoh.lessons import lesson, program, progress
-from beatrix_zenoh.lessons.notebook import notebook
+from beatrix_zenoh.lessons.program import notebook
 
 FILES = {
     "lesson.toml": 'title = "Double"\ntitle_de = "Doppelt"\nlevel = "S"\nminutes = 5\ngoal = "Double it."\nlimit_s = 5\n',

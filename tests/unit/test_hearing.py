@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Rotation
-from beatrix_zenoh.node.microphones import BLOCK, RATE
+from beatrix_zenoh.node.sensors import BLOCK, RATE
 from sim_node.hearing import SHADOW, SOUND, Ears, Hearing, heard_by, hearing
 from sim_node.shapes import Point, Vector
 from sim_node.sounds import GENERATORS, LOUDNESS, PlayingSound, generated

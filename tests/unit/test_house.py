@@ -23,3 +23,20 @@ def test_docstrings_comments_and_empty_lines_are_not_code(tmp_path: Path) -> Non
     path = tmp_path / "module.py"
     path.write_text('"""Two\nlines."""\n\nA = 1\n"""of A"""\n# why\nB = (\n    2,\n)\n')
     assert house.code_lines(path) == 4
+
+
+def test_a_short_module_belongs_to_its_one_importer(tmp_path: Path) -> None:
+    texts = {
+        "top": "import one\ndef f():\n    import two, three\n",
+        "three": "import one\n",
+        "one": "",
+        "two": "",
+    }
+    for name, text in texts.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    assert house.short_modules({name: tmp_path / f"{name}.py" for name in texts}) == ["three", "two"]
+
+
+def test_modules_do_not_import_each_other_in_a_circle() -> None:
+    root = Path(house.__file__).resolve().parent.parent
+    assert house.circles(house.graph_of(house.modules(root))) == []

@@ -18,9 +18,8 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import SoundBlock
 from beatrix_zenoh.node.interfaces import StatusFields
-from beatrix_zenoh.node.microphones import BEHIND, BLOCK, BLOCK_NS, RATE, BlockClock
-from hw_node.microphones.microphones import SoundSource, choose
-from hw_node.microphones.stand_ins import SoundFile, Tone
+from beatrix_zenoh.node.sensors import BEHIND, BLOCK, BLOCK_NS, RATE, BlockClock
+from hw_node.microphones.microphones import SoundFile, SoundSource, Tone, choose
 from hw_node.sensor import Sensor
 
 

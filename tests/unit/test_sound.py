@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from beatrix_zenoh.client.sound import ANEW_NS, BlockOrder, Faults, Sound, joined, mono
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.node.microphones import BLOCK, BLOCK_NS, RATE, to_pcm
+from beatrix_zenoh.node.sensors import BLOCK, BLOCK_NS, RATE, to_pcm
 
 BEGIN_NS = 10**12
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import Reason, SoundQuery, SoundReply
-from beatrix_zenoh.node.microphones import RATE
+from beatrix_zenoh.node.sensors import RATE
 from sim_node.shapes import Point
 from sim_node.sound_queries import MOUTH_BELOW_EYES, SoundSource, reply
 

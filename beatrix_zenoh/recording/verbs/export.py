@@ -1,4 +1,4 @@
-"""`beatrix export`: write a recording as a table, a film, or both."""
+"""`beatrix export`: write a recording as a table, a film, or both, or the sound that one robot has heard."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDE_TITLES, SIDES
 from beatrix_zenoh.files import check_new, new_file
 from beatrix_zenoh.output import print_json, say
-from beatrix_zenoh.recording.verbs.export_sound import WAV, check_sound, write_sound
 from beatrix_zenoh.recording.verbs.files import RECORDING, read_recording
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json, Names, Which, finite
@@ -24,7 +23,9 @@ if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.export import Table
     from beatrix_zenoh.recording.film import FilmFrame
     from beatrix_zenoh.recording.samples import EyePictures
+    from beatrix_zenoh.recording.sound import WrittenSound
 
+WAV = ".wav"
 FILM = ".mp4"
 OF_ONE_EYE = "with what the eyes saw (--eye left or --eye right: a film of one eye alone)"
 NO_PICTURES = "without pictures of the eyes, which were not recorded (`beatrix record --cameras 5`)"
@@ -295,3 +296,36 @@ def watched(frames: Iterable[FilmFrame], times: list[int], table: Table) -> Iter
             if bar is not None:
                 bar((frame.time_ns - table.first_ns) / 1e9)
             yield frame
+
+
+def check_sound(path: Path | None) -> None:
+    """Check the name of a sound, None if none is asked for; raises BadParameter."""
+    if path is not None and path.suffix.lower() != WAV:
+        raise typer.BadParameter(f"--sound {path}: the name must end in {WAV}.")
+
+
+def write_sound(path: Path, recordings: Sequence[Path], table: Table, on: Which | None) -> WrittenSound:
+    """Write what one robot has heard, completely or not at all.
+
+    Raises:
+        Refused: BAD_VALUE, the choice is not unique, there is no sound, or the file cannot be written.
+    """
+    from beatrix_zenoh.recording.rrd.read import read_sound
+    from beatrix_zenoh.recording.sound import write_wav
+
+    robots = [(name, side) for name, side in table.robots if on in (None, Which.BOTH, side)]
+    heard = read_sound(recordings, robots, table.first_ns, table.last_ns)
+    if not heard:
+        raise Refused(
+            Reason.BAD_VALUE,
+            "This part of the recording has no such sound. `beatrix record --sound` records the microphones.",
+        )
+    if len(heard) > 1:
+        found = ", ".join(f"{name} ({side})" for name, side in sorted(heard))
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"The recording has the sound of {found}: choose one with --name, and --on sim or --on hw.",
+        )
+    ((_, blocks),) = heard.items()
+    with new_file(path) as unfinished:
+        return write_wav(unfinished, blocks)
