@@ -1,7 +1,8 @@
 """The size and the shape of the house, as a table: `python tools/house.py`, or `… house.py FOLDER` for another clone.
 
 A line of code has a token that is neither comment nor docstring. Imports for types only count, those inside functions
-only for short modules, which belong to their one importer. A floor is one module (or room) of the longest chain of imports; modules of a circle share one floor.
+only for short modules, which belong to their one importer. A floor is one module (or room) of the longest chain of
+imports; modules of a circle share one floor.
 """
 
 from __future__ import annotations

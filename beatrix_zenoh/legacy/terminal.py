@@ -42,7 +42,7 @@ LOCAL = 3
 """Index of the local modes, which include echo, in the settings of termios."""
 
 
-class Listener(Protocol):
+class TerminalListener(Protocol):
     """Receives the lines of programs; its methods are called on the terminal's thread, in order."""
 
     def opened(self) -> None:
@@ -96,7 +96,7 @@ class Terminal:
         self._closing = threading.Event()
         self._thread: threading.Thread | None = None
 
-    def start(self, listener: Listener) -> None:
+    def start(self, listener: TerminalListener) -> None:
         """Begin to receive lines."""
         self._thread = threads.start(lambda: self._run(listener), "terminal")
 
@@ -122,7 +122,7 @@ class Terminal:
 
     # -- the terminal's own thread --------------------------------------------------------------
 
-    def _run(self, listener: Listener) -> None:
+    def _run(self, listener: TerminalListener) -> None:
         poll = select.poll()
         poll.register(self._master, select.POLLIN)
         while not self._closing.wait(TURN_S):
@@ -133,7 +133,7 @@ class Terminal:
                 self._serve(poll, listener)
                 listener.closed()
 
-    def _serve(self, poll: select.poll, listener: Listener) -> None:
+    def _serve(self, poll: select.poll, listener: TerminalListener) -> None:
         """Pass lines on until the program has closed the terminal and all its lines are passed on."""
         splitter = LineSplitter()
         gone = False

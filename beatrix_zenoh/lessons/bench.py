@@ -8,11 +8,11 @@ from importlib import metadata
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
+from beatrix_zenoh.lessons.measures import Curve, HeadCurves
 from beatrix_zenoh.lessons.unmet import Unmet, busy
 
 TICK_S = 0.02
@@ -22,18 +22,12 @@ ANSWER_S = 60.0
 
 Course = Callable[[float], float]
 Result = Literal["angle", "turn", "rate"]
-Curve = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Bench:
+class Bench(HeadCurves):
     """What the head did on the bench: times (s), angles (deg), speeds (deg/s), a row for each tick of 20 ms."""
 
-    t: Curve
-    head: Curve
-    """shape (n, 3): yaw, pitch, roll"""
-    arms: Curve
-    """shape (n, 3): short, middle, long"""
     speed: Curve
     """of the arms, shape (n, 3)"""
     commanded: Curve
@@ -42,21 +36,6 @@ class Bench:
     """the targets that the function gave, shape (n, 3): yaw, pitch, roll"""
     course: Curve
     """the yaw to follow at these times; zeros without a course"""
-
-    @property
-    def yaw(self) -> Curve:
-        """Yaw of the head (deg)."""
-        return self.head[:, 0]
-
-    @property
-    def pitch(self) -> Curve:
-        """Pitch of the head (deg)."""
-        return self.head[:, 1]
-
-    @property
-    def roll(self) -> Curve:
-        """Roll of the head (deg)."""
-        return self.head[:, 2]
 
 
 class TargetFunction:

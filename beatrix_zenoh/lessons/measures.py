@@ -2,11 +2,54 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 
 Curve = npt.NDArray[np.float64]
 """Samples of a quantity, shape (n,)."""
+
+
+@dataclass(frozen=True)
+class HeadCurves:
+    """What a head did: times (s), and angles (deg)."""
+
+    t: Curve
+    head: Curve
+    """shape (n, 3): yaw, pitch, roll"""
+    arms: Curve
+    """shape (n, 3): short, middle, long"""
+
+    @property
+    def yaw(self) -> Curve:
+        """Yaw of the head (deg)."""
+        return self.head[:, 0]
+
+    @property
+    def pitch(self) -> Curve:
+        """Pitch of the head (deg)."""
+        return self.head[:, 1]
+
+    @property
+    def roll(self) -> Curve:
+        """Roll of the head (deg)."""
+        return self.head[:, 2]
+
+    @property
+    def short(self) -> Curve:
+        """Angle of the short arm (deg)."""
+        return self.arms[:, 0]
+
+    @property
+    def middle(self) -> Curve:
+        """Angle of the middle arm (deg)."""
+        return self.arms[:, 1]
+
+    @property
+    def long(self) -> Curve:
+        """Angle of the long arm (deg)."""
+        return self.arms[:, 2]
 
 
 def swings(values: Curve, least: float) -> list[float]:

@@ -1,4 +1,4 @@
-"""Reports of lessons: each seat of a class sends what it has reached to the class's router, which keeps it for the teacher."""
+"""Reports of lessons: each seat of a class sends what it has reached to the router, which keeps it for the teacher."""
 
 from __future__ import annotations
 

@@ -12,7 +12,6 @@ from types import TracebackType
 from typing import Self
 
 import numpy as np
-import numpy.typing as npt
 
 from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.degrees import reading
@@ -21,6 +20,7 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Positions, Status
 from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.lessons.measures import Curve, HeadCurves
 from beatrix_zenoh.lessons.unmet import busy
 from beatrix_zenoh.processes import Supervisor
 from beatrix_zenoh.settings import Settings
@@ -40,18 +40,11 @@ SEAT = "check"
 PUPIL = "pupil"
 """Seat of the program."""
 
-Curve = npt.NDArray[np.float64]
-
 
 @dataclass(frozen=True)
-class Seen:
+class Seen(HeadCurves):
     """What one robot published during a run: times (s) from the program's start, angles in degrees."""
 
-    t: Curve
-    head: Curve
-    """shape (n, 3): yaw, pitch, roll"""
-    arms: Curve
-    """shape (n, 3): short, middle, long"""
     commanded: Curve
     """set point of the arms, shape (n, 3)"""
     speed: Curve
@@ -74,38 +67,8 @@ class Seen:
             if event.kind is EventKind.MOTION and event.seat not in ("", SEAT)
         ]
 
-    @property
-    def yaw(self) -> Curve:
-        """Yaw of the head (deg)."""
-        return self.head[:, 0]
 
-    @property
-    def pitch(self) -> Curve:
-        """Pitch of the head (deg)."""
-        return self.head[:, 1]
-
-    @property
-    def roll(self) -> Curve:
-        """Roll of the head (deg)."""
-        return self.head[:, 2]
-
-    @property
-    def short(self) -> Curve:
-        """Angle of the short arm (deg)."""
-        return self.arms[:, 0]
-
-    @property
-    def middle(self) -> Curve:
-        """Angle of the middle arm (deg)."""
-        return self.arms[:, 1]
-
-    @property
-    def long(self) -> Curve:
-        """Angle of the long arm (deg)."""
-        return self.arms[:, 2]
-
-
-class Watch:
+class RobotWatch:
     """Everything that one robot publishes, from now on."""
 
     def __init__(self, client: Client, robot: str) -> None:
@@ -171,7 +134,7 @@ class Stage:
         self.names, self.path, self.robot_file = tuple(robots), path, robot_file
         with socket.create_server(("127.0.0.1", 0)) as free:
             self.endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
-        self.watches: dict[str, Watch] = {}
+        self.watches: dict[str, RobotWatch] = {}
         self._running = ExitStack()
         self._supervisor = Supervisor({"BEATRIX_ACCOUNT": ""})  # the router of a check has no accounts
         self._person = (0.0, 0.0, 0.0)
@@ -188,7 +151,7 @@ class Stage:
                 supervisor.start(name, "sim", *words, *values)
             self._wait(supervisor)
             client = starting.enter_context(Client(Settings(self.names[0], self.endpoint, SEAT)))
-            self.watches = {name: Watch(client, name) for name in self.names}
+            self.watches = {name: RobotWatch(client, name) for name in self.names}
             person = self.watches[self.names[0]].robot.target()
             self._person = person.x, person.y, person.z
             self._running = starting.pop_all()

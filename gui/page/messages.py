@@ -115,33 +115,11 @@ NAME_MAX: Final = 64
 """Longest name of a pose, characters."""
 ANGLE_MAX: Final = 360.0
 """Largest angle of the target, deg."""
-Request = (
-    Open
-    | Drive
-    | Leave
-    | Beat
-    | Hidden
-    | ViewReceived
-    | ButtonHeld
-    | ButtonReleased
-    | ShowClass
-    | StopRobot
-    | intents.Intent
+OwnMessage = (
+    Open | Drive | Leave | Beat | Hidden | ViewReceived | ButtonHeld | ButtonReleased | ShowClass | StopRobot
 )
-_DECODER: Final = msgspec.json.Decoder(
-    Open
-    | Drive
-    | Leave
-    | Beat
-    | Hidden
-    | ViewReceived
-    | ButtonHeld
-    | ButtonReleased
-    | ShowClass
-    | StopRobot
-    | OWN
-    | DRIVING
-)
+Request = OwnMessage | intents.Intent
+_DECODER: Final = msgspec.json.Decoder(OwnMessage | OWN | DRIVING)
 
 
 def read(text: str | bytes) -> Request:

@@ -22,7 +22,7 @@ LIMIT = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class QueuedRequest:
     """A request in the queue."""
 
     row: int
@@ -44,7 +44,7 @@ class RequestQueue(Worker):
         super().__init__(f"window-{side}")
         self._side, self._report = side, report
         self._lock = threading.Lock()
-        self._waiting: list[Task] = []
+        self._waiting: list[QueuedRequest] = []
         self._stops = 0
         self._running: tuple[Robot, Motion] | None = None
         """The motion that was begun last, until its end."""
@@ -65,15 +65,15 @@ class RequestQueue(Worker):
         begun: Callable[[], None] = lambda: None,
     ) -> None:
         """Queue a motion, which replaces one that still waits."""
-        self._put(Task(row, robot, lambda _: "", query, clear, begun))
+        self._put(QueuedRequest(row, robot, lambda _: "", query, clear, begun))
 
     def command(self, row: int, robot: Robot, command: Command, *, value: bool) -> None:
         """Queue a command that is not a motion."""
-        self._put(Task(row, robot, lambda robot: robot.command(command, value=value).message))
+        self._put(QueuedRequest(row, robot, lambda robot: robot.command(command, value=value).message))
 
     def lease(self, row: int, robot: Robot, action: LeaseAction) -> None:
         """Queue a lease query."""
-        self._put(Task(row, robot, lambda robot: lease.ask(robot, action).message))
+        self._put(QueuedRequest(row, robot, lambda robot: lease.ask(robot, action).message))
 
     def make_ready(self, row: int, robot: Robot) -> None:
         """Queue a call of `Robot.make_ready`."""
@@ -82,7 +82,7 @@ class RequestQueue(Worker):
             robot.make_ready()
             return "Motors on, home declared."
 
-        self._put(Task(row, robot, do))
+        self._put(QueuedRequest(row, robot, do))
 
     def stop(self) -> None:
         """Drop waiting requests; a motion that is being sent is stopped when the robot has accepted it."""
@@ -107,7 +107,7 @@ class RequestQueue(Worker):
         for task in dropped:
             self._report(failed(task.row, self._side, replaced()))
 
-    def _put(self, task: Task) -> None:
+    def _put(self, task: QueuedRequest) -> None:
         if task.query is not None:
             self.replace()
         with self._lock:
@@ -139,7 +139,7 @@ class RequestQueue(Worker):
         except BeatrixError as error:
             self._report(failed(task.row, self._side, error))
 
-    def _begin(self, task: Task, query: MotionQuery | PoseQuery, stops: int) -> None:
+    def _begin(self, task: QueuedRequest, query: MotionQuery | PoseQuery, stops: int) -> None:
         task.clear()
         began_s = time.monotonic()
         motion = task.robot.begin(query)
