@@ -7,15 +7,12 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from pathlib import Path
 from typing import Self
 
-import numpy as np
 import pytest
-import simplejpeg
 from gui_windows import Windowed, menu_button, windowed
 from PyQt5.QtCore import Qt
-from robots import Stage, free_endpoint
+from robots import Stage
 
 from gui.console.state.saved import Saved
 from gui.window.window import PERIOD_MS
@@ -133,53 +130,3 @@ def test_a_suspended_hardware_node_slows_neither_window_nor_simulation(stage: St
         user.until(lambda: "ms" in panels.header.pills["hw"].notes.text(), "it answers again")
         user.press(panels.header.pills["hw"].next_step)
         user.until_last("enable done")
-
-
-@pytest.mark.long("test_link.py restarts a router without a window")
-def test_the_window_works_again_after_a_restart_of_the_router(stage: Stage) -> None:
-    endpoint = free_endpoint()
-    router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
-    router.expect("ready")
-    hw = stage.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
-    hw.expect("ready")
-    with windowed(endpoint) as user, Gaps(user) as gaps:
-        panels = user.window.panels
-        user.until(shows(user, "hw", "motors off"), "the robot is shown")
-        assert not banner_names_router(user, endpoint)
-        router.send(signal.SIGKILL)
-        assert_soon(user, lambda: banner_names_router(user, endpoint), "there is no router", gaps, SOON_S)
-        user.key(Qt.Key.Key_Space)
-        user.until_last("stop", "router")
-        stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
-        user.until(shows(user, "hw", "motors off"), "the robot is shown again")
-        user.until(lambda: not banner_names_router(user, endpoint), "the banner is hidden")
-        user.press(panels.header.pills["hw"].next_step)
-        user.until(shows(user, "hw", "not calibrated"), "the robot carries out a command")
-        gaps.check()
-
-
-def banner_names_router(user: Windowed, endpoint: str) -> bool:
-    """Return whether the banner names the router."""
-    banner = user.window.panels.banner
-    return banner.isVisible() and endpoint in banner.text.text()
-
-
-@pytest.mark.long("test_cameras.py unplugs a camera without a window")
-def test_the_window_shows_the_loss_and_the_return_of_a_camera(stage: Stage, tmp_path: Path) -> None:
-    picture, away = tmp_path / "eye.jpg", tmp_path / "away"
-    picture.write_bytes(simplejpeg.encode_jpeg(np.zeros((48, 64, 3), np.uint8)))
-    words = ("--port", "virtual:", "--camera", f"left=file:{picture}")
-    stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, *words).expect("ready")
-    with windowed(stage.endpoint) as user, Gaps(user) as gaps:
-        panels = user.window.panels
-        panels.tabs.setCurrentWidget(panels.eyes)
-        user.check(panels.eyes.cameras)
-        left = panels.eyes.pictures["hw", "left"]
-        user.until(lambda: left.note.endswith("/s"), "pictures come")
-        picture.rename(away)
-        assert_soon(
-            user, lambda: str(picture) in left.accessibleDescription(), "the loss is shown", gaps, SOON_S
-        )
-        away.rename(picture)
-        user.until(lambda: not left.accessibleDescription() and left.note.endswith("/s"), "it is back")
-        gaps.check()

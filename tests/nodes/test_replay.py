@@ -179,16 +179,3 @@ def test_stop_by_another_seat_ends_the_replay_on_both_robots(stage: Stage, twin:
     for robot in (twin.sim, twin.hw):
         until(lambda robot=robot: not robot.status().moving, "it rests")  # type: ignore[misc]
         assert robot.positions().commanded.short < 30
-
-
-def test_stop_at_the_hardware_during_the_lead_leaves_it_unmoved(stage: Stage, twin: Twin) -> None:
-    other = stage.robot("bea", "hw", "ben")
-    before = steps(twin.hw)
-    with ThreadPoolExecutor(1) as pool:
-        played = pool.submit(replay, twin, following(SLOW), lead_s=8.0)
-        until(lambda: twin.sim.positions().commanded.short > 2, "the simulation moves", 10.0)
-        other.stop()
-        with pytest.raises(Interrupted, match=r"bea \(hw\): ben pressed STOP"):
-            played.result(7)
-    assert steps(twin.hw) == before
-    until(lambda: not twin.sim.status().moving, "the simulation rests, too")
