@@ -69,7 +69,9 @@ class Cable:
         monkeypatch.setattr(board, "write", disturbed_write)
 
 
-@pytest.fixture(params=["in-process", "mega"])
+@pytest.fixture(
+    params=["in-process", pytest.param("mega", marks=pytest.mark.long("firmware of the Mega in real time"))]
+)
 def cable(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cable]:
     with Stage() as stage:
         if request.param == "mega":

@@ -206,22 +206,6 @@ def test_the_next_steps_of_a_pill_make_the_robot_ready(
     assert all(robot.status().calibrated for robot in (sim, hw))
 
 
-def test_cameras_work_only_while_they_are_watched(user: Windowed, hw: Robot) -> None:
-    panels = user.window.panels
-
-    def streaming() -> list[bool]:
-        return [camera.streaming for camera in hw.status().cameras]
-
-    assert not any(streaming())
-    panels.tabs.setCurrentWidget(panels.eyes)
-    user.check(panels.eyes.cameras)
-    user.until(lambda: all(streaming()), "the cameras of the hardware work")
-    pictures = [panels.eyes.pictures[side, eye] for side in ("sim", "hw") for eye in ("left", "right")]
-    user.until(lambda: all(picture._newest is not None for picture in pictures), "all pictures")
-    user.check(panels.eyes.cameras, on=False)
-    user.until(lambda: not any(streaming()), "they no longer stream")
-
-
 def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
     head = user.window.panels.head3d.head
     user.drag(head, *across(head, -40, -15))

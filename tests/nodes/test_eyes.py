@@ -176,6 +176,7 @@ def test_a_crash_of_the_renderer_affects_only_the_pictures(stage: Stage) -> None
     assert sim.end() == 0
 
 
+@pytest.mark.long("another simulation")
 def test_without_opengl_the_eyes_use_ray_casting(stage: Stage, without_opengl: Path) -> None:
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("PYTHONPATH", str(without_opengl))
@@ -220,6 +221,7 @@ def test_the_renderer_ends_soon_after_the_last_subscriber(inside: Robot) -> None
         assert images.next(FIRST_S).seq == 1
 
 
+@pytest.mark.long("waits for a renderer that hangs")
 def test_a_renderer_that_hangs_is_reported_and_restarted(
     inside: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -110,6 +110,7 @@ def checked_lag(hardware: list[Positions], simulation: list[Positions]) -> None:
     assert largest_step_deg(simulation) < 2.0, "at most 90 deg/s"
 
 
+@pytest.mark.long("a figure of make bench")
 @pytest.mark.measures_time
 def test_it_follows_raw_zenoh_queries_within_60_ms(both: Both) -> None:
     client = both.stage.client()
@@ -137,6 +138,7 @@ def test_it_follows_a_stream_of_targets_within_60_ms(both: Both) -> None:
     checked_lag(*both.record(drive))
 
 
+@pytest.mark.long("a figure of make bench")
 @pytest.mark.measures_time
 def test_it_follows_a_program_of_2023_within_60_ms(both: Both) -> None:
     wait_status(both.hw, lambda status: not status.holder, "free for the old program")
