@@ -164,10 +164,15 @@ class Supervisor:
     message does not show all of its output. `end_all` may be called while another thread starts or awaits a child.
     """
 
-    def __init__(self, environment: Mapping[str, str] = MappingProxyType({})) -> None:
-        """Prepare for children with these variables besides those of this process."""
+    def __init__(
+        self, environment: Mapping[str, str] = MappingProxyType({}), prefix: str = "beatrix-"
+    ) -> None:
+        """Prepare for children with these variables besides those of this process.
+
+        `prefix`: beginning of the name of the temporary folder.
+        """
         self._environment = environment
-        self.folder = Path(tempfile.mkdtemp(prefix="beatrix-"))
+        self.folder = Path(tempfile.mkdtemp(prefix=prefix))
         self._kept = False
         self._starting = threading.Lock()
         self._closed = False

@@ -14,7 +14,6 @@ The first figure that is not met ends the check. `hints.toml` says what each fig
 from __future__ import annotations
 
 import re
-import tempfile
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -32,6 +31,7 @@ from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
+from beatrix_zenoh.lessons.scratch import scratch
 from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, Seen, Stage
 from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
 
@@ -73,8 +73,7 @@ class Attempt:
         """why a figure that is not met may be the fault of this computer; empty: it was fast enough"""
 
     def __enter__(self) -> Self:
-        folder = self._open.enter_context(tempfile.TemporaryDirectory(prefix="beatrix-lesson-"))
-        self._file = self._program.file(Path(folder))
+        self._file = self._program.file(self._open.enter_context(scratch()))
         return self
 
     def __exit__(self, *_error: object) -> None:

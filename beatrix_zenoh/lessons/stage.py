@@ -20,6 +20,7 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Positions, Status
 from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.lessons import scratch
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
 from beatrix_zenoh.lessons.unmet import busy
 from beatrix_zenoh.processes import Supervisor
@@ -136,7 +137,8 @@ class Stage:
             self.endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
         self.watches: dict[str, RobotWatch] = {}
         self._running = ExitStack()
-        self._supervisor = Supervisor({"BEATRIX_ACCOUNT": ""})  # the router of a check has no accounts
+        account = {"BEATRIX_ACCOUNT": ""}  # the router of a check has no accounts
+        self._supervisor = Supervisor(account, scratch.PREFIX)
         self._person = (0.0, 0.0, 0.0)
         """place of the person (m) at the start"""
 

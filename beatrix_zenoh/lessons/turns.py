@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-import tempfile
 import time
-from pathlib import Path
 from typing import Final
 
 from beatrix_zenoh import files
@@ -18,6 +16,7 @@ from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason,
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
+from beatrix_zenoh.lessons.scratch import scratch
 from beatrix_zenoh.lessons.unmet import Unmet
 from beatrix_zenoh.output import note, say
 from beatrix_zenoh.settings import Settings
@@ -129,7 +128,7 @@ def _run(program: Program, robot: Robot, lease: Lease, *, endless: bool) -> None
     with contextlib.ExitStack() as ending:
         events = ending.enter_context(robot.events())
         statuses = ending.enter_context(robot.status_stream())
-        folder = Path(ending.enter_context(tempfile.TemporaryDirectory()))
+        folder = ending.enter_context(scratch())
         environment = {
             "BEATRIX_ROBOT": robot.name,
             "BEATRIX_CONNECT": settings.connect,
