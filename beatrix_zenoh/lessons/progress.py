@@ -82,12 +82,17 @@ class Workspace:
 def workspace(folder: Path) -> Workspace:
     """Return the folder `lessons` that belongs to a working folder: the one it is in, one inside it, or a new one.
 
-    A folder that was renamed is known by its progress.json. Raises Refused (BAD_VALUE) if there are several of those.
+    A working folder is in it if it is that folder, or in the folder of a lesson there: a folder `lessons` further up may
+    be that of another pupil. A folder that was renamed is known by its progress.json. Raises Refused (BAD_VALUE) if
+    there are several of those.
     """
     for place in (folder, *folder.parents):
-        for found in (place, place / FOLDER):
-            if (found / FILE).is_file() and (found.name == FOLDER or _holds_progress(found)):
-                return Workspace(found)
+        if (place / FILE).is_file() and (place.name == FOLDER or _holds_progress(place)):
+            found = Workspace(place)
+            if folder == place or folder.relative_to(place).parts[0] in found.progress.lessons:
+                return found
+    if (folder / FOLDER / FILE).is_file():
+        return Workspace(folder / FOLDER)
     renamed = [path.parent for path in sorted(folder.glob(f"*/{FILE}")) if _holds_progress(path.parent)]
     if len(renamed) > 1:
         names = " and ".join(path.name for path in renamed)

@@ -190,6 +190,7 @@ def start(
         note(f"Lesson {number} is not translated: its page, hints and checks are English.")
     say(f"Lesson {number}: {found.title} ({found.about.minutes} minutes)")
     say(f"  {found.goal}")
+    say(f"  folder   {folder}")
     say(f"  read     {_shown(folder / 'lesson.md')}")
     say(f"  change   {_shown(program)}")
     say(f"  check    beatrix lesson check {number}")
@@ -259,7 +260,7 @@ def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:
     if not started:
         raise Refused(
             Reason.BAD_VALUE,
-            f"{_shown(workspace.folder)} has no lesson yet. Start one: {LESSON} start 1`. {LESSON} list` shows all.",
+            f"{workspace.folder} has no lesson yet. If yours are in another folder, go there first. Start one: {LESSON} start 1`. {LESSON} list` shows all.",
         )
     path, found = max(started, key=lambda pair: pair[0].stat().st_mtime)
     return found, path

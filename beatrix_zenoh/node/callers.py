@@ -120,6 +120,35 @@ class Waiting(NamedTuple):
     terms: Terms
 
 
+class AskedTerms:
+    """The terms of a seat, from the grant of its lease until the session that has asked for them gives it back or ends.
+
+    They outlive the lease: another program of the seat may give the robot back, and must not be faster then. The lease
+    of another seat replaces them.
+    """
+
+    def __init__(self) -> None:
+        self.now = NO_TERMS
+        self._asker = NO_CALLER
+
+    def grant(self, caller: Caller, terms: Terms) -> None:
+        """Record the terms of a lease; if another session of the seat has asked for some, the stricter of both."""
+        if caller == self._asker or caller.seat != self._asker.seat or self.now == NO_TERMS:
+            self._asker, self.now = caller, terms
+            return
+        pairs = zip(self.now, terms, strict=True)
+        self.now = Terms(*(min(filter(None, pair), default=0.0) for pair in pairs))
+
+    def end(self, caller: Caller) -> None:
+        """End the terms if this session has asked for them."""
+        if caller == self._asker:
+            self._asker, self.now = NO_CALLER, NO_TERMS
+
+    def speed(self, seat: str) -> float:
+        """Return the top speed (rad/s) of a seat; 0: none."""
+        return self.now.speed if seat and seat == self._asker.seat else 0.0
+
+
 class Turn:
     """The turn of a seat: since when it lasts, and since when another seat waits for its end."""
 
@@ -153,7 +182,7 @@ class RobotLease:
     def __init__(self) -> None:
         self.motion, self.turn = MotionLease(), Turn()
         self._taker = NO_CALLER
-        self._terms = NO_TERMS
+        self._terms = AskedTerms()
         self._used_s = 0.0
         """Time of the last request of the taker (s)."""
         self._number = 0
@@ -175,12 +204,12 @@ class RobotLease:
 
     def speed(self, seat: str) -> float:
         """Return the top speed (rad/s) that a seat has asked for with its lease; 0: none."""
-        return self._terms.speed if seat and seat == self._taker.seat else 0.0
+        return self._terms.speed(seat)
 
     def left_s(self, now_s: float) -> float:
         """Return the time until the turn of the holder ends (s); infinity: no end is set."""
         self._hand_over(now_s)
-        longest_s = self._terms.longest_s if self._taker.seat else 0.0
+        longest_s = self._terms.now.longest_s if self._taker.seat else 0.0
         return max(0.0, self.turn.end_s(waiting=bool(self._waiting), longest_s=longest_s) - now_s)
 
     def check(self, caller: Caller, number: int, now_s: float) -> None:
@@ -206,11 +235,10 @@ class RobotLease:
         """Grant the robot to a caller that has passed `check`; return the number of its lease.
 
         A session that takes the robot again keeps its lease; another session of the same seat gets a new one, with the
-        same terms if it asks for none. Neither begins a new turn.
+        stricter of both terms. Neither begins a new turn.
         """
         if caller != self._taker:
-            again = caller.seat == self._taker.seat and terms == NO_TERMS
-            self._grant(Waiting(caller, self._terms if again else terms), now_s)
+            self._grant(Waiting(caller, terms), now_s)
         self._used_s = now_s
         return self._number
 
@@ -226,8 +254,10 @@ class RobotLease:
             self.turn.contested_s = now_s
         self._waiting[caller.seat] = Waiting(caller, terms)
 
-    def give_back(self, seat: str) -> bool:
+    def give_back(self, caller: Caller) -> bool:
         """End the lease of a seat (teacher: any lease) and its place in the queue; return whether either existed."""
+        self._terms.end(caller)
+        seat = caller.seat
         return self.end(self._taker.seat if seat == TEACHER and self._taker.seat else seat)
 
     def end(self, seat: str) -> bool:
@@ -244,6 +274,7 @@ class RobotLease:
 
     def session_ended(self, caller: Caller) -> None:
         """End the lease of a session that has ended, and its place in the queue."""
+        self._terms.end(caller)
         if self._taker == caller:
             self._taker = NO_CALLER
         waiting = self._waiting.get(caller.seat)
@@ -254,7 +285,7 @@ class RobotLease:
         """End a turn whose time is over; grant a free robot, or one with an idle holder, to the first waiting seat."""
         holder = self._taker.seat or self.motion.holder(now_s)
         self.turn.begin(holder, now_s)
-        longest_s = self._terms.longest_s if self._taker.seat else 0.0
+        longest_s = self._terms.now.longest_s if self._taker.seat else 0.0
         if now_s >= self.turn.end_s(waiting=bool(self._waiting), longest_s=longest_s):
             self.turn.over, self.turn.seat, self._taker = holder, "", NO_CALLER
             if self.motion.holder(now_s) == holder:
@@ -271,7 +302,8 @@ class RobotLease:
     def _grant(self, to: Waiting, now_s: float) -> None:
         self._waiting.pop(to.caller.seat, None)
         self.turn.begin(to.caller.seat, now_s)
-        self._taker, self._terms, self._used_s = to.caller, to.terms, now_s
+        self._terms.grant(to.caller, to.terms)
+        self._taker, self._used_s = to.caller, now_s
         self._number += 1
 
 

@@ -81,7 +81,7 @@ def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False, te
 def give_back(access: Access, caller: Caller) -> bool:
     """Return the result of `RobotLease.give_back` for the caller's seat, called with the lock held."""
     with access.lock:
-        return access.lease.give_back(caller.seat)
+        return access.lease.give_back(caller)
 
 
 def mute(access: Access, seat: str, now_s: float) -> None:

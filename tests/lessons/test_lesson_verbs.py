@@ -272,6 +272,18 @@ def test_a_folder_that_was_renamed_is_found(inside: str, monkeypatch: pytest.Mon
     assert "started" not in good("list")
 
 
+def test_lessons_of_another_pupil_further_up_are_not_used(
+    pupil: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    good("start", "1")
+    shutil.copytree("lessons", "shared")
+    for own in (Path("ana"), Path("lessons/ana"), Path("shared/ana")):
+        (pupil / own).mkdir()
+        monkeypatch.chdir(pupil / own)
+        assert f"{pupil / own}/lessons has no lesson yet" in refused("check")
+        assert f"  folder   {pupil / own}/lessons/01-double\n" in good("start", "1")
+
+
 def test_of_two_renamed_folders_none_is_taken() -> None:
     good("start", "1")
     shutil.copytree("lessons", "a")

@@ -40,6 +40,15 @@ with Robot() as robot:
         robot.look(yaw=-30, speed=10)
 """
 FAST = "from beatrix_zenoh import Robot\nRobot().look(yaw=20, speed=80)\n"
+GIVES_BACK = """
+from beatrix_zenoh import Robot
+from beatrix_zenoh.client import lease
+from beatrix_zenoh.contract._generated.messages import LeaseAction
+with Robot() as robot:
+    lease.ask(robot, LeaseAction.GIVE_BACK)
+    robot.lease_number = 0
+    robot.look(yaw=60, speed=80)
+"""
 
 
 def written(folder: Path, text: str) -> program.Program:
@@ -72,6 +81,14 @@ def test_a_program_with_an_error_or_too_fast_ends_and_the_head_goes_home(free: S
     with free.robot("hw") as robot:
         assert home(robot)
         assert robot.status().lease == 0
+
+
+def test_a_program_that_gives_the_robot_back_is_not_faster(free: Shell, tmp_path: Path) -> None:
+    with free.robot("hw") as robot:
+        with pytest.raises(Refused, match=r"Your turn has ended|at most 40"):
+            take(free, written(tmp_path, GIVES_BACK))
+        assert robot.positions().head.yaw < 1
+        until(lambda: robot.status().holder == "", "the robot is free")
 
 
 def test_a_program_that_does_not_end_is_ended(

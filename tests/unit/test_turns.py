@@ -107,8 +107,37 @@ def test_a_waiting_seat_gets_the_terms_that_it_has_asked_for(access: Access) -> 
     give_back(access, ANA)
     assert standing(access, 10).turn_s == 30
     assert [access.lease.speed(seat) for seat in ("ben", "ana", "")] == [0.5, 0, 0]
-    standing(access, 40)
+    assert standing(access, 40).lease == 0
+    give_back(access, BEN)
     assert access.lease.speed("ben") == 0
+
+
+def test_the_speed_of_a_turn_outlives_the_lease_that_another_program_of_the_seat_gives_back(
+    access: Access,
+) -> None:
+    terms = Terms(longest_s=90, speed=0.7)
+    take(access, ANA, 0, terms=terms)
+    give_back(access, ANA_AGAIN)
+    assert (standing(access, 1).lease, access.lease.speed("ana")) == (0, 0.7)
+    take(access, ANA_AGAIN, 2, terms=Terms(longest_s=3600, speed=1.5))
+    assert (standing(access, 2).turn_s, access.lease.speed("ana")) == (90, 0.7), "the stricter of both"
+    give_back(access, ANA_AGAIN)
+    give_back(access, ANA)
+    assert access.lease.speed("ana") == 0
+
+
+@pytest.mark.parametrize("end", ["session", "other seat"])
+def test_the_speed_of_a_turn_ends_with_its_session_and_with_the_turn_of_another_seat(
+    access: Access, end: str
+) -> None:
+    take(access, ANA, 0, terms=Terms(speed=0.7))
+    if end == "session":
+        access.session_changed(ANA, 1, alive=False)
+        access.give_up_sessions(2)
+    else:
+        give_back(access, ANA_AGAIN)
+        take(access, BEN, 2)
+    assert access.lease.speed("ana") == 0
 
 
 def test_a_lost_router_stops_the_clock(access: Access) -> None:
