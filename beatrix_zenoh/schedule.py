@@ -15,7 +15,7 @@ from beatrix_zenoh import threads
 
 SLACK_S: Final = 0.002
 """Tasks that are due within this time (s) run in the same pass, so that the thread wakes once for many robots."""
-TICK_S: Final = 0.015
+TICK_S: Final = 0.01
 """Period (s) of the check whether a task hangs."""
 LEFT_TICKS: Final = 2
 """Checks in a row that find a task still running before another thread goes on with the other tasks. A turn takes less
@@ -33,10 +33,12 @@ class Hung(BaseException):
     """Raised in a thread whose task hangs, to end a loop of Python code; nothing can end a call of C."""
 
 
-class Task:
+class ScheduledTask:
     """A function of one robot that a schedule calls: it returns the monotonic time (s) of the next call."""
 
-    def __init__(self, owner: threads.Owner, run: Callable[[], float], woken: Callable[[Task], None]) -> None:
+    def __init__(
+        self, owner: threads.Owner, run: Callable[[], float], woken: Callable[[ScheduledTask], None]
+    ) -> None:
         self.owner, self.run, self._woken = owner, run, woken
         self.due_s = float("inf")
         self.awake = False
@@ -56,7 +58,7 @@ class _Run:
 
     __slots__ = ("reported", "task", "thread", "ticks")
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: ScheduledTask) -> None:
         self.task, self.thread = task, threading.get_ident()
         self.ticks, self.reported = 0, False
 
@@ -71,8 +73,8 @@ class Schedule:
     def __init__(self, name: str, failed: Failed | None = None) -> None:
         """Start the thread `name`; without `failed` an exception of a task ends it, as that of any thread."""
         self._name, self._failed = name, failed
-        self._tasks: tuple[Task, ...] = ()
-        self._woken: deque[Task] = deque()
+        self._tasks: tuple[ScheduledTask, ...] = ()
+        self._woken: deque[ScheduledTask] = deque()
         self._signals: queue.SimpleQueue[None] = queue.SimpleQueue()
         self._lock = threading.Lock()
         self._running: _Run | None = None
@@ -82,28 +84,28 @@ class Schedule:
         self._closed = False
         self._thread = threads.start(self._work, name)
 
-    def add(self, owner: threads.Owner, run: Callable[[], float]) -> Task:
+    def add(self, owner: threads.Owner, run: Callable[[], float]) -> ScheduledTask:
         """Call `run` after the first `wake`, and then at each time that it returns."""
-        task = Task(owner, run, self._wake)
+        task = ScheduledTask(owner, run, self._wake)
         with self._lock:
             self._tasks = (*self._tasks, task)
         return task
 
-    def remove(self, task: Task) -> bool:
+    def remove(self, task: ScheduledTask) -> bool:
         """End a task; return False if it still runs after END_S, or is left behind. Not for use in a task."""
         with self._idle:
             self._tasks = tuple(other for other in self._tasks if other is not task)
             task.held = True
             return self._idle.wait_for(lambda: not self._runs(task), 0.0 if self._is_left(task) else END_S)
 
-    def _runs(self, task: Task) -> bool:
+    def _runs(self, task: ScheduledTask) -> bool:
         running = self._running
         return (running is not None and running.task is task) or self._is_left(task)
 
-    def _is_left(self, task: Task) -> bool:
+    def _is_left(self, task: ScheduledTask) -> bool:
         return any(run.task is task for run in self._left)
 
-    def _wake(self, task: Task) -> None:
+    def _wake(self, task: ScheduledTask) -> None:
         self._woken.append(task)
         self._signals.put(None)
 
@@ -131,7 +133,7 @@ class Schedule:
                 self._signals.get_nowait()
         return not self._closed
 
-    def _call(self, task: Task) -> bool:
+    def _call(self, task: ScheduledTask) -> bool:
         """Call a task; return False if another thread has gone on meanwhile."""
         if task.held:
             task.due_s = float("inf")
@@ -195,7 +197,7 @@ class Schedule:
         self._thread.join(timeout=2.0)
 
 
-class Watch:
+class HangWatch:
     """A thread that checks schedules for tasks that hang."""
 
     def __init__(self, *schedules: Schedule) -> None:

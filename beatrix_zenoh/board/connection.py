@@ -25,7 +25,7 @@ from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import FrameType, HelloReply, Telemetry
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
-from beatrix_zenoh.schedule import Task
+from beatrix_zenoh.schedule import ScheduledTask
 
 READ_S: Final = 0.05
 REOPEN_S: Final = 0.3
@@ -71,7 +71,7 @@ class BoardConnection:
         self._closed = threading.Event()
         self._thread: threading.Thread | None = None
         self._turns: Turns | None = None
-        self._task: Task | None = None
+        self._task: ScheduledTask | None = None
 
     def start(self, turns: Turns | None = None) -> None:
         """Start the thread, which runs the callbacks; with `turns` their thread does, and the port stays open."""

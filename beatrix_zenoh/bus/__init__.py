@@ -26,4 +26,4 @@ from beatrix_zenoh.bus.session import hanging_router as hanging_router
 from beatrix_zenoh.bus.sessions import ProcessSessions as ProcessSessions
 from beatrix_zenoh.bus.sessions import Sessions as Sessions
 from beatrix_zenoh.bus.sessions import describe as describe
-from beatrix_zenoh.bus.watchdog import Listener as Listener
+from beatrix_zenoh.bus.watchdog import SessionListener as SessionListener

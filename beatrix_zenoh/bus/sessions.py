@@ -16,7 +16,7 @@ from beatrix_zenoh.bus.incoming import Incoming, Received
 from beatrix_zenoh.bus.messages import PUBLISHER, QUERYABLE, REST, SUBSCRIBER, TOKEN, WATCH
 from beatrix_zenoh.bus.publication import Publication
 from beatrix_zenoh.bus.session import Bus
-from beatrix_zenoh.bus.watchdog import CONTROL, Listener, SessionWatchdog
+from beatrix_zenoh.bus.watchdog import CONTROL, SessionListener, SessionWatchdog
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import ProgramInfo
 
@@ -135,7 +135,7 @@ class Sessions:
         """Report the connection to the router to `handle`, as `Bus.watch_router` does."""
         self._declared(WATCH, "", self.control.watch_router(handle))
 
-    def watch_sessions(self, listener: Listener) -> Callable[[], None]:
+    def watch_sessions(self, listener: SessionListener) -> Callable[[], None]:
         """Let the watchdog of the sessions report to a listener; return a function that ends this, before `close`."""
         return self._all.watchdog.add(listener, self._own)
 

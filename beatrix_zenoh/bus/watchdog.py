@@ -21,7 +21,7 @@ FAILURES = 2
 """Failed checks in a row before a session is renewed; just after a reconnection one check may fail."""
 
 
-class Listener(NamedTuple):
+class SessionListener(NamedTuple):
     """What a node gives to the watchdog."""
 
     token: str
@@ -46,14 +46,14 @@ class SessionWatchdog:
         """`opened` returns the sessions to check by traffic class, the control session first."""
         self._opened = opened
         self._lock = threading.Lock()
-        self._listeners: dict[Listener, Callable[[], dict[str, Bus]]] = {}
+        self._listeners: dict[SessionListener, Callable[[], dict[str, Bus]]] = {}
         """The listeners, each with a function that returns the sessions of its node that no other node uses."""
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
         self._refusals, self._without_rights = 0, False
         self._failures: weakref.WeakKeyDictionary[Bus, int] = weakref.WeakKeyDictionary()
 
-    def add(self, listener: Listener, own: Callable[[], dict[str, Bus]]) -> Callable[[], None]:
+    def add(self, listener: SessionListener, own: Callable[[], dict[str, Bus]]) -> Callable[[], None]:
         """Report to a listener, on the watchdog's thread, and check the sessions that `own` returns for it alone.
 
         Return a function that ends this.
@@ -65,7 +65,7 @@ class SessionWatchdog:
                 self._thread = threads.start(lambda: self._run(ended), "watchdog")
         return lambda: self._remove(listener)
 
-    def _remove(self, listener: Listener) -> None:
+    def _remove(self, listener: SessionListener) -> None:
         """End the reports to a listener; with the last one end the thread."""
         with self._lock:
             self._listeners = {other: own for other, own in self._listeners.items() if other is not listener}
@@ -91,7 +91,7 @@ class SessionWatchdog:
             if not ended.is_set():
                 self._check_account(control)
 
-    def _check(self, traffic: str, checked: Bus, through: Bus, listeners: list[Listener]) -> None:
+    def _check(self, traffic: str, checked: Bus, through: Bus, listeners: list[SessionListener]) -> None:
         if not checked.served:
             return
         failed = not reached(checked, through)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from beatrix_zenoh.bus import Bus, Listener, Sessions
+from beatrix_zenoh.bus import Bus, SessionListener, Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
@@ -32,7 +32,9 @@ class ClientWatch(Component):
         sessions.watch_tokens(keys.seat("*", "*"), self._seat)
         sessions.watch_router(self._router)
         sessions.declare_token(self._alive_key)
-        self._end_reports = sessions.watch_sessions(Listener(self._alive_key, self._renewed, self._refused))
+        self._end_reports = sessions.watch_sessions(
+            SessionListener(self._alive_key, self._renewed, self._refused)
+        )
 
     def _seat(self, key: str, alive: bool) -> None:  # noqa: FBT001
         """Handle a client's session that has begun or ended, on Zenoh's thread."""

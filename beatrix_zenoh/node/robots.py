@@ -13,7 +13,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.node.node import Node
-from beatrix_zenoh.schedule import Hung, Schedule, Watch
+from beatrix_zenoh.schedule import HangWatch, Hung, Schedule
 from beatrix_zenoh.threads import Owner
 
 CLOSE_S: Final = 0.4
@@ -43,7 +43,7 @@ class Robots:
         self._failed_s: dict[str, float] = {}
         self._faults: queue.SimpleQueue[tuple[Owner, BaseException] | None] = queue.SimpleQueue()
         self.clock, self.publishing = Schedule("board", self.fail), Schedule("publisher", self.fail)
-        self._watch = Watch(self.clock, self.publishing)
+        self._watch = HangWatch(self.clock, self.publishing)
         self._thread = threads.start(self._run, "robots")
 
     def start(self, name: str) -> Node:

@@ -127,7 +127,7 @@ def _serve_several(names: Sequence[str], open_node: Callable[[str, Robots], Node
     code = FAULT if broken or robots.failed else 0
     if robots.hung:
         sys.stdout.flush()
-        os._exit(code or FAULT)  # Python would wait for threads that hang
+        os._exit(code)  # Python would wait for threads that hang
     return code
 
 

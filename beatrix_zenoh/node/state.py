@@ -31,7 +31,7 @@ from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.events import NodeEvents
 from beatrix_zenoh.node.interfaces import Component
 from beatrix_zenoh.node.snapshot import Snapshot
-from beatrix_zenoh.schedule import SLACK_S, Schedule, Task
+from beatrix_zenoh.schedule import SLACK_S, Schedule, ScheduledTask
 from beatrix_zenoh.threads import Owner
 
 
@@ -126,7 +126,7 @@ class Publisher(Component):
         self._dirty, self._idle = True, False
         self._due_s = float("inf")
         self._owner, self._schedule, self._shared = owner, schedule, schedule is not None
-        self._task: Task | None = None
+        self._task: ScheduledTask | None = None
 
     def start(self, sessions: Sessions) -> None:
         name, side = self._snapshot.name, self._snapshot.side

@@ -208,9 +208,9 @@ class Stage:
         """Start a process that is ended with the stage."""
         return self._started(Process("-m", module, *arguments))
 
-    def script(self, path: Path, *arguments: str) -> Process:
+    def script(self, path: Path, *arguments: str, listens: bool = False) -> Process:
         """Start a Python program that is ended with the stage."""
-        return self._started(Process(str(path), *arguments, traced=False))
+        return self._started(Process(str(path), *arguments, listens=listens, traced=False))
 
     def _started(self, process: Process) -> Process:
         self._processes.append(process)

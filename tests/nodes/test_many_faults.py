@@ -1,0 +1,117 @@
+"""A fault of one of several simulations in a process: it is reported and started anew, and the others go on."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from late_tests import in_time
+from robots import Process, Stage, ready, until, wait_status
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Positions
+from beatrix_zenoh.contract.errors import BeatrixError
+
+SCRIPT = Path(__file__).parents[1] / "support/faulty_simulations.py"
+NAMES = ("ada", "bob", "cem", "dan", "eva", "fay")
+GAP_S = 0.1
+ANEW_S = 1.0
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def process(stage: Stage) -> Process:
+    """Several simulations in one process; each test lets another one fail."""
+    words = [word for name in NAMES for word in ("--name", name)]
+    process = stage.script(SCRIPT, *words, "--connect", stage.endpoint, listens=True)
+    for name in NAMES:
+        process.expect(f"ready {keys.alive(name, 'sim')}")
+    return process
+
+
+class Watched:
+    """Positions of the other robots, and the times at which one robot appears and disappears."""
+
+    def __init__(self, stage: Stage, name: str) -> None:
+        self.times: dict[str, list[int]] = {}
+        self.changes: list[tuple[bool, float]] = []
+        self._name = name
+        bus = stage.client("watcher").bus
+        self._end = bus.subscribe(keys.positions("*", "sim"), lambda got: self._hear(got.key, got.payload))
+        self._end_tokens = bus.watch_tokens(
+            keys.alive(name, "sim"), lambda _, alive: self.changes.append((alive, time.monotonic()))
+        )
+        until(lambda: len(self.times) == len(NAMES) - 1, "positions of all others")
+
+    def _hear(self, key: str, payload: bytes) -> None:
+        name = key.split("/")[1]
+        if name != self._name:
+            self.times.setdefault(name, []).append(codec.decode(payload, Positions).t_mono_ns)
+
+    def end(self) -> None:
+        """Check that the robot came back in time, and that the others have no gap."""
+        until(
+            lambda: [alive for alive, _ in self.changes] == [True, False, True], "the robot is started anew"
+        )
+        self._end()
+        self._end_tokens()
+        (_, lost_s), (_, back_s) = self.changes[1:]
+        in_time(back_s - lost_s, ANEW_S, "the robot is started anew")
+        for name, times in self.times.items():
+            gap_ns = max(after - before for before, after in pairwise(times))
+            in_time(gap_ns / 1e9, GAP_S, f"gap in the positions of {name}")
+
+
+@pytest.mark.measures_time
+@pytest.mark.parametrize(
+    ("fault", "name", "cause"),
+    [("raise", "bob", "put in by a test"), ("loop", "cem", "not ended"), ("block", "dan", "not ended")],
+)
+def test_a_robot_that_fails_is_started_anew_and_the_others_go_on(
+    stage: Stage, process: Process, fault: str, name: str, cause: str
+) -> None:
+    watched = Watched(stage, name)
+    process.say(f"{fault} {name}")
+    watched.end()
+    anew = stage.robot(name, "sim")
+    assert any(cause in text for text in anew.status().warnings)
+    ready(anew).look(yaw=5)
+    process.expect(f"{name}: The program of {name} had failed")
+    stage.close_clients()
+
+
+def calibrate_until_lost(robot: Robot) -> None:
+    """Calibrate until there is no reply, because the fault is put in a moment after the test asks for it."""
+    while True:
+        robot.calibrate()
+
+
+def test_an_exception_in_a_thread_of_a_robot_replaces_only_this_robot(stage: Stage, process: Process) -> None:
+    eva, ada = stage.robot("eva", "sim"), ready(stage.robot("ada", "sim"))
+    ready(eva)
+    process.say("calibrate eva")
+    with pytest.raises(BeatrixError):
+        calibrate_until_lost(eva)
+    wait_status(stage.robot("eva", "sim", "ben"), lambda status: not status.enabled, "eva is started anew")
+    assert ada.status().calibrated
+    stage.close_clients()
+
+
+def test_a_robot_that_fails_again_stays_down(stage: Stage, process: Process) -> None:
+    client = stage.client()
+    for line in ("fay: The program of fay had failed", "fay stays down"):
+        process.say("raise fay")
+        process.expect(line)
+    until(lambda: ("fay", "sim") not in client.bus.robots(), "fay is gone")
+    assert Robot("ada", "sim", client=client).status().board.connected
+    assert process.end() == 70

@@ -1,0 +1,59 @@
+"""`beatrix sim` with faults that a test puts in: for each line `FAULT ROBOT` of its input one robot fails.
+
+raise: its next turn raises an exception; loop: it does not end; block: it waits for ever, and nothing can end it;
+calibrate: the next CALIBRATE raises an exception in the thread of its controller.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+
+from sim_node import app
+from sim_node.body import Simulation
+
+FAULTS: dict[str, str] = {}
+NEVER = threading.Lock()
+
+
+class FaultySimulation(Simulation):
+    """A simulation that fails once for each fault that is put in."""
+
+    def __init__(self, name: str, *arguments: object, **options: object) -> None:
+        super().__init__(name, *arguments, **options)  # type: ignore[arg-type]
+        self._name = name
+
+    def turn(self, *, written: bool) -> None:
+        if FAULTS.get(self._name) in ("raise", "loop", "block"):
+            with self._lock:  # so that requests for its positions wait, too
+                self._fail(FAULTS.pop(self._name))
+        super().turn(written=written)
+
+    def _fail(self, fault: str) -> None:
+        if fault == "raise":
+            raise RuntimeError("put in by a test")
+        while fault == "loop":
+            time.sleep(0.001)
+        with NEVER:
+            pass
+
+    def straighten(self) -> None:
+        if FAULTS.get(self._name) == "calibrate":
+            del FAULTS[self._name]
+            raise RuntimeError("put in by a test")
+        super().straighten()
+
+
+def read_faults() -> None:
+    """Put in the faults of the input."""
+    for line in sys.stdin:
+        fault, name = line.split()
+        FAULTS[name] = fault
+
+
+if __name__ == "__main__":
+    NEVER.acquire()
+    app.Simulation = FaultySimulation  # type: ignore[misc]
+    threading.Thread(target=read_faults, daemon=True).start()
+    sys.exit(app.main())
