@@ -15,6 +15,7 @@ from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, RobotFile, finite
 from beatrix_zenoh.terminal.run import run_command
 from sim_node.body import EYES_HZ, EYES_HZ_MAX, Simulation
+from sim_node.drawing import Drawing
 from sim_node.picture import KEYS
 from sim_node.target import TargetPath
 from sim_node.viewer import SceneViewer
@@ -78,6 +79,7 @@ def sim(
             f"--view and --legacy are for one simulation, not for {len(robots)}: give one --name, or leave them out."
         )
     robot = values.load(robot_file)
+    drawing = Drawing(robot)
     viewer = SceneViewer(robot) if view else None
     if view:
         typer.echo(KEYS, err=True)
@@ -91,6 +93,7 @@ def sim(
                 viewer=viewer,
                 follow=follow,
                 schedule=clock,
+                drawing=drawing,
             ),
             robots,
             settings,

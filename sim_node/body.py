@@ -14,6 +14,7 @@ from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemet
 from beatrix_zenoh.node import ArmState, Component, Node
 from beatrix_zenoh.schedule import Schedule
 from beatrix_zenoh.threads import Owner
+from sim_node.drawing import Drawing
 from sim_node.ears import SimulatedMicrophones
 from sim_node.eyes import Eyes
 from sim_node.following.handler import FollowHandler
@@ -111,6 +112,7 @@ class Simulation:
         viewer: SceneViewer | None = None,
         follow: bool = False,
         schedule: Schedule | None = None,
+        drawing: Drawing | None = None,
     ) -> None:
         """Create the robot and start its physics.
 
@@ -122,6 +124,7 @@ class Simulation:
             viewer: a window that shows the robot; closed with the simulation.
             follow: follow the hardware of this name from the start on, as soon as the motors are on and home is known.
             schedule: thread that advances several simulations; None: this one has a thread of its own.
+            drawing: draws the pictures of several simulations; None: only those of this one.
         """
         self._robot, self._eyes_hz, self._viewer, self._follow = robot, eyes_hz, viewer, follow
         self._target = PersonTarget(target, time.monotonic())
@@ -135,7 +138,7 @@ class Simulation:
         self._turns, self._busy_until_s = 0, 0.0
         self._lock = threading.Lock()
         self._port = RealTimePort(self._board, self)
-        self._schedule = schedule
+        self._schedule, self._drawing = schedule, drawing or Drawing(robot)
 
     def turns(self, owner: Owner) -> Turns | None:
         """Return the turns on the thread of several simulations; None if this one has a thread of its own."""
@@ -210,7 +213,7 @@ class Simulation:
             SimulatedMicrophones(node, self._robot, self.hearing, self._sound.playing),
         ]
         if self._eyes_hz > 0:
-            parts.append(Eyes(node, self._robot, self._eyes_hz, self.scene_state, lambda: self._clock.late))
+            parts.append(Eyes(node, self._drawing, self._eyes_hz, self.scene_state, lambda: self._clock.late))
         if self._viewer is not None:
             parts.append(ViewerFeed(self._viewer, self.scene_state))
         return parts

@@ -6,7 +6,6 @@ take too much time or if physics steps are late.
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from collections.abc import Callable
@@ -16,12 +15,10 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.robot import RobotData
-from beatrix_zenoh.node import CameraFrame, CameraPublisher, Component, Node, StatusFields
-from sim_node import gl
+from beatrix_zenoh.node import CameraPublisher, Component, Node, StatusFields
+from sim_node.drawing import Drawing
 from sim_node.painter import SceneState
 from sim_node.rays import RayPainter
-from sim_node.renderer import HEIGHT, WIDTH, Renderer
 
 SHARE: Final = 0.5
 """Largest share of the time for drawing; on two cores the rest is for physics and all other threads."""
@@ -41,13 +38,13 @@ class FrameRate:
     def __init__(self, requested_hz: float) -> None:
         self._requested_s = 1.0 / requested_hz
         self._due_s = float("-inf")
-        self._cost_s = 0.0
+        self._cost_s, self._robots = 0.0, 1
         self._held_back = 1.0
 
     @property
     def period_s(self) -> float:
         """The present time between two pictures."""
-        wanted = max(self._requested_s, self._cost_s / SHARE) * self._held_back
+        wanted = max(self._requested_s, self._cost_s * self._robots / SHARE) * self._held_back
         return max(self._requested_s, min(wanted, SLOWEST_S))
 
     @property
@@ -59,12 +56,12 @@ class FrameRate:
         """Return the seconds until the next picture is due."""
         return max(0.0, self._due_s - now_s)
 
-    def drawn(self, begin_s: float, end_s: float, *, late: bool) -> None:
+    def drawn(self, begin_s: float, end_s: float, *, late: bool, robots: int = 1) -> None:
         """Record how long a picture of each camera took to draw, and schedule the next.
 
-        `late`: whether physics steps were late meanwhile.
+        `late`: whether physics steps were late meanwhile; `robots`: number of robots that share the time for drawing.
         """
-        cost_s = end_s - begin_s
+        cost_s, self._robots = end_s - begin_s, robots
         self._cost_s = MEMORY * self._cost_s + (1 - MEMORY) * cost_s if self._cost_s else cost_s
         self._held_back = self._held_back * SLOWER if late else max(1.0, self._held_back * FASTER)
         self._held_back = min(self._held_back, SLOWEST_S / self._requested_s)
@@ -94,11 +91,6 @@ OUTSIDE_EVERY: Final = 3
 NO_RENDERER: Final = (
     "The process that draws the pictures cannot be started, has crashed, or hangs; it is restarted."
 )
-GL_FAILURES: Final = 3
-"""After this many failures of OpenGL in short succession the pictures are drawn by ray casting."""
-SOON_S: Final = 60.0
-"""Failures further apart than this are not counted together; a start that hangs fails sooner, and so is counted."""
-_log = logging.getLogger(__name__)
 
 
 class Eyes(Component):
@@ -107,7 +99,7 @@ class Eyes(Component):
     def __init__(
         self,
         node: Node,
-        robot: RobotData,
+        drawing: Drawing,
         hz: float,
         scene_state: Callable[[], SceneState],
         late_steps: Callable[[], int],
@@ -116,12 +108,12 @@ class Eyes(Component):
 
         Args:
             node: the node whose name the pictures have.
-            robot: values of the robot that is drawn.
+            drawing: draws the pictures of this robot, and perhaps of others.
             hz: pictures a second of each camera, if this computer has the time.
             scene_state: returns the present scene.
             late_steps: returns the number of late physics steps so far.
         """
-        self._robot, self._scene_state, self._late_steps = robot, scene_state, late_steps
+        self._drawing, self._scene_state, self._late_steps = drawing, scene_state, late_steps
         self._rate = FrameRate(hz)
         self._wake, self._closed = threading.Event(), threading.Event()
         self._publishers = {
@@ -129,9 +121,6 @@ class Eyes(Component):
             for view in names.VIEWS
         }
         self._rounds = 0
-        self._lock = threading.Lock()
-        self._renderer: Renderer | None = None
-        self._gl_failures, self._gl_failed_s = 0, float("-inf")
         self._thread: threading.Thread | None = None
 
     def start(self, sessions: Sessions) -> None:
@@ -146,19 +135,23 @@ class Eyes(Component):
             self._publishers[eye].contribute(status)
         views = [publisher.status() for publisher in self._publishers.values()]
         if any(view.streaming and view.source == RayPainter.source for view in views):
-            status.warnings.append(UNSTEADY if self._gl_failures >= GL_FAILURES else COARSE)
+            status.warnings.append(COARSE if self._drawing.steady else UNSTEADY)
 
     def _run(self) -> None:
+        watched = False
         while not self._closed.is_set():
             self._wake.clear()
             subscribed = [view for view, publisher in self._publishers.items() if publisher.subscribed]
             if not subscribed:
                 self._rate.reset()
-                if not self._wake.wait(None if self._renderer is None else IDLE_S):
-                    self._end_renderer()
+                if not self._wake.wait(IDLE_S if watched else None):
+                    self._drawing.end(self)
+                    watched = False
             elif not self._closed.wait(self._rate.wait_s(time.monotonic())):
+                self._drawing.begin(self)
+                watched = True
                 self._draw(self._select(subscribed))
-        self._end_renderer()
+        self._drawing.end(self)
 
     def _select(self, subscribed: list[str]) -> list[str]:
         """Return the views to draw now: all, or only the eyes if the outside view would slow them."""
@@ -169,76 +162,37 @@ class Eyes(Component):
 
     def _draw(self, views: list[str]) -> None:
         """Draw and publish the present scene from these views."""
+        late_before = self._late_steps()
         try:
-            renderer = self._renderer or self._start_renderer()
-            begin_s, late_before = time.monotonic(), self._late_steps()
-            state = self._scene_state()
-            for view, jpeg in renderer.draw(state, views):
-                frame = CameraFrame(jpeg, WIDTH, HEIGHT, state.t_mono_ns, renderer.source)
-                self._publishers[view].publish(frame)
-        except OSError as error:
-            self._fail(error)
+            drawn = self._drawing.draw(
+                self,
+                self._scene_state,
+                views,
+                lambda view, frame: self._publishers[view].publish(frame),
+            )
+        except OSError:
+            self._fail()
         else:
             self._report("")
-            self._rate.drawn(begin_s, time.monotonic(), late=self._late_steps() > late_before)
+            late = self._late_steps() > late_before
+            self._rate.drawn(drawn.begin_s, drawn.end_s, late=late, robots=drawn.robots)
 
-    def _start_renderer(self) -> Renderer:
-        """Start a drawing process; raises OSError if it cannot be started."""
-        renderer = Renderer(self._robot, self._source())
-        with self._lock:
-            self._renderer = renderer
-            if self._closed.is_set():  # `close` was called before this renderer was set
-                renderer.close()
-        renderer.open()
-        return renderer
-
-    def _source(self) -> str:
-        """Return the method of drawing: OpenGL if it works, else ray casting."""
-        steady = self._gl_failures < GL_FAILURES
-        return (gl.backend() if steady else None) or RayPainter.source
-
-    def _fail(self, error: OSError) -> None:
-        """Close a drawing process that has failed or hangs, and report it.
-
-        The next picture starts a new process. If that would use ray casting, wait for RETRY_S now.
-        """
-        self._end_renderer()
+    def _fail(self) -> None:
+        """Report a failure. The next picture starts a new process; if it would use ray casting, wait for RETRY_S now."""
         if self._closed.is_set():
             return
         self._report(NO_RENDERER)
-        if self._source() == RayPainter.source:
+        if self._drawing.source == RayPainter.source:
             self._closed.wait(RETRY_S)
-        else:
-            self._count_gl_failure(error)
-
-    def _count_gl_failure(self, error: OSError) -> None:
-        now_s = time.monotonic()
-        soon = now_s - self._gl_failed_s < SOON_S
-        self._gl_failures, self._gl_failed_s = self._gl_failures + 1 if soon else 1, now_s
-        if self._gl_failures < GL_FAILURES:
-            then = "the drawing process is restarted"
-        else:
-            then = (
-                "OpenGL fails repeatedly, so pictures are drawn by ray casting from now on, coarse and slow"
-            )
-        _log.warning("Drawing with OpenGL has failed (%s): %s.", error, then)
 
     def _report(self, trouble: str) -> None:
         for eye in names.EYES:
             self._publishers[eye].report(trouble)
 
-    def _end_renderer(self) -> None:
-        with self._lock:
-            if self._renderer is not None:
-                self._renderer.close()
-            self._renderer = None
-
     def close(self) -> None:
-        """End the thread and the process, even if it hangs."""
+        """End the thread, and the process unless it draws for other robots."""
         self._closed.set()
         self._wake.set()
-        with self._lock:
-            if self._renderer is not None:
-                self._renderer.close()
+        self._drawing.end(self)
         if self._thread is not None:
             self._thread.join(timeout=5.0)

@@ -237,6 +237,20 @@ def test_a_renderer_that_hangs_is_reported_and_restarted(
         assert renderer not in renderers(os.getpid())
 
 
+def test_simulations_of_one_process_share_a_renderer_that_the_last_of_them_ends(stage: Stage) -> None:
+    both = stage.process("sim_node", "--name", "one", "--name", "two", "--connect", stage.endpoint)
+    both.expect("ready beatrix/two/")
+    one, two = stage.robot("one", "sim"), stage.robot("two", "sim")
+    two.move_target(0.8, 0.4, 0.0)
+    with one.camera("left") as of_one, two.camera("left") as of_two:
+        seen_by_one, seen_by_two = fresh(of_one), fresh(of_two)
+        assert len(renderers(both.pid)) == 1
+        assert not np.array_equal(seen_by_one, seen_by_two), "each sees its own person"
+    assert both.end() == 0
+    one.client.close()
+    two.client.close()
+
+
 def test_without_a_display_the_viewer_prints_one_sentence_and_returns_1(stage: Stage) -> None:
     with pytest.MonkeyPatch.context() as environment:
         environment.delenv("DISPLAY", raising=False)

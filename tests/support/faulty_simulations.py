@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
+import unittest.mock
 
 from sim_node import app
 from sim_node.body import Simulation
@@ -54,6 +55,6 @@ def read_faults() -> None:
 
 if __name__ == "__main__":
     NEVER.acquire()
-    app.Simulation = FaultySimulation  # type: ignore[misc]
     threading.Thread(target=read_faults, daemon=True).start()
-    sys.exit(app.main())
+    with unittest.mock.patch("sim_node.app.Simulation", FaultySimulation):
+        sys.exit(app.main())

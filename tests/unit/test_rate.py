@@ -10,8 +10,8 @@ REQUESTED_HZ = 15.0
 class Drawer:
     """Draws when a picture is due, on its own clock; each picture takes `cost_s`."""
 
-    def __init__(self, rate: FrameRate, cost_s: float) -> None:
-        self.rate, self.cost_s, self.now_s = rate, cost_s, 100.0
+    def __init__(self, rate: FrameRate, cost_s: float, robots: int = 1) -> None:
+        self.rate, self.cost_s, self.now_s, self.robots = rate, cost_s, 100.0, robots
 
     def draw(self, count: int, *, late: bool = False) -> float:
         """Draw `count` pictures; return their rate (Hz)."""
@@ -20,7 +20,7 @@ class Drawer:
             self.now_s += self.rate.wait_s(self.now_s)
             drawn_s = self.now_s
             self.now_s += self.cost_s
-            self.rate.drawn(drawn_s, self.now_s, late=late)
+            self.rate.drawn(drawn_s, self.now_s, late=late, robots=self.robots)
         self.now_s += self.rate.wait_s(self.now_s)
         return count / (self.now_s - begin_s)
 
@@ -28,6 +28,11 @@ class Drawer:
 def test_a_slow_computer_draws_for_its_share_of_the_time() -> None:
     hz = Drawer(FrameRate(REQUESTED_HZ), 0.2).draw(100)
     assert abs(hz * 0.2 - SHARE) < 0.01
+
+
+def test_robots_that_share_the_time_get_equal_parts_of_it() -> None:
+    hz = Drawer(FrameRate(REQUESTED_HZ), 0.1, robots=4).draw(100)
+    assert abs(hz * 0.1 - SHARE / 4) < 0.01
 
 
 def test_late_physics_slows_drawing_to_the_lowest_rate() -> None:
