@@ -38,6 +38,10 @@ Seats = Annotated[
 ]
 
 
+Follow = Annotated[
+    bool,
+    typer.Option("--follow", help="Follow the hardware of this name in real time; starts ready (--ready)."),
+]
 EyesHz = Annotated[
     float,
     typer.Option(
@@ -54,12 +58,7 @@ Target = Annotated[TargetPath, typer.Option(help="Movement of the person in fron
 def sim(
     *,
     ready: Annotated[bool, typer.Option("--ready", help="Start with motors on and calibrated.")] = False,
-    follow: Annotated[
-        bool,
-        typer.Option(
-            "--follow", help="Follow the hardware of this name in real time; starts ready (--ready)."
-        ),
-    ] = False,
+    follow: Follow = False,
     eyes_hz: EyesHz = EYES_HZ,
     target: Target = TargetPath.STILL,
     view: Annotated[

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import sys
 import threading
-import time
 import unittest.mock
 
 from sim_node import app
@@ -34,8 +33,9 @@ class FaultySimulation(Simulation):
     def _fail(self, fault: str) -> None:
         if fault == "raise":
             raise RuntimeError("put in by a test")
+        pause = threading.Event()
         while fault == "loop":
-            time.sleep(0.001)
+            pause.wait(0.001)
         with NEVER:
             pass
 
