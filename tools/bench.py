@@ -100,9 +100,11 @@ def main() -> None:
         "bench_window.py",
         "bench_head3d.py",
         "bench_classroom.py",
+        "bench_many.py 30",
     ):
         console.print(f"\n{script}")
-        subprocess.run([sys.executable, str(ROOT / "tools" / script)], check=True)
+        program, *words = script.split()
+        subprocess.run([sys.executable, str(ROOT / "tools" / program), *words], check=True)
 
 
 if __name__ == "__main__":

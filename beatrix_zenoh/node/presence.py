@@ -122,7 +122,7 @@ def claim_name(sessions: Sessions, name: str, side: str) -> None:
     if bus.tokens(alive):
         raise taken(bus, name, side)
     withdraw = sessions.declare_token(own)
-    if (refused := bus.refusal(own)) is not None:
+    if (refused := sessions.refusal(own)) is not None:
         raise refused
     deadline = time.monotonic() + WAIT_S
     while others := [other for other in bus.tokens(keys.claim(name, side, "*")) if other != own]:
