@@ -17,9 +17,12 @@ SLACK_S: Final = 0.002
 """Tasks that are due within this time (s) run in the same pass, so that the thread wakes once for many robots."""
 TICK_S: Final = 0.01
 """Period (s) of the check whether a task hangs."""
-LEFT_TICKS: Final = 2
+LEFT_TICKS, MOST_TICKS = 2, 25
 """Checks in a row that find a task still running before another thread goes on with the other tasks. A turn takes less
-than a millisecond; one that is merely slow does no harm: its thread gives the task back."""
+than a millisecond. On a busy computer a healthy one may be slow: its thread then gives the task back, and the number of
+checks is doubled up to MOST_TICKS, because more threads would make the computer slower still."""
+CALM_TICKS: Final = 100
+"""Checks after which the number of checks becomes smaller by one again."""
 HANGS_S: Final = 0.5
 """Time (s) after which a task hangs. Counted in checks, so that a process that was suspended hangs nothing."""
 END_S: Final = 1.0
@@ -80,6 +83,7 @@ class Schedule:
         self._running: _Run | None = None
         self._left: list[_Run] = []
         """Calls that have not returned when another thread went on."""
+        self._patience, self._calm = LEFT_TICKS, 0
         self._idle = threading.Condition(self._lock)
         self._closed = False
         self._thread = threads.start(self._work, name)
@@ -162,6 +166,7 @@ class Schedule:
                 if not run.reported and run.task in self._tasks:
                     run.task.held, run.task.awake = False, True
                     self._wake(run.task)
+                    self._patience, self._calm = min(2 * self._patience, MOST_TICKS), 0
             self._idle.notify_all()
         return stays
 
@@ -170,10 +175,14 @@ class Schedule:
     def check(self) -> None:
         """Go on without a task that does not return, and report one that hangs; call this every TICK_S."""
         with self._lock:
+            self._calm += 1
+            if self._calm % CALM_TICKS == 0:
+                self._patience = max(LEFT_TICKS, self._patience - 1)
             run = self._running
             if run is not None:
                 run.ticks += 1
-                if run.ticks > LEFT_TICKS and self._failed is not None:
+                waits = any(not left.reported for left in self._left)
+                if run.ticks > self._patience and self._failed is not None and not waits:
                     self._running, run.task.held = None, True
                     self._left.append(run)
                     self._thread = threads.start(self._work, self._name)

@@ -22,6 +22,8 @@ from beatrix_zenoh.node.events import LOGGERS
 CAPACITY = 10_000
 """Largest number of waiting records; further ones are dropped, because stderr may be a pipe that no program reads."""
 CLOSE_S = 1.0
+REPEATED_S = 1.0
+"""Time (s) within which a process with several robots prints equal lines once."""
 STDERR = 2
 
 
@@ -30,16 +32,21 @@ class Writer:
 
     def __init__(self, file: logging.Handler | None, *, named: bool) -> None:
         self._records: queue.Queue[logging.LogRecord | None] = queue.Queue(CAPACITY)
-        self._file = file
+        self._file, self._named = file, named
         self.handler = Enqueue(self._records, named=named)
         self._thread = threads.start(self._run, "log")
 
     def _run(self) -> None:
+        last, last_s = "", 0.0
         while (record := self._records.get()) is not None:
             if self._file is not None:
                 self._file.handle(record)
-            if record.levelno >= logging.WARNING:
-                print_raw(printable.line(record.getMessage()))
+            line = printable.line(record.getMessage())
+            # If the router is lost, all robots of the process report it in the same words.
+            repeated = self._named and line == last and record.created - last_s < REPEATED_S
+            last, last_s = line, record.created
+            if record.levelno >= logging.WARNING and not repeated:
+                print_raw(line)
 
     def close(self) -> None:
         """Write the waiting records, for CLOSE_S at most; if the queue is full, return at once."""
