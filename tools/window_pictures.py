@@ -1,4 +1,7 @@
-"""Draw the window in its main states, themes and sizes: `python tools/window_pictures.py FOLDER`. Needs no display."""
+"""Draw the window in its main states, themes and sizes: `python tools/window_pictures.py FOLDER`. Needs no display.
+
+With --screen it shows the window on the display and draws the whole screen, with the frame of the window manager.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +15,19 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests/support"))
 
 from gui_views import STATES, example
+from PyQt5 import sip
+from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QMainWindow
 
 from gui.console.state.intents import Theme
 from gui.console.state.views import View
 from gui.console.texts import Texts
 from gui.window.panels import Panels
+from gui.window.run import qt_application, show
 from gui.window.theme import apply_theme, style_of
 
+FRAMED_MS = 300
+"""Time in which the window manager draws a frame."""
 SIZES = ((1366, 768), (1024, 768), (1024, 600))
 
 
@@ -27,15 +35,23 @@ PARTS = {"class-full": ("robots", "lessons", "projector")}
 """By state: parts of the window of which each has a picture of its own."""
 
 
-def draw(view: View, size: tuple[int, int], file: Path, part: str) -> None:
-    """Save a picture of the window that shows a view, and print the present and the smallest size of the window."""
+def draw(view: View, size: tuple[int, int] | None, file: Path, part: str) -> None:
+    """Save a picture of the window that shows a view, and print the present and the smallest size of the window.
+
+    size: of the window; None: the window has the size that it chooses, and the picture is that of the screen.
+    """
     window = QMainWindow()
     panels = Panels(Texts(view.language))
     window.setCentralWidget(panels)
     window.setMinimumSize(1024, 560)
     apply_theme(window, style_of(view.theme))
-    window.resize(*size)
-    window.show()
+    screen = QApplication.primaryScreen()
+    if size is None:
+        show(window, screen.availableGeometry().size())
+        QTest.qWait(FRAMED_MS)
+    else:
+        window.resize(*size)
+        window.show()
     panels.show_theme(view.theme)
     panels.show_view(view)
     panels.class_page.tabs.setCurrentIndex(int(part == "lessons"))
@@ -49,7 +65,7 @@ def draw(view: View, size: tuple[int, int], file: Path, part: str) -> None:
     QApplication.processEvents()
     hint = window.minimumSizeHint()
     print(file.name, f"{window.width()}x{window.height()}", f"needs {hint.width()}x{hint.height()}")
-    window.grab().save(str(file))
+    (window.grab() if size is not None else screen.grabWindow(sip.voidptr(0))).save(str(file))
     window.close()
 
 
@@ -58,19 +74,20 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--language", default="en")
+    parser.add_argument("--screen", action="store_true", help="draw the whole screen of a display")
     parser.add_argument("--only", default="", help="draw only states whose name contains this text")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
-    application = QApplication(sys.argv[:1])
-    application.setStyle("Fusion")
+    application = qt_application()
     for state in STATES:
         if options.only not in state:
             continue
         for theme in Theme:
-            for size in SIZES:
+            for size in (None,) if options.screen else SIZES:
                 for part in PARTS.get(state, ("",)):
                     name = "-".join(filter(None, ("window", state, part, theme)))
-                    file = options.folder / f"{name}-{size[0]}x{size[1]}-{options.language}.png"
+                    shown = "screen" if size is None else f"{size[0]}x{size[1]}"
+                    file = options.folder / f"{name}-{shown}-{options.language}.png"
                     view = replace(example(state, theme, options.language), guide=None)
                     draw(view, size, file, part)
     del application

@@ -259,7 +259,7 @@ class Panels(QWidget):
         if name in {*ARMS, ALL_ARMS}:
             return self.arms.rows[name].hw
         return {
-            "head": self.head,
+            "head": self.sending,  # beside Send, where it does not cover the head
             "commands": self.commands,
             "sequence": self.sequence,
             "gestures": self.gestures,

@@ -284,6 +284,8 @@ class Head3dPanel(QWidget):
     def show_view(self, view: HeadView) -> None:
         """Show the robots and the choices."""
         self.head.show_view(view)
+        for button in self.views.values():
+            button.setVisible(view.sim is not None or view.hw is not None)
         self.live.setChecked(view.drag.live)
         self.send.setChecked(view.drag.send_on_release)
 

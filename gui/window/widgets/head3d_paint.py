@@ -76,8 +76,10 @@ def apart(one: HeadOrientation | None, other: HeadOrientation | None) -> bool:
 
 
 def paint_robot(image: QImage, head: HeadOrientation | None, screen: Screen, style: Style) -> None:
-    """Draw the ground, the ring under the robot with an arrow ahead, and a robot; None: no robot."""
+    """Draw the ring under the robot with an arrow ahead, and the robot; nothing without a robot."""
     image.fill(QColor(style.field))
+    if head is None:
+        return
     painter = QPainter(image)
     try:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -90,8 +92,7 @@ def paint_robot(image: QImage, head: HeadOrientation | None, screen: Screen, sty
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(style.edge))
         painter.drawPolygon(_polygon(screen.place(np.column_stack((ahead, np.full(3, FLOOR))))[:, :2]))
-        if head is not None:
-            _paint(painter, _drawing(head, screen))
+        _paint(painter, _drawing(head, screen))
     finally:
         painter.end()
 
@@ -274,11 +275,11 @@ def _paint_handles(painter: QPainter, marks: Marks, *, aims: bool) -> None:
 
 
 def _paint_nothing(painter: QPainter, marks: Marks, texts: Texts) -> None:
-    """Say that no robot is online, above the ground; an outline would cross the sentence."""
+    """Say that no robot is online; an outline would cross the sentence."""
     painter.setPen(QColor(marks.style.text))
-    above = QRectF(GAP, 0, marks.screen.width - 2 * GAP, marks.screen.height / 2)
+    whole = QRectF(GAP, 0, marks.screen.width - 2 * GAP, marks.screen.height)
     wrapped = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
-    painter.drawText(above, wrapped, texts("label.no_head"))
+    painter.drawText(whole, wrapped, texts("label.no_head"))
 
 
 def _paint_letters(painter: QPainter, marks: Marks, texts: Texts) -> None:

@@ -12,6 +12,7 @@ from gui.window.widgets.controls import Check, IntentButton, label, set_role, se
 from gui.window.widgets.number_box import NumberBox
 
 LEAD_MAX_S = 60.0
+SEND_GAP_PX = 10
 LINES = 2
 """Lines reserved for the text about the motion."""
 
@@ -54,6 +55,7 @@ class SendingPanel(QFrame):
         to.addStretch(1)
         to.addWidget(self.lead_name)
         to.addWidget(self.lead)
+        send.setSpacing(SEND_GAP_PX)
         send.addWidget(self.send, 1)
         send.addLayout(state, 1)
         state.setSpacing(2)
@@ -115,4 +117,8 @@ class SendingPanel(QFrame):
         self.send_now.show_view(view.send_now)
         self.change.show_view(view.change)
         self.abort.show_view(view.abort)
-        self.plan.setVisible(view.abort.enabled)
+        waits = view.abort.enabled
+        self.plan.setVisible(waits)
+        set_role(
+            self.send, "main", "false" if waits else "true"
+        )  # while a motion waits, the next press is Send now
