@@ -101,7 +101,7 @@ class PersonTarget:
         if not low <= period_s <= high:
             raise Refused(
                 Reason.BAD_VALUE,
-                f"The period is {period_s:g} s; {low:g} to {high:g} s is allowed.",
+                f"A period of {period_s:g} s is not possible: give {low:g} to {high:g} s.",
                 Detail(field="period_s", value=period_s, low=low, high=high, unit="s"),
             )
         self._walk, self._set = (TargetPath(path), start_s, period_s), None

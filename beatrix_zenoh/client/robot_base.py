@@ -254,7 +254,7 @@ class RobotWithRoom(RobotBase):
 
         `period_s` is the time (s) for once there and back, from 2 to 600. Raises Refused for another path or period.
         """
-        return self._ask_target(TargetQuery(path=path, period_s=checked_seconds("period_s", period_s)))
+        return self._ask_target(TargetQuery(path=path, period_s=checked_number("period_s", period_s, "s")))
 
     def _ask_target(self, query: TargetQuery | None) -> TargetReply:
         place = (self.name, "sim")

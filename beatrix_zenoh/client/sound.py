@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from beatrix_zenoh.bus import Reply
-from beatrix_zenoh.client.degrees import checked_wait
+from beatrix_zenoh.client.degrees import checked_number
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Arrival, Sample, Subscription
 from beatrix_zenoh.contract import codec
@@ -218,8 +218,8 @@ class Microphones(Subscription[Sound]):
             NoAnswer: TIMED_OUT, no block arrived for the time limit of the subscription, or blocks with impossible times.
             WrongUsage: BAD_VALUE, `seconds` is not above 0, or above LONGEST_S.
         """
-        if checked_wait("seconds", seconds) > LONGEST_S or seconds == 0:
-            text = f"seconds is {seconds:g}: listen returns more than 0 s, at most {LONGEST_S:g} s; for longer, iterate over robot.microphones()."
+        if not 0 < checked_number("seconds", seconds, "s") <= LONGEST_S:
+            text = f"seconds is {seconds:g}: give more than 0, at most {LONGEST_S:g} s; for longer, iterate over robot.microphones()."
             raise WrongUsage(Reason.BAD_VALUE, text)
         first = self.next()
         wanted = max(1, round(seconds * first.rate))
@@ -260,18 +260,24 @@ def mono(path: Path) -> bytes:
         wave.Error,
         RuntimeError,
     ) as error:  # RuntimeError: a chunk longer than the file
-        why = str(error) or "its header is damaged"
-        raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read as a WAV file: {why}.") from error
-    if rate < 1 or len(data) != frames * channels * width:
-        text = f"{path} ends before its sound does, or has a rate of {rate} Hz: save it again as a WAV file of 16 bits."
-        raise WrongUsage(Reason.BAD_VALUE, text)
-    if width != _SAMPLE or not frames or frames > SENT_S * rate:
-        text = f"{path} has {8 * width} bits and lasts {frames / rate:.1f} s: give a WAV file of 16 bits, at most {SENT_S:g} s."
-        raise WrongUsage(Reason.BAD_VALUE, text)
+        own = error.strerror if isinstance(error, OSError) else ""
+        raise _unusable(path, own or "it is no WAV file, or its header is damaged") from error
+    if not frames:
+        raise _unusable(path, "it contains no sound")
+    if len(data) != frames * channels * width:
+        raise _unusable(path, "it ends before its sound does")
+    if rate < 1 or width != _SAMPLE or frames > SENT_S * rate:
+        lasts = f" and lasts {frames / rate:.1f} s" if rate > 0 else ""
+        raise _unusable(path, f"it has {8 * width} bits at {rate} Hz{lasts}")
     one = np.frombuffer(data, "<i2").reshape(-1, channels).mean(axis=1)
     at = np.arange(round(frames * SENT_HZ / rate)) * (rate / SENT_HZ)
     samples: npt.NDArray[np.int16] = np.rint(np.interp(at, np.arange(frames), one)).astype("<i2")
     return samples.tobytes()
+
+
+def _unusable(path: Path, why: str) -> WrongUsage:
+    text = f"{path} cannot be played: {why}. Give a WAV file of 16 bits, at most {SENT_S:g} s long."
+    return WrongUsage(Reason.BAD_VALUE, text)
 
 
 def joined(blocks: list[Sound], wanted: int) -> Sound:

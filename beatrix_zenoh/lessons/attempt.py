@@ -126,13 +126,13 @@ class Attempt:
         try:
             reply = child.ask(request, PATIENCE * CALL_S)
         except NoReply as error:
-            raise _without_reply(error, f"Your function {function}", began_s, CALL_S) from None
+            raise _without_reply(error, began_s, CALL_S, "Your function", f" {function}") from None
         if "missing" in reply:
             found = reply["missing"]
             names = ", ".join(map(str, found)) if isinstance(found, list) and found else "none"
             raise Unmet("function", function=function, names=names)
         if "limit" in reply:
-            raise Unmet("ends", what=f"Your function {function}", limit=CALL_S)
+            raise Unmet("ends", what="Your function", name=f" {function}", limit=CALL_S)
         if "error" in reply:
             if NO_ROUTER in str(reply["error"]):
                 raise Unmet("calculates", function=function, where=self._where(reply))
@@ -154,9 +154,9 @@ class Attempt:
             try:
                 reply = child.reply(PATIENCE * IMPORT_S)
             except NoReply as error:
-                raise _without_reply(error, what, began_s, IMPORT_S) from None
+                raise _without_reply(error, began_s, IMPORT_S, what) from None
             if "limit" in reply:
-                raise Unmet("ends", what=what, limit=IMPORT_S)
+                raise Unmet("ends", what=what, name="", limit=IMPORT_S)
             if "error" in reply:
                 figure = _failure(reply, "import" if NO_ROUTER in str(reply["error"]) else "runs")
                 raise Unmet(figure, error=reply["error"], where=self._where(reply))
@@ -309,7 +309,7 @@ class Attempt:
             _watch(stage, POLL_S)
         if run.running:
             if seconds is None:
-                raise Unmet("ends", what="Your program", limit=limit_s)
+                raise Unmet("ends", what="Your program", name="", limit=limit_s)
         else:
             run.check()
             _watch(stage, TAIL_S)
@@ -321,13 +321,15 @@ def _watch(stage: Stage, seconds: float) -> None:
         watch.take()
 
 
-def _without_reply(error: NoReply, what: str, began_s: float, limit_s: float) -> Unmet | NotMeasurable:
+def _without_reply(
+    error: NoReply, began_s: float, limit_s: float, what: str, name: str = ""
+) -> Unmet | NotMeasurable:
     """Return what it means that the child process gave no answer to a request made at `began_s` (monotonic clock, s)."""
     if error.code is None:
-        return busy(f"{what} did not answer.")
+        return busy(f"{what}{name} did not answer.")
     if error.code == ALARM_CODE or time.monotonic() - began_s > SLOWER * limit_s:
-        return Unmet("ends", what=what, limit=limit_s)
-    return Unmet("runs", error=f"{what} has ended Python ({processes.in_words(error.code)})", where="")
+        return Unmet("ends", what=what, name=name, limit=limit_s)
+    return Unmet("runs", error=f"{what}{name} has ended Python ({processes.in_words(error.code)})", where="")
 
 
 def _failure(reply: dict[str, object], figure: str) -> str:

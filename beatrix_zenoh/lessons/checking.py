@@ -88,12 +88,13 @@ def verdict(lesson: Lesson, unmet: Unmet) -> Verdict:
     values = {
         name: value.tolist() if hasattr(value, "tolist") else value for name, value in unmet.values.items()
     }
+    said = {name: lesson.phrase(value) if isinstance(value, str) else value for name, value in values.items()}
     return Verdict(
         Result.NOT_YET,
         unmet.figure,
-        asked=figure.asked.format(**values),
-        found=figure.found.format(**values),
-        means=figure.means.format(**values),
+        asked=figure.asked.format(**said),
+        found=figure.found.format(**said),
+        means=figure.means.format(**said),
         hint=figure.hint,
         values=values,
     )

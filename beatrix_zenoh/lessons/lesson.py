@@ -38,6 +38,8 @@ class _Texts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     hints: list[str] = []
     figures: dict[str, FigureTexts] = {}
+    phrases: dict[str, str] = {}
+    """English phrases that checks insert into the sentences, in the language of the file"""
 
 
 class LessonFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -104,7 +106,14 @@ class Lesson:
         """Return what to say about a figure: of this lesson, or of every lesson."""
         if name in self._texts.figures:
             return self._texts.figures[name]
-        return _read(self._translated(LIBRARY / f"{GENERAL}.toml"), _Texts).figures[name]
+        return self._general().figures[name]
+
+    def phrase(self, text: str) -> str:
+        """Return a phrase that a check inserts into a sentence, in the language of this lesson; other texts unchanged."""
+        return self._general().phrases.get(text, text)
+
+    def _general(self) -> _Texts:
+        return _read(self._translated(LIBRARY / f"{GENERAL}.toml"), _Texts)
 
     def check(self) -> Callable[[Attempt], None]:
         """Return the function `check` of check.py."""

@@ -127,7 +127,8 @@ class SoundFile:
         try:
             self._samples = read(self._path)
         except (OSError, EOFError, wave.Error, ValueError, RuntimeError) as error:
-            why = str(error) or "its header is damaged"
+            own = isinstance(error, ValueError | OSError) and str(error)
+            why = own or "it is no WAV file, or its header is damaged"
             text = f"{self._path} cannot be played: {why}. Give a WAV file of 16 bits at {RATE} Hz, mono or stereo."
             raise NoAnswer(Reason.BAD_VALUE, text) from error
         self._at = 0
@@ -152,10 +153,15 @@ def read(path: Path) -> npt.NDArray[np.int16]:
     with wave.open(str(path)) as file:
         channels, width, rate, frames = file.getparams()[:4]
         if channels not in (1, 2) or width != 2 or rate != RATE:
-            raise ValueError(f"it has {channels} channels of {8 * width} bits at {rate} Hz")
+            raise ValueError(
+                f"it has {8 * width} bits, {rate} Hz and {channels} channel{'s' * (channels != 1)}"
+            )
         if not frames:
-            raise ValueError("it is empty")
+            raise ValueError("it contains no sound")
         if frames * channels * width > path.stat().st_size:
             raise ValueError("it ends before its sound does")
-        samples = np.frombuffer(file.readframes(frames), "<i2").reshape(-1, channels)
+        data = file.readframes(frames)
+        if len(data) != frames * channels * width:
+            raise ValueError("it ends before its sound does")
+        samples = np.frombuffer(data, "<i2").reshape(-1, channels)
     return np.broadcast_to(samples, (len(samples), 2)) if channels == 1 else samples

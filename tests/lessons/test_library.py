@@ -7,7 +7,7 @@ import re
 import pytest
 from lesson_checks import checked, of_lesson
 
-from beatrix_zenoh.lessons.checking import Result, Verdict
+from beatrix_zenoh.lessons.checking import Result, Verdict, verdict
 from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson, lessons
 from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.lessons.unmet import Unmet
@@ -43,6 +43,30 @@ def test_texts_are_complete(lesson: Lesson, language: str) -> None:
     for file in ("lesson.md", "teacher.md", "start.py", "solution.py", "lesson.toml"):
         assert (lesson.folder / file).is_file()
     assert 2 <= len(list((lesson.folder / "wrong").glob("*.py"))) <= 4
+
+
+@pytest.mark.parametrize(
+    ("unmet", "found"),
+    [
+        (Unmet("function", function="double", names="none"), "Funktionen der Datei: keine"),
+        (Unmet("function", function="double", names="twice"), "Funktionen der Datei: twice"),
+        (
+            Unmet("ends", what="Your function", name=" double", limit=2.0),
+            "Deine Funktion double war nach 2 s noch nicht fertig",
+        ),
+    ],
+)
+def test_a_check_in_german_inserts_no_english(unmet: Unmet, found: str) -> None:
+    assert verdict(Lesson(LIBRARY / "01-hello", "de"), unmet).found == found
+
+
+def test_phrases_of_checks_are_translated() -> None:
+    german = Lesson(LIBRARY / "01-hello", "de")
+    code = "".join((LIBRARY.parent / name).read_text(encoding="utf-8") for name in ("attempt.py", "bench.py"))
+    phrases = re.findall(r'(?:what|wanted)="([^"]+)"', code)
+    phrases += re.findall(r'wanted = "([^"]+)" if .* else "([^"]+)"', code)[0]
+    assert len(phrases) > 5
+    assert [phrase for phrase in phrases if german.phrase(phrase) == phrase] == []
 
 
 def test_an_unmet_figure_names_its_values() -> None:

@@ -42,7 +42,7 @@ def answer_to(
     [
         (b"1 2 3 4", "x y z"),
         (b"there", "no path 'there' for the person. Choose still, sway, circle"),
-        (b"sway 1", "2 to 600 s is allowed"),
+        (b"sway 1", "A period of 1 s is not possible: give 2 to 600 s"),
         (b"sway nan", "period_s"),
         (b'{"path": "sway", "x": 1}', "Give x, y and z (m), or a path"),
         (b'{"x": 1}', "Give x, y and z (m), or a path"),
