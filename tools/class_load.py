@@ -1,9 +1,11 @@
-"""One robot or one seat of a class under load, as a process; `bench_class_load.py` starts many.
+"""Some robots or seats of a class under load, in one process; `bench_class_load.py` starts several.
 
-`class_load.py robot WHERE KEY` publishes positions at 50 Hz until the end of its input.
-`class_load.py seat WHERE` subscribes to KEY for each line `KEY SECONDS` of its input, and prints the ages and the
-number of messages as JSON. WHERE is the file of an account, or the endpoint of a router of bare Zenoh. With bare Zenoh
-messages have the same length, but no fields.
+`class_load.py robot KEY WHERE KEY WHERE ...` publishes positions of each KEY at 50 Hz until the end of its input.
+`class_load.py seat KEY WHERE KEY WHERE ...` subscribes for each line `SECONDS` or `SECONDS KEY` of its input, each seat
+to its own KEY or to that of the line, and prints the ages and the number of messages as JSON. WHERE is the file of an
+account, or the endpoint of a router of bare Zenoh. With bare Zenoh messages have the same length, but no fields.
+
+Seats store messages as they arrive and read them at the end, as a monitor does with what no person looks at.
 """
 
 from __future__ import annotations
@@ -13,15 +15,16 @@ import select
 import struct
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 import zenoh
-from zenoh.handlers import Callback
 
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.keys import POSITIONS_HZ
 from beatrix_zenoh.contract._generated.messages import Head, Positions, Steps, Vector3
@@ -29,6 +32,7 @@ from beatrix_zenoh.contract.errors import Refused
 
 SETTLE_S: Final = 1.0
 """Time (s) from a subscription to the first message that counts."""
+Store = Callable[[str, bytes], None]
 STAMP: Final = struct.Struct("<qq")
 """Number and time (ns) at the beginning of a bare message."""
 
@@ -61,17 +65,15 @@ class Ours:
         publication, _ = self._bus.publication(key, codec.MSGPACK)
         return lambda number: publication.put(positions(number))
 
-    def subscribe(self, key: str, handle: Callable[[str, int, int], None]) -> Callable[[], object]:
-        """Pass key, number and time (ns) of messages to `handle`; return a function that ends the subscription."""
+    def subscribe(self, key: str, store: Store) -> Callable[[], object]:
+        """Pass key and payload of messages to `store`; return a function that ends the subscription."""
+        return self._bus.subscribe(key, lambda received: store(received.key, received.payload))
 
-        def receive(received: zbus.Received) -> None:
-            try:
-                message = codec.decode(received.payload, Positions)
-            except Refused:  # damaged, as happens on an overloaded computer: the message counts as lost
-                return
-            handle(received.key, message.seq, message.t_mono_ns)
-
-        return self._bus.subscribe(key, receive)
+    @staticmethod
+    def read(payload: bytes) -> tuple[int, int]:
+        """Return number and time (ns) of a message."""
+        message = codec.decode(payload, Positions)
+        return message.seq, message.t_mono_ns
 
     def close(self) -> None:
         """End the session."""
@@ -79,7 +81,7 @@ class Ours:
 
 
 class Bare:
-    """A session of Zenoh without BEATRIX."""
+    """A session of Zenoh without BEATRIX, except for its callbacks, which are three times as fast as Zenoh's own."""
 
     def __init__(self, endpoint: str) -> None:
         config = zenoh.Config()
@@ -95,71 +97,100 @@ class Bare:
         publisher = self._session.declare_publisher(key)
         return lambda number: publisher.put(STAMP.pack(number, time.monotonic_ns()) + self._rest)
 
-    def subscribe(self, key: str, handle: Callable[[str, int, int], None]) -> Callable[[], object]:
+    def subscribe(self, key: str, store: Store) -> Callable[[], object]:
         """Subscribe as `Ours.subscribe` does."""
 
         def receive(sample: zenoh.Sample) -> None:
-            handle(str(sample.key_expr), *STAMP.unpack_from(sample.payload.to_bytes()))
+            store(str(sample.key_expr), sample.payload.to_bytes())
 
-        return self._session.declare_subscriber(key, Callback(receive, indirect=False)).undeclare
+        return self._session.declare_subscriber(key, direct(receive)).undeclare
+
+    @staticmethod
+    def read(payload: bytes) -> tuple[int, int]:
+        """Return number and time (ns) of a message."""
+        number, sent_ns = STAMP.unpack_from(payload)
+        return number, sent_ns
 
     def close(self) -> None:
         """End the session."""
         self._session.close()
 
 
-def robot(session: Ours | Bare, key: str) -> None:
-    """Publish at 50 Hz until the end of the input."""
-    put = session.publish(key)
+def robots(publishing: list[tuple[str, Ours | Bare]]) -> None:
+    """Publish at 50 Hz for each robot, one after the other within each period, until the end of the input."""
+    puts = [session.publish(key) for key, session in publishing]
+    period_s = 1 / POSITIONS_HZ / len(puts)
     number, due_s = 0, time.monotonic()
     print("ready", flush=True)
     while not select.select([sys.stdin], [], [], max(0.0, due_s - time.monotonic()))[0]:
+        puts[number % len(puts)](number // len(puts) + 1)
         number += 1
-        put(number)
-        due_s += 1 / POSITIONS_HZ
+        due_s += period_s
 
 
-def seat(session: Ours | Bare) -> None:
-    """Subscribe for each line of the input; print ages (ms), number of messages sent, and number of robots as JSON."""
+def seats(subscribing: list[tuple[str, Ours | Bare]]) -> None:
+    """Subscribe for each line of the input; print ages (ms), numbers of messages sent and of robots seen as JSON."""
     print("ready", flush=True)
     for line in sys.stdin:
-        key, seconds = line.split()
-        ages: list[float] = []
-        first: dict[str, int] = {}
-        last: dict[str, int] = {}
+        seconds, *common = line.split()
+        stored: list[list[tuple[str, bytes, int]]] = [[] for _ in subscribing]
+
+        def store(key: str, payload: bytes, *, into: list[tuple[str, bytes, int]]) -> None:
+            into.append((key, payload, time.monotonic_ns()))
+
         begin_ns = time.monotonic_ns() + round(SETTLE_S * 1e9)
-        end_ns = begin_ns + round(float(seconds) * 1e9)
-
-        def handle(
-            key: str,
-            number: int,
-            sent_ns: int,
-            ages: list[float] = ages,
-            first: dict[str, int] = first,
-            last: dict[str, int] = last,
-            within: tuple[int, int] = (begin_ns, end_ns),
-        ) -> None:
-            if within[0] <= sent_ns < within[1]:
-                ages.append(round((time.monotonic_ns() - sent_ns) / 1e6, 3))
-                first.setdefault(key, number)
-                last[key] = number
-
-        end = session.subscribe(key, handle)
+        ends = [
+            session.subscribe(common[0] if common else key, partial(store, into=into))
+            for (key, session), into in zip(subscribing, stored, strict=True)
+        ]
         time.sleep(SETTLE_S + float(seconds) + SETTLE_S)
-        end()
-        sent = sum(last[robot] - first[robot] + 1 for robot in first)
-        print(json.dumps({"ages_ms": ages, "sent": sent, "robots": len(first)}), flush=True)
+        for end in ends:
+            end()
+        within = begin_ns, begin_ns + round(float(seconds) * 1e9)
+        found = [
+            summary(session.read, into, within)
+            for (_, session), into in zip(subscribing, stored, strict=True)
+        ]
+        print(json.dumps(found), flush=True)
+
+
+def summary(
+    read: Callable[[bytes], tuple[int, int]], stored: list[tuple[str, bytes, int]], within: tuple[int, int]
+) -> dict[str, object]:
+    """Return the ages (ms) of messages sent within two times (ns), and how many were sent by how many robots."""
+    ages: list[float] = []
+    first: dict[str, int] = {}
+    last: dict[str, int] = {}
+    for key, payload, came_ns in stored:
+        try:
+            number, sent_ns = read(payload)
+        except Refused:  # damaged, as happens on an overloaded computer: the message counts as lost
+            continue
+        if within[0] <= sent_ns < within[1]:
+            ages.append(round((came_ns - sent_ns) / 1e6, 3))
+            first.setdefault(key, number)
+            last[key] = number
+    sent = sum(last[robot] - first[robot] + 1 for robot in first)
+    return {"ages_ms": ages, "sent": sent, "robots": len(first)}
 
 
 def main() -> None:
-    """Run a robot or a seat."""
-    role, where = sys.argv[1:3]
-    session = Bare(where) if where.startswith("tcp/") else Ours(where)
+    """Run robots or seats."""
+    role, *pairs = sys.argv[1:]
+    sessions = [
+        (key, Bare(where) if where.startswith("tcp/") else Ours(where)) for key, where in batched(pairs)
+    ]
     if role == "robot":
-        robot(session, sys.argv[3])
+        robots(sessions)
     else:
-        seat(session)
-    session.close()
+        seats(sessions)
+    for _, session in sessions:
+        session.close()
+
+
+def batched(words: list[str]) -> Iterator[tuple[str, str]]:
+    """Yield the words in pairs."""
+    return zip(words[::2], words[1::2], strict=True)
 
 
 if __name__ == "__main__":
