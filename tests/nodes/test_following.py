@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 from following_lag import lag_s, largest_step_deg, series
 from late_tests import in_time
-from old_programs import Program
 from published import published_positions
 from robots import Stage, ask_raw, until, wait_status
 from shell import Shell
@@ -110,22 +109,6 @@ def checked_lag(hardware: list[Positions], simulation: list[Positions]) -> None:
     assert largest_step_deg(simulation) < 2.0, "at most 90 deg/s"
 
 
-@pytest.mark.long("a figure of make bench")
-@pytest.mark.measures_time
-def test_it_follows_raw_zenoh_queries_within_60_ms(both: Both) -> None:
-    client = both.stage.client()
-
-    def drive() -> None:
-        for target in ("0.8 0.8 0.8", "-0.5 -0.3 -0.1"):
-            replies = ask_raw(
-                client, keys.motion("bea", "hw", "ana"), f"{target} {math.radians(60)}".encode(), "text/plain"
-            )
-            assert b'"done"' in replies[-1].payload
-
-    checked_lag(*both.record(drive))
-    both.together()
-
-
 @pytest.mark.measures_time
 def test_it_follows_a_stream_of_targets_within_60_ms(both: Both) -> None:
     def drive() -> None:
@@ -136,25 +119,6 @@ def test_it_follows_a_stream_of_targets_within_60_ms(both: Both) -> None:
             pause.wait(0.02)
 
     checked_lag(*both.record(drive))
-
-
-@pytest.mark.long("a figure of make bench")
-@pytest.mark.measures_time
-def test_it_follows_a_program_of_2023_within_60_ms(both: Both) -> None:
-    wait_status(both.hw, lambda status: not status.holder, "free for the old program")
-    program = Program(both.terminal)
-
-    def drive() -> None:
-        program.say("@MOVRX 60 200")
-        until(lambda: program.x == 60, "the old program's motion")
-
-    try:
-        program.begin()
-        both.wait(FollowState.FOLLOWING)
-        checked_lag(*both.record(drive))
-    finally:
-        program.port.close()
-    both.together()
 
 
 def test_its_own_requests_are_refused_and_the_refusal_says_what_to_do(both: Both) -> None:

@@ -3,18 +3,9 @@
 from __future__ import annotations
 
 import bench_poses
-import pytest
 
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.contract._generated.serial import FrameType, Move
-
-
-@pytest.mark.no_cover  # tests/unit/test_plant.py covers the same code
-def test_the_robot_rests_at_random_poses_that_it_was_sent() -> None:
-    rest = bench_poses.random_poses(8, seed=7)
-    assert rest.arms_deg < 0.25
-    assert rest.head_deg < 0.02
-    assert rest.re_placed == 0
 
 
 def test_jumps_without_the_checks_of_the_node_never_leave_the_home_assembly() -> None:

@@ -281,11 +281,6 @@ class Stage:
         self._own_router = True
         self._router.end()
 
-    def restart_router(self) -> None:
-        """End the router and start it again."""
-        self.end_router()
-        self._router = start_router(self.endpoint)
-
     def __enter__(self) -> Self:
         return self
 
