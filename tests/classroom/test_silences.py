@@ -300,7 +300,7 @@ def test_the_window_reports_that_the_router_refuses_the_account(lesson: Lesson) 
         world = linked.until(lambda world: world.phase is LinkPhase.REFUSED, "the account is refused")
         banner = State().view(world).banner
         assert banner is not None
-        assert "refuses this window's account" in banner.text
+        assert "does not accept account ana of class 8b" in banner.text
         assert "refuses account ana of class 8b" in world.trouble
         linked.do(SendStop(1))
         assert linked.end_of(1).reason is Reason.ACCOUNT_REFUSED
