@@ -192,6 +192,3 @@ class Diagnostics:
         now_s = self._monotonic_s()
         recent = [text for at_s, text in list(self._warnings) if now_s - at_s < SHOWN_S]
         return [RESTARTED, *recent] if self._restarted else recent
-
-
-LOGGERS = ("beatrix_zenoh", "sim_node", "hw_node")

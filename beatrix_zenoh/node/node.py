@@ -17,13 +17,14 @@ from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import FrameType
 from beatrix_zenoh.legacy import Terminal
+from beatrix_zenoh.logs import LOGGERS
 from beatrix_zenoh.node import events
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.board_watch import BoardWatch, Observer
 from beatrix_zenoh.node.commands import CommandHandler
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.decisions import TeacherDecisions
-from beatrix_zenoh.node.events import LOGGERS, Diagnostics, NodeEvents
+from beatrix_zenoh.node.events import Diagnostics, NodeEvents
 from beatrix_zenoh.node.interfaces import Component, HardwareInterface, StatusFields
 from beatrix_zenoh.node.lease_queries import LeaseHandler
 from beatrix_zenoh.node.legacy_port import LegacyPort

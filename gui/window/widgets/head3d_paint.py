@@ -19,7 +19,7 @@ from gui.console.state.views import HeadOrientation, HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style
 from gui.window.widgets.head3d_drag import CROWN, EARS, FLOOR, NOSE, Part, on_screen, turned
-from gui.window.widgets.head3d_scene import Drawing, Screen, draw, hull
+from gui.window.widgets.head3d_scene import HeadDrawing, Screen, draw, hull
 from gui.window.widgets.head3d_shape import BASE, HEAD, Floats, meshes, turns
 
 GHOST: Final = 0.42
@@ -108,7 +108,7 @@ def paint_ghost(image: QImage, head: HeadOrientation, screen: Screen, style: Sty
         painter.end()
 
 
-def _drawing(head: HeadOrientation, screen: Screen, *, base: bool = True) -> Drawing:
+def _drawing(head: HeadOrientation, screen: Screen, *, base: bool = True) -> HeadDrawing:
     """Return the faces of a robot whose head has this orientation; without arms if no arms fit it."""
     shown = [mesh for mesh in meshes(_figure()) if base or mesh.body != BASE]
     rows = turned(head)
@@ -120,11 +120,11 @@ def _drawing(head: HeadOrientation, screen: Screen, *, base: bool = True) -> Dra
     return draw(tuple(shown), turns(_figure(), arms, rows), screen)
 
 
-def _tinted(drawing: Drawing, tint: QColor) -> Drawing:
+def _tinted(drawing: HeadDrawing, tint: QColor) -> HeadDrawing:
     parts = np.stack([drawing.colours >> shift & 255 for shift in (16, 8, 0)], axis=1)
     mixed = parts * (1 - TINT) + np.array([tint.red(), tint.green(), tint.blue()]) * TINT
     red, green, blue = (mixed.astype(np.int64) & 0xF8).T  # few colours, so that brushes are found again
-    return Drawing(drawing.corners, (red << 16) | (green << 8) | blue)
+    return HeadDrawing(drawing.corners, (red << 16) | (green << 8) | blue)
 
 
 @cache
@@ -141,7 +141,7 @@ def _polygon(points: Floats) -> QPolygonF:
     return polygon
 
 
-def _paint(painter: QPainter, drawing: Drawing) -> None:
+def _paint(painter: QPainter, drawing: HeadDrawing) -> None:
     painter.setPen(Qt.PenStyle.NoPen)
     corners, last = _polygon(drawing.corners.reshape(-1, 2)), -1
     for face, colour in enumerate(drawing.colours.tolist()):

@@ -76,7 +76,7 @@ class Screen:
 
 
 @dataclass(frozen=True)
-class Drawing:
+class HeadDrawing:
     """The visible faces of one robot, the furthest first."""
 
     corners: Floats
@@ -85,7 +85,7 @@ class Drawing:
     """(m), 0xRRGGBB"""
 
 
-def draw(meshes: tuple[Mesh, ...], turns: dict[str, Floats], screen: Screen) -> Drawing:
+def draw(meshes: tuple[Mesh, ...], turns: dict[str, Floats], screen: Screen) -> HeadDrawing:
     """Return the faces that are turned to the viewer, shaded.
 
     Args:
@@ -108,7 +108,7 @@ def draw(meshes: tuple[Mesh, ...], turns: dict[str, Floats], screen: Screen) -> 
     corners = np.concatenate(found)[order, :, :2]
     away = corners - corners.mean(axis=1, keepdims=True)
     length = np.maximum(np.hypot(away[..., 0], away[..., 1]), 1e-6)[..., None]
-    return Drawing(corners + away / length * OVERLAP_PX, np.concatenate(colours)[order])
+    return HeadDrawing(corners + away / length * OVERLAP_PX, np.concatenate(colours)[order])
 
 
 def _turned(vectors: Floats, rows: Floats) -> Floats:

@@ -17,8 +17,8 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.node.events import LOGGERS
 
+LOGGERS = ("beatrix_zenoh", "sim_node", "hw_node")
 CAPACITY = 10_000
 """Largest number of waiting records; further ones are dropped, because stderr may be a pipe that no program reads."""
 CLOSE_S = 1.0
