@@ -79,6 +79,11 @@ class Attempt:
     def __exit__(self, *_error: object) -> None:
         self._open.close()
 
+    @property
+    def program(self) -> Program:
+        """The pupil's program."""
+        return self._program
+
     @staticmethod
     def require(figure: str, met: bool, **values: object) -> None:  # noqa: FBT001 - reads as a sentence
         """End the check with this figure of hints.toml unless it is met; `values` fill its sentences."""

@@ -7,10 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar, cast
 
+import msgspec
 import numpy as np
 import pytest
 
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, Phase, Reason
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Phase, PoseQuery, Reason
 from beatrix_zenoh.lessons import attempt
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
 from beatrix_zenoh.lessons.lesson import find
@@ -136,3 +137,11 @@ def test_only_whole_shakes_to_both_sides_count(yaws: list[float], unmet: str) ->
 )
 def test_a_refusal_of_any_seat_of_the_program_counts(one: Event, unmet: str) -> None:
     assert figure(1, drawn([*NODS, *((yaw, 0.0, 0.0) for yaw in SHAKE * 2)], one)) == unmet
+
+
+def test_shakes_that_a_refusal_has_skipped_are_told_from_small_ones() -> None:
+    small = event(reason=Reason.OK)
+    small = msgspec.structs.replace(small, pose_query=PoseQuery(yaw=0.005))
+    assert figure(1, drawn(NODS, event())) == "skipped"
+    assert figure(1, drawn(NODS)) == "shakes"
+    assert figure(1, drawn([*NODS, (0.3, 0.0, 0.0)], small, event())) == "shakes"

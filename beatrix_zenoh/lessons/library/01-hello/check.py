@@ -1,9 +1,11 @@
 import numpy as np
 
+from beatrix_zenoh.contract._generated.messages import Event
 from beatrix_zenoh.lessons.attempt import Attempt
 from beatrix_zenoh.lessons.measures import swings
 
 NOD, SHAKE, STILL, HOME = 8, 20, 3, 0.5
+ASIDE = 5  # nods turn the head to the side by less (deg)
 NEARLY = 0.5  # the head stops within this angle (deg) of what was asked for
 
 
@@ -19,12 +21,19 @@ def check(attempt: Attempt) -> None:
     sides = np.sign(seen.yaw)[np.abs(seen.yaw) >= SHAKE - NEARLY]
     begins = sides[np.diff(sides, prepend=0.0) != 0]  # each time on a side counts once
     left, right = int((begins > 0).sum()), int((begins < 0).sum())
-    attempt.require(
-        "shakes", min(left, right) >= 2, left=left, right=right, largest=float(np.abs(seen.yaw).max())
-    )
+    largest = float(np.abs(seen.yaw).max())
+    asked = [event for _, event in seen.motions if event.phase == "accepted"]
+    refused = [event for event in asked if event.reason != "OK"]
+    skipped = bool(refused) and largest < ASIDE and not any(aside(event) for event in asked)
+    attempt.require("skipped", not skipped, largest=largest)
+    attempt.require("shakes", min(left, right) >= 2, left=left, right=right, largest=largest)
     rolled = np.abs(seen.roll).max()
     attempt.require("roll", rolled < STILL, rolled=rolled)
     left = np.abs(seen.head[-1]).max()
     attempt.require("home", left < HOME, left=left)
-    refused = [event for _, event in seen.motions if event.phase == "accepted" and event.reason != "OK"]
     attempt.require("refusal", len(refused) >= 1, count=len(refused))
+
+
+def aside(event: Event) -> bool:
+    """Return whether this request asks the head to look to a side."""
+    return event.pose_query is not None and event.pose_query.yaw != 0

@@ -22,7 +22,7 @@ def check(attempt: Attempt) -> None:
         steps = attempt.call("steps_for", degrees)
         attempt.require("whole", math.isfinite(steps) and steps == int(steps), degrees=degrees, steps=steps)
         away = abs(steps * STEP - degrees)
-        attempt.require("nearest", away <= STEP / 2, degrees=degrees, steps=steps, away=away)
+        attempt.require("nearest", away <= STEP / 2, degrees=degrees, steps=steps, exact=degrees / STEP)
     degrees = attempt.call("degrees_for", 116)
     attempt.require("back", abs(degrees - 116 * STEP) < 0.01, value=degrees)
     seen = attempt.observe()

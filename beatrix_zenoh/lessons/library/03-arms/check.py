@@ -31,9 +31,10 @@ def check(attempt: Attempt) -> None:
             )
     short, middle, long = attempt.call_array("arms_for_nod", NOD_DEG, shape=(3,)).tolist()
     yaw, pitch, roll = head((short, middle, long))
-    straight = max(abs(yaw), abs(roll)) <= STRAIGHT_DEG
     arms = f"{short:g}, {middle:g}, {long:g}"
-    attempt.require("nod", straight, arms=arms, yaw=yaw, pitch=pitch, roll=roll)
+    values = {"arms": arms, "yaw": yaw, "pitch": pitch, "roll": roll}
+    attempt.require("nod", abs(yaw) <= STRAIGHT_DEG, **values)
+    attempt.require("leans", abs(roll) <= STRAIGHT_DEG, **values)
     attempt.require("size", abs(pitch - NOD_DEG) <= STRAIGHT_DEG, arms=arms, pitch=pitch)
     seen = attempt.observe()
     pure = (abs(seen.yaw) <= STRAIGHT_DEG) & (abs(seen.roll) <= STRAIGHT_DEG)

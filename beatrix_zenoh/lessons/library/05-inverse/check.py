@@ -65,7 +65,9 @@ def check(attempt: Attempt) -> None:
         off = said - true_arms
         wrapped = (off + 180) % 360 - 180
         near = np.abs(wrapped).max() <= INVERSE_DEG
-        attempt.require("inverse", bool(near), pose=listed(pose), off=float(np.abs(wrapped).max()))
+        attempt.require(
+            "inverse", bool(near), pose=listed(pose), said=listed(said, 2), true=listed(true_arms, 2)
+        )
         attempt.require(
             "wrapped", bool(np.abs(off).max() < 180), pose=listed(pose), off=float(np.abs(off).max())
         )

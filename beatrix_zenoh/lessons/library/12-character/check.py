@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import ast
+import re
+
 import numpy as np
 
-from beatrix_zenoh.lessons.attempt import Attempt, Seen
+from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
 from beatrix_zenoh.lessons.measures import Curve
 
 FASTEST = 40.0
@@ -13,16 +16,27 @@ FASTEST = 40.0
 Measured in steps of 0.1 s, in which an arm takes whole microsteps: 5 % more are not counted.
 """
 PAUSE_S = 0.4
+"""Half a second, less what the arms need to come to rest."""
 STILL = 1.5
 """An arm that turns more slowly (deg/s) rests."""
 ALIKE = 5.0
 """Figures whose angles differ by less (deg) are the same."""
+WRONG_LINE = re.compile(r"Wrong\w+: .*?line (?P<line>\d+): (?P<error>.*?\.)( docs/|$)")
+"""The error of a scene with a line that cannot be used."""
 AXES = ("yaw", "pitch", "roll")
 
 
 def check(attempt: Attempt) -> None:
     """Require a scene of 10 to 30 s with three figures, all axes, no hurry, and home at its end."""
-    seen = attempt.observe()
+    try:
+        seen = attempt.observe()
+    except Unmet as unmet:
+        wrong = WRONG_LINE.match(str(unmet.values.get("error", "")))
+        place = (
+            attempt.program.place(first_line(attempt.program.text) + int(wrong["line"]) - 1) if wrong else ""
+        )
+        attempt.require("scene", not wrong, place=place, error=wrong and wrong["error"])
+        raise
     parts = figures(seen)
     attempt.require("moves", bool(parts))
     length = float(seen.t[parts[-1].stop - 1] - seen.t[parts[0].start])
@@ -38,6 +52,12 @@ def check(attempt: Attempt) -> None:
     attempt.require("home", left <= 0.5, left=left)
     lost = float(np.abs(seen.arms - seen.commanded)[-1].max())
     attempt.require("steps", lost <= 0.3, lost=lost)
+
+
+def first_line(text: str) -> int:
+    """Return the line of the program in which the text of the scene begins."""
+    strings = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Constant)]
+    return next((node.lineno for node in strings if "t_s" in str(node.value)), 1)
 
 
 def figures(seen: Seen) -> list[slice]:
