@@ -43,8 +43,8 @@ IMPORT_S = 10.0
 """Longest processor time (s) of the import of a pupil's file."""
 PATIENCE = 15.0
 """After this many times its limit without an answer, it is the computer that is slow."""
-OWN_ERROR = re.compile(r"\w*Error\b")
-"""Errors of Python, such as NameError, which no busy computer causes; those of robots have other names."""
+OWN_ERROR = re.compile(r"(\w*Error|WrongUsage)\b")
+"""Errors that no busy computer causes: those of Python, such as NameError, and values that no robot was asked for."""
 TAIL_S = 0.4
 """Time (s) that is observed after the end of the program."""
 NO_ROUTER = "tcp/127.0.0.1:1"
@@ -71,6 +71,10 @@ class Attempt:
         self._file = program.path
         self.doubt = ""
         """why a figure that is not met may be the fault of this computer; empty: it was fast enough"""
+        self.used_s = 0.0
+        """processor time (s) of the last call of a function"""
+        self.cores = 0.0
+        """part of a core that the last observed program has used; 0 if the system does not tell"""
 
     def __enter__(self) -> Self:
         self._file = self._program.file(self._open.enter_context(scratch()))
@@ -146,6 +150,7 @@ class Attempt:
             raise Unmet(_failure(reply, "runs"), error=reply["error"], where=where)
         if "odd" in reply:
             raise Unmet("returns", function=function, value=reply["odd"], wanted="numbers")
+        self.used_s = float(str(reply["used_s"]))
         return reply["value"]
 
     def _child(self) -> LineChild:
@@ -250,9 +255,13 @@ class Attempt:
         robots: Sequence[str] = ("bea",),
         seconds: float | None = None,
         during: Callable[[Stage], None] | None = None,
+        within_s: float | None = None,
         robot_file: Path | None = None,
     ) -> dict[str, Seen]:
-        """As `observe`; return what each robot did, by name."""
+        """As `observe`; return what each robot did, by name.
+
+        With `within_s` the program must end so soon (s) after `during`, whatever time it has had before.
+        """
         self.doubt = ""
         with ExitStack() as running:
             stage = self._given
@@ -274,23 +283,13 @@ class Attempt:
                 "BEATRIX_WHO": PUPIL,
             }
             run = Run(self._file, self._program, environment)
-            running.callback(run.close)
+            running.callback(self._close, run)
             if during is not None:
-                try:
-                    during(stage)
-                except (Unmet, BeatrixError):
-                    if not run.running:
-                        run.check()  # the program's own error is the cause
-                    raise
-            try:
-                self._wait(run, stage, seconds)
-            except Unmet as unmet:
-                if unmet.figure == "ends":
-                    self._judge_endless(stage, run)
-                    self.doubt = ""  # short gaps do not make a program endless
-                elif unmet.figure in ("runs", "uncaught") and not OWN_ERROR.match(str(unmet.values["error"])):
-                    self._judge(stage, run)  # the robot may have stopped because this computer was busy
-                raise
+                self._let(during, run, stage)
+            limit_s = self._limit_s if seconds is None else seconds
+            if within_s is not None:
+                limit_s = run.seconds + within_s
+            self._finish(run, stage, limit_s, ends=seconds is None)
             return self._judge(stage, run)
 
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
@@ -299,21 +298,52 @@ class Attempt:
         self.doubt = next((seen.doubt for seen in found.values() if seen.doubt), "")
         return found
 
-    def _judge_endless(self, stage: Stage, run: Run) -> None:
+    @staticmethod
+    def _let(during: Callable[[Stage], None], run: Run, stage: Stage) -> None:
+        """Call `during`; its errors give way to that of the program, if there is one."""
+        try:
+            during(stage)
+        except (Unmet, BeatrixError) as error:
+            if not run.running:
+                run.check()
+                if isinstance(error, Unmet):
+                    error.ended = True
+            raise
+
+    def _finish(self, run: Run, stage: Stage, limit_s: float, *, ends: bool) -> None:
+        """As `_wait`, and judge first whether this computer was fast enough for its errors."""
+        try:
+            self._wait(run, stage, limit_s, ends=ends)
+        except Unmet as unmet:
+            if unmet.figure == "ends":
+                unmet.values |= _pace(self._judge_endless(stage, run))
+                self.doubt = ""  # short gaps do not make a program endless
+            elif unmet.figure in ("runs", "uncaught") and not OWN_ERROR.match(str(unmet.values["error"])):
+                self._judge(stage, run)  # the robot may have stopped because this computer was busy
+            raise
+
+    def _close(self, run: Run) -> None:
+        run.close()
+        self.cores = run.cores
+
+    def _judge_endless(self, stage: Stage, run: Run) -> dict[str, Seen]:
         """As `_judge`, for a program that did not end."""
         try:
-            self._judge(stage, run)
+            return self._judge(stage, run)
         except NotMeasurable as why:
             limit = f"{self._limit_s:.0f} s"
             raise NotMeasurable(f"{why} (It did not end within {limit}: is there a `while True`?)") from None
 
-    def _wait(self, run: Run, stage: Stage, seconds: float | None) -> None:
-        """Wait for the end of the program, or end it after `seconds`, and keep what the robots publish meanwhile."""
-        limit_s = self._limit_s if seconds is None else seconds
+    @staticmethod
+    def _wait(run: Run, stage: Stage, limit_s: float, *, ends: bool) -> None:
+        """Wait for the end of the program, and keep what the robots publish meanwhile.
+
+        Raises Unmet, `ends`, if the program must end (`ends`) and still runs `limit_s` (s) after its start.
+        """
         while run.running and run.seconds < limit_s:
             _watch(stage, POLL_S)
         if run.running:
-            if seconds is None:
+            if ends:
                 raise Unmet("ends", what="Your program", name="", limit=limit_s)
         else:
             run.check()
@@ -324,6 +354,20 @@ def _watch(stage: Stage, seconds: float) -> None:
     time.sleep(seconds)
     for watch in stage.watches.values():
         watch.take()
+
+
+def _pace(seen: dict[str, Seen]) -> dict[str, object]:
+    """Return how many motions a program has asked for, and how much time (s) was between two of them."""
+    asked = [
+        (at_s, event.count)
+        for one in seen.values()
+        for at_s, event in one.motions
+        if event.phase == "accepted"
+    ]
+    count = sum(number for _, number in asked)
+    times = [at_s for at_s, _ in asked]
+    every_s = (max(times) - min(times)) / (count - 1) if count > 1 else 0.0
+    return {"count": count, "every": every_s}
 
 
 def _without_reply(

@@ -16,6 +16,10 @@ from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
 
 CHANGED = "{file} was saved while it was checked, so it is not known which program has run. Check it again."
 
+BUSY_CORES = 0.5
+"""A program that uses a larger part of a core keeps the computer busy itself."""
+OWN_SHARE = " Your program itself used {cores:.1f} of a core: does a loop run without `time.sleep`, or calculate for long?"
+
 
 class Result(Enum):
     """What came of a check; the values are its exit codes."""
@@ -59,15 +63,20 @@ def check(
             lesson.check()(attempt)
     except Unmet as unmet:
         if attempt.doubt:
-            return Verdict(Result.NOT_MEASURABLE, means=str(busy(attempt.doubt)))
+            return Verdict(Result.NOT_MEASURABLE, means=str(busy(attempt.doubt)) + own_share(attempt))
         return verdict(lesson, unmet)
     except NotMeasurable as why:
-        return Verdict(Result.NOT_MEASURABLE, means=str(why))
+        return Verdict(Result.NOT_MEASURABLE, means=str(why) + own_share(attempt))
     except BeatrixError as error:
         return Verdict(Result.NOT_MEASURABLE, means=f"The check itself could not go on. {error}")
     if program.changed():
         return Verdict(Result.NOT_MEASURABLE, means=CHANGED.format(file=program.path.name))
     return Verdict(Result.PASSED)
+
+
+def own_share(attempt: Attempt) -> str:
+    """Return what to add if the program itself has kept the computer busy."""
+    return OWN_SHARE.format(cores=attempt.cores) if attempt.cores > BUSY_CORES else ""
 
 
 def count(record: Record, verdict: Verdict, program: Program) -> None:

@@ -81,12 +81,14 @@ def call(module: ModuleType, path: Path, name: str, arguments: list[object]) -> 
             key for key, value in vars(module).items() if getattr(value, "__module__", "") == module.__name__
         ]
         return {"missing": own}
+    began_s = time.process_time()
     try:
         value = function(*arguments)
     except BaseException as error:  # noqa: BLE001 - as in `load`
         return failed(error, path)
+    used_s = time.process_time() - began_s
     try:
-        return {"value": plain(value)}
+        return {"value": plain(value), "used_s": used_s}
     except TypeError:
         return {"odd": repr(value)[:ODD]}
 

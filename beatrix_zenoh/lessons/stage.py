@@ -80,17 +80,26 @@ class RobotWatch:
         self._seen: list[Positions] = []
         self._factors: list[float] = []
         self._happened: list[Event] = []
+        self._counts = True
 
     def take(self) -> None:
         """Keep what has arrived since the last call."""
+        if not self._counts:
+            return
         self._seen += self._positions.take()
         self._happened += self._events.take()
         self._factors += [status.plant.real_time_factor for status in self._status.take() if status.plant]
 
     def begin(self) -> None:
         """Forget what has been seen so far."""
+        self._counts = True
         self.take()
         self._seen, self._factors, self._happened = [], [], []
+
+    def pause(self) -> None:
+        """Keep what has been seen so far, and nothing that comes after it."""
+        self.take()
+        self._counts = False
 
     def end(self, began_ns: int, output: list[str]) -> Seen:
         """Return what was seen since `begin`; times count from `began_ns` (monotonic clock).
@@ -179,6 +188,15 @@ class Stage:
         name = name or self.names[0]
         client = self._running.enter_context(Client(Settings(name, self.endpoint, who)))
         return Robot(name, "sim", client=client, timeout_s=ANSWER_S)
+
+    @contextmanager
+    def counting(self) -> Iterator[None]:
+        """Let only what the robots do during this block count, and only gaps in it; without it, the whole run counts."""
+        for watch in self.watches.values():
+            watch.begin()
+        yield
+        for watch in self.watches.values():
+            watch.pause()
 
     @contextmanager
     def recorded(self, path: Path) -> Iterator[None]:

@@ -9,6 +9,8 @@ class Unmet(Exception):
     def __init__(self, figure: str, **values: object) -> None:
         super().__init__(figure)
         self.figure, self.values = figure, values
+        self.ended = False
+        """whether the program had ended by itself before"""
 
 
 class NotMeasurable(Exception):

@@ -65,7 +65,7 @@ def figure(number: int, seen: Seen) -> str:
 class EndlessRun:
     """A program that does not end."""
 
-    running, seconds, began_ns = True, 99.0, 0
+    running, seconds, began_ns, cores = True, 99.0, 0, 0.0
     output: ClassVar[list[str]] = []
 
     def __init__(self, *_arguments: object) -> None: ...

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from beatrix_zenoh.lessons.attempt import Attempt
+from beatrix_zenoh.lessons.attempt import Attempt, Unmet
 from beatrix_zenoh.lessons.measures import Curve
 
 ALIASES = (
@@ -21,6 +21,8 @@ ALIASES = (
 RESPONSES = ((1.0, 0.54, 0.30), (0.25, 0.98, 0.07), (2.0, 0.18, 0.24), (2.0, 0.18, 0.45))
 """Frequency (Hz), gain and lag (s) of made-up measurements."""
 SIZE = 10.0
+MANY = 20
+"""A program that has sent so many targets, and has not ended, waits for its motions."""
 
 
 def check(attempt: Attempt) -> None:
@@ -40,7 +42,12 @@ def check(attempt: Attempt) -> None:
         ahead = (found_lag + lag + 0.5 / frequency) % (1 / frequency) - 0.5 / frequency
         attempt.require("ahead", abs(off) < 0.02 or abs(ahead) > 0.02, found=1000 * found_lag, lag=1000 * lag)
         attempt.require("lag", abs(off) < 0.02, frequency=frequency, found=1000 * found_lag, lag=1000 * lag)
-    seen = attempt.observe()
+    try:
+        seen = attempt.observe()
+    except Unmet as unmet:
+        waits = unmet.figure == "ends" and int(str(unmet.values["count"])) >= MANY
+        attempt.require("waits", not waits, **unmet.values)
+        raise
     slow, fast = size(seen.t, seen.yaw, 0.25, 8.0), size(seen.t, seen.yaw, 2.0, 2.5)
     attempt.require("far", slow / SIZE < 1.05, found=slow)
     attempt.require("slow", slow / SIZE > 0.95, found=slow, gain=slow / SIZE)

@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Stage, Unmet
 from beatrix_zenoh.lessons.measures import at, rms
 
@@ -14,6 +15,12 @@ NEAR = 2.0
 PATIENT_S = 8.0
 POSES = ((20, 0, 0), (-20, 10, 5), (0, -8, -5), (0, 0, 0))
 SPEED = 30.0
+END_OF_PROGRAM_S = 2.0
+"""Time in which a program that gives up ends."""
+END_S = 10.0
+"""Time in which the program must end after STOP."""
+WHEN = {"mirrors": "before the leader had moved", "taken": "while the teacher held bea2"}
+"""When a program had ended by itself, by the figure that was not met then."""
 TIMES = ([0, 0.02, 0.04, 0.06, 0.08, 0.1], [3 + 0.02 * i for i in range(26)], [0, 0.5], [7, 8, 9.5, 10])
 
 
@@ -22,8 +29,15 @@ def check(attempt: Attempt) -> None:
         asked, found = (len(times) - 1) / (times[-1] - times[0]), attempt.call("rate", times)
         attempt.require("rate", abs(found / asked - 1) < 0.01, count=len(times), asked=asked, found=found)
     marks: dict[str, float] = {}
-    seen = attempt.observe_all(robots=(LEADER, FOLLOWER), during=lambda stage: play(stage, marks))
-    lag, off = delay(seen[LEADER], seen[FOLLOWER], marks["begin"], marks["end"])
+    try:
+        seen = attempt.observe_all(
+            robots=(LEADER, FOLLOWER), during=lambda stage: play(stage, marks), within_s=END_S
+        )
+    except Unmet as unmet:
+        attempt.require("gone", not unmet.ended, when=WHEN.get(unmet.figure, ""))
+        attempt.require("goes_on", unmet.figure != "ends", **marks, seconds=END_S)
+        raise
+    lag, off = delay(seen[LEADER], seen[FOLLOWER])
     attempt.require("late", lag < 0.3, lag=1000 * lag)
     attempt.require("shape", off < 3, off=off)
     attempt.require("both", marks["moved"] < 0.5, moved=marks["moved"])
@@ -31,26 +45,31 @@ def check(attempt: Attempt) -> None:
 
 def play(stage: Stage, marks: dict[str, float]) -> None:
     """Be the conductor who moves the leader, the teacher who takes the follower, and the guest who presses STOP."""
-    start = time.monotonic()
     leader, follower = stage.robot(LEADER, "conductor"), stage.robot(FOLLOWER, "conductor")
     leader.look(15, 6, 4)
     wait_for_image(leader, follower, "mirrors")
-    marks["begin"] = time.monotonic() - start
-    for pose in POSES:
-        leader.look(*pose, speed=SPEED)
-    time.sleep(0.5)
-    marks["end"] = time.monotonic() - start
+    with stage.counting():
+        for pose in POSES:
+            leader.look(*pose, speed=SPEED)
+        time.sleep(0.5)
     with stage.robot(FOLLOWER, "teacher").lease():
-        leader.look(-15, 0, 0)
+        try:
+            leader.look(-15, 0, 0)
+        except BeatrixError as error:  # the program has pressed STOP
+            time.sleep(END_OF_PROGRAM_S)
+            raise Unmet("taken", asked="yaw 15, pitch 0, roll 0", found=str(error)) from error
         time.sleep(1.0)
     wait_for_image(leader, follower, "taken")
     leader.look(60, 0, 0, speed=12, wait=False)
     time.sleep(1.0)
-    stage.robot(FOLLOWER, "guest").stop()
-    time.sleep(1.0)
-    before = leader.positions().head.yaw
-    time.sleep(0.5)
-    marks["moved"] = abs(leader.positions().head.yaw - before)
+    guest = stage.robot(FOLLOWER, "guest")
+    with guest.events() as events:
+        guest.stop()
+        time.sleep(1.0)
+        before = leader.positions().head.yaw
+        time.sleep(0.5)
+        marks["moved"] = abs(leader.positions().head.yaw - before)
+        marks["refused"] = sum(event.count for event in events.take() if event.reason == "STOPPED")
     if marks["moved"] >= 0.5:
         leader.stop()
 
@@ -70,16 +89,12 @@ def text(head) -> str:
     return "yaw {:.0f}, pitch {:.0f}, roll {:.0f}".format(*head)
 
 
-def delay(leader: Seen, follower: Seen, begin: float, end: float) -> tuple[float, float]:
+def delay(leader: Seen, follower: Seen) -> tuple[float, float]:
     """Return how late the follower is (s), and how far off then (deg, root mean square of the worst angle)."""
-    inside = (follower.t >= begin) & (follower.t <= end)
     best = (0.0, np.inf)
     for lag in np.arange(0.0, 2.0, 0.02):
         off = max(
-            rms(
-                SIGNS[i] * at(leader.t, leader.head[:, i], follower.t[inside] - lag)
-                - follower.head[inside, i]
-            )
+            rms(SIGNS[i] * at(leader.t, leader.head[:, i], follower.t - lag) - follower.head[:, i])
             for i in range(3)
         )
         if off < best[1]:
