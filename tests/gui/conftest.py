@@ -82,7 +82,12 @@ def stage(bea: Stage) -> Iterator[Stage]:
 @pytest.fixture(scope="module")
 def robots(stage: Stage) -> dict[str, Robot]:
     """Both robots, through another client with the window's seat."""
-    return {side: ready(stage.robot("bea", side)) for side in ("sim", "hw")}
+    found = {side: stage.robot("bea", side) for side in ("sim", "hw")}
+    for robot in found.values():
+        robot.stop()
+        robot.disable()  # the file before may have left it calibrated and away from home
+        ready(robot)
+    return found
 
 
 @pytest.fixture

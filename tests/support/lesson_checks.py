@@ -13,8 +13,8 @@ from beatrix_zenoh.lessons.lesson import Lesson
 from beatrix_zenoh.lessons.stage import Stage
 
 BUSY_TRIES = 2
-ALWAYS = ("01-", "02-", "11-")
-"""Lessons that `make test` checks: one observes a robot, one also calls functions, one has two robots."""
+ALWAYS = ("01-", "02-")
+"""Lessons that `make test` checks: one observes a robot, one also calls functions."""
 
 
 def of_lesson(value: object, lesson: str, name: str) -> ParameterSet:
