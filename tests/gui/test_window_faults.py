@@ -58,7 +58,7 @@ class Gaps:
 
     def check(self) -> None:
         """Assert that the window's timer was not blocked."""
-        assert len(self._ticks) > 5
+        assert len(self._ticks) > 1
         assert longest(self._ticks) < GAP_S + 2 * self.busy_s, f"this computer: {self.busy_s:.3f} s"
 
 

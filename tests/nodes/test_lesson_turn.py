@@ -192,4 +192,4 @@ def test_the_killed_verb_leaves_no_motion_and_a_free_robot(free: Shell, tmp_path
         killed.send_signal(signal.SIGKILL)
         killed.wait()
         until(lambda: robot.status().holder == "", "the robot is free", 15.0)
-        assert not robot.status().moving
+        until(lambda: not robot.status().moving, "its arms have braked", 1.0)
