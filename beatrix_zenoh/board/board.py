@@ -36,9 +36,10 @@ REPLY_S: Final = wire.REPLY_TIMEOUT / 1000
 class Board:
     """A board on a port that may be unplugged and plugged in again.
 
-    `on_telemetry` is called for the newest TELEMETRY that has arrived, after `sample` has been set; `on_link` when the board is connected or
-    lost; `on_text` for every line and warning of the text port, with the seq of its frame. All callbacks run on the
-    board's own thread, never on the thread that calls `request`. They must be quick and must not call the board.
+    `on_telemetry` is called for the newest TELEMETRY that has arrived, after `sample` has been set; `on_link` when the
+    board is connected or lost; `on_text` for every line and warning of the text port, with the seq of its frame. All
+    callbacks run on the board's own thread, never on the thread that calls `request`. They must be quick and must not
+    call the board.
 
     Telemetry from before a motion may arrive after the acknowledgement of the motion: wait for newer telemetry with
     `wait_for`.
