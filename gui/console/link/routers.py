@@ -18,6 +18,7 @@ from beatrix_zenoh.settings import Settings
 from gui.console.link.connection import Connection
 from gui.console.link.worker import Worker
 from gui.console.state.actions import JoinClass, UseEndpoint
+from gui.console.state.connecting import refusal
 from gui.console.state.world import LinkPhase, OwnAccount, Trouble
 
 
@@ -115,11 +116,8 @@ def _refusal(settings: Settings) -> BeatrixError | None:
 
 
 def _trouble(error: BeatrixError, settings: Settings) -> Trouble:
-    slots, account = {"endpoint": settings.connect}, settings.account
+    endpoint, account = settings.connect, settings.account
     if error.reason is Reason.NO_ROUTER:
-        return Trouble("connect.unanswered", detail=error.message, slots=slots)
-    if account is None:
-        return Trouble("connect.needs_account", detail=error.message, slots=slots)
-    own = own_account(account)
-    slots |= {"account": own.name, "class": own.class_name, "expires": own.expires}
-    return Trouble("connect.expired" if own.expired else "connect.foreign", detail=error.message, slots=slots)
+        return Trouble("connect.unanswered", detail=error.message, slots={"endpoint": endpoint})
+    key, slots = refusal(endpoint, None if account is None else own_account(account))
+    return Trouble(key, detail=error.message, slots=slots)

@@ -20,7 +20,7 @@ from gui.console.state.intents import Intent, Retry, StartSimulation
 from gui.console.state.memory import Memory
 from gui.console.state.presence import online
 from gui.console.state.views import ButtonView, ConnectView, RouterView
-from gui.console.state.world import LinkPhase, UsbPort, World
+from gui.console.state.world import LinkPhase, OwnAccount, UsbPort, World
 from gui.console.texts import Texts
 
 VIRTUAL: Final = "virtual:"
@@ -130,13 +130,17 @@ def _router_state(world: World, texts: Texts) -> tuple[str, bool | None]:
 
 def refused(world: World, texts: Texts) -> str:
     """Return why the router does not accept this window, and what to do."""
-    account = world.account
+    key, slots = refusal(world.endpoint, world.account)
+    return texts(key, **slots)
+
+
+def refusal(endpoint: str, account: OwnAccount | None) -> tuple[str, dict[str, str]]:
+    """Return the key and the slots of the text why the router at an endpoint does not accept an account, or none."""
+    slots = {"endpoint": endpoint}
     if account is None:
-        return texts("connect.needs_account", endpoint=world.endpoint)
-    slots = {"account": account.name, "class": account.class_name, "expires": account.expires}
-    return texts(
-        "connect.expired" if account.expired else "connect.foreign", endpoint=world.endpoint, **slots
-    )
+        return "connect.needs_account", slots
+    slots |= {"account": account.name, "class": account.class_name, "expires": account.expires}
+    return "connect.expired" if account.expired else "connect.foreign", slots
 
 
 def completed(address: str) -> str:
