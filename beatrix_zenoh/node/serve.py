@@ -82,7 +82,9 @@ def serve(
 
         def open_node(name: str, clock: Schedule | None, publishing: Schedule | None) -> Node:
             node = _open(Sessions(sessions), build(name, clock), name, robot, legacy, publishing)
-            _begin(node, legacy, ready=ready)
+            if ready:
+                node.make_ready()
+            _announce(node, legacy)
             return node
 
         try:
@@ -143,20 +145,13 @@ def _serve_several(names: Sequence[str], open_node: Callable[[str, Robots], Node
     return code
 
 
-def _begin(node: Node, legacy: Path | None, *, ready: bool) -> None:
-    """Make the robot ready if this is wanted, then print that the node serves; close a node for which this fails."""
-    with ExitStack() as undo:
-        undo.callback(node.close)
-        if ready:
-            node.make_ready()
-        link = node.board.link
-        without = (
-            "" if link.connected else " (unusable firmware)" if link.contract_differs else " (no board yet)"
-        )
-        print(f"ready {node.alive_key}{without}", flush=True)
-        if legacy is not None:
-            print(f"Old programs open {legacy.absolute()}.", file=sys.stderr, flush=True)
-        undo.pop_all()
+def _announce(node: Node, legacy: Path | None) -> None:
+    """Print that the node serves, with or without a board, and the path for programs of 2023."""
+    link = node.board.link
+    without = "" if link.connected else " (unusable firmware)" if link.contract_differs else " (no board yet)"
+    print(f"ready {node.alive_key}{without}", flush=True)
+    if legacy is not None:
+        print(f"Old programs open {legacy.absolute()}.", file=sys.stderr, flush=True)
 
 
 def _open(
