@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import threading
 import time
 from collections.abc import Callable
 from typing import Final
@@ -31,6 +32,8 @@ class Publication:
         self._matching = False
         self._read_s = float("-inf")
         """Time (s, monotonic) at which `_matching` was read; -inf: read it again."""
+        self._reading = threading.Lock()
+        """Held while Zenoh is asked: a thread that a change has woken must not get the answer from before."""
 
     def declare(self, session: zenoh.Session) -> zenoh.Publisher:
         """Declare the publisher on a session, in place of the publisher of an earlier session."""
@@ -59,11 +62,12 @@ class Publication:
     @property
     def subscribed(self) -> bool:
         """Whether any client subscribes to this publication."""
-        now_s = time.monotonic()
-        if now_s - self._read_s > MATCHING_S:
-            self._read_s = now_s  # before the call, because a change may be reported during it
-            self._matching = bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
-        return self._matching
+        with self._reading:
+            now_s = time.monotonic()
+            if now_s - self._read_s > MATCHING_S:
+                self._read_s = now_s  # before the call, because a change may be reported during it
+                self._matching = bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
+            return self._matching
 
     def put(self, payload: bytes, attachment: bytes | None = None) -> None:
         """Publish; Zenoh drops the message for a subscriber that cannot keep up."""
