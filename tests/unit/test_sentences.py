@@ -161,7 +161,8 @@ def key_of(refusal: BeatrixError) -> tuple[Reason, Limit | None, str]:
 
 def numbers(text: str) -> list[float]:
     """Return the numbers of a sentence in any language, in ascending order."""
-    return sorted(float(found.replace(",", ".")) for found in re.findall(r"-?\d+(?:[.,]\d+)?", text))
+    plain = text.replace(texts.MINUS, "-")
+    return sorted(float(found.replace(",", ".")) for found in re.findall(r"-?\d+(?:[.,]\d+)?", plain))
 
 
 def fields(template: str) -> set[str]:

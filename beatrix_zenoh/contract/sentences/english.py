@@ -24,6 +24,7 @@ _WAY = "The goal is allowed, but on the way "
 
 ENGLISH: Final = Language(
     decimal=".",
+    minus="-",
     conjunction=" and ",
     arms={"short": "short", "middle": "middle", "long": "long"},
     commands={"RESET": "reset", "ENABLE": "enable", "CALIBRATE": "calibrate"},

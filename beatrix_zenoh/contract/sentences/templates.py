@@ -27,6 +27,8 @@ class Language(NamedTuple):
 
     decimal: str
     """decimal sign"""
+    minus: str
+    """sign of negative numbers"""
     conjunction: str
     """word before the last entry of a list"""
     arms: Mapping[str, str]
@@ -125,7 +127,7 @@ def _list(words: Sequence[str], language: Language) -> str:
 
 
 def _decimal(text: str, language: Language) -> str:
-    return text.replace(".", language.decimal)
+    return text.replace(".", language.decimal).replace("-", language.minus)
 
 
 def in_unit(value: float, unit: str) -> float:

@@ -87,8 +87,8 @@ def read(action: Play) -> Choreography | motion_file.MotionFile:
                 Reason.BAD_VALUE,
                 "result.too_large",
                 file=str(action.file),
-                size=f"{size / 1e6:.1f}",
-                allowed=f"{LARGEST_BYTES / 1e6:.1f}",
+                size=size / 1e6,
+                allowed=LARGEST_BYTES / 1e6,
             )
         found = motion_file.read(action.file)
         return choreography.choreography(found) if found.with_speed else found

@@ -15,7 +15,7 @@ NO_ROBOT = "No robot is online."
 class WindowError(Interrupted):
     """A failure of the window itself: a text of the faces, by its key, says why."""
 
-    def __init__(self, reason: Reason, key: str, detail: Detail | None = None, **slots: str) -> None:
+    def __init__(self, reason: Reason, key: str, detail: Detail | None = None, **slots: str | float) -> None:
         """Take the arguments of every `BeatrixError`: the SDK makes a copy with further lines in its message."""
         super().__init__(reason, key, detail)
         self.key, self.slots = key.partition("\n")[0], slots

@@ -277,7 +277,7 @@ class Outcome:
     """a refusal as data, for the sentence in another language"""
     key: str = ""
     """a text of the faces that says why, for a failure of the window itself; empty: reason and detail say it"""
-    slots: Mapping[str, str] = field(default_factory=dict)
+    slots: Mapping[str, str | float] = field(default_factory=dict)
     duration_s: float = 0.0
     """expected duration of an accepted motion, or measured duration of one that has ended (s)"""
     robots: int = 0

@@ -99,7 +99,7 @@ class Refusal:
     control: str
     key: str = ""
     """a text of the faces, for a refusal of the window itself; empty: a robot has refused"""
-    slots: Mapping[str, str] = field(default_factory=dict)
+    slots: Mapping[str, str | float] = field(default_factory=dict)
     reason: Reason = Reason.OK
     message: str = ""
     detail: Detail | None = None
@@ -230,7 +230,7 @@ class Memory:
         """Replace the row of the same number."""
         self.rows = tuple(changed if row.number == changed.number else row for row in self.rows)
 
-    def refuse(self, control: str, key: str, **slots: str) -> list[Action]:
+    def refuse(self, control: str, key: str, **slots: str | float) -> list[Action]:
         """Show why nothing was sent; return an empty list of actions."""
         self.refusal = Refusal(control, key, slots)
         return []

@@ -250,7 +250,7 @@ def _refuse_short(memory: Memory, start: ArmAngles, limits: timing.Pace, *, loop
     """Return whether a pose cannot be reached in its duration; if so, show the first one."""
     short = timing.too_short(memory.poses, start, limits, loop=loop)
     for number, least_s in short.items():
-        memory.refuse(CONTROL, "cannot.too_short", name=memory.poses[number].name, shortest=f"{least_s:.1f}")
+        memory.refuse(CONTROL, "cannot.too_short", name=memory.poses[number].name, shortest=float(least_s))
         return True
     return False
 

@@ -21,6 +21,8 @@ from beatrix_zenoh.contract.sentences.templates import Key, Language
 LANGUAGES: Final = ("en", "de")
 """ISO 639-1 codes."""
 DEFAULT_LANGUAGE: Final = "en"
+MINUS: Final = "−"
+"""U+2212, as wide as the plus sign; commands and programs have a hyphen, because they are copied."""
 
 
 @cache
@@ -32,8 +34,8 @@ def load(code: str) -> tuple[Mapping[str, str], Language]:
     refusals = table.pop("refusals")
     by_key = {_key(name): text for name, text in refusals.pop("sentences").items()}
     if code == DEFAULT_LANGUAGE:
-        return table, ENGLISH._replace(refusals={**ENGLISH.refusals, **by_key})
-    return table, Language(table["decimal"], refusals=by_key, **refusals)
+        return table, ENGLISH._replace(minus=MINUS, refusals={**ENGLISH.refusals, **by_key})
+    return table, Language(table["decimal"], MINUS, refusals=by_key, **refusals)
 
 
 def _key(name: str) -> Key:
@@ -43,8 +45,17 @@ def _key(name: str) -> Key:
     return Reason[reason], limit, " ".join(words)
 
 
-class _WithComma(float):
-    """A number that is formatted with a decimal comma."""
+class _WithPoint(float):
+    """A number that is formatted with a minus sign instead of a hyphen."""
+
+    __slots__ = ()
+
+    def __format__(self, format_spec: str) -> str:
+        return super().__format__(format_spec).replace("-", MINUS)
+
+
+class _WithComma(_WithPoint):
+    """A number that is also formatted with a decimal comma."""
 
     __slots__ = ()
 
@@ -59,16 +70,14 @@ class Texts:
         """Choose a language by its code; raises KeyError if there is no such language."""
         self.code = code
         self._templates, self._refusals = load(code)
-        self._comma = self._templates["decimal"] == ","
+        self._number = _WithComma if self._templates["decimal"] == "," else _WithPoint
 
     def __call__(self, key: str, **slots: str | float) -> str:
         """Return the text of a key with its slots filled in; raises KeyError for an unknown key or a missing slot."""
-        if self._comma:
-            slots = {
-                name: _WithComma(value) if isinstance(value, float) else value
-                for name, value in slots.items()
-            }
-        return self._templates[key].format_map(slots)
+        shown = {
+            name: self._number(value) if isinstance(value, float) else value for name, value in slots.items()
+        }
+        return self._templates[key].format_map(shown)
 
     def refusal(self, reason: Reason, detail: Detail | None) -> str:
         """Return the sentence of a refusal."""

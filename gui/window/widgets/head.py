@@ -15,7 +15,7 @@ from gui.window.widgets.head_pad import HeadPad
 AXES = ("yaw", "pitch", "roll")
 COLUMNS = {"target": "title", "sim": "sim", "hw": "hw"}
 """Columns of the numbers, with their roles."""
-WIDEST = "-88.8°"
+WIDEST = "−88.8°"
 SYMBOLS = {"target": "○", "sim": "+", "hw": "■"}
 """The markers of the pad."""
 

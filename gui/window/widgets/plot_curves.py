@@ -125,7 +125,7 @@ class Curves(QWidget):
         return strings
 
     def _number(self, value: float, key: str) -> str:
-        return self._texts(key, value=round(value, 6) + 0.0).replace("-", "−")
+        return self._texts(key, value=round(value, 6) + 0.0)
 
     def _time_at(self, point: QPoint) -> float:
         scene: QPointF = self.area.mapToScene(point)

@@ -305,9 +305,7 @@ class PlotsPanel(FilePanel):
         for curves in self.plots.values():
             curves.read(self._cursor_s)
         at_s = self._cursor_s
-        set_text(
-            self.bar.time, "" if at_s is None else self._texts("plot.time", seconds=at_s).replace("-", "−")
-        )
+        set_text(self.bar.time, "" if at_s is None else self._texts("plot.time", seconds=at_s))
 
     def _choose(self) -> None:
         """Show the chosen plots; the lowest one has the labels of the time."""
