@@ -12,13 +12,12 @@ from gui_worlds import status, world
 from msgspec import structs
 
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason
-from gui.console.state import intents, projector
+from gui.console.state import intents
 from gui.console.state.actions import Govern, Outcome, SendStop, WatchCameras, WatchClass
 from gui.console.state.intents import GovernClass, Intent, LimitClass, MuteSeat, Stop, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import ClassView, Condition
 from gui.console.state.world import LinkPhase, World
-from gui.console.texts import Texts
 
 TEACHER = class_world()
 PLACE = ("bea2", "hw")
@@ -232,25 +231,3 @@ def test_requests_of_the_teacher_are_in_the_history_of_students() -> None:
     now = replace(now, sim=replace(now.sim, events=(frozen, changed)))
     (row,) = State().view(now).history
     assert (row.who, row.what, row.result) == ("teacher", "freeze", "done")
-
-
-def test_the_projector_shows_whose_turn_it_is() -> None:
-    first, *others = TEACHER.robots
-    assert first.status is not None
-    waiting = ("ben", "cleo", "dora", "eva", "finn")
-    robots = (replace(first, status=structs.replace(first.status, turn_s=43, waiting=waiting)), *others)
-    shown = projector.view(replace(TEACHER, robots=robots, pupils={"ben": "Ben (3)"}), Texts("en"))
-    moving = shown.rows[0]
-    assert (moving.driver, moving.left, moving.state) == ("ana", "43 s left", "")
-    assert moving.waiting == "Next: Ben (3), cleo, dora and 2 more"
-    frozen = next(row for row in shown.rows if row.frozen)
-    assert (frozen.driver, frozen.state) == ("dora", "frozen")
-    assert shown.rows[-1].driver == "", "a silent robot names no driver"
-    assert shown.empty == ""
-    assert "beatrix stop" in shown.stop
-
-
-def test_the_projector_says_why_it_shows_no_robot() -> None:
-    lost = replace(TEACHER, phase=LinkPhase.NO_ROUTER, robots=())
-    assert "no router answers" in projector.view(lost, Texts("en")).empty.lower()
-    assert projector.view(replace(TEACHER, robots=()), Texts("de")).empty

@@ -182,6 +182,29 @@ def full_class() -> World:
     )
 
 
+def turns(count: int, *, long: bool = False) -> World:
+    """Return the world of a teacher with robots of which some are free, frozen or off; with `long` names, too."""
+    robots = []
+    for number in range(count):
+        queue = tuple(PUPILS[(number + 1 + place) % len(PUPILS)] for place in range(number % 6))
+        holder = "" if number % 7 == 5 else PUPILS[number]
+        side = "sim" if number % 4 == 3 else "hw"
+        known = status(
+            side,
+            holder=holder,
+            lease=number + 1,
+            waiting=queue,
+            turn_s=43 if queue else 0,
+            frozen=number % 5 == 3,
+            enabled=number % 9 != 6,
+        )
+        name = f"robot-of-the-third-row-window-{number + 1:02}" if long else f"bea{number + 1}"
+        robots.append(replace(robot(side, known=known), robot=name))
+    family = "Maximiliane Schulze-Hohenstein" if long else "Müller"
+    pupils = {seat: f"{seat.capitalize()} {family} ({seat})" for seat in PUPILS}
+    return replace(ready(), seat="teacher", robots=tuple(robots), seats=PUPILS, pupils=pupils)
+
+
 def example(state: str, theme: Theme, language: str) -> View:
     """Return the view of one of STATES."""
     now = ready()

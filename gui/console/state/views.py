@@ -384,7 +384,8 @@ class ProjectorRowView:
     """One robot as a projector shows it; a field without a text is empty."""
 
     robot: str
-    """name and side"""
+    side: str
+    """in parentheses; empty: all robots of the class are on the same side"""
     driver: str
     """the seat that drives, or that the robot is free; empty: the robot is silent"""
     left: str
@@ -393,7 +394,6 @@ class ProjectorRowView:
     """the next seats of the queue"""
     state: str
     """why the robot does not move: frozen, silent, motors off, ..."""
-    frozen: bool
 
 
 @dataclass(frozen=True)
@@ -401,6 +401,10 @@ class ProjectorView:
     """Whose turn it is, legible from the last row of a class."""
 
     rows: tuple[ProjectorRowView, ...]
+    columns: int
+    """robots side by side"""
+    lines: int
+    """robots below each other"""
     empty: str
     """what to do if there is no row; else empty"""
     stop: str

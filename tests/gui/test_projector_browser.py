@@ -1,0 +1,128 @@
+"""The page for a projector in a real browser: sizes, long names, both languages."""
+
+from __future__ import annotations
+
+import http.server
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+from browser import Browser
+from gui_views import turns
+
+from gui.console.state import projector
+from gui.console.texts import LANGUAGES, Texts
+from gui.page.server import STATIC
+
+pytestmark = pytest.mark.long("a real browser")
+CONNECTION = b"""
+export function connect(receive) { window.receive = receive; }
+export function send() {}
+export function trouble() { return ""; }
+"""
+"""Takes the place of the web socket: the test gives the views to the page."""
+TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
+MEASURED = """[...document.querySelectorAll("#turns li")].map((item) => ({
+  box: item.getBoundingClientRect().toJSON(),
+  parts: [...item.querySelectorAll(".robot, .side, .state, .left, .driver, .next")].filter((part) => part.textContent)
+    .map((part) => ({ kind: part.className, text: part.textContent, box: part.getBoundingClientRect().toJSON(),
+      px: parseFloat(getComputedStyle(part).fontSize), wide: part.scrollWidth - part.clientWidth,
+      over: part.scrollHeight > part.clientHeight + parseFloat(getComputedStyle(part).fontSize) / 2 })),
+}))"""
+
+
+class Files(http.server.BaseHTTPRequestHandler):
+    """The files of the page."""
+
+    def do_GET(self) -> None:
+        path = STATIC / ("class.html" if self.path == "/class" else Path(self.path).name)
+        self.send_response(200)
+        self.send_header("Content-Type", TYPES[path.suffix])
+        self.end_headers()
+        self.wfile.write(CONNECTION if path.name == "connection.js" else path.read_bytes())
+
+    def log_message(self, *_: object) -> None:
+        """Print nothing."""
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Files) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        try:
+            with Browser(tmp_path_factory.mktemp("browser")) as browser:
+                browser.open(f"http://127.0.0.1:{server.server_port}/class")
+                yield browser
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+def show(
+    page: Browser, count: int, size: tuple[int, int], language: str, *, long: bool
+) -> list[dict[str, Any]]:
+    """Return the robots with the places, sizes and texts of their parts."""
+    page.resize(*size)
+    view = {"language": language, "projector": projector.view(turns(count, long=long), Texts(language))}
+    page.run(f"receive({msgspec.json.encode(view).decode()})")
+    measured: list[dict[str, Any]] = page.run(MEASURED)
+    assert len(measured) == count
+    return measured
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("size", [(1366, 768), (1920, 1080), (1024, 768)])
+@pytest.mark.parametrize("count", [1, 3, 8, 30])
+def test_robots_fill_the_screen_and_no_text_leaves_its_robot(
+    page: Browser, count: int, size: tuple[int, int], language: str
+) -> None:
+    robots = show(page, count, size, language, long=True)
+    for robot in robots:
+        for part in robot["parts"]:
+            assert inside(part["box"], robot["box"]), part
+            assert part["wide"] <= 1, part
+            assert not part["over"], part
+    assert page.run("document.documentElement.scrollHeight") <= size[1]
+    assert page.run("document.documentElement.scrollWidth") <= size[0]
+    assert robots[-1]["box"]["bottom"] > 0.9 * size[1], "no empty space below"
+    assert inside(page.run("document.querySelector('#hint').getBoundingClientRect().toJSON()"), whole(size))
+    assert page.errors() == []
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+@pytest.mark.parametrize("size", [(1366, 768), (1920, 1080)])
+def test_names_of_up_to_four_robots_have_six_hundredths_of_the_height(
+    page: Browser, count: int, size: tuple[int, int]
+) -> None:
+    for robot in show(page, count, size, "de", long=False):
+        shown = {part["kind"]: part for part in robot["parts"]}
+        for kind in {"robot", "driver", "next"} & set(shown):
+            assert shown[kind]["px"] >= 0.06 * size[1], shown[kind]
+
+
+def test_names_that_begin_alike_differ_on_the_screen(page: Browser) -> None:
+    for count in (4, 8, 30):
+        robots = show(page, count, (1366, 768), "en", long=True)
+        names = [part["text"] for robot in robots for part in robot["parts"] if part["kind"] == "robot"]
+        assert len({name[-1] for name in names[:4]}) == 4
+        drivers = [part["text"] for robot in robots for part in robot["parts"] if part["kind"] == "driver"]
+        assert all(driver.endswith(")") for driver in drivers if driver != "free"), "the seat is shown"
+
+
+def inside(box: dict[str, float], outer: dict[str, float]) -> bool:
+    """Return whether a rectangle lies inside another one."""
+    return (
+        box["left"] >= outer["left"] - 1
+        and box["right"] <= outer["right"] + 1
+        and box["top"] >= outer["top"] - 1
+        and box["bottom"] <= outer["bottom"] + 1
+    )
+
+
+def whole(size: tuple[int, int]) -> dict[str, float]:
+    """Return the rectangle of the screen."""
+    return {"left": 0, "top": 0, "right": size[0], "bottom": size[1]}
