@@ -109,7 +109,6 @@ def test_two_seconds_after_rest_the_robot_is_free_and_this_is_published_at_once(
 ) -> None:
     other = body.robot("ben")
     statuses, positions = published_statuses(robot), published_positions(robot)
-    regular(statuses)
     robot.look(yaw=2, speed=30)
     moves = statuses.next(lambda status: status.moving)
     assert moves.holder == "ana"

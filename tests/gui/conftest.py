@@ -80,14 +80,19 @@ def stage(bea: Stage) -> Iterator[Stage]:
 
 
 @pytest.fixture(scope="module")
-def robots(stage: Stage) -> dict[str, Robot]:
-    """Both robots, through another client with the window's seat."""
-    found = {side: stage.robot("bea", side) for side in ("sim", "hw")}
-    for robot in found.values():
+def calibrated(stage: Stage) -> None:
+    """Calibrate both robots where they are: the file before may have left them away from home."""
+    for robot in (stage.robot("bea", side) for side in ("sim", "hw")):
         robot.stop()
-        robot.disable()  # the file before may have left it calibrated and away from home
+        robot.disable()
         ready(robot)
-    return found
+
+
+@pytest.fixture
+def robots(stage: Stage, calibrated: None) -> Iterator[dict[str, Robot]]:
+    """Both robots, through new sessions of the window's seat, which need not pause after an earlier STOP of the seat."""
+    yield {side: stage.robot("bea", side) for side in ("sim", "hw")}
+    stage.close_clients()
 
 
 @pytest.fixture
@@ -104,7 +109,7 @@ def hw(robots: dict[str, Robot]) -> Robot:
 def user(stage: Stage, robots: dict[str, Robot], qtbot: QtBot) -> Iterator[Windowed]:
     """A window connected to two robots that are ready and at home; both are checked, without lead, at 80 deg/s."""
     for robot in robots.values():
-        until(lambda robot=robot: is_at_rest(robot), "the pause after STOP has ended")  # type: ignore[misc]
+        until(lambda robot=robot: is_at_rest(robot), "the arms rest, and a pause has ended")  # type: ignore[misc]
         robot.make_ready()
         if robot.positions().commanded != HOME:
             robot.move(*HOME, speed=80)
@@ -115,8 +120,9 @@ def user(stage: Stage, robots: dict[str, Robot], qtbot: QtBot) -> Iterator[Windo
 
 
 def is_at_rest(robot: Robot) -> bool:
-    """Return whether the arms rest, and the pause after a STOP of another session has ended."""
+    """Return whether the arms rest, and the pause after a STOP of another seat has ended."""
     if robot.status().moving:
         return False  # the STOP of a window that closes may not be stored as an event yet
-    stops_ns = [event.t_wall_ns for event in robot.past_events() if event.kind == EventKind.STOP]
-    return time.time_ns() - max(stops_ns, default=0) > QUIET_S * 1e9
+    stops = [event for event in robot.past_events() if event.kind == EventKind.STOP]
+    others_ns = [event.t_wall_ns for event in stops if event.seat != robot.client.settings.who]
+    return time.time_ns() - max(others_ns, default=0) > QUIET_S * 1e9

@@ -73,10 +73,10 @@ def test_signals_end_a_recording_of_a_motion_with_its_summary(
     free: Shell, tmp_path: Path, number: signal.Signals, *, background: bool
 ) -> None:
     path = tmp_path / "mine.csv"
-    free.good("home", "--on", "hw", "--who", "cleo")
+    free.good("home", "--on", "hw")
     record = free.start("record", "--motion", str(path), "--on", "hw", background=background)
     until(path.exists, "it records", 10.0)
-    free.good("look", "--yaw", "8", "--speed", "40", "--on", "hw", "--who", "cleo")
+    free.good("look", "--yaw", "8", "--speed", "40", "--on", "hw")
     until(lambda: ended_at(path) == pytest.approx((8, 0, 0), abs=0.2), "the motion is in the file", 10.0)
     record.send_signal(number)
     output, _ = record.communicate(timeout=END_S)

@@ -15,16 +15,16 @@ from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, 
 
 
 def test_a_robot_is_held_until_ctrl_c(free: Shell) -> None:
-    holder = free.start("lease", "take", "--on", "hw", "--who", "cleo")
+    holder = free.start("lease", "take", "--on", "hw")
     with free.robot("hw") as robot:
-        until(lambda: robot.status().lease != 0, "cleo has taken it")
+        until(lambda: robot.status().lease != 0, "ana has taken it")
         refused = free.run("look", "--yaw", "5", "--on", "hw", "--who", "dora")
-        assert (refused.returncode, "cleo has taken this robot" in refused.stderr) == (1, True)
-        assert "cleo has taken it." in free.good("ls")
-        free.good("look", "--yaw", "2", "--on", "hw", "--who", "cleo")
+        assert (refused.returncode, "ana has taken this robot" in refused.stderr) == (1, True)
+        assert "ana has taken it." in free.good("ls")
+        free.good("look", "--yaw", "2", "--on", "hw")
         holder.send_signal(signal.SIGINT)
         output, _ = holder.communicate(timeout=10)
-        assert "held by cleo" in output
+        assert "held by ana" in output
         until(lambda: not robot.status().lease, "given back")
 
 

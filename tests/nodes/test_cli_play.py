@@ -35,12 +35,13 @@ def steps(robot: Robot) -> Steps:
     return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s).steps
 
 
-# A seat that was stopped by Ctrl-C must pause, so each of these tests has its own seat.
-
 # -- lead ---------------------------------------------------------------------------------------
 
 
 def test_look_with_a_lead_counts_down_and_reports_the_lag(free: Shell) -> None:
+    free.good(
+        "home", "--on", "both"
+    )  # another file may have left a robot at this goal, which then does not begin
     done = free.run("look", "--yaw", "8", "--speed", "60", "--on", "both", "--lead", "2", "--json")
     assert done.returncode == 0, done.stderr
     lines = [line for line in done.stderr.splitlines() if "moves in" in line]
@@ -56,12 +57,10 @@ def test_look_with_a_lead_counts_down_and_reports_the_lag(free: Shell) -> None:
 
 
 def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved_and_reports_it(free: Shell) -> None:
-    free.good("home", "--on", "both", "--who", "ben")
+    free.good("home", "--on", "both")
     with free.robot("hw") as hardware, free.robot("sim") as simulation:
         before = steps(hardware)
-        look = free.start(
-            "look", "--yaw", "60", "--speed", "30", "--on", "both", "--who", "ben", "--lead", "20"
-        )
+        look = free.start("look", "--yaw", "60", "--speed", "30", "--on", "both", "--lead", "20")
         until(lambda: simulation.positions().commanded.short > 2, "the simulation moves", 10.0)
         look.send_signal(signal.SIGINT)
         output, _ = look.communicate(timeout=END_S)
@@ -122,11 +121,11 @@ def test_play_of_a_bad_file_names_the_line(tmp_path: Path) -> None:
 
 
 def test_ctrl_c_stops_a_choreography_on_both_robots(free: Shell, tmp_path: Path) -> None:
-    free.good("home", "--on", "both", "--who", "dana")
+    free.good("home", "--on", "both")
     path = tmp_path / "long.csv"
     path.write_text(MINE.replace("0,8,0", "100,0,0").replace("60", "20"), encoding="utf-8")
     with free.robot("hw") as hardware, free.robot("sim") as simulation:
-        play = free.start("play", str(path), "--on", "both", "--who", "dana")
+        play = free.start("play", str(path), "--on", "both")
         until(lambda: hardware.positions().commanded.short > 2, "the hardware moves", 10.0)
         play.send_signal(signal.SIGINT)
         output, _ = play.communicate(timeout=END_S)

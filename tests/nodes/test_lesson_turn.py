@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from robots import until
-from shell import CLI, NAME, Shell
+from shell import CLI, NAME, Shell, wait_until_free
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -18,6 +18,8 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons import program, progress, turns
 from beatrix_zenoh.settings import Settings
 
+SEAT = "cleo"
+"""The seat of all programs."""
 LOOKS = """
 from beatrix_zenoh import Robot
 with Robot() as robot, robot.lease():
@@ -51,6 +53,12 @@ with Robot() as robot:
 """
 
 
+@pytest.fixture
+def free(shell: Shell) -> Shell:
+    wait_until_free(shell, SEAT)
+    return shell
+
+
 def written(folder: Path, text: str) -> program.Program:
     path = folder / "start.py"
     path.write_text(text)
@@ -58,7 +66,7 @@ def written(folder: Path, text: str) -> program.Program:
 
 
 def take(free: Shell, made: program.Program, *, endless: bool = False) -> None:
-    turns.take_turn(made, Settings(NAME, free.endpoint, "cleo"), "hw", 5.0, endless=endless)
+    turns.take_turn(made, Settings(NAME, free.endpoint, SEAT), "hw", 5.0, endless=endless)
 
 
 def home(robot: Robot) -> bool:
@@ -120,7 +128,7 @@ def test_a_program_that_was_saved_while_its_seat_waited_gets_no_turn(free: Shell
 
 def test_a_seat_has_one_turn_at_a_time(free: Shell, tmp_path: Path) -> None:
     with (
-        Robot(NAME, "hw", connect=free.endpoint, who="cleo") as robot,
+        Robot(NAME, "hw", connect=free.endpoint, who=SEAT) as robot,
         robot.lease(),
         pytest.raises(Refused, match=r"Your seat, cleo, has taken .* already"),
     ):
@@ -183,7 +191,7 @@ def test_the_killed_verb_leaves_no_motion_and_a_free_robot(free: Shell, tmp_path
     space = progress.workspace(tmp_path)
     space.record("01-hello").passed = [made.sha256]
     space.save()
-    words = (sys.executable, *CLI, "lesson", "turn", "1", "--who", "cleo", "--name", NAME)
+    words = (sys.executable, *CLI, "lesson", "turn", "1", "--who", SEAT, "--name", NAME)
     killed = subprocess.Popen(words, cwd=tmp_path, env=free.environment())
     with free.robot("hw") as robot:
         until(

@@ -14,6 +14,7 @@ from robots import EVENT_S
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.bus import Received
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Positions, Status
@@ -28,6 +29,7 @@ class Published(Generic[M]):
 
     def __init__(self, robot: Robot, key: str, kind: type[M]) -> None:
         self.all: list[M] = []
+        self.robot = robot
         self._kind = kind
         self._read_count = 0
         self._changed = threading.Condition()
@@ -63,9 +65,9 @@ def published_positions(robot: Robot) -> Published[Positions]:
 
 
 def published_statuses(robot: Robot) -> Published[Status]:
-    """Subscribe to the statuses of a robot; return when the first has arrived."""
+    """Subscribe to the statuses of a robot; return when the subscription has reached the robot."""
     statuses = Published(robot, keys.status(robot.name, robot.side), Status)
-    statuses.next()
+    published_positions(robot)  # a later subscription of the same session, and positions are more frequent
     return statuses
 
 
@@ -85,9 +87,13 @@ def regular(statuses: Published[Status]) -> Status:
 
     The next periodic publication is due a second later, so a change must have caused an earlier one.
     """
-    before = statuses.next()
+    robot = statuses.robot
+    before = ask(
+        robot.client, robot.place, keys.status(robot.name, robot.side), None, Status, robot.timeout_s
+    )
     while True:
         status = statuses.next()
-        if status.holder == "" and without_clocks(status) == without_clocks(before):
+        if without_clocks(status) != without_clocks(before):
+            before = status
+        elif status.holder == "" and status.t_mono_ns - before.t_mono_ns > AT_ONCE_S * 1e9:
             return status
-        before = status

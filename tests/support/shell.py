@@ -139,14 +139,20 @@ def another(shell: Shell, name: str) -> Iterator[Node]:
         node.close()
 
 
-def wait_until_free(shell: Shell) -> None:
-    """Wait until no seat holds the robots and the pause of a stopped seat has ended."""
+def wait_until_free(shell: Shell, seat: str = "ana") -> None:
+    """Wait until new programs of a seat may move the robots; other seats wait for the end of its lease."""
     with shell.robot("hw") as hardware, shell.robot("sim") as simulation:
-        until(lambda: is_free(hardware) and is_free(simulation), "both are free", 10.0)
+        until(
+            lambda: is_free(hardware, seat) and is_free(simulation, seat), f"both are free for {seat}", 10.0
+        )
 
 
-def is_free(robot: Robot) -> bool:
-    """Return whether a robot has no holder, and had neither a motion nor STOP in the last QUIET_S seconds."""
-    kinds = (EventKind.MOTION, EventKind.STOP)
-    last_ns = max((event.t_wall_ns for event in robot.past_events() if event.kind in kinds), default=0)
-    return not robot.status().holder and time.time_ns() - last_ns > QUIET_S * 1e9
+def is_free(robot: Robot, seat: str) -> bool:
+    """Return whether the arms rest, no other seat holds the robot, and the pause after another seat's STOP has ended.
+
+    A seat's own STOP pauses no program that it starts later.
+    """
+    status = robot.status()
+    stops = (event for event in robot.past_events() if event.kind is EventKind.STOP and event.seat != seat)
+    last_ns = max((event.t_wall_ns for event in stops), default=0)
+    return not status.moving and status.holder in ("", seat) and time.time_ns() - last_ns > QUIET_S * 1e9
