@@ -52,8 +52,11 @@ def turn(
             f"`beatrix lesson check {number}` checks it.",
         )
     with signals_interrupt():
-        turns.take_turn(program, resolve(name, connect, who), on.value, wait, endless=found.about.endless)
-    say("Your turn is over: the head is home, and the robot is free for the next seat.")
+        home = turns.take_turn(
+            program, resolve(name, connect, who), on.value, wait, endless=found.about.endless
+        )
+    rest = ": the head is home, and the robot is free for the next seat" if home else "; the head is not home"
+    say(f"Your turn is over{rest}.")
 
 
 def report(

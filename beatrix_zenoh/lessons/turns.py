@@ -31,13 +31,17 @@ TRACEBACK: Final = "Traceback (most recent call last):"
 
 def take_turn(
     program: Program, settings: Settings, side: str, wait_s: float, *, endless: bool = False
-) -> None:
+) -> bool:
     """Run a program on a robot for at most LONGEST_S; the end of that time is no error of an `endless` program.
+
+    Returns:
+        Whether the head is home; if not, a note has said why.
 
     Raises:
         Refused: NOT_CALIBRATED, the robot is not ready; NOT_HOLDER, it was not free within `wait_s` (s), or the turn
-            has ended from outside; STOPPED, a seat has pressed STOP, and the head stays where it is; BAD_VALUE, the
-            program did not end in time or has ended with an error, and the head is home.
+            has ended early, and the head is home unless another seat drives; STOPPED, a seat has pressed STOP, and the
+            head stays where it is; BAD_VALUE, the program did not end in time or has ended with an error, and the head
+            is home.
         NoAnswer: the robot was lost; it stops by itself.
     """
     with Client(settings) as client:
@@ -55,20 +59,20 @@ def take_turn(
         )
         seconds = LONGEST_S - HOME_S
         say(f"It is your turn: your program may run for {seconds:.0f} s, at most {FASTEST_DEG_S:.0f}°/s.")
-        error: BaseException | None = None
+        wanted, home = True, False
         try:
             _require_calibrated(robot, robot.status())
             _require_unchanged(program)
             _run(program, robot, lease, endless=endless)
-        except BaseException as found:
-            error = found
+        except NoAnswer:
+            wanted = False
+            raise
+        except Refused as error:
+            wanted = error.reason not in (Reason.STOPPED, Reason.NOT_CALIBRATED)
             raise
         finally:
-            outside = isinstance(error, NoAnswer) or (
-                isinstance(error, Refused)
-                and error.reason in (Reason.STOPPED, Reason.NOT_HOLDER, Reason.NOT_CALIBRATED)
-            )
-            _end(robot, lease, home=not outside)
+            home = _end(robot, lease, home=wanted)
+        return home
 
 
 def _require_calibrated(robot: Robot, status: Status) -> None:
@@ -142,7 +146,7 @@ def _run(program: Program, robot: Robot, lease: Lease, *, endless: bool) -> None
             environment["BEATRIX_ACCOUNT"] = str(account)
         running = ending.enter_context(contextlib.closing(Run(program.file(folder), program, environment)))
         try:
-            ended = _watch(running, events, statuses, lease.number)
+            ended = _watch(running, events, statuses, lease.number, settings.who)
         finally:
             running.close()
             for line in _printed(running.output):
@@ -156,7 +160,9 @@ def _run(program: Program, robot: Robot, lease: Lease, *, endless: bool) -> None
         _check(running)
 
 
-def _watch(running: Run, events: Subscription[Event], statuses: Subscription[Status], number: int) -> bool:
+def _watch(
+    running: Run, events: Subscription[Event], statuses: Subscription[Status], number: int, seat: str
+) -> bool:
     """Return True when the program has ended, False when its time is over; raise the other errors of `take_turn`."""
     end_s = time.monotonic() + LONGEST_S - HOME_S
     heard_s = time.monotonic()
@@ -174,11 +180,7 @@ def _watch(running: Run, events: Subscription[Event], statuses: Subscription[Sta
         for status in statuses.take():
             heard_s = time.monotonic()
             if status.lease != number:
-                raise Refused(
-                    Reason.NOT_HOLDER,
-                    f"Your turn has ended; {status.holder or 'no seat'} holds the robot now. Take another turn when it "
-                    "suits the class.",
-                )
+                raise Refused(Reason.NOT_HOLDER, _ended_early(status, seat))
         if ended:
             return True
         now_s = time.monotonic()
@@ -213,6 +215,44 @@ def _check(running: Run) -> None:
         ) from unmet
 
 
+def _ended_early(status: Status, seat: str) -> str:
+    """Return a sentence about a lease that is no longer that of the turn."""
+    if status.holder in ("", seat):
+        return (
+            "Your turn has ended early: your program has given the robot back, or you in another window. Take another turn "
+            "when it suits the class."
+        )
+    return f"Your turn has ended; {status.holder} holds the robot now. Take another turn when it suits the class."
+
+
+def _end(robot: Robot, lease: Lease, *, home: bool) -> bool:
+    """Bring the head home, if that is wanted, and give the robot back; return whether the head is home."""
+    try:
+        return home and _bring_home(robot, lease)
+    except BeatrixError as error:
+        note(f"The head is not home: {error.message}")
+        return False
+    finally:
+        with contextlib.suppress(BeatrixError):  # the lease ends with this session
+            lease.close()
+
+
+def _bring_home(robot: Robot, lease: Lease) -> bool:
+    """Bring the head home and return True; False, with a note, if another seat has the robot since the turn."""
+    status, seat = robot.status(), robot.client.settings.who
+    if status.lease == lease.number:
+        _go_home(robot)
+        return True
+    if status.holder not in ("", seat):
+        note(f"The head is not home, because {status.holder} has the robot now.")
+        return False
+    robot.lease_number = 0  # the program has given the robot back, so the way home needs a lease of its own
+    with Lease(robot, 0.0, longest_s=HOME_S, speed=math.radians(FASTEST_DEG_S)):
+        _go_home(robot)
+    note("The head is home.")
+    return True
+
+
 def _go_home(robot: Robot) -> None:
     """Go home; a program that was ended has stopped the robot as Ctrl-C does, and then its seat must pause."""
     try:
@@ -224,15 +264,3 @@ def _go_home(robot: Robot) -> None:
             raise
         time.sleep(detail.wait_s + POLL_S)
         robot.home()
-
-
-def _end(robot: Robot, lease: Lease, *, home: bool) -> None:
-    """Bring the head home, if that is wanted, and give the robot back."""
-    try:
-        if home:
-            _go_home(robot)
-    except BeatrixError as error:
-        note(f"The head is not home: {error.message}")
-    finally:
-        with contextlib.suppress(BeatrixError):  # the lease ends with this session
-            lease.close()

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from shell import CLI, NAME, Shell, wait_until_free
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.lessons import program, progress, turns
 from beatrix_zenoh.settings import Settings
 
@@ -50,6 +52,15 @@ with Robot() as robot:
     lease.ask(robot, LeaseAction.GIVE_BACK)
     robot.lease_number = 0
     robot.look(yaw=60, speed=80)
+"""
+
+LEAVES_IT = """
+from beatrix_zenoh import Robot
+from beatrix_zenoh.client import lease
+from beatrix_zenoh.contract._generated.messages import LeaseAction
+with Robot() as robot:
+    robot.look(yaw=10)
+    lease.ask(robot, LeaseAction.GIVE_BACK)
 """
 
 
@@ -91,12 +102,41 @@ def test_a_program_with_an_error_or_too_fast_ends_and_the_head_goes_home(free: S
         assert robot.status().lease == 0
 
 
-def test_a_program_that_gives_the_robot_back_is_not_faster(free: Shell, tmp_path: Path) -> None:
+@pytest.mark.parametrize("text", [GIVES_BACK, LEAVES_IT], ids=["moves on", "ends"])
+def test_a_program_that_gives_the_robot_back_is_not_faster_and_the_head_goes_home(
+    free: Shell, tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str
+) -> None:
     with free.robot("hw") as robot:
-        with pytest.raises(Refused, match=r"Your turn has ended|at most 40"):
-            take(free, written(tmp_path, GIVES_BACK))
-        assert robot.positions().head.yaw < 1
+        with pytest.raises(Refused, match=r"Your turn has ended early|at most 40"):
+            take(free, written(tmp_path, text))
+        assert home(robot)
+        assert "The head is home." in capsys.readouterr().err
         until(lambda: robot.status().holder == "", "the robot is free")
+
+
+def test_the_head_stays_if_the_next_seat_has_the_robot_that_a_program_gives_back(
+    free: Shell, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rests = LEAVES_IT.replace("lease.ask", f"__import__('time').sleep({LINGER_S + 0.5})\n    lease.ask")
+    with (
+        free.robot("hw") as robot,
+        Robot(NAME, "hw", connect=free.endpoint, who="dora") as other,
+        ThreadPoolExecutor() as threads,
+    ):
+
+        def follow() -> None:
+            until(lambda: robot.status().lease != 0, "the turn", 20.0)
+            with other.lease(20.0):
+                assert ended.wait(20.0)
+
+        ended = threading.Event()
+        following = threads.submit(follow)
+        with pytest.raises(Refused, match="dora holds the robot now"):
+            take(free, written(tmp_path, rests))
+        ended.set()
+        following.result()
+        assert "not home, because dora has the robot now" in capsys.readouterr().err
+        assert not home(robot)
 
 
 def test_a_program_that_does_not_end_is_ended(
