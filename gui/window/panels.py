@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QLocale, pyqtSignal
+from PyQt5.QtCore import QLocale, QPoint, QRect, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QTabWidget, QVBoxLayout, QWidget
 
@@ -65,7 +65,10 @@ class Panels(QWidget):
         self.projector = ProjectorScreen()
         self.pages = QWidget()
         self._lay_out()
-        self.refusal, self.trouble = RefusalNotice(texts, self.pages), TroubleNotice(texts, self.pages)
+        self.refusal, self.trouble = (
+            RefusalNotice(texts, self.pages, self._picture),
+            TroubleNotice(texts, self.pages),
+        )
         self.key_sheet, self.connect_sheet = KeySheet(texts, self.pages), ConnectSheet(texts, self.pages)
         self._connect()
 
@@ -185,6 +188,7 @@ class Panels(QWidget):
         for overlay in (self.refusal, self.trouble, self.key_sheet, self.connect_sheet):
             if overlay.isVisible():
                 overlay.place()
+        self._make_room()
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
@@ -253,6 +257,26 @@ class Panels(QWidget):
     def _show_notice(self) -> None:
         shown = None if self.body.isHidden() else self._refusal
         self.refusal.show_view(shown, None if shown is None else self._control(shown.control))
+        self._make_room()
+
+    def _picture(self) -> QRect:
+        """Return the part of the middle that a refusal may cover: no control is there in the view of the head."""
+        shown: QWidget | None = self.tabs.currentWidget()
+        if shown is None:
+            return QRect()
+        area = QRect(shown.mapTo(self.pages, QPoint(0, 0)), shown.size())
+        return area.adjusted(0, 0, 0, -self.head3d.controls_height)
+
+    def _make_room(self) -> None:
+        """Let the head move aside for the refusal."""
+        notice, head = self.refusal, self.head3d.head
+        covered = QRect(head.mapFrom(self.pages, notice.pos()), notice.size())
+        if notice.isHidden():
+            head.keep_clear(0, 0)
+        elif covered.center().x() < head.rect().center().x():
+            head.keep_clear(covered.right() + 1, 0)
+        else:
+            head.keep_clear(0, head.width() - covered.left())
 
     def _control(self, name: str) -> QWidget:
         """Return the widget beside which a refusal is shown."""

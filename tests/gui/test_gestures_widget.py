@@ -93,6 +93,11 @@ def test_all_buttons_fit_into_a_panel_of_any_width(show: Show, theme: Theme, cod
         metrics = button.fontMetrics()
         assert metrics.horizontalAdvance(button.text()) <= button.width()
         assert button.accessibleName() == button.text()
+    rows = {button.y() for button in buttons(panel)}
+    for top in rows:
+        row = [button.geometry() for button in buttons(panel) if button.y() == top]
+        assert min(place.left() for place in row) < 10, "every row fills the panel"
+        assert max(place.right() for place in row) > width - 10
 
 
 @pytest.mark.parametrize("theme", list(Theme))

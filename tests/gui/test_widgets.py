@@ -8,10 +8,10 @@ from dataclasses import replace
 import pytest
 from gui_views import example
 from gui_windows import menu_button, reveal
-from PyQt5.QtCore import QEvent, QLocale, QPoint, QPointF, Qt
+from PyQt5.QtCore import QEvent, QLocale, QPoint, QPointF, QRect, Qt
 from PyQt5.QtGui import QGuiApplication, QMouseEvent, QValidator
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QAbstractButton, QApplication, QSlider, QToolTip, QWidget
+from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QSlider, QToolTip, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
 
@@ -42,6 +42,7 @@ from gui.console.state.intents import (
 from gui.console.state.sequence_intents import AddPose, PlaySequence
 from gui.console.state.views import ButtonView, RecordView
 from gui.console.texts import Texts
+from gui.window.widgets.head3d_drag import EARS, SKULL, on_screen
 from gui.window.widgets.head_pad import HeadPad
 from gui.window.widgets.number_box import NumberBox
 from gui.window.window import Window
@@ -166,6 +167,7 @@ def test_a_slider_and_its_box_report_the_same_intent(window: Window, intents: Ta
 def test_a_row_of_the_history_is_sent_again_and_copied(window: Window, intents: Taken) -> None:
     history = window.panels.history
     assert not history.repeat.isEnabled()
+    assert history.details.text() == "Select a request to send it again or to copy it."
     history.list.setFocus()
     history.list.setCurrentRow(1)
     row = example("preview", Theme.LIGHT, "en").history[1]
@@ -191,7 +193,7 @@ def test_a_refusal_is_shown_at_the_pad_with_its_alternative(
         panels.refusal.mapToGlobal(QPoint(0, 0)).x()
         - panels.head.mapToGlobal(QPoint(panels.head.width(), 0)).x()
     )
-    assert 0 <= gap < 10
+    assert 0 <= gap < 20
     QTest.mouseClick(panels.refusal.alternative, LEFT)
     QTest.mouseClick(panels.refusal.dismiss, LEFT)
     assert intents() == [TakeAlternative(), DismissRefusal()]
@@ -314,3 +316,28 @@ def test_record_stays_where_it_was_pressed(window: Window, shown: ShownState, th
     assert header.record.toggle.text() == "■ 12:34"
     assert header.record.toggle.accessibleName() == "End recording"
     assert [widget.geometry() for widget in watched] == before
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (1024, 560)])
+@pytest.mark.parametrize("control", ["head", "short", "commands", "gestures"])
+def test_a_refusal_covers_neither_a_control_nor_a_head(
+    window: Window, shown: ShownState, size: tuple[int, int], control: str
+) -> None:
+    window.resize(*size)
+    view = example("refusal", Theme.LIGHT, "en")
+    assert view.head.refusal is not None
+    refused = replace(view.head, refusal=replace(view.head.refusal, control=control))
+    shown.shown = replace(view, head=refused)
+    window.refresh()
+    panels = window.panels
+    notice = QRect(panels.refusal.mapTo(panels, QPoint(0, 0)), panels.refusal.size())
+    kinds = (QAbstractButton, QAbstractSpinBox, QSlider, HeadPad)
+    for other in (found for kind in kinds for found in panels.findChildren(kind)):
+        if other.isVisible() and not panels.refusal.isAncestorOf(other):
+            place = QRect(other.mapTo(panels, QPoint(0, 0)), other.size())
+            assert not notice.intersects(place), other.accessibleName()
+    head, robots = panels.head3d.head, (view.head.sim, view.head.hw)
+    for robot in filter(None, robots):
+        for point in (SKULL, *EARS.values()):
+            x, y, _ = on_screen(head.screen3d, robot, point)
+            assert not notice.contains(head.mapTo(panels, QPoint(round(x), round(y))))

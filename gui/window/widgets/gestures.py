@@ -6,7 +6,15 @@ from enum import Enum
 
 from PyQt5.QtCore import QRectF, QSize, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
-from PyQt5.QtWidgets import QGridLayout, QLayout, QSizePolicy, QStyle, QStyleOptionButton, QWidget
+from PyQt5.QtWidgets import (
+    QHBoxLayout,
+    QLayout,
+    QSizePolicy,
+    QStyle,
+    QStyleOptionButton,
+    QVBoxLayout,
+    QWidget,
+)
 
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state.intents import Theme
@@ -21,15 +29,13 @@ PICTURE_PX, SMALL_PX = 44, 26
 AIR_PX, GAP_PX = 5, 4
 LOW_AIR_PX, LOW_GAP_PX = 3, 2
 COLUMNS = 5
-"""Number of buttons in a row of a narrow panel."""
-NOTE_PX = 100
-"""Least width of the note in a wide panel."""
+"""Number of buttons in the first row of a narrow panel."""
 
 
 class Room(Enum):
     """How much room the panel has."""
 
-    WIDE = "one row of large pictures with names, and the note"
+    WIDE = "one row of large pictures with names, and the note below it"
     NARROW = "two rows of small pictures with names"
     LOW = "one row of small pictures, whose names are tooltips"
 
@@ -115,13 +121,18 @@ class GesturesPanel(QWidget):
         self._room: Room | None = None
         self.buttons = {name: PictureButton(name) for name in GESTURES}
         self.follow, self.open = PictureButton(FOLLOW), PictureButton(PROGRAM)
-        self.note = label(role="dim", wrap=True)
+        self.note = label(role="dim")
         self.setAccessibleName(texts("label.gestures"))
         self._all = (*self.buttons.values(), self.follow, self.open)
         for button in self._all:
             button.intent.connect(self.intent)
-        self._grid = QGridLayout(self)
-        self._grid.setSizeConstraint(QLayout.SizeConstraint.SetNoConstraint)  # a wide panel may become narrow
+        self._lines, self._rows = QVBoxLayout(self), (QHBoxLayout(), QHBoxLayout())
+        self._lines.setSizeConstraint(
+            QLayout.SizeConstraint.SetNoConstraint
+        )  # a wide panel may become narrow
+        for row in self._rows:
+            self._lines.addLayout(row, 1)
+        self._lines.addWidget(self.note)
         self._arrange(Room.WIDE)
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
@@ -133,27 +144,34 @@ class GesturesPanel(QWidget):
         super().resizeEvent(event)
         wide = sum(button.size_in(Room.WIDE).width() + GAP_PX for button in self._all)
         sizes = [button.size_in(Room.NARROW) for button in self._all]
-        columns = (max(size.width() for size in sizes[column::COLUMNS]) for column in range(COLUMNS))
-        narrow = QSize(sum(columns) + GAP_PX * (COLUMNS + 1), 2 * sizes[0].height() + 3 * GAP_PX)
+        rows = (sizes[:COLUMNS], sizes[COLUMNS:])
+        least = max(sum(size.width() + GAP_PX for size in row) for row in rows) + GAP_PX
+        narrow = QSize(least, 2 * sizes[0].height() + 3 * GAP_PX)
         if self.height() < narrow.height() or self.width() < narrow.width():
             self._arrange(Room.LOW)
         else:
-            self._arrange(Room.NARROW if self.width() < wide + NOTE_PX else Room.WIDE)
+            self._arrange(Room.NARROW if self.width() < wide else Room.WIDE)
 
     def _arrange(self, room: Room) -> None:
+        """Put the buttons into rows that are all as wide as the panel."""
         if room is self._room:
             return
         self._room = room
         gap = LOW_GAP_PX if room is Room.LOW else GAP_PX
-        self._grid.setContentsMargins(gap, gap, gap, gap)
-        self._grid.setSpacing(gap)
-        columns = COLUMNS if room is Room.NARROW else len(self._all)
+        self._lines.setContentsMargins(gap, gap, gap, gap)
+        self._lines.setSpacing(gap)
+        first = COLUMNS if room is Room.NARROW else len(self._all)
         for number, button in enumerate(self._all):
             button.show_room(room)
-            self._grid.addWidget(button, number // columns, number % columns)
-        self._grid.addWidget(self.note, 0, len(self._all))
-        self._grid.setColumnStretch(len(self._all), int(room is Room.WIDE))
-        self.note.setVisible(room is Room.WIDE)
+            self._rows[int(number >= first)].addWidget(button, 1)
+        for row in self._rows:
+            row.setSpacing(gap)
+        self._lines.setStretch(1, int(room is Room.NARROW))
+        self._show_note()
+
+    def _show_note(self) -> None:
+        """Show the note if there is room below the buttons; it never moves them sideways."""
+        self.note.setVisible(self._room is Room.WIDE and bool(self.note.text()))
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
@@ -175,4 +193,5 @@ class GesturesPanel(QWidget):
         tooltip = (f"{view.follow.text}: {view.follow.tooltip}", view.note, view.details)
         self.follow.setToolTip("\n".join(text for text in tooltip if text))
         set_text(self.note, view.note)
+        self._show_note()
         self.note.setToolTip(view.details)

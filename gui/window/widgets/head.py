@@ -15,6 +15,7 @@ from gui.window.widgets.head_pad import HeadPad
 AXES = ("yaw", "pitch", "roll")
 COLUMNS = {"target": "title", "sim": "sim", "hw": "hw"}
 """Columns of the numbers, with their roles."""
+ROBOTS = {"sim": "sim", "hw": "hw"}
 WIDEST = "−88.8°"
 SYMBOLS = {"target": "○", "sim": "+", "hw": "■"}
 """The markers of the pad."""
@@ -33,31 +34,42 @@ class HeadPanel(QFrame):
         self.pad = HeadPad(texts)
         self.pad.setProperty("sends", True)  # noqa: FBT003
         self.numbers: dict[tuple[str, str], QLabel] = {}
+        self._names = {name: texts(f"label.{name}") for name in COLUMNS}
+        self._heads: dict[str, QLabel] = {}
+        self._titles: list[QLabel] = []
+        self._legend = [label(f"{SYMBOLS[name]} {self._names[name]}", role) for name, role in ROBOTS.items()]
+        """the symbols of the robots, where the columns are too narrow for words"""
         self.pad.intent.connect(self.intent)
         self._numbers = QVBoxLayout()
         self._numbers.setSpacing(4)
         self._numbers.addStretch(1)
-        self._numbers.addLayout(self._table(texts))
+        for line in self._legend:
+            line.setAlignment(Qt.AlignmentFlag.AlignRight)
+            line.setMinimumHeight(1)  # so that it does not keep the panel from becoming lower, which hides it
+            self._numbers.addWidget(line)
+        self._table, self._narrow = QGridLayout(), 0
+        """the numbers, and the width (px) that they need without words over the columns of the robots"""
+        self._fill(texts)
+        self._numbers.addLayout(self._table)
         self._layout = QBoxLayout(QBoxLayout.Direction.TopToBottom, self)
         self._layout.setContentsMargins(6, 6, 6, 6)
         self._layout.setSpacing(4)
         self._layout.addWidget(self.pad, 1)
         self._layout.addLayout(self._numbers)
 
-    def _table(self, texts: Texts) -> QGridLayout:
-        grid = QGridLayout()
+    def _fill(self, texts: Texts) -> None:
+        grid = self._table
         grid.setHorizontalSpacing(4)
         grid.setVerticalSpacing(1)
         right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         for column, (name, role) in enumerate(COLUMNS.items(), start=1):
-            text = texts("label.target" if name == "target" else f"label.{name}")
-            caption = label(f"{SYMBOLS[name]} {text}" if name == "target" else SYMBOLS[name], role)
-            caption.setToolTip(text)
+            caption = self._heads[name] = label(f"{SYMBOLS[name]} {self._names[name]}", role)
             caption.setAlignment(right)
             grid.addWidget(caption, 0, column)
             grid.setColumnStretch(column, 1)
         for row, axis in enumerate(AXES, start=1):
             title = label(texts(f"label.{axis}"), "dim")
+            self._titles.append(title)
             title.setToolTip(texts(f"tip.{axis}"))
             grid.addWidget(title, row, 0)
             for column, (name, role) in enumerate(COLUMNS.items(), start=1):
@@ -65,15 +77,21 @@ class HeadPanel(QFrame):
                 number.setAlignment(right)
                 grid.addWidget(number, row, column)
                 self.numbers[name, axis] = number
-        return grid
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         """Put the numbers beside the pad or below it, where they leave the pad more room."""
         super().resizeEvent(event)
-        width, height, numbers = self.width(), self.height(), self._numbers.sizeHint()
-        beside = min(width - numbers.width(), height) > min(width, height - numbers.height())
+        width, height, table = self.width(), self.height(), self._table.sizeHint()
+        beside = min(width - self._narrow, height) > min(width, height - table.height())
         directions = QBoxLayout.Direction
         self._layout.setDirection(directions.LeftToRight if beside else directions.TopToBottom)
+        for name in ROBOTS:
+            words = "" if beside else f" {self._names[name]}"
+            set_text(self._heads[name], SYMBOLS[name] + words)
+        needed = sum(line.sizeHint().height() + self._numbers.spacing() for line in self._legend)
+        room = height - table.height() - 2 * self._layout.contentsMargins().top()
+        for line in self._legend:
+            line.setVisible(beside and needed <= room)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
@@ -81,6 +99,10 @@ class HeadPanel(QFrame):
         for number in self.numbers.values():  # constant widths while the head moves
             number.ensurePolished()
             number.setMinimumWidth(number.fontMetrics().horizontalAdvance(WIDEST) + 2)
+        parts = [max(title.sizeHint().width() for title in self._titles)]
+        number = self.numbers["sim", AXES[0]]
+        parts += [self._heads["target"].sizeHint().width(), number.minimumWidth(), number.minimumWidth()]
+        self._narrow = sum(parts) + self._table.horizontalSpacing() * (len(parts) - 1)
 
     def show_view(self, view: HeadView) -> None:
         """Show the pad and the numbers."""

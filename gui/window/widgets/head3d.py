@@ -38,6 +38,8 @@ from gui.window.widgets.head3d_scene import Screen, Viewpoint
 from gui.window.widgets.head_pad import after_key
 
 VIEWS: Final = {"front": Viewpoint(0.0), "behind": Viewpoint(180.0), "side": Viewpoint(90.0)}
+HALF_WIDTH: Final = 0.14
+"""Half of the width (m) of a head that leans."""
 LIVE_MS: Final = 50
 """Time between two targets for a simulation that follows a drag."""
 ORBIT_DEG: Final = 0.5
@@ -66,6 +68,7 @@ class Head3d(QWidget):
         self._drag: Drag | None = None
         self._orbit: QPointF | None = None
         self._over: Part | None = None
+        self._covered = 0, 0
         self._pictures: dict[str, tuple[object, QImage]] = {}
         self._live = QTimer(self)
         self._live.setInterval(LIVE_MS)
@@ -86,7 +89,17 @@ class Head3d(QWidget):
     @property
     def screen3d(self) -> Screen:
         """The camera and the size of the picture (px)."""
-        return Screen(self.camera, self.width(), self.height())
+        plain = Screen(self.camera, self.width(), self.height())
+        half = min(HALF_WIDTH * plain.scale, (self.width() - sum(self._covered)) / 2)
+        least, most = self._covered[0] + half, self.width() - self._covered[1] - half
+        middle = self.width() / 2
+        return replace(plain, aside=max(least, min(most, middle)) - middle)
+
+    def keep_clear(self, left: int, right: int) -> None:
+        """Move the head aside if it is where a notice covers the picture, that far from its edges (px)."""
+        if (left, right) != self._covered and self._drag is None:  # not from under the mouse
+            self._covered = left, right
+            self.update()
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
@@ -280,6 +293,11 @@ class Head3dPanel(QWidget):
         self.head.intent.connect(self.intent)
         self.head.moved.connect(self._show_camera)
         self._show_camera()
+
+    @property
+    def controls_height(self) -> int:
+        """Height of the controls at the lower edge (px)."""
+        return self.height() - min(button.y() for button in self.views.values())
 
     def show_view(self, view: HeadView) -> None:
         """Show the robots and the choices."""

@@ -56,6 +56,8 @@ class Screen:
     camera: Viewpoint
     width: float
     height: float
+    aside: float = 0.0
+    """how far to the right of the middle the head is (px)"""
 
     @property
     def scale(self) -> float:
@@ -70,7 +72,7 @@ class Screen:
         """
         seen = _turned(points - np.array(LOOKED_AT), self.camera.axes)
         size = self.scale * AWAY / np.maximum(AWAY - seen[:, 2], 0.05)
-        x = self.width / 2 + seen[:, 0] * size
+        x = self.width / 2 + self.aside + seen[:, 0] * size
         y = self.height / 2 - seen[:, 1] * size
         return np.column_stack((x, y, seen[:, 2]))
 

@@ -10,6 +10,8 @@ from PyQt5.QtGui import (
     QBrush,
     QColor,
     QFocusEvent,
+    QFont,
+    QFontMetricsF,
     QKeyEvent,
     QMouseEvent,
     QPainter,
@@ -236,27 +238,62 @@ class HeadPad(QWidget):
 
     def _paint_captions(self, painter: QPainter) -> None:
         """Name the directions in words, because signs alone are ambiguous."""
+        painter.setFont(self._caption_font())
+        painter.setPen(QColor(self._style.dim))
+        for name, place in self._caption_places().items():
+            painter.drawText(place, int(Qt.AlignmentFlag.AlignCenter), self._captions[name])
+
+    def _caption_places(self) -> dict[str, QRectF]:
+        """Return the places of the captions: those of the disc on it, or beside it if it is small and there is room."""
+        limit, line, outer = self._disc / BEYOND, self._line, self._outer
+        noses = limit - line if limit > 3 * line else outer + line / 2
+        """distance of two captions from the middle"""
+        places = {
+            "yaw_left": self._beside_ring("yaw_left", -1, -1),
+            "yaw_right": self._beside_ring("yaw_right", 1, -1),
+        }
+        for name, down in (("up", -noses), ("down", noses)):
+            wide = self._wide(name)
+            places[name] = QRectF(-wide / 2, down - line / 2, wide, line).translated(self._centre)
+        for name, across in (("left", -1), ("right", 1)):
+            if limit > self._wide(name) + line:
+                places[name] = self._inside_disc(name, across)
+            elif not self._is_over_ring(place := self._beside_ring(name, across, 1)):
+                places[name] = place
+        return places
+
+    def _is_over_ring(self, place: QRectF) -> bool:
+        """Return whether the corner of a place that is nearest to the middle is on the ring."""
+        off = place.translated(-self._centre)
+        return (
+            math.hypot(min(abs(off.left()), abs(off.right())), min(abs(off.top()), abs(off.bottom())))
+            < self._outer
+        )
+
+    def _inside_disc(self, name: str, across: int) -> QRectF:
+        """Return the place of a caption at the left (`across` is -1) or right edge of the disc, below its middle line."""
+        wide, limit = self._wide(name), self._disc / BEYOND
+        left = across * (limit - wide / 2 - 3) - wide / 2
+        return QRectF(left, 2, wide, 2 * self._line).translated(self._centre)
+
+    def _beside_ring(self, name: str, across: int, down: int) -> QRectF:
+        """Return the place of a caption above (`down` is -1) or below, as near to the ring as the widget is wide."""
+        wide, high = self._wide(name), 2 * self._line
+        level = self._outer + self._line - high  # from the middle to the edge of the box that is nearer to it
+        ring = math.sqrt(max(0.0, self._outer**2 - level**2))
+        off = min(ring + self._line / 2, self.width() / 2 - wide)
+        left = off if across > 0 else -off - wide
+        return QRectF(left, level if down > 0 else -level - high, wide, high).translated(self._centre)
+
+    def _wide(self, name: str) -> float:
+        """Return the width of a caption (px)."""
+        metrics = QFontMetricsF(self._caption_font())
+        return max(metrics.horizontalAdvance(line) for line in self._captions[name].split("\n")) + 2
+
+    def _caption_font(self) -> QFont:
         font = self.font()
         font.setPixelSize(self._style.px(LINE_PX - 3))
-        painter.setFont(font)
-        painter.setPen(QColor(self._style.dim))
-        limit, height = self._disc / BEYOND, self._line
-        middle = int(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter)
-        wide = QRectF(-limit, 0, 2 * limit, height).translated(self._centre)
-        if limit > 2 * height:  # in a low window they would cover the markers
-            painter.drawText(wide.translated(0, -limit + 2), middle, self._captions["up"])
-            painter.drawText(wide.translated(0, limit - height - 2), middle, self._captions["down"])
-        corners = {
-            "yaw_left": Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignTop,
-            "yaw_right": Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignTop,
-            "left": Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignBottom,
-            "right": Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignBottom,
-        }
-        block = QRectF(
-            0, self._centre.y() - self._outer - self._line, self.width(), 2 * (self._outer + self._line)
-        )
-        for name, alignment in corners.items():
-            painter.drawText(block, int(alignment), self._captions[name])
+        return font
 
     def _paint_path(self, painter: QPainter, view: HeadView) -> None:
         painter.setPen(Qt.PenStyle.NoPen)

@@ -19,7 +19,7 @@ from gui.console.state.intents import Repeat, Theme
 from gui.console.state.views import HistoryRowView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import label, set_text
+from gui.window.widgets.controls import label, set_role, set_text
 
 ICON_PX = 16
 
@@ -35,6 +35,7 @@ class HistoryPanel(QWidget):
         super().__init__()
         self._rows: tuple[HistoryRowView, ...] = ()
         self._style = style_of(Theme.DARK)
+        self._hint = texts("label.history_hint")
         self.list = QListWidget()
         self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)  # rows are elided
         self.list.setAccessibleName(texts("label.history"))
@@ -51,21 +52,27 @@ class HistoryPanel(QWidget):
         copies.addWidget(label(texts("label.copy")))
         copies.addWidget(self.python, 1)
         copies.addWidget(self.command_line, 1)
+        self.uses, uses = QWidget(), QVBoxLayout()
+        """what can be done with the selected row"""
+        uses.setContentsMargins(0, 0, 0, 0)
+        uses.setSpacing(4)
+        uses.addWidget(self.details)
+        uses.addWidget(self.repeat)
+        uses.addLayout(copies)
+        self.uses.setLayout(uses)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(6, 6, 6, 6)
         layout.setSpacing(4)
         layout.addWidget(self.empty)
         layout.addWidget(self.list, 1)
-        layout.addWidget(self.details)
-        layout.addWidget(self.repeat)
-        layout.addLayout(copies)
+        layout.addWidget(self.uses)
         self.repeat.clicked.connect(self._repeat)
         self.python.clicked.connect(lambda: self._copy(command_line=False))
         self.command_line.clicked.connect(lambda: self._copy(command_line=True))
         self.list.currentRowChanged.connect(self._show_buttons)
         self.list.currentRowChanged.connect(self._report_row)
         self.list.itemActivated.connect(self._repeat)
-        self._show_buttons()
+        self._fill((), 0)
 
     @staticmethod
     def _button(texts: Texts, name: str, text: str) -> QPushButton:
@@ -118,6 +125,7 @@ class HistoryPanel(QWidget):
         self.list.blockSignals(False)  # noqa: FBT003
         self.empty.setVisible(not rows)
         self.list.setVisible(bool(rows))
+        self.uses.setVisible(bool(rows))
         self._show_buttons()
 
     def _item(self, row: HistoryRowView) -> QListWidgetItem:
@@ -153,8 +161,8 @@ class HistoryPanel(QWidget):
 
     def _show_buttons(self) -> None:
         chosen = self._chosen()
-        set_text(self.details, "" if chosen is None else _details(chosen))
-        self.details.setVisible(chosen is not None)
+        set_text(self.details, self._hint if chosen is None else _details(chosen))
+        set_role(self.details, "role", "dim" if chosen is None else "")
         self.repeat.setEnabled(chosen is not None and chosen.row >= 0)
         self.python.setEnabled(chosen is not None and bool(chosen.python))
         self.command_line.setEnabled(chosen is not None and bool(chosen.command_line))

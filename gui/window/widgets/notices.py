@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QPoint, pyqtSignal
+from collections.abc import Callable
+
+from PyQt5.QtCore import QPoint, QRect, pyqtSignal
 from PyQt5.QtWidgets import QFrame, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
 from gui.console.state.intents import DismissRefusal
@@ -11,7 +13,6 @@ from gui.console.texts import Texts
 from gui.window.widgets.controls import IntentButton, label, set_text
 
 WIDTH_PX = 290
-GAP_PX = 4
 
 
 class Banner(QFrame):
@@ -87,12 +88,14 @@ class TroubleNotice(QFrame):
 
 
 class RefusalNotice(QFrame):
-    """A frame over the panels next to the control, so that no control moves."""
+    """A frame over the picture next to the control: it covers no control, and none moves."""
 
     intent = pyqtSignal(object)
 
-    def __init__(self, texts: Texts, parent: QWidget) -> None:
+    def __init__(self, texts: Texts, parent: QWidget, picture: Callable[[], QRect]) -> None:
+        """Create it hidden; `picture` returns the area of the parent that it may cover."""
         super().__init__(parent)
+        self._picture = picture
         self._shown: tuple[str, ButtonView | None, QWidget | None] = ("", None, None)
         self.setProperty("notice", True)  # noqa: FBT003
         self.text = label(wrap=True)
@@ -136,16 +139,13 @@ class RefusalNotice(QFrame):
         self.raise_()
 
     def place(self) -> None:
-        """Move to the right of the widget, or to its left if there is no room."""
-        parent, beside = self.parentWidget(), self._shown[2]
+        """Move to the lower corner of the picture that is nearer to the control, not below the control's lower edge."""
+        parent, beside, picture = self.parentWidget(), self._shown[2], self._picture()
         if beside is None:
             return
         width = max(WIDTH_PX, self.minimumSizeHint().width())
         height = self.heightForWidth(width)
-        level = beside.height() - height
-        corner = beside.mapTo(parent, QPoint(beside.width() + GAP_PX, level))
-        if corner.x() + width > parent.width():
-            corner.setX(beside.mapTo(parent, QPoint(0, 0)).x() - width - GAP_PX)
-        corner.setX(max(0, corner.x()))
-        corner.setY(max(0, min(corner.y(), parent.height() - height)))
-        self.setGeometry(corner.x(), corner.y(), width, height)
+        control = QRect(beside.mapTo(parent, QPoint(0, 0)), beside.size())
+        left = control.center().x() <= picture.center().x()
+        level = max(0, min(control.bottom(), picture.bottom()) + 1 - height)
+        self.setGeometry(picture.left() if left else picture.right() + 1 - width, level, width, height)

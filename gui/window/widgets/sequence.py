@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from PyQt5.QtCore import QSignalBlocker, Qt
+from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import (
     QAction,
+    QBoxLayout,
     QFileDialog,
     QFrame,
     QGridLayout,
-    QHBoxLayout,
     QLineEdit,
     QMenu,
     QPushButton,
@@ -90,24 +91,39 @@ class SequencePanel(FilePanel):
         scroll.setMinimumWidth(80)
         self.area = scroll
         self.name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # cards need the width
-        grid = QGridLayout()
-        grid.setSpacing(3)
-        grid.setColumnMinimumWidth(0, NAME_PX)
-        cells = (
+        self._grid = QGridLayout()
+        self._grid.setSpacing(3)
+        self._grid.setColumnMinimumWidth(0, NAME_PX)
+        self._layout = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
+        self._layout.setContentsMargins(4, 4, 4, 4)
+        self._layout.setSpacing(6)
+        self._layout.addWidget(scroll, 1)
+        self._layout.addLayout(self._grid)
+        self._arrange(below=False)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Put the controls below the cards if the cards need not all of the height."""
+        super().resizeEvent(event)
+        below = self.height() > self.strip.highest + 3 * self.add.sizeHint().height()
+        if below != (self._layout.direction() == QBoxLayout.Direction.TopToBottom):
+            self._arrange(below=below)
+
+    def _arrange(self, *, below: bool) -> None:
+        directions = QBoxLayout.Direction
+        self._layout.setDirection(directions.TopToBottom if below else directions.LeftToRight)
+        pairs = (
             (self.name, self.duration),
             (self.add, self.delete),
             (self.loop, self.more),
             (self.play, self.hardware),
         )
-        for row, parts in enumerate(cells):
-            for column, part in enumerate(parts):
-                grid.addWidget(part, row, column)
-        grid.setRowStretch(len(cells), 1)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(4, 4, 4, 4)
-        layout.setSpacing(6)
-        layout.addWidget(scroll, 1)
-        layout.addLayout(grid)
+        columns = 2 if below else 1
+        for number, pair in enumerate(pairs):
+            for column, part in enumerate(pair):
+                self._grid.addWidget(part, number // columns, 2 * (number % columns) + column)
+        for column in range(4):
+            self._grid.setColumnStretch(column, int(below))
+        self._grid.setRowStretch(len(pairs), int(not below))
 
     def _connect(self) -> None:
         for button in (self.add, self.play, self.hardware):

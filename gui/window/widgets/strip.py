@@ -74,9 +74,14 @@ class Strip(QWidget):
     def _step(self) -> int:
         return self._style.px(WIDTH_PX + GAP_PX)
 
+    @property
+    def highest(self) -> int:
+        """Height (px) above which cards do not grow."""
+        return self._style.px(HEIGHT_PX)
+
     def card(self, number: int) -> QRect:
         """Return the place of a card (px)."""
-        height = min(self.height(), self._style.px(HEIGHT_PX))
+        height = min(self.height(), self.highest)
         return QRect(number * self._step, 0, self._style.px(WIDTH_PX), height)
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
