@@ -17,7 +17,7 @@ from msgspec.structs import replace
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.degrees import HeadAngles, checked_wait, motion_query, pose_query
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.client.motion_file import FORM, SPEED, MotionFile, Place
+from beatrix_zenoh.client.motion_file import FORM, SPEED, MotionFile, Place, WrongLine
 from beatrix_zenoh.client.plan import Plan, RobotPair
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopEvents
@@ -133,8 +133,8 @@ def choreography(read: MotionFile) -> Choreography:
     speed, title = read.points[0].speed, Path(read.source).stem
     steps: list[tuple[str, Step]] = []
     if speed is None:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise WrongLine(
+            read.points[0].line,
             f"{read.source}, line {read.points[0].line}: {SPEED} is empty in the first point. Give "
             f"a number of degrees/s; in later lines an empty cell keeps the speed. {FORM}",
         )

@@ -11,7 +11,7 @@ import numpy as np
 
 from beatrix_zenoh.client.choreography import Choreography, Pose, Step
 from beatrix_zenoh.client.degrees import DAY_S, ArmAngles, HeadAngles, checked_factor
-from beatrix_zenoh.client.motion_file import SPEED, MotionFile, Place, Point
+from beatrix_zenoh.client.motion_file import SPEED, MotionFile, Place, Point, WrongLine
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.contract._generated.serial import Telemetry
@@ -153,8 +153,8 @@ def path_of(read: MotionFile, limits: MotionLimits) -> ArmPath:
         )
     for before, after in itertools.pairwise(points):
         if after.t == before.t:
-            raise WrongUsage(
-                Reason.BAD_VALUE,
+            raise WrongLine(
+                after.line,
                 f"{read.source}, line {after.line}: t_s is {after.t:g}, the same as in the line before. Times of a path "
                 "must increase from point to point.",
             )

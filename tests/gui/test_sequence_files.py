@@ -52,7 +52,12 @@ def written(state: State, intent: SaveSequence) -> str:
         (
             "t_s,yaw_deg,pitch_deg,roll_deg\n1,0,0,0\n",
             "so it is a path",
-            "dance.csv ist keine Bewegungsdatei",
+            "ist also ein Pfad",
+        ),
+        (
+            "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n1,0,0,0,\n",
+            "line 2: speed_deg_s is empty",
+            "Zeile 2 von dance.csv",
         ),
     ],
 )

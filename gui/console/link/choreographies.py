@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable
+from pathlib import Path
 
 from beatrix_zenoh.client import choreography, motion_file
 from beatrix_zenoh.client.choreography import ArmPose, Choreography, Step, play
+from beatrix_zenoh.client.motion_file import MotionFile
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.recording.follow import follow, robots_of
-from beatrix_zenoh.recording.path import check_choreography, path_of
+from beatrix_zenoh.recording.path import LONGEST_S, ArmPath, check_choreography, path_of
 from beatrix_zenoh.recording.replay import replay
 from gui.console.link.outcomes import WindowError
 from gui.console.state.actions import LARGEST_BYTES, POSES, Play
@@ -63,10 +65,27 @@ def prepared(
                 play_once(_poses(action.again))
 
         return lasts_s, perform
-    path = path_of(found, MotionLimits(checked[0]))
+    path = _path(found, MotionLimits(checked[0]))
     check()
     following, *_ = [follow(path, robot) for robot in checked]
     return following.duration_s, lambda: replay(robots, following, lambda _passed_s: check(), lead_s=lead_s)
+
+
+def _path(found: MotionFile, limits: MotionLimits) -> ArmPath:
+    """Return the path of a file; raises WindowError for one that is no path or too long, Refused if it is out of reach."""
+    file = Path(found.source).name
+    if len(found.points) < 2:
+        raise WindowError(Reason.BAD_VALUE, "result.one_point", file=file)
+    try:
+        path = path_of(found, limits)
+    except WrongUsage as error:
+        key, slots = wrong_file(error, file)
+        raise WindowError(Reason.BAD_VALUE, key, None, **slots) from error
+    if path.duration_s > LONGEST_S:
+        raise WindowError(
+            Reason.BAD_VALUE, "result.too_long", file=file, seconds=path.duration_s, allowed=LONGEST_S
+        )
+    return path
 
 
 def _poses(poses: Iterable[ArmPose]) -> Choreography:
@@ -74,7 +93,7 @@ def _poses(poses: Iterable[ArmPose]) -> Choreography:
     return Choreography(steps)
 
 
-def read(action: Play) -> Choreography | motion_file.MotionFile:
+def read(action: Play) -> Choreography | MotionFile:
     """Return the choreography or path to play; raises WindowError or WrongUsage if its file cannot be used."""
     if action.gesture:
         return choreography.shipped(action.gesture)

@@ -10,7 +10,7 @@ from typing import Final
 import msgspec
 
 from beatrix_zenoh.client.degrees import arm_angles, head_angles, motion_query
-from beatrix_zenoh.client.motion_file import COLUMNS, HEAD, TIME, WrongLine
+from beatrix_zenoh.client.motion_file import COLUMNS, HEAD, SPEED, TIME, WrongLine
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Command,
@@ -84,7 +84,12 @@ def wrong_file(error: WrongUsage, file: str) -> tuple[str, dict[str, str]]:
     """Return key and slots of the text about a motion file that cannot be used: the library's sentence is English."""
     slots = {"text": error.message, "file": file}
     if isinstance(error, WrongLine):
-        return "result.bad_line", {**slots, "line": str(error.line), "columns": ", ".join(COLUMNS)}
+        return "result.bad_line", {
+            **slots,
+            "line": str(error.line),
+            "columns": ", ".join(COLUMNS),
+            "speed": SPEED,
+        }
     return "result.bad_file", {**slots, "columns": ",".join((TIME, *HEAD))}
 
 

@@ -330,7 +330,11 @@ def _open(memory: Memory, world: World, intent: OpenSequence) -> None:
         memory.refuse(CONTROL, "cannot.open", file=intent.file.name)
         return
     try:
-        found = choreography(motion_file.parse(intent.text, intent.file.name))
+        file = motion_file.parse(intent.text, intent.file.name)
+        if not file.with_speed:
+            memory.refuse(CONTROL, "cannot.path", file=intent.file.name, speed=motion_file.SPEED)
+            return
+        found = choreography(file)
         if len(found.steps) > POSES_MAX:
             memory.refuse(CONTROL, "cannot.too_many", count=str(len(found.steps)), allowed=str(POSES_MAX))
             return
