@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-import atexit
 import itertools
 import struct
 import threading
 import time
 from collections.abc import Callable
-from functools import cache
-from importlib import resources
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import Final, Protocol
 
-from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.board import wasm
 from beatrix_zenoh.contract._generated.serial import TELEMETRY_PERIOD
-from beatrix_zenoh.contract.errors import BeatrixError
-
-if TYPE_CHECKING:
-    from wasmtime import Engine, Module
 
 _NAME_SIZE: Final = 32
 _REPORT: Final = struct.Struct("<6q6iIII")
@@ -48,25 +41,6 @@ _UNREAD_MAX: Final = 65536
 """Largest number of bytes kept for a reader; older ones are lost, as on a serial port without a reader."""
 
 
-@cache
-def _compiled() -> tuple[Engine, Module]:
-    """Return the firmware, compiled once per process: modules are immutable and shared between instances."""
-    try:
-        import wasmtime  # noqa: PLC0415 - an optional dependency, of virtual boards only
-    except ImportError as error:
-        raise BeatrixError(
-            Reason.BOARD_LOST,
-            "A virtual board needs wasmtime, which is not installed. "
-            'Run `pip install ".[sim]"` in the folder of BEATRIX, then try again.',
-        ) from error
-    engine = wasmtime.Engine()
-    code = (resources.files("beatrix_zenoh.board") / "firmware.wasm").read_bytes()
-    return engine, wasmtime.Module(engine, code)
-
-
-atexit.register(_compiled.cache_clear)  # free them: wasmtime cannot free objects that outlive its module
-
-
 class Firmware:
     """One board in virtual time, which passes only in `tick`. Not thread-safe.
 
@@ -75,18 +49,20 @@ class Firmware:
     """
 
     def __init__(self, boot: int = 1, name: str = "") -> None:
-        engine, module = _compiled()
+        engine, module = wasm.compiled()
         import wasmtime  # noqa: PLC0415 - as above
 
         self._store = wasmtime.Store(engine)
         exports = wasmtime.Instance(self._store, module, []).exports(self._store)
         self._memory = exports["memory"]
-        self._functions = {name: exports[name] for name in exports if name != "memory"}
+        self._functions = {
+            name: wasm.direct(self._store, exports[name]) for name in exports if name != "memory"
+        }
         self._receive_at: int = self._call("receive_buffer")
         self._receive_size: int = self._call("receive_size")
         self._transmit_at: int = self._call("transmit_buffer")
         report_at: int = self._call("report_buffer")
-        # Create the views once: each call through wasmtime takes some 10 us. The memory never moves: there is no heap.
+        # Create the views once. The memory never moves: there is no heap.
         self._report_view = self._view(report_at, _REPORT.size)
         self._receive_view = self._view(self._receive_at, self._receive_size)
         self._transmit_view = self._view(self._transmit_at, _TRANSMIT_SIZE)
@@ -166,8 +142,7 @@ class Firmware:
         self._sent.clear()
 
     def _call(self, name: str, *arguments: int) -> int:
-        result: int = self._functions[name](self._store, *arguments)
-        return result
+        return self._functions[name](*arguments)
 
     def _view(self, at: int, size: int) -> memoryview:
         return memoryview(self._memory.get_buffer_ptr(self._store, size, at)).cast("B")

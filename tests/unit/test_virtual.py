@@ -8,10 +8,11 @@ import time
 from collections.abc import Iterator
 
 import pytest
+import wasmtime
 from robots import until
 from ticking_board import RealTimeTicker
 
-from beatrix_zenoh.board import virtual
+from beatrix_zenoh.board import virtual, wasm
 from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
 from beatrix_zenoh.board.virtual import TICKS, Firmware, RealTime, RealTimePort, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -200,7 +201,36 @@ def test_a_missing_wasmtime_is_an_error_with_the_command_to_install_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setitem(sys.modules, "wasmtime", None)
-    virtual._compiled.cache_clear()
+    wasm.compiled.cache_clear()
     with pytest.raises(BeatrixError, match=r'pip install "\.\[sim\]"') as caught:
         Firmware()
     assert caught.value.reason == Reason.BOARD_LOST
+
+
+def run_script(firmware: Firmware) -> bytes:
+    """Return what a board sends during a short motion, and its memory afterwards."""
+    answers = b""
+    for kind, payload in (
+        (FrameType.ENABLE, b"\1"),
+        (FrameType.CALIBRATE, b""),
+        (FrameType.MOVE, Move(1, (90, -60, 30), (400, 400, 400)).pack()),
+    ):
+        firmware.receive(encode(kind, 1, payload))
+        firmware.tick(50)
+        answers += firmware.transmit()
+    return answers + firmware.snapshot()
+
+
+def test_direct_calls_equal_those_of_wasmtime(monkeypatch: pytest.MonkeyPatch) -> None:
+    direct = run_script(Firmware())
+    monkeypatch.delattr("wasmtime._ffi.wasmtime_val_raw_t")
+    assert run_script(Firmware()) == direct
+
+
+def test_a_trap_is_an_error() -> None:
+    engine = wasmtime.Engine()
+    store = wasmtime.Store(engine)
+    module = wasmtime.Module(engine, '(module (func (export "stop") unreachable))')
+    stop = wasm.direct(store, wasmtime.Instance(store, module, []).exports(store)["stop"])
+    with pytest.raises(RuntimeError, match="trapped"):
+        stop()
