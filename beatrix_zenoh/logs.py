@@ -124,8 +124,10 @@ def log_to(path: Path | None, *, named: bool = False) -> Iterator[None]:
     writer = Writer(None if path is None else _file(path), named=named)
     loggers = [logging.getLogger(name) for name in LOGGERS]
     before = [(logger, logger.level, logger.propagate) for logger in loggers]
+    # Without a file records of lower levels are not even made: each would also wake the thread of the writer.
+    level_used = logging.WARNING if path is None else logging.INFO
     for logger in loggers:
-        logger.setLevel(logging.INFO)
+        logger.setLevel(level_used)
         logger.propagate = False
         logger.addHandler(writer.handler)
     try:

@@ -132,7 +132,7 @@ class Board:
             Refused or NoAnswer: the robot is not ready to move; the message says why and what to do.
         """
         telemetry = self.telemetry
-        if telemetry is None or not self.link.connected:
+        if telemetry is None or not self.connected:
             raise not_connected(self.link)
         state = telemetry.state
         refusals.check_ready(

@@ -51,7 +51,7 @@ class OpenSessions:
     def __init__(self) -> None:
         self._sessions: weakref.WeakSet[Closes] = weakref.WeakSet()
         self._changed = threading.Condition()
-        self._inside = threading.local()
+        self._call = _Call(self)
         self._calls = 0
         self._receivers = 0
         self._closed_s = -CALLBACK_S
@@ -66,18 +66,18 @@ class OpenSessions:
         self._sessions.discard(session)
         self._closed_s = time.monotonic()
 
-    @contextlib.contextmanager
-    def call(self) -> Iterator[None]:
+    def call(self) -> contextlib.AbstractContextManager[None]:
         """Surround a call of Zenoh. At the exit no call begins: threads of this package wait for the end of the process.
 
         Calls may be nested, because Zenoh may run a callback in the calling thread.
 
-        Raises:
+        Raises (on entry):
             WrongUsage: SHUTDOWN, Python ends; in a thread of another package.
         """
-        if getattr(self._inside, "zenoh", False):
-            yield
-            return
+        return self._call
+
+    def begin_call(self) -> None:
+        """Count a thread that enters Zenoh; raises the error of `call`."""
         with self._changed:
             ended = self._ended
             self._calls += not ended
@@ -85,13 +85,12 @@ class OpenSessions:
             if threads.ours():
                 threading.Event().wait()
             raise WrongUsage(Reason.SHUTDOWN, "This program ends: its connections are closed.")
-        self._inside.zenoh = True
-        try:
-            yield
-        finally:
-            self._inside.zenoh = False
-            with self._changed:
-                self._calls -= 1
+
+    def end_call(self) -> None:
+        """Count a thread that has returned from Zenoh."""
+        with self._changed:
+            self._calls -= 1
+            if self._ended:
                 self._changed.notify_all()
 
     @contextlib.contextmanager
@@ -126,6 +125,28 @@ class OpenSessions:
     def forget(self) -> None:
         """Forget all sessions and calls in a forked child, which has only a copy of them."""
         self.__init__()  # type: ignore[misc]
+
+
+class _Call(threading.local):
+    """The context of `OpenSessions.call`, with the depth of nested calls of each thread.
+
+    A class, because a context made by a generator takes 50 us when the caches are cold, and each query needs several.
+    """
+
+    depth = 0
+
+    def __init__(self, sessions: OpenSessions) -> None:
+        self._sessions = sessions
+
+    def __enter__(self) -> None:
+        if not self.depth:
+            self._sessions.begin_call()
+        self.depth += 1
+
+    def __exit__(self, *exc: object) -> None:
+        self.depth -= 1
+        if not self.depth:
+            self._sessions.end_call()
 
 
 OPEN: Final = OpenSessions()

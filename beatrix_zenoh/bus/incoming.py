@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable
-from functools import cached_property
 from typing import Final
 
 import msgspec
@@ -25,16 +24,19 @@ class Incoming:
         # Only the key is read here, because in a flood of queries newer ones replace most of them before decoding.
         self._query = query
         self.key = str(query.key_expr)
+        self._raw: RawQuery | None = None
 
-    @cached_property
+    @property
     def raw(self) -> RawQuery:
         """Payload, encoding and parameters; the first access must come before `finish`."""
-        payload, encoding = self._query.payload, self._query.encoding
-        return RawQuery(
-            payload=b"" if payload is None else payload.to_bytes(),
-            encoding="" if encoding is None else str(encoding),
-            parameters=str(self._query.parameters),
-        )
+        if self._raw is None:
+            payload, encoding = self._query.payload, self._query.encoding
+            self._raw = RawQuery(
+                payload=b"" if payload is None else payload.to_bytes(),
+                encoding="" if encoding is None else str(encoding),
+                parameters=str(self._query.parameters),
+            )
+        return self._raw
 
     @property
     def attachment(self) -> bytes:

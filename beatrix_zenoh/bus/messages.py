@@ -101,16 +101,18 @@ class MessageSession(RenewableSession):
 
         return self.add(QUERYABLE, key, declare)
 
-    def serve_rest(self, key: str, handle: Callable[[Incoming], None]) -> Callable[[], None]:
+    def serve_rest(
+        self, key: str, handle: Callable[[Incoming], None], skips: Callable[[str], bool]
+    ) -> Callable[[], None]:
         """Pass queries on `key`, a key with wildcards, to `handle` as `serve` does, except those of the watchdog.
 
-        The queryable is not complete, so that a foreign complete one on these keys keeps receiving all its queries.
+        A query for whose key `skips` returns True is dropped: another queryable answers it, after this one, so it must
+        cost little. The queryable is not complete, so that a foreign complete one on these keys keeps receiving all its
+        queries.
         """
 
         def receive(query: zenoh.Query) -> None:
-            if str(query.parameters) == HEALTH:
-                query.drop()
-            else:
+            if not skips(str(query.key_expr)) and str(query.parameters) != HEALTH:
                 handle(Incoming(query))
 
         return self.add(REST, key, lambda session: session.declare_queryable(key, direct(receive)))

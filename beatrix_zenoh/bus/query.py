@@ -6,8 +6,9 @@ import contextlib
 import queue
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from functools import lru_cache
 
+import msgspec
 import zenoh
 
 from beatrix_zenoh.bus.at_exit import OPEN
@@ -27,6 +28,7 @@ TIMED_OUT = b"Timeout"
 """Payload of the error reply that Zenoh creates when the timeout of a query has passed."""
 
 
+@lru_cache(maxsize=256)
 def priority_of(selector: str, priority: str | None = None) -> zenoh.Priority:
     """Return the named priority; without a name, that of the key's row in keys.toml, or `data` for other keys."""
     if priority is None:
@@ -43,15 +45,26 @@ def intersects(one: str, other: str) -> bool:
         return False
 
 
-@dataclass(frozen=True)
-class Reply:
-    """One reply: its key, payload, encoding, whether it is an error reply, and the session of its sender."""
+class Reply(msgspec.Struct, frozen=True):
+    """One reply. Its encoding and its sender are converted to text when they are read, which is rare."""
 
     key: str
     payload: bytes
-    encoding: str
+    form: str | zenoh.Encoding
     error: bool
-    sender: str = ""
+    """whether it is an error reply"""
+    origin: str | zenoh.EntityGlobalId | None = None
+    """the sender's session, or its entity in it; None or empty if unknown"""
+
+    @property
+    def encoding(self) -> str:
+        """The encoding of the payload."""
+        return str(self.form)
+
+    @property
+    def sender(self) -> str:
+        """The session of the sender; empty if unknown."""
+        return str(self.origin.zid) if isinstance(self.origin, zenoh.EntityGlobalId) else self.origin or ""
 
 
 class Query:
@@ -92,10 +105,9 @@ class Query:
 
     def _receive(self, reply: zenoh.Reply) -> None:
         replier, good = reply.replier_id, reply.ok
-        sender = "" if replier is None else str(replier.zid)
         if good is not None:
             key, payload = str(good.key_expr), good.payload.to_bytes()
-            answer = Reply(key, payload, str(good.encoding), error=False, sender=sender)
+            answer = Reply(key, payload, good.encoding, error=False, origin=replier)
         else:
             bad = reply.err
             if bad is None:
@@ -103,7 +115,7 @@ class Query:
             payload = bad.payload.to_bytes()
             if replier is None and payload == TIMED_OUT:
                 return  # Zenoh created it, not a robot; the end of the replies follows
-            answer = Reply("", payload, str(bad.encoding), error=True, sender=sender)
+            answer = Reply("", payload, bad.encoding, error=True, origin=replier)
         if self._late is None:
             self._inbox.put(answer)
             self._wake()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from typing import Final, TypeVar
 from urllib.parse import unquote
 
@@ -47,8 +46,7 @@ _NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[
 """Numbers as people write them, including `5.`, `.5` and `+0.5`; the match takes linear time."""
 
 
-@dataclass(frozen=True)
-class RawQuery:
+class RawQuery(msgspec.Struct, frozen=True):
     """A query before decoding: payload, its encoding and the parameters of its selector."""
 
     payload: bytes

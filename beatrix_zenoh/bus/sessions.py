@@ -103,9 +103,11 @@ class Sessions:
         """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve` does."""
         self._declared(QUERYABLE, key, self.session(_row(key).session).serve(key, handle))
 
-    def serve_rest(self, traffic: str, key: str, handle: Callable[[Incoming], None]) -> None:
+    def serve_rest(
+        self, traffic: str, key: str, handle: Callable[[Incoming], None], skips: Callable[[str], bool]
+    ) -> None:
         """Pass queries of a traffic class on `key`, which has wildcards, to `handle`, as `Bus.serve_rest` does."""
-        self._declared(REST, key, self.session(traffic).serve_rest(key, handle))
+        self._declared(REST, key, self.session(traffic).serve_rest(key, handle, skips))
 
     def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
         """Pass publications on `key` to `handle`, as `Bus.subscribe` does."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Generic, TypeVar
 
 import msgspec
@@ -48,15 +48,14 @@ LOSS_CHECK_S = 0.5
 M = TypeVar("M", bound=msgspec.Struct)
 
 
-@dataclass(frozen=True)
-class Unanswered:
+class Unanswered(msgspec.Struct, frozen=True):
     """A query that was sent to one robot."""
 
     client: Client
     place: Place
     losses: int
     """number of losses of the router before the query"""
-    began_s: float = field(default_factory=time.monotonic)
+    began_s: float = msgspec.field(default_factory=time.monotonic)
 
     def explain(self, limit_s: float | None = None, *, heard: bool = False) -> NoAnswer:
         """Return the error of a query without a reply: within `limit_s` (s) or, with None, until the query ended.
@@ -204,6 +203,7 @@ def absence(client: Client, place: Place, present: Collection[Place]) -> NoAnswe
     )
 
 
+@lru_cache(maxsize=1024)
 def matching_robot(asked: str, answered: str) -> Place | None:
     """Return name and side of the robot if the key of a reply is the robot's own; otherwise None."""
     want, found = keys.parse(asked), keys.parse(answered)

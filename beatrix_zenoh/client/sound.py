@@ -300,7 +300,7 @@ def sound(client: Client, sample: Sample) -> Sound | None:
     """Convert a publication to a block; log a warning and return None if it is not sound with a valid header."""
     received = sample.received
     answer = Reply(
-        received.key, received.attachment or b"", codec.MSGPACK, error=False, sender=received.session
+        received.key, received.attachment or b"", codec.MSGPACK, error=False, origin=received.session
     )
     header = client.read(answer, SoundHeader)
     if header is None:

@@ -98,7 +98,7 @@ def message(kind: type[M], convert: Callable[[M], T]) -> Reader[T]:
 
     def read(client: Client, sample: Sample) -> T | None:
         key, payload, session, _ = msgspec.structs.astuple(sample.received)
-        found = client.read(Reply(key, payload, "", error=False, sender=session), kind)
+        found = client.read(Reply(key, payload, "", error=False, origin=session), kind)
         return None if found is None else convert(found)
 
     return read
@@ -416,7 +416,7 @@ def image(client: Client, sample: Sample) -> CameraImage | None:
     """Convert a publication to a picture; log a warning and return None if it is not a JPEG with a valid header."""
     received, parts = sample.received, keys.parse(sample.received.key)
     answer = Reply(
-        received.key, received.attachment or b"", codec.MSGPACK, error=False, sender=received.session
+        received.key, received.attachment or b"", codec.MSGPACK, error=False, origin=received.session
     )
     if not received.payload.startswith(JPEG_BEGIN):
         client.report(

@@ -79,13 +79,17 @@ def _cleaner(kind: object) -> Callable[[object], object] | None:
         return clean and (lambda items: [clean(one) for one in cast("list[object]", items)[:ITEMS]])
     if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
         kinds = {field.name: field.type for field in msgspec.structs.fields(kind)}
-        fields = [(field, one) for field, one in kinds.items() if _cleaner(one) is not None]
+        cleaners = [(field, _cleaner(one)) for field, one in kinds.items()]
+        fields = [(field, clean) for field, clean in cleaners if clean is not None]
         return (lambda part: _struct(cast("msgspec.Struct", part), fields)) if fields else None
     return None
 
 
-def _struct(part: msgspec.Struct, fields: list[tuple[str, object]]) -> msgspec.Struct:
-    """Return a message with printable text in these fields, each with its type."""
-    return msgspec.structs.replace(
-        part, **{name: _printable(kind, getattr(part, name)) for name, kind in fields}
-    )
+def _struct(part: msgspec.Struct, fields: list[tuple[str, Callable[[object], object]]]) -> msgspec.Struct:
+    """Return a message with printable text in these fields; the same object if no text changes."""
+    changed = {}
+    for field, clean in fields:
+        value = getattr(part, field)
+        if value is not None and (printed := clean(value)) is not value:
+            changed[field] = printed
+    return msgspec.structs.replace(part, **changed) if changed else part

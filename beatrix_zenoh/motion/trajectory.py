@@ -5,8 +5,9 @@ from __future__ import annotations
 import itertools
 import math
 from bisect import bisect_right
-from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
+
+import msgspec
 
 from beatrix_zenoh.motion.gear import Arms
 
@@ -40,8 +41,7 @@ class Section(NamedTuple):
         return (x + (u + velocity[0]) * h, y + (v + velocity[1]) * h, z + (w + velocity[2]) * h), velocity
 
 
-@dataclass(frozen=True, slots=True)
-class Trajectory:
+class Trajectory(msgspec.Struct, frozen=True):
     """Angles of the arms over time; after the end the arms rest."""
 
     sections: tuple[Section, ...]
@@ -186,8 +186,7 @@ _LEAST_SHARE = 0.01
 """Lowest speed of an arm that hardly moves, as a share of the speed of the arm with the longest distance."""
 
 
-@dataclass(frozen=True, slots=True)
-class PlannedMotion:
+class PlannedMotion(msgspec.Struct, frozen=True):
     """Start, velocity at the start, goal and top speeds of a motion, in rad and rad/s.
 
     `straight` has the meaning of the argument of `trajectory.plan`.
@@ -205,11 +204,11 @@ class PlannedMotion:
 
     def to(self, target: Arms) -> PlannedMotion:
         """Return the same motion with another goal (rad)."""
-        return replace(self, target=target)
+        return msgspec.structs.replace(self, target=target)
 
     def at_speed(self, speed: Arms) -> PlannedMotion:
         """Return the same motion at other speeds (rad/s)."""
-        return replace(self, speed=speed)
+        return msgspec.structs.replace(self, speed=speed)
 
     def proportional_speed(self) -> Arms:
         """Return speeds (rad/s) with which the arms arrive at about the same time; no arm becomes faster."""

@@ -9,8 +9,9 @@ from __future__ import annotations
 import secrets
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import Enum
+
+import msgspec
 
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
@@ -68,8 +69,7 @@ Ended = Callable[[int, Reason, str, float], None]
 """Callback at the end of a motion: its number, reason, sentence, and time taken (s)."""
 
 
-@dataclass(frozen=True)
-class Running:
+class Running(msgspec.Struct, frozen=True):
     """A motion of a query that the firmware is carrying out."""
 
     number: int

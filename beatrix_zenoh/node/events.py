@@ -85,37 +85,46 @@ class NodeEvents:
     ) -> None:
         """Record an event with the present time; `caller`: seat and session; `query`: the motion as it was requested."""
         seat, session = caller
-        event = Event(
-            seq=0,
-            t_mono_ns=time.monotonic_ns(),
-            t_wall_ns=time.time_ns(),
-            kind=kind,
-            action=action,
-            seat=printable.name(seat),
-            session=session,
-            phase=phase,
-            reason=reason,
-            message=printable.line(message),
-            motion=motion,
-            duration=duration_s,
-            detail=detail,
-            source=source,
-            motion_query=query if isinstance(query, MotionQuery) else None,
-            pose_query=query if isinstance(query, PoseQuery) else None,
-            position=position,
-        )
-        emitted = []
-        now_s = self._monotonic_s()
+        name, text = printable.name(seat), printable.line(message)
+
+        def event(seq: int, count: int) -> Event:
+            return Event(
+                seq=seq,
+                t_mono_ns=time.monotonic_ns(),
+                t_wall_ns=time.time_ns(),
+                kind=kind,
+                action=action,
+                seat=name,
+                session=session,
+                phase=phase,
+                reason=reason,
+                message=text,
+                motion=motion,
+                duration=duration_s,
+                detail=detail,
+                source=source,
+                motion_query=query if isinstance(query, MotionQuery) else None,
+                pose_query=query if isinstance(query, PoseQuery) else None,
+                position=position,
+                count=count,
+            )
+
+        self._record((kind, action, caller, phase, reason), event)
+
+    def _record(self, same: tuple[object, ...], event: Callable[[int, int], Event]) -> None:
+        """Emit or hold an event; `same`: what equal events have in common; `event` makes it, with number and count."""
+        emitted, now_s = [], self._monotonic_s()
         with self._lock:
-            window = self._windows.setdefault((kind, action, caller, phase, reason), _Window(now_s))
-            if now_s - window.began_s >= WINDOW_S:
+            window = self._windows.get(same)
+            if window is None:
+                window = self._windows[same] = _Window(now_s)
+            elif now_s - window.began_s >= WINDOW_S:
                 emitted += self._flush(window, now_s)
             if window.passed < BURST:
                 window.passed += 1
-                emitted.append(self._emit(event))
+                emitted.append(self._emit(event(self._next_seq(), 1)))
             else:
-                count = 1 if window.held is None else window.held.count + 1
-                window.held = msgspec.structs.replace(event, count=count)
+                window.held = event(0, 1 if window.held is None else window.held.count + 1)
         write(emitted)  # after releasing the lock, because a log handler may wait
 
     def take(self) -> list[Event]:
@@ -140,14 +149,16 @@ class NodeEvents:
     def _flush(self, window: _Window, now_s: float) -> list[Event]:
         held, window.held = window.held, None
         window.began_s, window.passed = now_s, int(held is not None)
-        return [] if held is None else [self._emit(held)]
+        return [] if held is None else [self._emit(msgspec.structs.replace(held, seq=self._next_seq()))]
+
+    def _next_seq(self) -> int:
+        self._seq = (self._seq + 1) % _SEQS
+        return self._seq
 
     def _emit(self, event: Event) -> Event:
-        self._seq = (self._seq + 1) % _SEQS
-        numbered = msgspec.structs.replace(event, seq=self._seq)
-        self._latest.append(numbered)
-        self._unpublished.append(numbered)
-        return numbered
+        self._latest.append(event)
+        self._unpublished.append(event)
+        return event
 
 
 def write(events: list[Event]) -> None:

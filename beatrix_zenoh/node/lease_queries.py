@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from typing import Final, NamedTuple
+
+from msgspec.structs import replace
 
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
 from beatrix_zenoh.contract import names, refusals

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Final
+
+from msgspec.structs import replace
 
 from beatrix_zenoh.bus import Incoming, Received, Sessions, query_forms
 from beatrix_zenoh.contract import codec, names, refusals

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import lru_cache
 
+import msgspec
 from msgspec import structs
 
 from beatrix_zenoh.contract import sentences
@@ -28,8 +29,7 @@ from beatrix_zenoh.motion.limits import SLOWEST_LIMIT_DEG, MotionLimits, with_al
 from beatrix_zenoh.motion.trajectory import Trajectory
 
 
-@dataclass(frozen=True)
-class Goal:
+class Goal(msgspec.Struct, frozen=True):
     """A checked motion: arm angles `target` (rad); for the firmware `steps` (microsteps) and speeds `quarters`.
 
     `quarters` are quarter microsteps per second.
@@ -69,6 +69,7 @@ class Planner:
         self.gear = Gear(robot.drive)
         self.neck = Neck(robot.geometry)
         self.limits = MotionLimits(robot)
+        self._limits_at = lru_cache(maxsize=8)(self._make_limits)
         half_deg = 180 / self.gear.steps_per_turn
         self._not_yet = (
             f" The arms do not turn yet, because the goal is less than half a microstep ({half_deg:.3f}°) away; the next "
@@ -98,9 +99,13 @@ class Planner:
     def _set_limits(self) -> None:
         own = self.robot.limits
         most = min((limit for limit in (self.speed_limit, self._turn_speed) if limit), default=0.0)
-        speed_max = round(math.degrees(most), 3) if most else own.speed_max
+        self.limits = self._limits_at(round(math.degrees(most), 3) if most else own.speed_max)
+
+    def _make_limits(self, speed_max: float) -> MotionLimits:
+        """Return the limits of the robot with this largest speed (deg/s); takes some milliseconds."""
+        own = self.robot.limits
         limits = structs.replace(own, speed_max=speed_max, speed_default=min(own.speed_default, speed_max))
-        self.limits = MotionLimits(structs.replace(self.robot, limits=limits))
+        return MotionLimits(structs.replace(self.robot, limits=limits))
 
     def check_limit(self, speed: float) -> None:
         """Check a limit of the speed (rad/s); 0 is none. Raises the error of `limit_speed`."""

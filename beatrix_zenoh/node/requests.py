@@ -15,7 +15,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -184,8 +184,11 @@ def check_own_key(key: str, served: str) -> None:
 Reply = MotionReply | CommandReply | LeaseReply
 
 
-@dataclass(frozen=True)
-class RequestHandle:
+def _nothing(*_: object) -> None:
+    """Do nothing: the request has no replies."""
+
+
+class RequestHandle(msgspec.Struct, frozen=True):
     """A request of one caller.
 
     `reply` may be called several times; `end` sends the last reply. Replies are recorded as events.
@@ -196,8 +199,8 @@ class RequestHandle:
     """`motion`, `pose`, `<arm> target`, or the name of a command or of a lease action"""
     events: NodeEvents | None
     """None: do not record replies"""
-    send: Callable[[msgspec.Struct], None] = field(default=lambda _: None)
-    finish: Callable[[], None] = field(default=lambda: None)
+    send: Callable[[msgspec.Struct], None] = _nothing
+    finish: Callable[[], None] = _nothing
     kind: EventKind = EventKind.MOTION
     source: Source | None = None
     """None: not known"""

@@ -288,7 +288,9 @@ class StateQueries(Component):
             sessions.serve(key, lambda incoming, key=key: self._query(incoming, key))  # type: ignore[misc]
         for traffic, expressions in REST.items():
             for expression in expressions:
-                sessions.serve_rest(traffic, f"{self._unknown.base}{expression}", self._rest)
+                sessions.serve_rest(
+                    traffic, f"{self._unknown.base}{expression}", self._rest, self._unknown.has
+                )
 
     def _query(self, incoming: Incoming, key: str) -> None:
         """Pass a query from Zenoh's thread to the worker's thread."""
@@ -303,12 +305,10 @@ class StateQueries(Component):
         incoming.finish()
 
     def _rest(self, incoming: Incoming) -> None:
-        """Pass a query for an unknown key from Zenoh's thread to the worker's thread; drop all others."""
-        if self._worker is None or self._unknown.has(incoming.key):
-            incoming.finish()
-            return
+        """Pass a query for an unknown key from Zenoh's thread to the worker's thread."""
         try:
-            self._worker.submit(self._refuse, incoming)
+            if self._worker is not None:
+                self._worker.submit(self._refuse, incoming)
         except RuntimeError:  # the worker is closed
             incoming.finish()
 

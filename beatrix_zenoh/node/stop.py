@@ -13,9 +13,10 @@ from __future__ import annotations
 
 import threading
 import time
-from dataclasses import replace
 from functools import partial
 from typing import Final
+
+from msgspec.structs import replace
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.board.board import Board

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 from typing import Final
+
+from msgspec.structs import replace
 
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
 from beatrix_zenoh.contract import names

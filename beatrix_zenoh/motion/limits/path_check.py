@@ -132,11 +132,13 @@ class PathChecker:
         floors = _Floors(clearance, self._ends)
         if self._is_short(floors, clearance, trajectory):
             return None
+        first: Clearance | None = clearance  # at the start, which exceeds no floor
         for section in trajectory.sections:
             since = 0.0
             while section.duration - since > _ROUNDING:
                 arms, velocity = section.at(since)
-                found = self._visit(floors, arms)
+                found = first or self._visit(floors, arms)
+                first = None
                 if isinstance(found, int):
                     return Violation(found, section.begin + since, arms)
                 since += self._step(floors, found, velocity, section.acceleration, section.duration - since)
