@@ -84,10 +84,13 @@ def count(record: Record, verdict: Verdict, program: Program) -> None:
     if verdict.result is Result.NOT_MEASURABLE:
         return
     record.tries += 1
-    record.stuck = record.stuck + 1 if verdict.figure and verdict.figure == record.figure else 1
+    known = verdict.figure in (*record.seen, record.figure)  # records of earlier versions have `figure` only
+    record.stuck = record.stuck + 1 if known else 1
     record.figure = verdict.figure
+    if not known:
+        record.seen.append(verdict.figure)
     if verdict.result is Result.PASSED:
-        record.stuck = 0
+        record.stuck, record.seen = 0, []
         record.passed = [one for one in record.passed if one != program.sha256] + [program.sha256]
 
 

@@ -69,8 +69,8 @@ def report(
 ) -> None:
     """Show what each seat of the class has reached in each lesson. Requires the seat `teacher`.
 
-    passed; trying, with the number of checks; stuck: five checks or more have ended at the same figure. The router of
-    the class keeps this in memory until it ends.
+    passed, trying or stuck, with the number of checks. Stuck: the last five checks or more have found nothing that the
+    seat has not met before. The router of the class keeps this in memory until it ends.
     """
     from beatrix_zenoh.client.session import Client
     from beatrix_zenoh.lessons import reports
@@ -78,7 +78,8 @@ def report(
 
     with Client(resolve(None, connect, who)) as client:
         rows = reports.read(client)
-        shown = client.settings.shown
+        shown, account = client.settings.shown, client.settings.account
+        pupils = account.names if account is not None else {}
     if as_json:
         print_json({"result": True, "rows": [row.fields for row in rows]})
     elif as_csv:
@@ -86,9 +87,20 @@ def report(
         writer.writeheader()
         writer.writerows(row.fields for row in rows)
     elif rows:
-        lessons, seats = sorted({row.lesson for row in rows}), sorted({row.seat for row in rows})
+        lessons = sorted({row.lesson for row in rows})
+        seats = sorted({row.seat for row in rows} | set(pupils))
         cells = {(row.seat, row.lesson): row.words for row in rows}
         lines = [(shown(seat), *(cells.get((seat, lesson), "-") for lesson in lessons)) for seat in seats]
         say(columns(("seat", *lessons), lines))
+        stuck = [row for row in rows if row.progress == reports.STUCK_AT]
+        for row in stuck:
+            say(
+                f"{shown(row.seat)} has been stuck in {row.lesson} for {row.state.stuck} checks (hints read: {row.state.hints}). "
+                f"The check asks: {reports.asked(row.lesson, row.state.figure)}."
+            )
+        if stuck:
+            note(
+                "`beatrix lesson hint N` on the seat explains it; `beatrix lesson solution N --show` is for you."
+            )
     else:
         note("No seat has checked a lesson since the router of this class was started.")

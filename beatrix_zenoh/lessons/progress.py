@@ -28,7 +28,9 @@ class Record(msgspec.Struct, forbid_unknown_fields=True):
     figure: str = ""
     """first figure that the last check has found unmet; empty: none"""
     stuck: int = 0
-    """checks in a row that have ended at this figure"""
+    """checks since one has ended at a figure for the first time"""
+    seen: list[str] = []
+    """figures at which checks have ended since the last pass"""
     passed: list[str] = []
     """SHA-256 of each program that has passed, the newest last"""
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import time
+from functools import cache
 from typing import Final, NamedTuple
 
 from beatrix_zenoh import bus as zbus
@@ -14,17 +16,20 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LessonState, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.contract.names import TEACHER
+from beatrix_zenoh.lessons.lesson import ENGLISH, LIBRARY, Lesson, names
 from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.settings import Settings, resolve
 
 ANSWER_S: Final = 3.0
 """Time limit (s) for all reports of the router."""
 STUCK: Final = 5
-"""Checks in a row at one figure after which a seat counts as stuck."""
+"""Checks without a new figure after which a seat counts as stuck: also one that goes back and forth between two."""
 FIELDS: Final = ("seat", "lesson", "progress", "tries", "hints", "figure")
 PASSED, TRYING, STUCK_AT = "passed", "trying", "stuck"
 LONGEST_S: Final = 1.0
 """Longest time (s) that a pupil waits for a report."""
+BRACES: Final = re.compile(r"\{[^}]*\}")
+"""A value of a check in a sentence."""
 MOST: Final = 2**16 - 1
 
 
@@ -82,10 +87,20 @@ class Row(NamedTuple):
 
     @property
     def words(self) -> str:
-        """The progress in a few words, with the figure that a seat is stuck at."""
-        if self.progress == STUCK_AT:
-            return f"stuck: {self.state.figure} ({self.state.stuck} x)"
+        """The progress and the number of checks."""
         return f"{self.progress} ({self.state.tries})" if self.state.tries else self.progress
+
+
+@cache
+def asked(lesson: str, figure: str, language: str = ENGLISH) -> str:
+    """Return what a check asks at a figure; values of the check are left out. The name of an unknown figure is returned."""
+    if lesson not in names():
+        return figure
+    try:
+        texts = Lesson(LIBRARY / lesson, language).figure(figure)
+    except KeyError:  # of another version of BEATRIX
+        return figure
+    return BRACES.sub("…", texts.asked)
 
 
 def read(client: Client, timeout_s: float = ANSWER_S) -> list[Row]:

@@ -45,7 +45,7 @@ def test_the_teacher_reads_what_each_seat_has_reported(
         reports.report("01-hello", record)
     found = rows(router)
     assert [(row.seat, row.lesson, row.words) for row in found] == [
-        ("ana", "01-hello", "stuck: nods (5 x)"),
+        ("ana", "01-hello", "stuck (7)"),
         ("ben", "01-hello", "passed (2)"),
     ]
     use_account(tmp_path, router.path("ana"))

@@ -141,7 +141,7 @@ def test_the_lessons_of_a_class_fit_and_follow_the_reports(
     assert [first.text(column) for column in range(4)] == [
         "Emil Müller (emil)",
         "05-inverse",
-        "▲ stuck: nods (5 x)",
+        "▲ stuck for 5 checks; asked: a program that ends without an error",
         "4",
     ]
     assert [first.text(column) for column in range(4, 11)] == ["✓", "✓", "✓", "✓", "▲", "–", "–"]

@@ -27,13 +27,18 @@ def row(*reports: Row) -> LessonRowView:
 
 def test_a_row_shows_the_lesson_its_progress_and_the_number_of_passed_lessons() -> None:
     made = row(lesson("ana", "01-hello", passed=True), lesson("ana", "02-steps", passed=True), STUCK)
-    assert made.cells == ("ana", "03-arms", "▲ stuck: nods (5 x)", "2")
+    assert made.cells == (
+        "ana",
+        "03-arms",
+        "▲ stuck for 5 checks; asked: a program that ends without an error",
+        "2",
+    )
     assert made.progress is Progress.STUCK
     assert made.marks == (Progress.PASSED, Progress.PASSED, Progress.STUCK)
     assert made.details.splitlines() == [
         "01-hello: ✓ passed (2)",
         "02-steps: ✓ passed (2)",
-        "03-arms: ▲ stuck: nods (5 x)",
+        "03-arms: ▲ stuck for 5 checks; asked: a program that ends without an error",
     ]
 
 
@@ -47,7 +52,10 @@ def test_a_row_shows_the_lesson_its_progress_and_the_number_of_passed_lessons() 
             ("01-hello", "○ trying (2)"),
         ),
         ([lesson("ana", "01-hello"), lesson("ana", "02-steps", tries=1)], ("02-steps", "○ trying (1)")),
-        ([STUCK, lesson("ana", "04-look-there")], ("03-arms", "▲ stuck: nods (5 x)")),
+        (
+            [STUCK, lesson("ana", "04-look-there")],
+            ("03-arms", "▲ stuck for 5 checks; asked: a program that ends without an error"),
+        ),
     ],
 )
 def test_the_lesson_of_a_seat_is_the_one_that_needs_help(reports: list[Row], cell: tuple[str, str]) -> None:
@@ -68,7 +76,12 @@ def test_stuck_seats_come_first_and_are_counted_in_the_title() -> None:
 def test_a_pupil_is_shown_by_name_in_the_language_of_the_window() -> None:
     now = replace(class_world(), pupils={"ana": "Ána Ruiz (ana)"})
     view = shown(STUCK, now=now, language="de")
-    assert view.rows[0].cells == ("Ána Ruiz (ana)", "03-arms", "▲ hängt fest: nods (5 x)", "0")
+    assert view.rows[0].cells == (
+        "Ána Ruiz (ana)",
+        "03-arms",
+        "▲ hängt seit 5 Prüfungen; verlangt: ein Programm, das ohne Fehler endet",
+        "0",
+    )
     assert view.title == "Lektionen: 1 hängt fest"
 
 

@@ -11,6 +11,7 @@ import pytest
 from shell import beatrix
 
 from beatrix_zenoh.lessons import lesson, program, progress
+from beatrix_zenoh.lessons.checking import Result, Verdict, count
 from beatrix_zenoh.lessons.program import notebook
 
 FILES = {
@@ -253,6 +254,22 @@ def test_tries_at_one_figure_are_counted() -> None:
         checked("1")
     record = progress.workspace(Path.cwd()).record("01-double")
     assert (record.tries, record.figure, record.stuck) == (3, "six", 3)
+
+
+@pytest.mark.parametrize(
+    ("figures", "stuck"),
+    [("aaaaa", 5), ("aab", 1), ("ababa", 4), ("abcab", 3), ("abcabd", 1), ("aa-", 0), ("aa-a", 1)],
+    ids=["the same", "progress", "back and forth", "in a circle", "out of it", "passed", "again"],
+)
+def test_a_seat_is_stuck_while_checks_find_nothing_new(tmp_path: Path, figures: str, stuck: int) -> None:
+    (tmp_path / "start.py").write_text("")
+    checked_program = program.read(tmp_path / "start.py")
+    record = progress.Record()
+    for figure in figures:
+        passed = figure == "-"
+        verdict = Verdict(Result.PASSED) if passed else Verdict(Result.NOT_YET, figure)
+        count(record, verdict, checked_program)
+    assert (record.tries, record.stuck) == (len(figures), stuck)
 
 
 def test_the_folder_is_found_from_inside(monkeypatch: pytest.MonkeyPatch) -> None:

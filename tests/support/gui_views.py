@@ -153,8 +153,8 @@ LESSONS = ("01-hello", "02-steps", "03-arms", "04-look-there", "05-inverse", "06
 
 
 def lesson(seat: str, name: str, *, passed: bool = False, stuck: int = 0, tries: int = 2) -> Row:
-    """Return the report of one seat about one lesson; `stuck`: checks in a row that have ended at the figure `nods`."""
-    figure = "nods" if stuck else ""
+    """Return the report of one seat about one lesson; `stuck`: checks in a row that have ended at the figure `runs`."""
+    figure = "runs" if stuck else ""
     return Row(
         seat, name, LessonState(version=1, tries=tries, hints=0, stuck=stuck, passed=passed, figure=figure)
     )

@@ -817,7 +817,7 @@ class LessonState(Struct, frozen=True, kw_only=True):
     figure: Label = ""
     """first figure that the last check has found unmet; empty: none"""
     stuck: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
-    """checks in a row that have ended at this figure"""
+    """checks since one has ended at a figure for the first time"""
     passed: bool
     """a program of this seat has passed"""
 

@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import Final
 
 from beatrix_zenoh.contract.names import TEACHER
-from beatrix_zenoh.lessons.reports import PASSED, STUCK_AT, TRYING, Row
+from beatrix_zenoh.lessons.reports import PASSED, STUCK_AT, TRYING, Row, asked
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 
@@ -20,7 +20,7 @@ class Progress(StrEnum):
     """the seat has not checked the lesson"""
     TRYING = TRYING
     STUCK = STUCK_AT
-    """several checks in a row have ended at the same figure"""
+    """several checks in a row have found no figure that is new to the seat"""
     PASSED = PASSED
 
 
@@ -116,7 +116,8 @@ def _words(row: Row, texts: Texts) -> str:
     progress, state = Progress(row.progress), row.state
     match progress:
         case Progress.STUCK:
-            words = texts("lessons.stuck_at", figure=state.figure, count=float(state.stuck))
+            sentence = asked(row.lesson, state.figure, texts.code)
+            words = texts("lessons.stuck_at", asked=sentence, count=float(state.stuck))
         case Progress.PASSED:
             words = texts("lessons.passed", count=float(state.tries))
         case _:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 
 from PyQt5.QtCore import Qt
-from PyQt5.QtGui import QColor
+from PyQt5.QtGui import QColor, QResizeEvent
 from PyQt5.QtWidgets import QAbstractItemView, QFrame, QTreeWidget, QTreeWidgetItem, QVBoxLayout
 
 from gui.console.state.intents import Theme
@@ -77,6 +77,7 @@ class LessonsTable(QFrame):
         self.list.setHeaderLabels([*(self._texts(f"label.lessons_{name}") for name in COLUMNS), *numbers])
         for column, width in enumerate((*WIDTHS_PX, *(MARK_PX for _ in numbers))):
             self.list.setColumnWidth(column, self._style.px(width))
+        self._widen()
         header, head = self.list.header(), self.list.headerItem()
         if header is not None:
             header.setSectionsMovable(False)
@@ -86,6 +87,17 @@ class LessonsTable(QFrame):
             head.setToolTip(PROGRESS, self._texts("tip.lessons_progress"))
             for column in range(PASSED, head.columnCount()):
                 head.setTextAlignment(column, CENTRE)
+
+    def _widen(self) -> None:
+        """Give the progress, which says what a seat is stuck at, the room that is left."""
+        bar, columns = self.list.verticalScrollBar(), set(range(self.list.columnCount())) - {PROGRESS}
+        frame = 2 * self.list.frameWidth() + bar.sizeHint().width()
+        room = self.width() - frame - sum(map(self.list.columnWidth, columns))
+        self.list.setColumnWidth(PROGRESS, max(room, self._style.px(WIDTHS_PX[PROGRESS])))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        super().resizeEvent(event)
+        self._widen()
 
     def _show_rows(self, rows: tuple[LessonRowView, ...]) -> None:
         """Show the rows in the existing items; create new items if there are more or fewer than before."""
