@@ -30,7 +30,7 @@ PAGES = (
     "beatrix_zenoh/lessons/library/04-look-there/lesson.md",
     "beatrix_zenoh/lessons/library/04-look-there/lesson.de.md",
 )
-ALWAYS = PAGES[:2]
+ALWAYS = PAGES[:1]
 MOVES = pytest.mark.long("the programs of a page move robots in real time")
 FILES = re.compile(r"```(?:csv|toml)\n(# (\S+\.(?:csv|toml))\n.*?)```", re.DOTALL)
 """Files that a page shows; the first line of each is its name."""

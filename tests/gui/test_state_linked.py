@@ -72,7 +72,8 @@ def test_both_robots_carry_out_next_steps_motions_alternatives_and_undo(linked: 
     assert [round(angle, 1) for angle in window.commanded("hw")] == [0, 0, 10]
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long("a second history of motions"))])
+@pytest.mark.long("two histories of random motions")
+@pytest.mark.parametrize("seed", [0, 1])
 def test_the_program_of_a_history_repeats_its_motions(linked: Linked, seed: int) -> None:
     pressed, repeated = repeat(linked, seed)
     assert any(pressed)

@@ -19,7 +19,7 @@ PROGRAMS = [
     of_lesson(path, path.parent.parent.name, f"{path.parent.parent.name}/{path.stem}")
     for path in sorted(LIBRARY.glob("*/wrong/*.py"))
 ]
-ENDLESS_S = 10.0
+ENDLESS_S = 5.0
 """Limit (s) of programs that never end: their lessons allow more."""
 
 

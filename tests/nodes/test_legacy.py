@@ -43,11 +43,12 @@ def test_the_recorded_dialogues_are_reproduced_exactly(place: Place, dialogue: P
 def test_an_old_program_is_refused_until_no_other_seat_drives(place: Place) -> None:
     with place.program() as program:
         program.begin()
+        place.until_free()
         place.robot.look(yaw=2)
         assert program.say("@MOVRX 50 200") == ["ACK\n", "NACK\n"]
         assert any("old program: ana drives" in line for line in place.robot.status().warnings)
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
-        until(lambda: place.robot.status().holder == "", "the lease is over", 4.0)
+        place.until_free()
         program.port.write(b"@MOVRX 100 200\r")
         until(lambda: place.robot.status().moving, "the old program moves")
         with pytest.raises(Refused, match="legacy drives"):
@@ -60,7 +61,8 @@ def test_an_old_program_is_refused_until_no_other_seat_drives(place: Place) -> N
 def test_an_old_program_cannot_switch_off_a_robot_that_another_seat_drives(place: Place) -> None:
     with place.program() as program:
         program.begin()
-        motion = place.robot.look(yaw=3, speed=2, wait=False)
+        place.until_free()
+        motion = place.robot.look(yaw=1, speed=2, wait=False)
         assert program.say("@ENMOTORS OFF") == ["ACK\n", "NACK\n"]
         motion.wait()
         assert place.robot.status().calibrated
@@ -86,10 +88,6 @@ def test_any_client_stops_an_old_program(place: Place) -> None:
         assert program.read(4) == ["ACK\n", "NACK\n"] * 2
         assert 0 < program.x < 500
         assert program.say("@MOVRX 5 200") == ["ACK\n", "NACK\n"], "a stopped program has to pause"
-        time.sleep(5.1)
-        assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], (
-            "the program has sent no motion for five seconds"
-        )
 
 
 @pytest.mark.long("waits longer than the pause of a stopped program")
@@ -105,6 +103,9 @@ def test_a_program_that_moves_every_second_stays_stopped_until_it_closes_the_por
             time.sleep(0.9)
             assert program.say("@MOVRX 5 200") == ["ACK\n", "NACK\n"]
             assert not place.robot.status().moving
+        time.sleep(5.1)
+        assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], "no motion was sent for five seconds"
+        place.robot.stop()
     with place.program() as program:
         program.begin()
         assert program.say("@MOVRX 5 200") == ["ACK\n", "ACK\n"], "the next program is not stopped"
@@ -139,6 +140,7 @@ def test_stopall_is_carried_out_at_once(place: Place) -> None:
 def test_a_motion_of_another_seat_is_stopped_by_an_old_program(place: Place) -> None:
     with place.program() as program:
         program.begin()
+        place.until_free()
         motion = place.robot.look(yaw=60, wait=False)
         assert program.say("@STOPALL") == ["ACK\n", "ACK\n"]
         with pytest.raises(Interrupted) as end:
@@ -149,7 +151,7 @@ def test_a_motion_of_another_seat_is_stopped_by_an_old_program(place: Place) -> 
 def test_after_the_end_of_a_program_its_motion_is_finished_and_waiting_lines_are_dropped(
     place: Place,
 ) -> None:
-    until(lambda: place.robot.status().holder == "", "free", 5.0)
+    place.until_free()
     place.robot.make_ready()  # else @CALNOW would set home, from which positions count
     at = place.robot.positions().commanded.short
     with contextlib.closing(Program(place.path).port) as port:
@@ -157,7 +159,6 @@ def test_after_the_end_of_a_program_its_motion_is_finished_and_waiting_lines_are
         until(lambda: place.robot.status().moving, "moving")
     until(lambda: not place.robot.status().moving, "it rests")
     assert place.robot.positions().commanded.short == pytest.approx(at + 8.6, abs=0.1), "100 steps"
-    until(lambda: place.robot.status().holder == "", "free", 3.0)
 
 
 @pytest.mark.bodies("hw")

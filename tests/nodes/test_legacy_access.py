@@ -101,6 +101,7 @@ def test_a_stop_is_carried_out_after_the_program_has_closed_its_port(place: Plac
 def test_a_program_does_not_set_the_home_of_a_robot_that_another_seat_holds(place: Place) -> None:
     with place.program() as program, motors_on_again(place):
         program.begin()
+        place.until_free()
         place.robot.look(yaw=3)
         place.robot.disable()
         place.robot.enable()

@@ -99,7 +99,6 @@ def teach(stage: Stage, robot: Robot) -> None:
     until(lambda: robot.status().holder == "", "free", 5.0)
     robot.client.bus.put(keys.arm_target(robot.name, robot.side, "short"), b"0.1", "text/plain")
     until(lambda: abs(robot.positions().commanded.short - math.degrees(0.1)) < 0.1, "the arm is there", 5.0)
-    until(lambda: robot.status().holder == "", "free", 5.0)
 
 
 @pytest.fixture

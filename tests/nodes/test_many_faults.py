@@ -23,6 +23,8 @@ GAP_S = 0.1
 BEFORE = 100
 """Positions of each robot before a fault; on a busy computer their gaps are the measure of those after it."""
 ANEW_S = 1.0
+LOST_S = 2.0
+"""Time limit (s) of a request whose reply is lost with its robot."""
 
 
 @pytest.fixture(scope="module")
@@ -111,8 +113,8 @@ def calibrate_until_lost(robot: Robot) -> None:
 
 
 def test_an_exception_in_a_thread_of_a_robot_replaces_only_this_robot(stage: Stage, process: Process) -> None:
-    eva, ada = stage.robot("eva", "sim"), ready(stage.robot("ada", "sim"))
-    ready(eva)
+    ada = ready(stage.robot("ada", "sim"))
+    eva = ready(Robot("eva", "sim", client=stage.client(), timeout_s=LOST_S))
     process.say("calibrate eva")
     with pytest.raises(BeatrixError):
         calibrate_until_lost(eva)

@@ -227,9 +227,9 @@ def test_the_hardware_is_stopped_when_the_simulation_is_lost() -> None:
 
 
 def test_the_preview_reports_hardware_far_away_and_commit_waits_for_it(twin: Twin) -> None:
-    twin.hw.look(yaw=150, speed=60)
-    plan = twin.preview_arms(0, 0, 0)
-    assert "The hardware stands 150.0° away" in plan.verdict
+    twin.hw.look(yaw=40, speed=60)
+    plan = twin.preview_arms(0, 0, 0, speed=60)
+    assert "The hardware stands 40.0° away" in plan.verdict
     plan.commit()
     assert commanded(twin.hw) == (0, 0, 0)
 

@@ -9,10 +9,12 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+import pytest
 import zenoh_programs
 from robots import Process
 
 
+@pytest.mark.long("a dozen programs, one after the other")
 def test_both_robots_are_read_driven_and_stopped_by_zenohs_programs(tmp_path: Path) -> None:
     folder = os.environ.get("ZENOH_EXAMPLES", "")
     if not folder:

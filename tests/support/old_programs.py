@@ -12,6 +12,7 @@ from robots import Stage, ask_raw, until
 
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Events
+from beatrix_zenoh.contract.names import OLD_PROGRAMS
 
 PATIENCE_S = 40.0
 
@@ -75,10 +76,14 @@ class Place:
         """Store the position from which `far` measures, after @CALNOW, which may set a simulated head upright."""
         self.start = self.robot.positions().commanded.short
 
+    def until_free(self) -> None:
+        """Wait until another seat may drive after an old program, or before one."""
+        until(lambda: self.robot.status().holder == "", "free", 5.0)
+
     @contextlib.contextmanager
     def program(self) -> Iterator[Program]:
-        """Open the port with a program when no seat drives; close it and stop the robot at the end."""
-        until(lambda: self.robot.status().holder == "", "free", 5.0)
+        """Open the port with a program when no other seat drives; close it and stop the robot at the end."""
+        until(lambda: self.robot.status().holder in ("", OLD_PROGRAMS), "free", 5.0)
         program = Program(self.path, self._remember)
         try:
             yield program

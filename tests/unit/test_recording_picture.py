@@ -48,6 +48,7 @@ def path(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.long("a renderer without a graphics card")
 def test_the_ghost_is_visible_beside_the_hardware_and_both_robots_side_by_side(path: Path) -> None:
     overlay, beside = (
         np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=np.int64)

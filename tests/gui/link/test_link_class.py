@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 from pathlib import Path
 
+import pytest
 from class_router import ClassRouter, settled, start_node
 from gui_links import Linked
 from gui_views import lesson
@@ -110,6 +111,20 @@ def test_the_reports_of_the_class_are_read_while_its_page_is_shown(tmp_path: Pat
             passed = lesson("ana", "01-hello", passed=True)
             ana.put(keys.lesson("ana", "01-hello"), codec.encode(passed.state), codec.MSGPACK)
             linked.until(lambda world: world.reports == (passed,), "a later report is read")
+            linked.do(WatchClass(on=False))
+            assert linked.world.reports is None
+
+
+@pytest.mark.long("waits for the time limit of a read")
+def test_the_last_reports_of_the_class_stay_when_a_read_fails(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path) as router:
+        ana, teacher = router.session("ana"), router.account("teacher")
+        passed = lesson("ana", "01-hello", passed=True)
+        ana.put(keys.lesson("ana", "01-hello"), codec.encode(passed.state), codec.MSGPACK)
+        settled(ana)
+        with Linked(teacher.connect, "bea1", "teacher", account=teacher) as linked:
+            linked.do(WatchClass(on=True))
+            linked.until(lambda world: world.reports == (passed,), "the report is read")
             router.process.send(signal.SIGSTOP)
             try:
                 late = linked.until(lambda world: world.reports_failed, "a read fails")
@@ -117,8 +132,6 @@ def test_the_reports_of_the_class_are_read_while_its_page_is_shown(tmp_path: Pat
             finally:
                 router.process.send(signal.SIGCONT)
             linked.until(lambda world: not world.reports_failed, "they are read again")
-            linked.do(WatchClass(on=False))
-            assert linked.world.reports is None
 
 
 def test_only_the_teacher_reads_reports(tmp_path: Path) -> None:
