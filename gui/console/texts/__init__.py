@@ -1,8 +1,8 @@
 """All texts of the faces, in each of their languages.
 
 A language is a file of templates by key. Widgets use the keys that begin with `label.` and `tip.`; `gui.console.state` uses
-most of the others. The sentences of refusals are in the library in English, except those that name commands, and in the
-file of every other language.
+most of the others. The sentences of refusals are in the library in English, except those that name commands or angles of
+the head, and in the file of every other language.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def load(code: str) -> tuple[Mapping[str, str], Language]:
     refusals = table.pop("refusals")
     by_key = {_key(name): text for name, text in refusals.pop("sentences").items()}
     if code == DEFAULT_LANGUAGE:
-        return table, ENGLISH._replace(minus=MINUS, refusals={**ENGLISH.refusals, **by_key})
+        return table, ENGLISH._replace(minus=MINUS, refusals={**ENGLISH.refusals, **by_key}, **refusals)
     return table, Language(table["decimal"], MINUS, refusals=by_key, **refusals)
 
 

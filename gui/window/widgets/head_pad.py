@@ -255,11 +255,12 @@ class HeadPad(QWidget):
         for name, down in (("up", -noses), ("down", noses)):
             wide = self._wide(name)
             places[name] = QRectF(-wide / 2, down - line / 2, wide, line).translated(self._centre)
-        for name, across in (("left", -1), ("right", 1)):
-            if limit > self._wide(name) + line:
-                places[name] = self._inside_disc(name, across)
-            elif not self._is_over_ring(place := self._beside_ring(name, across, 1)):
-                places[name] = place
+        ears = {"left": -1, "right": 1}
+        beside = {name: self._beside_ring(name, across, 1) for name, across in ears.items()}
+        if limit > max(self._wide(name) for name in ears) + line / 2:
+            places |= {name: self._inside_disc(name, across) for name, across in ears.items()}
+        elif not any(self._is_over_ring(place) for place in beside.values()):
+            places |= beside
         return places
 
     def _is_over_ring(self, place: QRectF) -> bool:
