@@ -63,15 +63,20 @@ def check(
             lesson.check()(attempt)
     except Unmet as unmet:
         if attempt.doubt:
-            return Verdict(Result.NOT_MEASURABLE, means=str(busy(attempt.doubt)) + own_share(attempt))
+            return not_measurable(lesson, str(busy(attempt.doubt)) + own_share(attempt))
         return verdict(lesson, unmet)
     except NotMeasurable as why:
-        return Verdict(Result.NOT_MEASURABLE, means=str(why) + own_share(attempt))
+        return not_measurable(lesson, str(why) + own_share(attempt))
     except BeatrixError as error:
-        return Verdict(Result.NOT_MEASURABLE, means=f"The check itself could not go on. {error}")
+        return not_measurable(lesson, f"The check itself could not go on. {error}")
     if program.changed():
-        return Verdict(Result.NOT_MEASURABLE, means=CHANGED.format(file=program.path.name))
+        return not_measurable(lesson, CHANGED.format(file=program.path.name))
     return Verdict(Result.PASSED)
+
+
+def not_measurable(lesson: Lesson, why: str) -> Verdict:
+    """Return the verdict of a check that has judged nothing, in the language of the lesson."""
+    return Verdict(Result.NOT_MEASURABLE, means=lesson.phrase(why))
 
 
 def own_share(attempt: Attempt) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
@@ -19,6 +21,12 @@ if TYPE_CHECKING:
 T = TypeVar("T", bound=msgspec.Struct)
 LIBRARY = Path(__file__).parent / "library"
 ENGLISH = "en"
+ANY = "{}"
+"""Any text in a phrase."""
+PUNCTUATION = (".", " ")
+"""Last characters of a phrase that is a whole sentence, or the beginning of one; such a phrase may stand between others."""
+NEXT_NUMBER = re.compile(r", (?=-?\d)")
+DECIMAL = re.compile(r"(\d)\.(\d)")
 GENERAL = "figures"
 """Name of the file, beside the lessons, with the figures that every lesson has."""
 
@@ -39,7 +47,7 @@ class _Texts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     hints: list[str] = []
     figures: dict[str, FigureTexts] = {}
     phrases: dict[str, str] = {}
-    """English phrases that checks insert into the sentences, in the language of the file"""
+    """English phrases that checks insert into the sentences, in the language of the file; `{}` is any text or number"""
 
 
 class LessonFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -109,8 +117,14 @@ class Lesson:
         return self._general().figures[name]
 
     def phrase(self, text: str) -> str:
-        """Return a phrase that a check inserts into a sentence, in the language of this lesson; other texts unchanged."""
-        return self._general().phrases.get(text, text)
+        """Return a text that a check inserts into a sentence with its phrases in the language of this lesson."""
+        phrases = self._general().phrases
+        if text in phrases:
+            return phrases[text]
+        for english in sorted(phrases, key=len, reverse=True):  # a short phrase may be a part of a long one
+            if ANY in english or english[-1] in PUNCTUATION:
+                text = _pattern(english).sub(partial(_filled, phrases[english], phrases), text)
+        return text
 
     def _general(self) -> _Texts:
         return _read(self._translated(LIBRARY / f"{GENERAL}.toml"), _Texts)
@@ -129,6 +143,22 @@ class Lesson:
     def _translated(self, path: Path) -> Path:
         translated = path.with_name(f"{path.stem}.{self.language}{path.suffix}")
         return translated if translated.is_file() else path
+
+
+@cache
+def _pattern(phrase: str) -> re.Pattern[str]:
+    """Return the pattern of a phrase; what stands for `{}` at its end is a whole number."""
+    # a full stop is no decimal point
+    first, *parts = (re.escape(part).replace(r"\.", r"\.(?!\d)") for part in phrase.split(ANY))
+    return re.compile(first + "".join((r"(.+?)" if part else r"(\d+)") + part for part in parts))
+
+
+def _filled(phrase: str, phrases: Mapping[str, str], found: re.Match[str]) -> str:
+    """Return a translated phrase with the texts that were found; its language has a decimal comma."""
+    for text in found.groups():
+        own = phrases.get(text) or DECIMAL.sub(r"\1,\2", NEXT_NUMBER.sub("; ", text))
+        phrase = phrase.replace(ANY, own, 1)
+    return phrase
 
 
 def names() -> list[str]:

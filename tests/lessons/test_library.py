@@ -7,10 +7,10 @@ import re
 import pytest
 from lesson_checks import checked, of_lesson
 
-from beatrix_zenoh.lessons.checking import Result, Verdict, verdict
+from beatrix_zenoh.lessons.checking import OWN_SHARE, Result, Verdict, not_measurable, verdict
 from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson, lessons
 from beatrix_zenoh.lessons.stage import Stage
-from beatrix_zenoh.lessons.unmet import Unmet
+from beatrix_zenoh.lessons.unmet import Unmet, busy
 
 LESSONS = lessons()
 CHECKED = [of_lesson(lesson, lesson.name, lesson.name) for lesson in LESSONS]
@@ -54,6 +54,18 @@ def test_texts_are_complete(lesson: Lesson, language: str) -> None:
             Unmet("ends", what="Your function", name=" double", limit=2.0),
             "Deine Funktion double war nach 2 s noch nicht fertig",
         ),
+        (
+            Unmet(
+                "uncaught",
+                error="Refused: The head would tilt 40.0°; at most 35.0° is allowed. Try a speed of 9.5°/s.",
+                where=" (cell 2, line 4)",
+            ),
+            (
+                "Refused: Der Kopf würde sich um 40,0° neigen; höchstens 35,0° sind erlaubt. "
+                "Versuche es mit der Geschwindigkeit 9,5°/s. (Zelle 2, Zeile 4)"
+            ),
+        ),
+        (Unmet("keyboard", where=" (line 12)"), "es wartet auf input() (Zeile 12)"),
     ],
 )
 def test_a_check_in_german_inserts_no_english(unmet: Unmet, found: str) -> None:
@@ -67,6 +79,21 @@ def test_phrases_of_checks_are_translated() -> None:
     phrases += re.findall(r'wanted = "([^"]+)" if .* else "([^"]+)"', code)[0]
     assert len(phrases) > 5
     assert [phrase for phrase in phrases if german.phrase(phrase) == phrase] == []
+
+
+def test_a_computer_that_is_too_busy_says_so_in_german() -> None:
+    german = Lesson(LIBRARY / "01-hello", "de")
+    for why in (
+        "For 2126 ms there was no position; 100 ms are allowed.",
+        "The simulation ran at 0.52 times the speed of reality.",
+        "The simulation was not ready within 60 s.",
+        "The bench did not answer.",
+    ):
+        text = f"{busy(why)} (It did not end within 40 s: is there a `while True`?)" + OWN_SHARE.format(
+            cores=1.0
+        )
+        shown = not_measurable(german, text).means
+        assert not re.search(r"\b(the|not|was|is|of|times)\b", shown), shown
 
 
 def test_an_unmet_figure_names_its_values() -> None:

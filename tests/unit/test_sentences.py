@@ -18,6 +18,7 @@ from beatrix_zenoh.contract import codec, refusals, sentences
 from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Head, Limit, Reason, Vector3
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.contract.sentences import templates
+from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson
 from gui.console import texts
 
 LANGUAGES = {code: texts.load(code)[1] for code in texts.LANGUAGES}
@@ -213,6 +214,23 @@ def test_sentences_are_those_of_the_golden_file(language: str) -> None:
             f"{language}.{name} {count[name]}",
             sentences.render(refusal.reason, refusal.detail, LANGUAGES[language]),
         )
+
+
+PUPILS = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT, Reason.NOT_AT_REST)
+"""Reasons that the program of a pupil meets in the check of a lesson."""
+WORDS = {"\N{MINUS SIGN}": "-", " Drehen ": " yaw ", " Nicken ": " pitch ", " Neigen ": " roll "}
+"""What the window writes for a person, and Python for a program."""
+
+
+def test_german_lessons_say_what_the_german_window_says() -> None:
+    german = Lesson(LIBRARY / "01-hello", "de")
+    said = [one for one in REFUSALS if one.reason in PUPILS and one.detail and one.detail.leaves_s != 0]
+    assert len(said) > 10
+    for refusal in (*said, refusals.coming_to_rest()):
+        shown = texts.Texts("de").refusal(refusal.reason, refusal.detail)
+        for in_window, in_program in WORDS.items():
+            shown = shown.replace(in_window, in_program)
+        assert german.phrase(refusal.message) == shown
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

@@ -17,6 +17,8 @@ DIRECTIONS = (-45, -36, -27, -15, -6, 4, 12, 23, 33, 44)
 """Directions (deg) of the sounds of the function's check; left is plus."""
 NEAR_DEG = 3.0
 """The solution is within 0.8 deg."""
+SINE_DEG = 1.5
+"""At the widest sound the sine is 7.8 deg off, and 3.3 deg from what a straight line gives."""
 NOISE_HZ = (200.0, 8000.0)
 HUM_HZ, HUM = 120.0, 8.4
 """A fan between both ears: the frequency and the amplitude of its tone, where the sound has the power 1."""
@@ -64,12 +66,20 @@ def check(attempt: Attempt) -> None:
     )
     stuck = [true for true, said in wide if abs(said) < abs(true) / 4]
     attempt.require("fan", len(stuck) < 2, count=len(stuck))
+    attempt.require(
+        "sine", not all(abs(said - sine(true)) <= SINE_DEG for true, said in pairs), found=found[0]
+    )
     for true, said in wide:
         near = abs(said - true) <= NEAR_DEG
         attempt.require("wide", near or not all(small), true=true, found=said)
     for true, said in pairs:
         attempt.require("direction", abs(said - true) <= NEAR_DEG, true=true, found=said)
     live(attempt)
+
+
+def sine(direction: float) -> float:
+    """Return what a program finds that takes the sine of the ratio in place of its arcsine (deg)."""
+    return math.degrees(math.sin(math.sin(math.radians(direction))))
 
 
 def live(attempt: Attempt) -> None:
