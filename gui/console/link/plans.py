@@ -5,13 +5,14 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Final
 
 from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from gui.console.link.outcomes import WindowError, accepted, closed, done, failed, replaced
 from gui.console.link.worker import Worker
 from gui.console.state.actions import Outcome
@@ -19,6 +20,10 @@ from gui.console.state.world import PlanPhase, PlanProgress
 
 BOTH = ""
 """`Outcome.side` of a motion of both robots."""
+REST_S: Final = 5.0
+"""How long a motion is previewed again because a robot still moves: a preview is valid only from where it began."""
+AGAIN_S: Final = 0.05
+"""Time between two previews of a motion."""
 
 
 @dataclass(eq=False)
@@ -38,10 +43,13 @@ class PlanJob:
     """why the motion must not begin or go on; None: it may"""
     reported: bool = False
     """whether the last outcome of the motion was reported"""
+    over: threading.Event = field(default_factory=threading.Event)
+    """set when the motion must not begin or go on"""
 
     def cancel(self, why: BeatrixError) -> None:
         """End the motion without waiting: nothing more is sent, and moving robots are stopped."""
         self.dropped = self.dropped or why
+        self.over.set()
         motion = self.motion or (None if self.plan is None else self.plan.motion)
         if motion is not None:
             motion.run.hold()
@@ -131,14 +139,13 @@ class Plans(Worker):
             return
         began_s = time.monotonic()
         try:
-            job.plan = job.twin.preview_query(job.query)
-            if job.dropped is not None:
-                return
-            job.clear()
-            motion = job.plan.commit(job.lead_s, wait=False)
+            begun = _begin(job)
         except BeatrixError as error:
-            self._finish(job, failed(job.row, BOTH, error))
+            self._finish(job, failed(job.row, BOTH, _explained(error)))
             return
+        if begun is None:
+            return
+        plan, motion = begun
         with self._lock:
             job.motion = motion
             self._moving = job
@@ -147,7 +154,7 @@ class Plans(Worker):
         if job.dropped is not None:  # another thread dropped it during the commit
             job.cancel(job.dropped)
         if not job.reported:
-            self._report(accepted(job.row, BOTH, job.plan.verdict, job.plan.duration + job.lead_s))
+            self._report(accepted(job.row, BOTH, plan.verdict, plan.duration + job.lead_s))
         motion.add_done_callback(lambda motion: self._ended(job, motion, time.monotonic() - began_s))
 
     def _ended(self, job: PlanJob, motion: TwinMotion, took_s: float) -> None:
@@ -155,7 +162,7 @@ class Plans(Worker):
         if error is None:
             self._finish(job, done(job.row, BOTH, motion.result(0.0).hw.message, took_s))
         elif isinstance(error, BeatrixError):
-            self._finish(job, failed(job.row, BOTH, error))
+            self._finish(job, failed(job.row, BOTH, _explained(error)))
         else:
             raise error
 
@@ -163,6 +170,33 @@ class Plans(Worker):
         """End all plans and the thread; returns at once."""
         self.drop(closed())
         super().close()
+
+
+def _begin(job: PlanJob) -> tuple[Plan, TwinMotion] | None:
+    """Preview and commit a motion, again while a robot still moves; None if the motion was dropped meanwhile."""
+    patient_until_s = time.monotonic() + REST_S
+    while job.dropped is None:
+        plan = job.plan = job.twin.preview_query(job.query)
+        if job.dropped is not None:
+            break
+        job.clear()
+        try:
+            return plan, plan.commit(job.lead_s, wait=False)
+        except Refused as error:
+            if not _is_obsolete(error) or time.monotonic() > patient_until_s:
+                raise
+        job.over.wait(AGAIN_S)
+    return None
+
+
+def _is_obsolete(error: BeatrixError) -> bool:
+    """Return whether a plan was refused because a robot has moved since its preview."""
+    return isinstance(error, Refused) and error.reason is Reason.REPLACED
+
+
+def _explained(error: BeatrixError) -> BeatrixError:
+    """Return the error to report: no newer motion has replaced one whose preview is obsolete."""
+    return WindowError(Reason.NOT_AT_REST, "result.moved") if _is_obsolete(error) else error
 
 
 def _progress(phase: PlanPhase, plan: Plan, lead_s: float, countdown_s: float) -> PlanProgress:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import threading
+
 import pytest
 from gui_links import Linked, look, short
 from robots import Stage, until
 
 from beatrix_zenoh.client.degrees import pose_query
+from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.contract._generated.messages import Reason, Steps
+from beatrix_zenoh.contract.errors import Refused
+from gui.console.link import plans
 from gui.console.state.actions import AbortPlan, Select, Send, SendPlanNow, SendStop
 from gui.console.state.world import PlanPhase, World
 
 BOTH = ("sim", "hw")
+TOO_FAR = pose_query(0.0, 60.0, 0.0, relative=False, speed=60.0)
 
 
 def steps(linked: Linked, side: str = "hw") -> Steps:
@@ -160,3 +166,48 @@ def test_send_now_ends_the_lead(linked: Linked) -> None:
     linked.do(SendPlanNow())
     assert linked.end_of(1).accepted
     linked.until(lambda world: short(world, "hw") == pytest.approx(20, abs=0.1), "there")
+
+
+@pytest.mark.parametrize("alone", ["sim", "hw"])
+def test_a_motion_of_both_is_carried_out_although_one_robot_still_moves(linked: Linked, alone: str) -> None:
+    linked.do(Send(1, look(-10, 20), (alone,)))
+    linked.until(lambda world: abs(short(world, alone)) > 1, "it moves")
+    linked.do(Send(2, TOO_FAR, BOTH))
+    assert linked.end_of(2).reason is Reason.OUT_OF_REACH
+    linked.do(Send(3, look(4), BOTH))
+    assert linked.end_of(3).accepted
+
+
+def test_a_motion_that_waits_for_a_moving_robot_ends_with_stop(linked: Linked) -> None:
+    linked.do(Send(1, look(90, 10), ("sim",)))
+    linked.until(lambda world: abs(short(world, "sim")) > 1, "it moves")
+    linked.do(Send(2, look(4), BOTH))
+    linked.do(SendStop(3))
+    assert linked.end_of(2).key == "result.stop_pressed"
+
+
+def test_a_motion_whose_preview_stays_obsolete_is_refused_with_the_cause(
+    linked: Linked, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise Refused(Reason.REPLACED, "bea (sim) has moved since this preview.")
+
+    monkeypatch.setattr(plans, "REST_S", 0.2)
+    monkeypatch.setattr(Plan, "commit", refuse)
+    linked.do(Send(1, look(4), BOTH))
+    end = linked.end_of(1)
+    assert (end.accepted, end.reason, end.key) == (False, Reason.NOT_AT_REST, "result.moved")
+
+
+@pytest.mark.long("30 pairs of motions, and a pause of another length before each")
+@pytest.mark.parametrize("moving", [(), ("sim",), BOTH])
+def test_a_motion_after_a_refused_one_is_never_replaced(linked: Linked, moving: tuple[str, ...]) -> None:
+    for number in range(30):
+        row, yaw = 10 * number, 4.0 if number % 2 else -4.0
+        if moving:
+            linked.do(Send(row + 1, look(-yaw), moving))
+            threading.Event().wait(0.01 * number)
+        linked.do(Send(row + 2, TOO_FAR, BOTH))
+        assert linked.end_of(row + 2).reason is Reason.OUT_OF_REACH
+        linked.do(Send(row + 3, look(yaw), BOTH))
+        assert linked.end_of(row + 3).accepted, number
