@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Self
 
@@ -66,6 +66,7 @@ class Attempt:
             keep: record the robots of a run to this file, which is overwritten; None: record nothing.
         """
         self._program, self._limit_s, self._given, self._keep = program, limit_s, stage, keep
+        self._shared: Stage | None = None
         self._open = ExitStack()
         self._functions: LineChild | None = None
         self._file = program.path
@@ -82,6 +83,13 @@ class Attempt:
 
     def __exit__(self, *_error: object) -> None:
         self._open.close()
+
+    @contextmanager
+    def on_stage(self, *robots: str) -> Iterator[None]:
+        """Observe on one stage during a block, as each run leaves it, because its start takes seconds."""
+        with Stage(robots) as self._shared:
+            yield
+        self._shared = None
 
     @property
     def program(self) -> Program:
@@ -264,12 +272,7 @@ class Attempt:
         """
         self.doubt = ""
         with ExitStack() as running:
-            stage = self._given
-            wanted = (tuple(robots), path, robot_file)
-            if stage is not None and (stage.names, stage.path, stage.robot_file) == wanted:
-                stage.tidy()
-            else:
-                stage = running.enter_context(Stage(robots, path, robot_file))
+            stage = self._stage(running, tuple(robots), path, robot_file)
             if target is not None:
                 for watch in stage.watches.values():
                     watch.robot.move_target(*target)
@@ -291,6 +294,21 @@ class Attempt:
                 limit_s = run.seconds + within_s
             self._finish(run, stage, limit_s, ends=seconds is None)
             return self._judge(stage, run)
+
+    def _stage(
+        self, running: ExitStack, robots: tuple[str, ...], path: str, robot_file: Path | None
+    ) -> Stage:
+        """Return a stage with these robots: the shared or the given one if it fits, otherwise a new one in `running`."""
+        for stage in (self._shared, self._given):
+            if stage is not None and (stage.names, stage.path, stage.robot_file) == (
+                robots,
+                path,
+                robot_file,
+            ):
+                if stage is self._given:
+                    stage.tidy()
+                return stage
+        return running.enter_context(Stage(robots, path, robot_file))
 
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
         """Return what the robots did, and set `doubt`; raises NotMeasurable."""

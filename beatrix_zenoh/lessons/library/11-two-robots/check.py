@@ -29,18 +29,24 @@ def check(attempt: Attempt) -> None:
         asked, found = (len(times) - 1) / (times[-1] - times[0]), attempt.call("rate", times)
         attempt.require("rate", abs(found / asked - 1) < 0.01, count=len(times), asked=asked, found=found)
     marks: dict[str, float] = {}
-    try:
-        seen = attempt.observe_all(
-            robots=(LEADER, FOLLOWER), during=lambda stage: play(stage, marks), within_s=END_S
-        )
-    except Unmet as unmet:
-        attempt.require("gone", not unmet.ended, when=WHEN.get(unmet.figure, ""))
-        attempt.require("goes_on", unmet.figure != "ends", **marks, seconds=END_S)
-        raise
-    lag, off = delay(seen[LEADER], seen[FOLLOWER])
-    attempt.require("late", lag < 0.3, lag=1000 * lag)
-    attempt.require("shape", off < 3, off=off)
-    attempt.require("both", marks["moved"] < 0.5, moved=marks["moved"])
+    with attempt.on_stage(LEADER, FOLLOWER):
+        try:
+            seen = attempt.observe_all(
+                robots=(LEADER, FOLLOWER), during=lambda stage: play(stage, marks), within_s=END_S
+            )
+        except Unmet as unmet:
+            attempt.require("gone", not unmet.ended, when=WHEN.get(unmet.figure, ""))
+            attempt.require("goes_on", unmet.figure != "ends", **marks, seconds=END_S)
+            raise
+        lag, off = delay(seen[LEADER], seen[FOLLOWER])
+        attempt.require("late", lag < 0.3, lag=1000 * lag)
+        attempt.require("shape", off < 3, off=off)
+        attempt.require("both", marks["moved"] < 0.5, moved=marks["moved"])
+        try:
+            attempt.observe_all(robots=(LEADER, FOLLOWER), during=stop_leader, within_s=END_S)
+        except Unmet as unmet:
+            attempt.require("at_leader", unmet.figure != "ends", seconds=END_S)
+            raise
 
 
 def play(stage: Stage, marks: dict[str, float]) -> None:
@@ -72,6 +78,15 @@ def play(stage: Stage, marks: dict[str, float]) -> None:
         marks["refused"] = sum(event.count for event in events.take() if event.reason == "STOPPED")
     if marks["moved"] >= 0.5:
         leader.stop()
+
+
+def stop_leader(stage: Stage) -> None:
+    """Press STOP at the leader, at which the program sends no motion that could be refused."""
+    leader, follower = stage.robot(LEADER, "soloist"), stage.robot(FOLLOWER, "soloist")
+    with leader.lease(PATIENT_S):  # the conductor was stopped, and must pause
+        leader.look(15, 6, 4)
+        wait_for_image(leader, follower, "mirrors")
+        stage.robot(LEADER, "guest").stop()
 
 
 def wait_for_image(leader, follower, figure: str) -> None:
