@@ -22,6 +22,7 @@ def send(user: Windowed, yaw: float, pitch: float) -> None:
     user.until_shown()
 
 
+@pytest.mark.long("plays all missions; test_missions.py has their rules")
 @pytest.mark.usefixtures("qapp")
 def test_the_missions_are_noticed_when_the_robots_have_done_them(
     stage: Stage, robots: dict[str, Robot]

@@ -30,7 +30,7 @@ def robot(stage: Stage) -> Iterator[Robot]:
     robot = stage.robot("bea", "sim")
     robot.play_sound("silence")
     robot.place_sound()
-    robot.home()
+    robot.move(0, 0, 0, speed=90)
     yield robot
     robot.client.close()
 
@@ -44,9 +44,9 @@ def test_a_sound_is_louder_on_its_side_and_the_head_turns_its_ears(robot: Robot)
     robot.place_sound(0.3, 1.5, 0.1)
     robot.play_sound("noise", 60)
     assert difference_db(robot.listen(0.4)) > 3.0
-    robot.look(yaw=78.7)
+    robot.look(yaw=78.7, speed=90)
     assert abs(difference_db(robot.listen(0.4))) < 1.0
-    robot.look(yaw=160)
+    robot.look(yaw=160, speed=90)
     assert difference_db(robot.listen(0.4)) < -3.0
 
 
