@@ -16,7 +16,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Final
+from typing import Final, Protocol
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import files, threads
@@ -80,33 +80,23 @@ def serve(
         if sessions is None:
             return 0
 
-        def open_node(name: str, clock: Schedule | None, publishing: Schedule | None) -> Node:
-            node = _open(Sessions(sessions), build(name, clock), name, robot, legacy, publishing)
-            if ready:
-                node.make_ready()
-            _announce(node, legacy)
+        def open_node(name: str, robots: Robots | None = None, warning: str = "") -> Node:
+            clock, publishing = (robots.clock, robots.publishing) if robots else (None, None)
+            node = _open(Sessions(sessions), build(name, clock), name, robot, legacy, publishing, warning)
+            _begin(node, legacy, ready=ready)
             return node
 
         try:
             if len(names) == 1:
-                return _serve_one(lambda: open_node(names[0], None, None), shutdown)
-            return _serve_several(
-                names, lambda name, robots: open_node(name, robots.clock, robots.publishing), shutdown
-            )
+                return _serve_one(lambda: open_node(names[0]), shutdown)
+            return _serve_several(names, open_node, shutdown)
         finally:
             sessions.close()
 
 
 def _serve_one(open_node: Callable[[], Node], shutdown: Shutdown) -> int:
     """Serve a robot; an uncaught exception in a thread ends it, because it would answer only some requests."""
-    broken: list[threading.ExceptHookArgs] = []
-
-    def give_up(died: threading.ExceptHookArgs) -> None:
-        traceback.print_exception(died.exc_type, died.exc_value, died.exc_traceback)
-        broken.append(died)
-        shutdown.request()
-
-    threading.excepthook = give_up
+    broken = _handle_exceptions(shutdown)
     node = open_node()
     try:
         gc.freeze()  # without this, garbage collection would stop all threads for milliseconds
@@ -116,21 +106,10 @@ def _serve_one(open_node: Callable[[], Node], shutdown: Shutdown) -> int:
     return FAULT if broken else 0
 
 
-def _serve_several(names: Sequence[str], open_node: Callable[[str, Robots], Node], shutdown: Shutdown) -> int:
+def _serve_several(names: Sequence[str], open_node: OpenNode, shutdown: Shutdown) -> int:
     """Serve robots; an uncaught exception in a thread of one robot replaces it, one in another thread ends all."""
-    broken: list[threading.ExceptHookArgs] = []
     robots = Robots(open_node)
-
-    def replace(died: threading.ExceptHookArgs) -> None:
-        owner, error = threads.OWNER.get(), died.exc_value
-        if owner is not None and error is not None:
-            robots.fail(owner, error)
-            return
-        traceback.print_exception(died.exc_type, error, died.exc_traceback)
-        broken.append(died)
-        shutdown.request()
-
-    threading.excepthook = replace
+    broken = _handle_exceptions(shutdown, robots)
     try:
         for name in names:
             robots.start(name)
@@ -145,13 +124,40 @@ def _serve_several(names: Sequence[str], open_node: Callable[[str, Robots], Node
     return code
 
 
-def _announce(node: Node, legacy: Path | None) -> None:
-    """Print that the node serves, with or without a board, and the path for programs of 2023."""
-    link = node.board.link
-    without = "" if link.connected else " (unusable firmware)" if link.contract_differs else " (no board yet)"
-    print(f"ready {node.alive_key}{without}", flush=True)
-    if legacy is not None:
-        print(f"Old programs open {legacy.absolute()}.", file=sys.stderr, flush=True)
+def _handle_exceptions(shutdown: Shutdown, robots: Robots | None = None) -> list[threading.ExceptHookArgs]:
+    """Handle uncaught exceptions in threads: one in a thread of a robot of `robots` replaces the robot.
+
+    Any other is printed, appended to the list that is returned, and ends the process.
+    """
+    broken: list[threading.ExceptHookArgs] = []
+
+    def handle(died: threading.ExceptHookArgs) -> None:
+        owner, error = threads.OWNER.get(), died.exc_value
+        if robots is not None and owner is not None and error is not None:
+            robots.fail(owner, error)
+            return
+        traceback.print_exception(died.exc_type, error, died.exc_traceback)
+        broken.append(died)
+        shutdown.request()
+
+    threading.excepthook = handle
+    return broken
+
+
+def _begin(node: Node, legacy: Path | None, *, ready: bool) -> None:
+    """Make the robot ready if this is wanted, then print that the node serves; close a node for which this fails."""
+    with ExitStack() as undo:
+        undo.callback(node.close)
+        if ready:
+            node.make_ready()
+        link = node.board.link
+        without = (
+            "" if link.connected else " (unusable firmware)" if link.contract_differs else " (no board yet)"
+        )
+        print(f"ready {node.alive_key}{without}", flush=True)
+        if legacy is not None:
+            print(f"Old programs open {legacy.absolute()}.", file=sys.stderr, flush=True)
+        undo.pop_all()
 
 
 def _open(
@@ -161,8 +167,12 @@ def _open(
     robot: RobotData,
     legacy: Path | None,
     publishing: Schedule | None,
+    warning: str,
 ) -> Node:
-    """Return a started node; if it cannot start, close `sessions`, `hardware` and the terminal."""
+    """Return a started node; if it cannot start, close `sessions`, `hardware` and the terminal.
+
+    `warning` is in its status from the beginning; empty: none.
+    """
     with ExitStack() as undo:
         undo.callback(hardware.close)
         undo.callback(sessions.close)
@@ -170,6 +180,9 @@ def _open(
         if terminal is not None:
             undo.callback(terminal.close)
         node = Node(sessions, name, hardware, robot, terminal, files.user_folder() / KEPT, publishing)
+        if warning:
+            with threads.owned_by(node.owner):
+                node.controller.diagnostics.warn(warning, Reason.FAULT)
         node.start()
         undo.pop_all()
         return node
@@ -195,6 +208,12 @@ def _connect(settings: Settings, names: Sequence[str], shutdown: Shutdown) -> Pr
                 return None
 
 
+class OpenNode(Protocol):
+    """Starts a node that uses the threads of `Robots`, with a warning in its status from the beginning."""
+
+    def __call__(self, name: str, robots: Robots, warning: str) -> Node: ...
+
+
 class Robots:
     """The nodes of a process by name, and the threads that they share.
 
@@ -202,8 +221,8 @@ class Robots:
     requests and for STOP, so that no robot waits for the requests to another one.
     """
 
-    def __init__(self, open_node: Callable[[str, Robots], Node]) -> None:
-        """Start the shared threads; `open_node` returns a started node, which uses them."""
+    def __init__(self, open_node: OpenNode) -> None:
+        """Start the shared threads."""
         self._open_node = open_node
         self.failed = False
         """Whether a robot is down because it has failed."""
@@ -216,10 +235,9 @@ class Robots:
         self._watch = HangWatch(self.clock, self.publishing)
         self._thread = threads.start(self._run, "robots")
 
-    def start(self, name: str) -> Node:
-        """Start the robot of this name and return its node; raises the errors of `open_node`."""
-        node = self._nodes[name] = self._open_node(name, self)
-        return node
+    def start(self, name: str, warning: str = "") -> None:
+        """Start the robot of this name, with a warning in its status; raises the errors of `open_node`."""
+        self._nodes[name] = self._open_node(name, self, warning)
 
     def fail(self, owner: Owner, error: BaseException) -> None:
         """Replace a robot that has failed; any thread may call this."""
@@ -247,13 +265,12 @@ class Robots:
             self._stays_down(name, f"It has failed twice within {AGAIN_S:.0f} s ({cause}).")
             return
         try:
-            new = self.start(name)
+            self.start(
+                name,
+                f"The program of {name} had failed ({cause}). It is started anew, as if it had just been switched on.",
+            )
         except BeatrixError as refusal:
             self._stays_down(name, f"It has failed ({cause}) and cannot be started again: {refusal.message}")
-            return
-        text = f"The program of {name} had failed ({cause}). It was started anew, as if it had just been switched on."
-        with threads.owned_by(new.owner):
-            new.controller.diagnostics.warn(text, Reason.FAULT)
 
     def _stays_down(self, name: str, why: str) -> None:
         self.failed = True

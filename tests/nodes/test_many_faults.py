@@ -18,7 +18,7 @@ from beatrix_zenoh.contract._generated.messages import Positions
 from beatrix_zenoh.contract.errors import BeatrixError
 
 SCRIPT = Path(__file__).parents[1] / "support/faulty_simulations.py"
-NAMES = ("ada", "bob", "cem", "dan", "eva", "fay")
+NAMES = ("ada", "bob", "cem", "dan", "eva", "fay", "gil")
 GAP_S = 0.1
 BEFORE = 100
 """Positions of each robot before a fault; on a busy computer their gaps are the measure of those after it."""
@@ -37,7 +37,7 @@ def stage() -> Iterator[Stage]:
 def process(stage: Stage) -> Process:
     """Several simulations in one process; each test lets another one fail."""
     words = [word for name in NAMES for word in ("--name", name)]
-    process = stage.script(SCRIPT, *words, "--connect", stage.endpoint, listens=True)
+    process = stage.script(SCRIPT, *words, "--ready", "--connect", stage.endpoint, listens=True)
     for name in NAMES:
         process.expect(f"ready {keys.alive(name, 'sim')}")
     return process
@@ -118,8 +118,21 @@ def test_an_exception_in_a_thread_of_a_robot_replaces_only_this_robot(stage: Sta
     process.say("calibrate eva")
     with pytest.raises(BeatrixError):
         calibrate_until_lost(eva)
-    wait_status(stage.robot("eva", "sim", "ben"), lambda status: not status.enabled, "eva is started anew")
+    wait_status(
+        stage.robot("eva", "sim", "ben"),
+        lambda status: any("put in by a test" in text for text in status.warnings),
+        "eva is started anew",
+    )
     assert ada.status().calibrated
+    stage.close_clients()
+
+
+def test_a_robot_that_cannot_be_made_ready_again_is_not_online(stage: Stage, process: Process) -> None:
+    process.say("unready gil")
+    process.expect("gil stays down")
+    client = stage.client()
+    until(lambda: ("gil", "sim") not in client.bus.robots(), "gil is gone")
+    assert Robot("ada", "sim", client=client).status().board.connected
     stage.close_clients()
 
 

@@ -1,6 +1,7 @@
 """`beatrix sim` with faults that a test puts in: for each line `FAULT ROBOT` of its input one robot fails.
 
 raise: its next turn raises an exception; loop: it does not end; block: it waits for ever, and nothing can end it;
+unready: its next turn raises an exception, and started anew it cannot be made ready;
 calibrate: the next CALIBRATE raises an exception in the thread of its controller.
 """
 
@@ -10,6 +11,8 @@ import sys
 import threading
 import unittest.mock
 
+from beatrix_zenoh import Refused
+from beatrix_zenoh.contract._generated.messages import Reason
 from sim_node import app
 from sim_node.body import Simulation
 
@@ -25,13 +28,15 @@ class FaultySimulation(Simulation):
         self._name = name
 
     def turn(self, *, written: bool) -> None:
-        if FAULTS.get(self._name) in ("raise", "loop", "block"):
+        if FAULTS.get(self._name) in ("raise", "loop", "block", "unready"):
             with self._lock:  # so that requests for its positions wait, too
                 self._fail(FAULTS.pop(self._name))
         super().turn(written=written)
 
     def _fail(self, fault: str) -> None:
-        if fault == "raise":
+        if fault == "unready":
+            FAULTS[self._name] = "refuse"
+        if fault in ("raise", "unready"):
             raise RuntimeError("put in by a test")
         pause = threading.Event()
         while fault == "loop":
@@ -40,6 +45,9 @@ class FaultySimulation(Simulation):
             pass
 
     def straighten(self) -> None:
+        if FAULTS.get(self._name) == "refuse":
+            del FAULTS[self._name]
+            raise Refused(Reason.FAULT)
         if FAULTS.get(self._name) == "calibrate":
             del FAULTS[self._name]
             raise RuntimeError("put in by a test")
