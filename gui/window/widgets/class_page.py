@@ -37,6 +37,8 @@ WIDER_PX = {"driver": 130, "waiting": 150}
 """What these columns get (px at scale 1) in a wide window, of the room that the last one does not need."""
 REMARKS_PX = 200
 """Room (px) at scale 1 that the last column keeps."""
+NO_REMARKS_PX = 130
+"""The same while it contains only its heading."""
 LIMIT_PX = 70
 SEAT_CHARACTERS = 10
 """Width of the box of seats."""
@@ -174,7 +176,8 @@ class ClassPage(QFrame):
         )
         padding = self._style.px(NAME_PADDING_PX)
         names = max([least, *(advance(row.place[0]) + padding for row in rows)])
-        free = self.width() - names - sum(widths) - self._style.px(REMARKS_PX)
+        remarks = REMARKS_PX if any(row.cells[-1] for row in rows) else NO_REMARKS_PX
+        free = self.width() - names - sum(widths) - self._style.px(remarks)
         share = min(1.0, max(0.0, free / self._style.px(sum(WIDER_PX.values()))))
         self.list.setColumnWidth(0, names)
         for column, (name, width) in enumerate(zip(COLUMNS[1:], widths, strict=False), 1):

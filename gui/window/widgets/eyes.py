@@ -25,6 +25,8 @@ STALE_S: Final = 1.0
 """Age of the newest picture above which the title shows this age instead of the rate."""
 RATE_S: Final = 2.0
 """Time over which the rate of pictures is measured."""
+NO_BREAK: Final = "\u2011"
+"""A hyphen at which a line does not end."""
 BAR_PX: Final = 5
 """Width of the bar in the robot's colour."""
 LARGEST_PX: Final = 10_000_000
@@ -144,7 +146,8 @@ class CameraPicture(QWidget):
             margin = self._style.px(12)
             painter.setPen(QColor(self._style.text))
             inner = below.adjusted(margin, margin, -margin, -margin)
-            painter.drawText(inner, int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap), text)
+            whole = text.replace("-", NO_BREAK)  # an option of a command stays on one line
+            painter.drawText(inner, int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap), whole)
         else:
             size = image.size().scaled(below.size(), Qt.AspectRatioMode.KeepAspectRatio)
             place = QRect(below.topLeft(), size)
