@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import sys
 import tokenize
+import tomllib
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from graphlib import TopologicalSorter
@@ -99,6 +100,25 @@ def short_modules(found: Mapping[str, Path]) -> list[str]:
     return [name for name, path in found.items() if importers[name] == 1 and code_lines(path) < SHORT]
 
 
+def lesson_programs(found: Mapping[str, Path]) -> set[str]:
+    """Return the files of the library of lessons, which the house reads or runs and does not import."""
+    return {name for name in found if name.startswith("beatrix_zenoh.lessons.library.")}
+
+
+def started_by_name(root: Path) -> set[str]:
+    """Return the modules whose names are in a table and not in an import: entry points, and `VERBS` of the command line."""
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    tables = [project["scripts"], *project["entry-points"].values()]
+    programs = {entry.partition(":")[0] for table in tables for entry in table.values()}
+    tree = ast.parse((root / "beatrix_zenoh/cli/verbs.py").read_text(encoding="utf-8"))
+    (verbs,) = [
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "VERBS"
+    ]
+    return programs | {f"beatrix_zenoh.{module}" for module in verbs.values()}
+
+
 def circles(graph: Graph) -> list[set[str]]:
     """Return the sets of modules that import each other, directly or through others."""
 
@@ -169,7 +189,13 @@ def figures(root: Path) -> Iterator[tuple[str, object]]:
     yield "lines of code, tests", sum(map(code_lines, (root / "tests").rglob("*.py")))
     yield "files", len(found)
     importers = Counter(other for others in graph.values() for other in others)
-    yield "modules with at most one importer", sum(importers[name] <= 1 for name in graph)
+    lessons, named = lesson_programs(found), started_by_name(root)
+    named |= {name for name in found if name.endswith(".__main__")}
+    yield "programs of lessons, which are data", len(lessons)
+    yield "modules started by name", len(named)
+    packages = {name for name, path in found.items() if path.stem == "__init__"}
+    counted = graph.keys() - lessons - named - packages
+    yield "other modules with at most one importer", sum(importers[name] <= 1 for name in counted)
     yield "short modules with one importer", len(short_modules(found))
     yield "rooms and floors of beatrix_zenoh", _size(inside(graph, "beatrix_zenoh", rooms=True))
     for room in ("node", "client"):

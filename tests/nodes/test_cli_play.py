@@ -8,6 +8,7 @@ import signal
 from pathlib import Path
 
 import pytest
+from late_tests import in_time
 from robots import END_S, free_endpoint, until
 from shell import Shell
 
@@ -21,6 +22,10 @@ MINE = """t_s,yaw_deg,pitch_deg,roll_deg,short_deg,middle_deg,long_deg,speed_deg
 0.5,0,0,0,,,,,
 1.0,,,,6,6,6,,turn
 """
+
+
+LAG_ERROR_S = 0.15
+"""Largest difference between the lead and the lag that the verb reports (s)."""
 
 
 @pytest.fixture
@@ -38,6 +43,7 @@ def steps(robot: Robot) -> Steps:
 # -- lead ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.measures_time
 def test_look_with_a_lead_counts_down_and_reports_the_lag(free: Shell) -> None:
     free.good(
         "home", "--on", "both"
@@ -51,7 +57,8 @@ def test_look_with_a_lead_counts_down_and_reports_the_lag(free: Shell) -> None:
     ]
     lag = re.search(r"The hardware began (\S+) s after the simulation", done.stderr)
     assert lag is not None
-    assert float(lag[1]) == pytest.approx(2.0, abs=0.5), "test_twin_lead.py measures it"
+    assert float(lag[1]) > 2.0 - LAG_ERROR_S
+    in_time(float(lag[1]), 2.0 + LAG_ERROR_S, "lag of a lead of 2 s")
     yaws = [row["head_deg"]["yaw"] for row in json.loads(done.stdout)["robots"]]
     assert yaws == pytest.approx([8, 8], abs=0.5)
 

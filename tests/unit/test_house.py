@@ -37,6 +37,14 @@ def test_a_short_module_belongs_to_its_one_importer(tmp_path: Path) -> None:
     assert house.short_modules({name: tmp_path / f"{name}.py" for name in texts}) == ["three", "two"]
 
 
+def test_modules_that_a_table_names_exist_and_are_no_programs_of_lessons() -> None:
+    root = Path(house.__file__).resolve().parent.parent
+    found = house.modules(root)
+    named, lessons = house.started_by_name(root), house.lesson_programs(found)
+    assert {"beatrix_zenoh.cli.stop", "hw_node.app"} <= named <= found.keys() - lessons
+    assert "beatrix_zenoh.lessons.library.01-hello.start" in lessons
+
+
 def test_modules_do_not_import_each_other_in_a_circle() -> None:
     root = Path(house.__file__).resolve().parent.parent
     assert house.circles(house.graph_of(house.modules(root))) == []
