@@ -1,7 +1,7 @@
 """The Zenoh sessions of a process and of its nodes, and the description of a program from its declarations.
 
 Each traffic class has a session, so that a flood in one class does not delay the others. Several nodes of one process
-may share the sessions.
+share the session of pictures and sound.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import ProgramInfo
 from beatrix_zenoh.contract.errors import NoAnswer
 
-MOTION = "motion"
-"""Traffic class of motions. Nodes of one process do not share its session: a flood of motions to one robot may fill it,
-and the router then disconnects it."""
+MEDIA = "media"
+"""Traffic class of pictures and sound, in which a node only publishes. Nodes of one process share its session and no
+other: a seat may flood its robot with queries of any other class, and the router disconnects a session that is full."""
 
 
 class ProcessSessions:
@@ -69,12 +69,15 @@ class ProcessSessions:
 class Sessions:
     """The sessions as one node uses them, and what this node has declared in them."""
 
-    def __init__(self, opened: Callable[[], Bus] | ProcessSessions) -> None:
-        """Use the sessions of a process, or open some with a function that connects; raises its errors."""
-        self._shared = isinstance(opened, ProcessSessions)
-        self._all = opened if isinstance(opened, ProcessSessions) else ProcessSessions(opened)
-        self._motion: Bus | None = None
-        """The session of motions of this node if it shares the others."""
+    def __init__(
+        self, opened: Callable[[], Bus] | ProcessSessions, shared: ProcessSessions | None = None
+    ) -> None:
+        """Use these sessions, or open some with a function that connects; raises its errors.
+
+        `shared` are those of a process with several nodes, which then share the session of MEDIA and the watchdog.
+        """
+        self._own = opened if isinstance(opened, ProcessSessions) else ProcessSessions(opened)
+        self._shared = shared
         self._lock = threading.Lock()
         self._ends: dict[Callable[[], None], tuple[str, str]] = {}
         """Kind and key of each declaration by the function that ends it, the oldest first."""
@@ -82,22 +85,17 @@ class Sessions:
     @property
     def control(self) -> Bus:
         """The control session."""
-        return self._all.control
+        return self._own.control
 
     def session(self, traffic: str) -> Bus:
         """Return the session of a traffic class, opened if necessary; raises the errors of `connect`."""
-        if traffic != MOTION or not self._shared:
-            return self._all.session(traffic)
-        with self._lock:
-            self._motion = self._motion or self._all.connect()
-            return self._motion
+        shared = self._shared if traffic == MEDIA else None
+        return (shared or self._own).session(traffic)
 
     def opened(self) -> dict[str, Bus]:
         """Return the open sessions by traffic class, the control session first."""
-        return {**self._all.opened(), **self._own()}
-
-    def _own(self) -> dict[str, Bus]:
-        return {} if self._motion is None else {MOTION: self._motion}
+        shared = {} if self._shared is None else self._shared.opened()
+        return {**self._own.opened(), **{traffic: bus for traffic, bus in shared.items() if traffic == MEDIA}}
 
     def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
         """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve` does."""
@@ -134,10 +132,11 @@ class Sessions:
 
     def refusal(self, token: str) -> NoAnswer | None:
         """Return `Bus.refusal` of a token that the control session has declared, unless an earlier one has passed."""
-        if self._all.accepted:
+        process = self._shared or self._own
+        if process.accepted:
             return None
         refused = self.control.refusal(token)
-        self._all.accepted = refused is None
+        process.accepted = refused is None
         return refused
 
     def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> None:
@@ -150,7 +149,9 @@ class Sessions:
 
     def watch_sessions(self, listener: SessionListener) -> Callable[[], None]:
         """Let the watchdog of the sessions report to a listener; return a function that ends this, before `close`."""
-        return self._all.watchdog.add(listener, self._own)
+        if self._shared is None:
+            return self._own.watchdog.add(listener)
+        return self._shared.watchdog.add(listener, self._own.opened)
 
     def _declared(self, kind: str, key: str, end: Callable[[], None]) -> Callable[[], None]:
         """Record a declaration; return the function that ends it and its record."""
@@ -171,14 +172,8 @@ class Sessions:
         return description(declared, self.opened().values(), side)
 
     def close(self) -> None:
-        """End the declarations of this node, the newest first; close the sessions unless they are shared.
-
-        May be called twice.
-        """
-        if not self._shared:
-            self._all.close()
-        if self._motion is not None:
-            self._motion.close()
+        """Close the sessions of this node, and end its declarations in a shared one; may be called twice."""
+        self._own.close()
         while True:
             with self._lock:
                 end = next(reversed(self._ends), None)

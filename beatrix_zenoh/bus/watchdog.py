@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import threading
 import weakref
 from collections.abc import Callable
@@ -53,10 +54,10 @@ class SessionWatchdog:
         self._refusals, self._without_rights = 0, False
         self._failures: weakref.WeakKeyDictionary[Bus, int] = weakref.WeakKeyDictionary()
 
-    def add(self, listener: SessionListener, own: Callable[[], dict[str, Bus]]) -> Callable[[], None]:
+    def add(self, listener: SessionListener, own: Callable[[], dict[str, Bus]] = dict) -> Callable[[], None]:
         """Report to a listener, on the watchdog's thread, and check the sessions that `own` returns for it alone.
 
-        Return a function that ends this.
+        Of these one is checked in each period, because a process may have a hundred. Return a function that ends this.
         """
         with self._lock:
             self._listeners = {**self._listeners, listener: own}
@@ -77,7 +78,9 @@ class SessionWatchdog:
             thread.join(timeout=3 * ANSWER_S)
 
     def _run(self, ended: threading.Event) -> None:
-        while not ended.wait(PERIOD_S):
+        for turn in itertools.count():
+            if ended.wait(PERIOD_S):
+                return
             opened = self._opened()
             control, *others = opened.values()
             for traffic, checked in opened.items():
@@ -85,9 +88,9 @@ class SessionWatchdog:
                 if through is not None and not ended.is_set():
                     self._check(traffic, checked, through, list(self._listeners))
             for listener, own in self._listeners.items():
-                for traffic, checked in own().items():
-                    if not ended.is_set():
-                        self._check(traffic, checked, control, [listener])
+                sessions = list(own().items())
+                if sessions and not ended.is_set():
+                    self._check(*sessions[turn % len(sessions)], control, [listener])
             if not ended.is_set():
                 self._check_account(control)
 

@@ -82,7 +82,8 @@ def serve(
 
         def open_node(name: str, robots: Robots | None = None, warning: str = "") -> Node:
             clock, publishing = (robots.clock, robots.publishing) if robots else (None, None)
-            node = _open(Sessions(sessions), build(name, clock), name, robot, legacy, publishing, warning)
+            own = Sessions(sessions.connect, sessions) if robots else Sessions(sessions)
+            node = _open(own, build(name, clock), name, robot, legacy, publishing, warning)
             _begin(node, legacy, ready=ready)
             return node
 

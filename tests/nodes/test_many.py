@@ -55,11 +55,19 @@ def test_each_robot_describes_only_itself(many: Stage) -> None:
     many.close_clients()
 
 
-def test_a_robot_stops_while_another_is_flooded(many: Stage) -> None:
-    ada, cem = ready(many.robot("ada", "sim")), ready(many.robot("cem", "sim"))
+FLOODS = {
+    "motions": (keys.pose("cem", "sim", "cleo"), codec.encode(PoseQuery(yaw=0.1))),
+    "commands": (keys.command("cem", "sim", "cleo"), b"unreadable"),
+    "leases": (keys.lease("cem", "sim", "cleo"), b"unreadable"),
+    "STOPs": (keys.stop("cem", "sim", "cleo"), b""),
+}
+
+
+@pytest.mark.parametrize("flood_of", FLOODS)
+def test_a_robot_stops_while_another_is_flooded(many: Stage, flood_of: str) -> None:
+    ada, cem = ready(many.robot("ada", "sim")), ready(many.robot("cem", "sim", "cleo"))
     over, flooded = threading.Event(), threading.Event()
-    client, key = many.client("cleo"), keys.pose("cem", "sim", "cleo")
-    payload = codec.encode(PoseQuery(yaw=0.1))
+    client, (key, payload) = many.client("cleo"), FLOODS[flood_of]
 
     def flood() -> None:
         waiting = []
@@ -84,7 +92,7 @@ def test_a_robot_stops_while_another_is_flooded(many: Stage) -> None:
     finally:
         over.set()
         thread.join()
-    assert cem.status().board.connected
+    assert cem.stop().result
     many.close_clients()
 
 

@@ -14,7 +14,7 @@ from robots import Process, Stage, ready, until, wait_status
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Positions
+from beatrix_zenoh.contract._generated.messages import Positions, Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 
 SCRIPT = Path(__file__).parents[1] / "support/faulty_simulations.py"
@@ -116,12 +116,14 @@ def test_an_exception_in_a_thread_of_a_robot_replaces_only_this_robot(stage: Sta
     ada = ready(stage.robot("ada", "sim"))
     eva = ready(Robot("eva", "sim", client=stage.client(), timeout_s=LOST_S))
     process.say("calibrate eva")
-    with pytest.raises(BeatrixError):
+    with pytest.raises(BeatrixError) as lost:
         calibrate_until_lost(eva)
+    assert lost.value.reason is Reason.NODE_LOST
+    until(lambda: ("eva", "sim") in ada.client.bus.robots(), "eva is started anew")
     wait_status(
         stage.robot("eva", "sim", "ben"),
         lambda status: any("put in by a test" in text for text in status.warnings),
-        "eva is started anew",
+        "eva says why",
     )
     assert ada.status().calibrated
     stage.close_clients()
