@@ -141,6 +141,8 @@ def log_to(path: Path | None, *, named: bool = False) -> Iterator[None]:
 
 
 def _file(path: Path) -> logging.Handler:
+    if path.is_fifo():  # opening it waits for a reader
+        raise WrongUsage(Reason.BAD_VALUE, f"--log-file {path} is a pipe. Name a file that can be written.")
     try:
         handler = LogFile(path, encoding="utf-8")
     except OSError as error:

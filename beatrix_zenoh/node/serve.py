@@ -20,10 +20,10 @@ from typing import Final, Protocol
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import files, threads
-from beatrix_zenoh.bus import ProcessSessions, Sessions
+from beatrix_zenoh.bus import Bus, ProcessSessions, Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
-from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.logs import log_to
 from beatrix_zenoh.node.node import Node, RobotBody
@@ -42,6 +42,8 @@ END_S: Final = 4.0
 """Longest time (s) for the end of all robots."""
 AGAIN_S: Final = 60.0
 """A robot that fails twice within this time (s) stays down."""
+SIM: Final = "sim"
+"""Side of several robots of one process; a hardware node serves one."""
 SWITCH_S = 0.0005
 """Switch interval (s) of Python's threads, short so that a flood of requests does not delay STOP and the publisher."""
 _log = logging.getLogger(__name__)
@@ -90,6 +92,7 @@ def serve(
         try:
             if len(names) == 1:
                 return _serve_one(lambda: open_node(names[0]), shutdown)
+            _check_free(names, sessions.control)
             return _serve_several(names, open_node, shutdown)
         finally:
             sessions.close()
@@ -113,7 +116,8 @@ def _serve_several(names: Sequence[str], open_node: OpenNode, shutdown: Shutdown
     broken = _handle_exceptions(shutdown, robots)
     try:
         for name in names:
-            robots.start(name)
+            if not shutdown.requested(0):
+                robots.start(name)
         gc.freeze()  # as above
         shutdown.wait()
     finally:
@@ -123,6 +127,18 @@ def _serve_several(names: Sequence[str], open_node: OpenNode, shutdown: Shutdown
         sys.stdout.flush()
         os._exit(code)  # Python would wait for threads that hang
     return code
+
+
+def _check_free(names: Sequence[str], bus: Bus) -> None:
+    """Raise Refused (NAME_TAKEN) with all names that are online, before any robot of the others is announced."""
+    online = [name for name, side in bus.robots() if side == SIM]
+    if taken := [name for name in names if name in online]:
+        others = " ".join(f"--name {name}" for name in names if name not in online)
+        instead = f", or simulate the others: beatrix sim {others}" if others else ""
+        raise Refused(
+            Reason.NAME_TAKEN,
+            f"Already simulated by another program at {bus.endpoint}: {', '.join(taken)}. End it{instead}",
+        )
 
 
 def _handle_exceptions(shutdown: Shutdown, robots: Robots | None = None) -> list[threading.ExceptHookArgs]:
@@ -231,6 +247,7 @@ class Robots:
         """Whether a thread of the process hangs in code that cannot be ended."""
         self._nodes: dict[str, Node] = {}
         self._failed_s: dict[str, float] = {}
+        self._closing = threading.Event()
         self._faults: queue.SimpleQueue[tuple[Owner, BaseException] | None] = queue.SimpleQueue()
         self.clock, self.publishing = Schedule("board", self.fail), Schedule("publisher", self.fail)
         self._watch = HangWatch(self.clock, self.publishing)
@@ -265,18 +282,28 @@ class Robots:
         if again:
             self._stays_down(name, f"It has failed twice within {AGAIN_S:.0f} s ({cause}).")
             return
-        try:
-            self.start(
-                name,
-                f"The program of {name} had failed ({cause}). It is started anew, as if it had just been switched on.",
-            )
-        except BeatrixError as refusal:
-            self._stays_down(name, f"It has failed ({cause}) and cannot be started again: {refusal.message}")
+        self._start_again(name, cause)
+
+    def _start_again(self, name: str, cause: str) -> None:
+        """Start a robot that has failed; if the router is away, wait for it."""
+        warning = f"The program of {name} had failed ({cause}). It is started anew, as if it had just been switched on."
+        while True:
+            try:
+                return self.start(name, warning)
+            except BeatrixError as refusal:
+                if refusal.reason is not Reason.NO_ROUTER:
+                    why = f"It has failed ({cause}) and cannot be started again: {refusal.message}"
+                    return self._stays_down(name, why)
+            if self._closing.wait(RETRY_S):
+                return None
 
     def _stays_down(self, name: str, why: str) -> None:
         self.failed = True
         _log.error(
-            "%s stays down; the other robots go on. %s End this process and start it again.", name, why
+            "%s stays down; the other robots go on. %s `beatrix sim --name %s` starts it in a second terminal.",
+            name,
+            why,
+            name,
         )
 
     def _end(self, node: Node) -> None:
@@ -288,6 +315,7 @@ class Robots:
 
     def close(self) -> None:
         """Close all nodes at the same time, then end the threads."""
+        self._closing.set()
         self._faults.put(None)
         self._thread.join(timeout=END_S)
         closing = [threads.start(lambda node=node: _close(node), "closing") for node in self._nodes.values()]  # type: ignore[misc]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from late_tests import in_time
-from robots import Process, Stage, ready, until, wait_status
+from robots import Process, Stage, free_endpoint, ready, routing, until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract import codec
@@ -23,8 +23,6 @@ GAP_S = 0.1
 BEFORE = 100
 """Positions of each robot before a fault; on a busy computer their gaps are the measure of those after it."""
 ANEW_S = 1.0
-LOST_S = 2.0
-"""Time limit (s) of a request whose reply is lost with its robot."""
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +112,7 @@ def calibrate_until_lost(robot: Robot) -> None:
 
 def test_an_exception_in_a_thread_of_a_robot_replaces_only_this_robot(stage: Stage, process: Process) -> None:
     ada = ready(stage.robot("ada", "sim"))
-    eva = ready(Robot("eva", "sim", client=stage.client(), timeout_s=LOST_S))
+    eva = ready(stage.robot("eva", "sim"))
     process.say("calibrate eva")
     with pytest.raises(BeatrixError) as lost:
         calibrate_until_lost(eva)
@@ -146,3 +144,15 @@ def test_a_robot_that_fails_again_stays_down(stage: Stage, process: Process) -> 
     until(lambda: ("fay", "sim") not in client.bus.robots(), "fay is gone")
     assert Robot("ada", "sim", client=client).status().board.connected
     assert process.end() == 70
+
+
+def test_a_robot_that_fails_while_the_router_is_away_is_started_when_it_is_back(stage: Stage) -> None:
+    endpoint = free_endpoint()
+    with routing(endpoint):
+        process = stage.script(SCRIPT, "--name", "ida", "--name", "jan", "--connect", endpoint, listens=True)
+        process.expect(f"ready {keys.alive('jan', 'sim')}")
+    process.say("raise jan")
+    process.expect("RuntimeError: put in by a test")
+    with routing(endpoint):
+        process.expect(f"ready {keys.alive('jan', 'sim')}")
+        process.end()
