@@ -23,8 +23,8 @@ from sim_node.model import TIMESTEP_MS
 from sim_node.painter import SceneState
 from sim_node.plant import Plant
 from sim_node.preview import PreviewHandler, PreviewResult, simulate_motion
-from sim_node.sound_queries import SoundHandler, SoundSource
-from sim_node.target import PersonTarget, TargetHandler, TargetPath
+from sim_node.sound_queries import SoundSource, sound_queries
+from sim_node.target import PersonTarget, TargetPath, target_queries
 from sim_node.viewer import SceneViewer, ViewerFeed
 
 PERIOD_S = 0.010
@@ -208,8 +208,8 @@ class Simulation:
         parts: list[Component] = [
             PreviewHandler(node.name, node.controller, self.preview),
             FollowHandler(node.requests, node.controller, node.snapshot, at_start=self._follow),
-            TargetHandler(node.name, self._target, time.monotonic),
-            SoundHandler(node.name, self._sound),
+            target_queries(node.name, self._target, time.monotonic),
+            sound_queries(node.name, self._sound),
             SimulatedMicrophones(node, self._robot, self.hearing, self._sound.playing),
         ]
         if self._eyes_hz > 0:

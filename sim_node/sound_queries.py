@@ -5,19 +5,18 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from beatrix_zenoh.bus import Incoming, Sessions, query_forms
+from beatrix_zenoh.bus import query_forms
 from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Detail, Reason, SoundQuery, SoundReply
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, quoted
 from beatrix_zenoh.contract.refusals import bad_field
-from beatrix_zenoh.node import Component
+from beatrix_zenoh.node import QueryThread
 from beatrix_zenoh.node.sensors import FULL_SCALE, RATE
 from sim_node.shapes import Point
 from sim_node.sounds import GENERATORS, PlayingSound, Samples, generated
@@ -168,35 +167,11 @@ def samples_of(attachment: bytes) -> Samples | None:
     return np.frombuffer(attachment, "<i2").astype(np.float32) / np.float32(FULL_SCALE)
 
 
-class SoundHandler(Component):
-    """Answers queries that play sounds and place their source, on its own thread."""
-
-    def __init__(self, name: str, source: SoundSource) -> None:
-        self._key, self._source = keys.sound(name), source
-        self._worker: ThreadPoolExecutor | None = None
-
-    def start(self, sessions: Sessions) -> None:
-        self._worker = ThreadPoolExecutor(1, "beatrix-sound")
-        self._worker.submit(lambda: None).result()
-        sessions.serve(self._key, self._query)
-
-    def _query(self, incoming: Incoming) -> None:
-        """Pass a query to the worker; called on a Zenoh thread."""
-        try:
-            if self._worker is not None:
-                self._worker.submit(self._answer, incoming)
-        except RuntimeError:  # the worker is shut down: answer here
-            self._answer(incoming)
-
-    def _answer(self, incoming: Incoming) -> None:
-        answer = reply(self._source, incoming.raw, incoming.attachment)
-        incoming.reply(self._key, *incoming.raw.answer(answer))
-        incoming.finish()
-
-    def close(self) -> None:
-        """Answer the waiting queries, and end the thread."""
-        if self._worker is not None:
-            self._worker.shutdown()
+def sound_queries(name: str, source: SoundSource) -> QueryThread:
+    """Return what answers queries that play sounds and place their source, on its own thread."""
+    return QueryThread(
+        "beatrix-sound", {keys.sound(name): lambda incoming: reply(source, incoming.raw, incoming.attachment)}
+    )
 
 
 def reply(source: SoundSource, raw: RawQuery, attachment: bytes) -> SoundReply:

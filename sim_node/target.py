@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from enum import StrEnum
 from typing import Final
 
-from beatrix_zenoh.bus import Incoming, Sessions, query_forms
+from beatrix_zenoh.bus import query_forms
 from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetQuery, TargetReply
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, quoted
-from beatrix_zenoh.node import Component
+from beatrix_zenoh.node import QueryThread
 from sim_node.shapes import Point
 
 BOUNDS: Final = {"x": (-1.9, 2.3), "y": (-2.0, 2.0), "z": (-0.6, 1.1)}
@@ -107,36 +106,11 @@ class PersonTarget:
         self._walk, self._set = (TargetPath(path), start_s, period_s), None
 
 
-class TargetHandler(Component):
-    """Answers queries that set or read the place of the person, on its own thread."""
-
-    def __init__(self, name: str, target: PersonTarget, clock_s: Callable[[], float]) -> None:
-        self._key = keys.target(name)
-        self._target, self._clock_s = target, clock_s
-        self._worker: ThreadPoolExecutor | None = None
-
-    def start(self, sessions: Sessions) -> None:
-        self._worker = ThreadPoolExecutor(1, "beatrix-target")
-        self._worker.submit(lambda: None).result()
-        sessions.serve(self._key, self._query)
-
-    def _query(self, incoming: Incoming) -> None:
-        """Pass a query to the worker; called on a Zenoh thread."""
-        try:
-            if self._worker is not None:
-                self._worker.submit(self._answer, incoming)
-        except RuntimeError:  # the worker is shut down: answer here
-            self._answer(incoming)
-
-    def _answer(self, incoming: Incoming) -> None:
-        answer = reply(self._target, incoming.raw, self._clock_s())
-        incoming.reply(self._key, *incoming.raw.answer(answer))
-        incoming.finish()
-
-    def close(self) -> None:
-        """Answer the waiting queries, and end the thread."""
-        if self._worker is not None:
-            self._worker.shutdown()
+def target_queries(name: str, target: PersonTarget, clock_s: Callable[[], float]) -> QueryThread:
+    """Return what answers queries that set or read the place of the person, on its own thread."""
+    return QueryThread(
+        "beatrix-target", {keys.target(name): lambda incoming: reply(target, incoming.raw, clock_s())}
+    )
 
 
 def change(target: PersonTarget, query: TargetQuery, now_s: float) -> None:

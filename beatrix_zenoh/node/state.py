@@ -8,7 +8,6 @@ from __future__ import annotations
 import difflib
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
 import msgspec
@@ -30,6 +29,7 @@ from beatrix_zenoh.contract.errors import quoted
 from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.events import NodeEvents
 from beatrix_zenoh.node.interfaces import Component
+from beatrix_zenoh.node.query_thread import Answer, QueryThread
 from beatrix_zenoh.node.snapshot import Snapshot
 from beatrix_zenoh.schedule import SLACK_S, Schedule, ScheduledTask
 from beatrix_zenoh.threads import Owner
@@ -260,12 +260,17 @@ REST = {"control": ("*", "*/*", "*/*/*/*/**"), "motion": ("*/*/*",)}
 the queries for known keys, so STOP and motions must find them in their own session: another would cost 0.15 ms."""
 
 
-class StateQueries(Component):
+def same(answer: Callable[[], msgspec.Struct]) -> Answer:
+    """Return what gives all queries the same answer."""
+    return lambda _: answer()
+
+
+class StateQueries(QueryThread):
     """Answers state queries on a thread of its own."""
 
     def __init__(self, snapshot: Snapshot, events: NodeEvents) -> None:
         name, side = snapshot.name, snapshot.side
-        self._answers: dict[str, Callable[[], msgspec.Struct]] = {
+        answers: dict[str, Callable[[], msgspec.Struct]] = {
             keys.positions(name, side): snapshot.positions,
             keys.positions_json(name, side): snapshot.positions,
             keys.status(name, side): snapshot.status,
@@ -275,48 +280,23 @@ class StateQueries(Component):
             keys.info(name, side): snapshot.info,
             keys.clock(name, side): snapshot.clock,
         }
-        self._name, self._side = name, side
+        super().__init__("beatrix-queries", {key: same(answer) for key, answer in answers.items()})
+        self._robot, self._side = name, side
         self._unknown = UnknownKeys(name, side)
-        self._worker: ThreadPoolExecutor | None = None
 
     def start(self, sessions: Sessions) -> None:
-        self._worker = ThreadPoolExecutor(1, "beatrix-queries")
-        self._worker.submit(lambda: None).result()
-        description = keys.program(self._name, sessions.control.session_id)
-        self._answers[description] = lambda: sessions.describe(self._side)
-        for key in self._answers:
-            sessions.serve(key, lambda incoming, key=key: self._query(incoming, key))  # type: ignore[misc]
+        description = keys.program(self._robot, sessions.control.session_id)
+        self._answers[description] = same(lambda: sessions.describe(self._side))
+        super().start(sessions)
         for traffic, expressions in REST.items():
             for expression in expressions:
                 sessions.serve_rest(
-                    traffic, f"{self._unknown.base}{expression}", self._rest, self._unknown.has
+                    traffic,
+                    f"{self._unknown.base}{expression}",
+                    lambda incoming: self.post(lambda: self._refuse(incoming)),
+                    self._unknown.has,
                 )
-
-    def _query(self, incoming: Incoming, key: str) -> None:
-        """Pass a query from Zenoh's thread to the worker's thread."""
-        try:
-            if self._worker is not None:
-                self._worker.submit(self._answer, incoming, key)
-        except RuntimeError:  # the worker is closed: answer on this thread
-            self._answer(incoming, key)
-
-    def _answer(self, incoming: Incoming, key: str) -> None:
-        incoming.reply(key, *incoming.raw.answer(self._answers[key]()))
-        incoming.finish()
-
-    def _rest(self, incoming: Incoming) -> None:
-        """Pass a query for an unknown key from Zenoh's thread to the worker's thread."""
-        try:
-            if self._worker is not None:
-                self._worker.submit(self._refuse, incoming)
-        except RuntimeError:  # the worker is closed
-            incoming.finish()
 
     def _refuse(self, incoming: Incoming) -> None:
         incoming.reply_error(*incoming.raw.answer(self._unknown.error(incoming.key)))
         incoming.finish()
-
-    def close(self) -> None:
-        """Answer the waiting queries, then end the thread."""
-        if self._worker is not None:
-            self._worker.shutdown()

@@ -16,7 +16,9 @@ SOURCES = [
     path for folder in ("beatrix_zenoh", "sim_node", "hw_node") for path in (ROOT / folder).rglob("*.py")
 ]
 KEY = re.compile(r"\bbeatrix/bea1/[\w@/<>-]+")
-THREAD = re.compile(r'(?:threads\.start\(.*|Schedule\(|ThreadPoolExecutor\(1, )f?"(?:beatrix-)?([\w-]+)')
+THREAD = re.compile(
+    r'(?:(?:threads\.start\(.*|Schedule\(|ThreadPoolExecutor\(1, )f?"(?:beatrix-)?|"beatrix-)([\w-]+)'
+)
 NOT_OURS = {"Zenoh's threads"}
 
 
