@@ -8,7 +8,7 @@ from beatrix_zenoh.board.state import Port, Turns
 from beatrix_zenoh.board.virtual import Firmware, RealTime, RealTimePort, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
-from beatrix_zenoh.contract._generated.serial import Telemetry
+from beatrix_zenoh.contract._generated.serial import TELEMETRY_PERIOD, Telemetry
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node import ArmState, Component, Node
 from beatrix_zenoh.threads import Owner
@@ -21,6 +21,7 @@ class Hardware:
     """A robot with its board on the serial port `device`; empty: the board on USB."""
 
     side = "hw"
+    sampling_s = TELEMETRY_PERIOD / 1000
 
     def __init__(
         self,

@@ -101,6 +101,7 @@ class Simulation:
     """A simulated robot; the thread that reads from the board makes the steps of the plant."""
 
     side = "sim"
+    sampling_s = TIMESTEP_MS / 1000
 
     def __init__(
         self,

@@ -65,6 +65,10 @@ class HardwareInterface(Protocol):
     def side(self) -> str:
         """`hw` or `sim`."""
 
+    @property
+    def sampling_s(self) -> float:
+        """Time (s) between two samples of the positions: the steps of time stamps."""
+
     def open_port(self) -> Port:
         """Open the port of the board; raises OSError or BeatrixError if that is not possible now."""
 

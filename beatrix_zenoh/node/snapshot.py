@@ -36,6 +36,8 @@ class Snapshot:
     ) -> None:
         self.name, self.side, self._endpoint = name, hardware.side, endpoint
         self._hardware, self._board, self._planner = hardware, board, planner
+        self.sampling_s = hardware.sampling_s
+        """Time (s) between two samples of the positions."""
         self._head = Head(0.0, 0.0, 0.0)
         self._head_at: Arms = (0.0, 0.0, 0.0)
         """Arm angles (rad) of this orientation."""

@@ -6,6 +6,7 @@ Queries for keys that the robot does not have get an error reply.
 from __future__ import annotations
 
 import difflib
+import math
 import time
 from collections.abc import Callable
 from functools import lru_cache
@@ -72,6 +73,20 @@ ON_CHANGE = {
     for kind, quiet in NOT_ON_CHANGE.items()
 }
 """Fields whose change is published at once, by message; clocks and rates, which always change, are left out."""
+
+
+SHIFT_S = 0.0002
+"""Largest change (s) of one period of the publications."""
+
+
+def phase_shift(due_s: float, sample_s: float, sampling_s: float) -> float:
+    """Return the shift (s) of the publications that brings them to the middle between two samples.
+
+    A publication that is due just when a sample is made contains, by chance, this one or the one before it. The period
+    of the time stamps then varies by a whole `sampling_s`. `sample_s`: time of any sample.
+    """
+    off_s = (due_s - sample_s) % sampling_s - sampling_s / 2
+    return 0.0 if abs(off_s) < sampling_s / 8 else -math.copysign(min(abs(off_s), SHIFT_S), off_s)
 
 
 class StatePublication:
@@ -153,7 +168,10 @@ class Publisher(Component):
     def _turn(self) -> float:
         """Publish what is due; return the monotonic time (s) of the next turn."""
         if self._positions.subscribed:
-            self._positions.put(self._snapshot.positions(count=True))
+            positions = self._snapshot.positions(count=True)
+            self._positions.put(positions)
+            if not positions.repeated:
+                self._due_s += phase_shift(self._due_s, positions.t_mono_ns / 1e9, self._snapshot.sampling_s)
         self._publish_changes()
         self._idle = not (self._watched or self._busy())
         if self._idle and self._dirty and self._task is not None:
