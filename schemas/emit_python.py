@@ -279,6 +279,7 @@ def serial(contract: Contract) -> str:
     out += "".join(
         f'    {n} = {1 << int(str(r["bit"]))}\n    """{r["doc"]}"""\n' for n, r in table["state"].items()
     )
+    out += "\n    __and__ = __rand__ = int.__and__  # type: ignore[assignment] # quick: IntFlag makes a member each time\n"
     out += '\n\nclass FrameType(IntEnum):\n    """First byte of a frame."""\n\n'
     out += "".join(f'    {n} = 0x{r["type"]:02X}\n    """{r["doc"]}"""\n' for n, r in table["frame"].items())
     for name, frame in table["frame"].items():

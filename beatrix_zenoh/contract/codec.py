@@ -74,7 +74,8 @@ def decode(data: bytes, kind: type[M]) -> M:
         raise bad_value(kind, str(error)) from error
     if not is_request(kind):
         return printable.message(message)
-    _check_names(msgpack.unpackb(data, object_pairs_hook=tuple, strict_map_key=False), kind)
+    if not _is_flat(data):
+        _check_names(msgpack.unpackb(data, object_pairs_hook=tuple, strict_map_key=False), kind)
     return message
 
 
@@ -168,6 +169,14 @@ def _struct_of(kind: object) -> type[msgspec.Struct] | None:
         if isinstance(candidate, type) and issubclass(candidate, msgspec.Struct):
             return candidate
     return None
+
+
+def _is_flat(data: bytes) -> bool:
+    """Return whether msgpack is a map of up to 15 distinct fields without maps in it, as most requests are."""
+    value = msgspec.msgpack.decode(data)
+    # The first byte is 0x80 plus the number of fields, and the decoder keeps one of equal names.
+    distinct = isinstance(value, dict) and data[0] == 0x80 + len(value)
+    return distinct and not any(isinstance(one, dict | list) for one in value.values())
 
 
 def _check_names(value: object, kind: type[msgspec.Struct]) -> None:

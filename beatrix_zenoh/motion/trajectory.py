@@ -58,13 +58,8 @@ class Trajectory(msgspec.Struct, frozen=True):
         return section.at(max(0.0, t - section.begin))
 
 
-class _Piece(NamedTuple):
-    begin: float
-    position: float
-    velocity: float
-    acceleration: float
-
-
+_Piece = tuple[float, float, float, float]
+"""Begin, position, velocity and acceleration of one arm; a plain tuple, because a check of a path makes a dozen."""
 _Profile = tuple[_Piece, ...]
 
 
@@ -133,9 +128,9 @@ def _profile(start: float, velocity: float, target: float, speed: float, acceler
     t, p, v = 0.0, start, velocity
     for duration, rate in ((first, sign * ramp), (cruise, 0.0), (peak / acceleration, -sign * acceleration)):
         if duration > 0:
-            pieces.append(_Piece(t, p, v, rate))
+            pieces.append((t, p, v, rate))
             t, p, v = t + duration, p + (v + rate * duration / 2) * duration, v + rate * duration
-    return (*pieces, _Piece(t, target, 0.0, 0.0))
+    return (*pieces, (t, target, 0.0, 0.0))
 
 
 def _shared(leader: _Profile, start: Arms, shares: Arms) -> tuple[Section, ...]:
@@ -144,19 +139,19 @@ def _shared(leader: _Profile, start: Arms, shares: Arms) -> tuple[Section, ...]:
     return tuple(
         Section(
             t,
-            following.begin - t,
+            following - t,
             (x + a * p, y + b * p, z + c * p),
             (a * v, b * v, c * v),
             (a * rate, b * rate, c * rate),
         )
-        for (t, p, v, rate), following in itertools.pairwise(leader)
-        if following.begin - t > _SHORTEST
+        for (t, p, v, rate), (following, *_) in itertools.pairwise(leader)
+        if following - t > _SHORTEST
     )
 
 
 def _sections(profiles: list[_Profile]) -> tuple[Section, ...]:
     """Return sections in which all three arms have constant acceleration."""
-    cuts = sorted({piece.begin for profile in profiles for piece in profile})
+    cuts = sorted({piece[0] for profile in profiles for piece in profile})
     cuts = [
         cut for cut, following in zip(cuts, [*cuts[1:], math.inf], strict=True) if following - cut > _SHORTEST
     ]
@@ -169,16 +164,18 @@ def _sections(profiles: list[_Profile]) -> tuple[Section, ...]:
 
 
 def _state(profile: _Profile, t: float) -> tuple[float, float, float]:
+    latest = t + _SHORTEST
     piece = profile[0]
-    for following in profile[1:]:
-        if following.begin > t + _SHORTEST:
+    for following in profile:
+        if following[0] > latest:
             break
         piece = following
-    since = t - piece.begin
+    begin, position, velocity, acceleration = piece
+    since = t - begin
     return (
-        piece.position + (piece.velocity + piece.acceleration * since / 2) * since,
-        piece.velocity + piece.acceleration * since,
-        piece.acceleration,
+        position + (velocity + acceleration * since / 2) * since,
+        velocity + acceleration * since,
+        acceleration,
     )
 
 

@@ -189,6 +189,8 @@ class BoardState(IntFlag):
     EMERGENCY = 16
     """EMERGENCY_STOP is latched; the motors are off"""
 
+    __and__ = __rand__ = int.__and__  # type: ignore[assignment] # quick: IntFlag makes a member each time
+
 
 class FrameType(IntEnum):
     """First byte of a frame."""
