@@ -149,13 +149,7 @@ class Node:
         )
         decisions, stop = TeacherDecisions(controller, kept), StopHandler(requests, controller, watch)
         controller.on_stop.append(decisions.keep)  # an EMERGENCY_STOP may be the teacher's
-        publisher = Publisher(
-            self.snapshot,
-            self.events,
-            lambda: controller.driven or controller.moving,
-            self.owner,
-            publishing,
-        )
+        publisher = Publisher(self.snapshot, self.events, self.owner, publishing)
         return [
             LogEvents(self.events, self.owner),
             decisions,

@@ -66,8 +66,8 @@ def board_trouble(status: Status) -> str:
 PERIOD_S = 1 / keys.POSITIONS_HZ
 STATUS_S = 1 / keys.STATUS_HZ
 CHECK_S = 0.1
-"""Longest time (s) between two comparisons of the status with the last one. A robot that moves, or whose controller has
-done something, is compared in every period: it takes more time to assemble a status than to publish positions."""
+"""Longest time (s) between two comparisons of the status with the last one. After each change of the board's state and
+each request the controller calls `changed`: it takes more time to assemble a status than to publish positions."""
 ON_CHANGE = {
     kind: [name for name in kind.__struct_fields__ if name not in quiet]
     for kind, quiet in NOT_ON_CHANGE.items()
@@ -113,15 +113,14 @@ class StatePublication:
 class Publisher(Component):
     """Publishes positions, status and events until closed.
 
-    Its thread wakes at POSITIONS_HZ while a client subscribes to anything or the robot moves, otherwise every CHECK_S
-    and when `changed` is called.
+    Its thread wakes at POSITIONS_HZ while a client subscribes to anything, otherwise every CHECK_S and when `changed` is
+    called.
     """
 
     def __init__(
         self,
         snapshot: Snapshot,
         events: NodeEvents,
-        busy: Callable[[], bool],
         owner: Owner,
         schedule: Schedule | None,
     ) -> None:
@@ -130,11 +129,10 @@ class Publisher(Component):
         Args:
             snapshot: builds the messages.
             events: the events to publish.
-            busy: returns whether the robot moves or is about to.
             owner: the robot.
             schedule: thread that publishes for several robots; None: this one has a thread of its own.
         """
-        self._snapshot, self._recorded, self._busy = snapshot, events, busy
+        self._snapshot, self._recorded = snapshot, events
         self._changes = StatusEvents(events)
         self._published: object = None
         self._status_due_s = self._check_due_s = 0.0
@@ -173,7 +171,7 @@ class Publisher(Component):
             if not positions.repeated:
                 self._due_s += phase_shift(self._due_s, positions.t_mono_ns / 1e9, self._snapshot.sampling_s)
         self._publish_changes()
-        self._idle = not (self._watched or self._busy())
+        self._idle = not self._watched
         if self._idle and self._dirty and self._task is not None:
             self._task.wake()  # `changed` was called before the thread was idle
         period_s, now_s = CHECK_S if self._idle else PERIOD_S, time.monotonic()
@@ -189,7 +187,7 @@ class Publisher(Component):
 
     def _publish_changes(self) -> None:
         now_s = time.monotonic()
-        if self._dirty or now_s >= self._check_due_s or self._busy():
+        if self._dirty or now_s >= self._check_due_s:
             self._dirty, self._check_due_s = False, now_s + CHECK_S
             self._publish_status()
         self._publish_events()
