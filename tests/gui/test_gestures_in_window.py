@@ -32,7 +32,8 @@ def test_stop_ends_a_gesture(user: Windowed, robots: dict[str, Robot]) -> None:
     QTest.mousePress(user.window.panels.stop_bar, Qt.MouseButton.LeftButton)
     user.until_last("stop done")
     user.until(lambda: not any(robot.status().moving for robot in robots.values()), "both rest")
-    assert user.state.view(user.window._link.world()).history[1].result == "stopped"
+    link, view = user.window._link, user.state.view
+    user.until(lambda: view(link.world()).history[1].result == "stopped", "the gesture has ended")
 
 
 @pytest.mark.long("follows with its eyes in real time")
