@@ -6,8 +6,8 @@ from beatrix_zenoh.node.interfaces import ArmState as ArmState
 from beatrix_zenoh.node.interfaces import Component as Component
 from beatrix_zenoh.node.interfaces import StatusFields as StatusFields
 from beatrix_zenoh.node.node import Node as Node
-from beatrix_zenoh.node.query_thread import QueryThread as QueryThread
 from beatrix_zenoh.node.sensors import CameraFrame as CameraFrame
 from beatrix_zenoh.node.sensors import CameraPublisher as CameraPublisher
 from beatrix_zenoh.node.sensors import MicrophonesPublisher as MicrophonesPublisher
 from beatrix_zenoh.node.sensors import SoundBlock as SoundBlock
+from beatrix_zenoh.node.state import QueryThread as QueryThread
