@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from gui_windows import Windowed
+from gui_windows import HOME, Windowed
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh.client.choreography import GESTURES
+from beatrix_zenoh.client.degrees import HeadAngles, Reading
 
 pytestmark = [
     pytest.mark.qt_log_ignore("This plugin does not support"),
@@ -24,6 +28,67 @@ def home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A home folder without programs of the user."""
     monkeypatch.setenv("HOME", str(tmp_path))
     return tmp_path
+
+
+@pytest.fixture
+def watched(robots: dict[str, Robot]) -> Iterator[dict[str, Callable[[], list[HeadAngles]]]]:
+    """For each robot, a function that returns the orientations since its last call."""
+    streams = {side: robot.stream() for side, robot in robots.items()}
+
+    def heads(side: str) -> Callable[[], list[HeadAngles]]:
+        def taken() -> list[HeadAngles]:
+            found: list[Reading] = streams[side].take()
+            return [reading.head for reading in found]
+
+        return taken
+
+    yield {side: heads(side) for side in streams}
+    for stream in streams.values():
+        stream.close()
+
+
+def turns(angles: list[float], least: float) -> int:
+    """Return how often an angle changes from above `least` to below minus `least`, or back."""
+    sides = [angle > 0 for angle in angles if abs(angle) > least]
+    return sum(one != other for one, other in itertools.pairwise(sides))
+
+
+MOVES: dict[str, Callable[[list[HeadAngles]], bool]] = {
+    "yes": lambda heads: turns([head.pitch for head in heads], 4) >= 3,
+    "no": lambda heads: turns([head.yaw for head in heads], 10) >= 2,
+    "hello": lambda heads: turns([head.roll for head in heads], 10) >= 2,
+    "surprised": lambda heads: min(head.pitch for head in heads) < -15,
+    "sleepy": lambda heads: max(head.pitch for head in heads) > 15,
+    "curious": lambda heads: turns([head.roll for head in heads], 8) == 1,
+    "dance": lambda heads: turns([head.roll for head in heads], 7) >= 3,
+}
+"""What the positions of each robot show."""
+
+
+@pytest.mark.long("all gestures in real time")
+def test_each_gesture_moves_both_heads_and_ends_at_home(
+    user: Windowed,
+    robots: dict[str, Robot],
+    watched: dict[str, Callable[[], list[HeadAngles]]],
+) -> None:
+    panel = user.window.panels.gestures
+    seen: dict[str, list[HeadAngles]] = {}
+    for gesture in GESTURES:
+        for side, taken in watched.items():
+            taken()
+            seen[side] = []
+        user.press(panel.buttons[gesture])
+        user.until_last("gesture", "under way")
+
+        def ended() -> bool:
+            for side, taken in watched.items():
+                seen[side] += taken()
+            return "done" in user.last
+
+        user.until(ended, f"{gesture} has ended")
+        for side, robot in robots.items():
+            assert MOVES[gesture](seen[side]), (gesture, side, seen[side])
+            user.until_at(robot, *HOME)
 
 
 def test_stop_ends_a_gesture(user: Windowed, robots: dict[str, Robot]) -> None:
