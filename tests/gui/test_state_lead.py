@@ -14,7 +14,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import intents
 from gui.console.state.actions import AbortPlan, Outcome, SendPlanNow
-from gui.console.state.intents import Jog
+from gui.console.state.intents import Jog, SetDestination
 from gui.console.state.views import HeadOrientation
 from gui.console.state.world import PlanPhase
 
@@ -44,6 +44,27 @@ def test_a_waiting_motion_is_sent_changed_or_aborted() -> None:
     assert (round(target.yaw, 6), round(target.pitch, 6)) == (20, 10)
     for intent in (intents.SendNow(), intents.Change(), intents.Abort()):
         assert state.handle(intent, world()) == []
+
+
+@pytest.mark.parametrize(
+    ("intent", "phase", "aborts"),
+    [
+        (SetDestination("hw", checked=False), PlanPhase.TRYING, True),
+        (SetDestination("hw", checked=False), PlanPhase.LEADING, True),
+        (SetDestination("hw", checked=False), PlanPhase.SENT, False),
+        (SetDestination("hw", checked=False), None, False),
+        (SetDestination("hw", checked=True), PlanPhase.LEADING, False),
+        (SetDestination("sim", checked=False), PlanPhase.LEADING, False),
+    ],
+)
+def test_hardware_that_is_unchecked_during_the_lead_does_not_move(
+    intent: SetDestination, phase: PlanPhase | None, *, aborts: bool
+) -> None:
+    state = state_after(BOTH, Jog("short", 1))
+    now = world() if phase is None else plan(phase, 1.0)
+    assert state.handle(intent, now) == ([AbortPlan()] if aborts else [])
+    state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
+    assert state.view(world()).history[0].on_purpose is aborts
 
 
 def test_change_of_an_arm_motion_aims_at_the_end_of_its_path() -> None:

@@ -11,7 +11,7 @@ from beatrix_zenoh.contract._generated.messages import Head, PoseQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from gui.console.state import dragging, gestures, refusals
 from gui.console.state.actions import AbortPlan, Action, Send, SendPlanNow
-from gui.console.state.intents import Abort, Change, Intent, SendHead, SendNow
+from gui.console.state.intents import Abort, Change, Intent, SendHead, SendNow, SetDestination
 from gui.console.state.memory import Memory, Refusal
 from gui.console.state.presence import apart, orientation, reading
 from gui.console.state.views import ButtonView, HeadOrientation, HeadView, SendingView
@@ -152,6 +152,12 @@ def handle(memory: Memory, world: World, intent: SendNow | Change | Abort) -> li
         memory.aborted_row = memory.rows[-1].number if memory.rows else 0
     memory.mark_dropped(aborted=True)
     return [AbortPlan()]
+
+
+def spare_hardware(memory: Memory, world: World, intent: Intent) -> list[Action]:
+    """Return the action that aborts a motion which waits for the hardware when its box is cleared; else none."""
+    cleared = isinstance(intent, SetDestination) and intent.side == "hw" and not intent.checked
+    return handle(memory, world, Abort()) if cleared and _can_change(world.plan) else []
 
 
 def follow(memory: Memory, world: World) -> None:

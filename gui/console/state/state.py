@@ -128,7 +128,8 @@ class State:
         if (chosen := choices.changed(memory.choices, intent)) is not None:
             memory.choices = chosen
             refusals.hide_answered(memory, intent)
-            return [*eyes.watch(chosen, intent), *sound.watch(chosen, intent)]
+            ended = sending.spare_hardware(memory, world, intent)
+            return [*ended, *eyes.watch(chosen, intent), *sound.watch(chosen, intent)]
         match intent:
             case (
                 intents.Stop()
