@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 from contrast import contrast, luminance
@@ -13,8 +14,11 @@ from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
 
-from gui.console.state.intents import Theme
+from gui.console.state.connecting import LookForPorts
+from gui.console.state.intents import SetLanguage, SetTheme, Theme
+from gui.console.state.state import State
 from gui.console.state.views import Condition
+from gui.console.state.world import Trouble
 from gui.console.texts import LANGUAGES
 from gui.window.run import SIZE, show
 from gui.window.theme import Style, style_of
@@ -162,6 +166,26 @@ def test_no_text_and_no_widget_is_cut_off(qtbot: QtBot, theme: Theme, language: 
     window.close()
     window.deleteLater()
     assert not found, "\n".join(sorted(set(found)))
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("theme", Theme)
+def test_the_sheet_that_connects_grows_with_its_message(qtbot: QtBot, theme: Theme, language: str) -> None:
+    link, state = RecordingLink(), State()
+    for intent in (SetTheme(theme), SetLanguage(language)):
+        state.handle(intent, link.known)
+    window = Window(link, state)
+    qtbot.add_widget(window)
+    window.resize(*SIZE)
+    window.show()
+    window.handle(LookForPorts())
+    assert not list(faults(window, SIZE, "fresh"))
+    for address in ("???", "the computer of " * 4):
+        link.known = replace(
+            link.known, router_trouble=Trouble("connect.bad_address", slots={"address": address})
+        )
+        window.refresh()
+        assert not list(faults(window, SIZE, address))
 
 
 def test_stop_keeps_its_height_and_spans_more_than_half_the_window(qtbot: QtBot, window: Window) -> None:

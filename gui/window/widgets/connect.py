@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtCore import QEvent, pyqtSignal
 from PyQt5.QtWidgets import QFileDialog, QFrame, QHBoxLayout, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
 
 from gui.console.state.connecting import UseAccount, UseRouter
@@ -136,6 +136,13 @@ class ConnectSheet(QFrame):
         self.raise_()
         if appears:
             self.close_button.setFocus()
+
+    def event(self, event: QEvent) -> bool:
+        """Take the height that the texts need when a text has changed: Qt measures the inner panel only now."""
+        handled = super().event(event)
+        if event.type() == QEvent.Type.LayoutRequest and self.isVisible():
+            self.place()
+        return handled
 
     def place(self) -> None:
         """Move to the middle of the parent."""
