@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 import pytest
-from gui_windows import menu_button
+from gui_windows import menu_button, whole
 from gui_worlds import plan, robot, status
 from PyQt5.QtCore import QEvent, QPoint, Qt
 from PyQt5.QtGui import QKeyEvent
@@ -150,8 +150,11 @@ def test_an_emergency_stop_needs_a_second_press_and_never_hinders_stop(
 ) -> None:
     pill, emergency = window.panels.header.pills["hw"], menu_button(window, "hw", "EMERGENCY STOP")
     pill.more.click()
+    assert all(whole(button) for button in pill.menu.buttons if not button.isHidden())
     QTest.mouseClick(emergency, Qt.MouseButton.LeftButton)
     assert intents() == []
+    assert whole(emergency)
+    assert whole(pill.menu.question)
     assert "fall" in pill.menu.question.text()
     QTest.keyClick(emergency, Qt.Key.Key_Space)
     QTest.mousePress(window.panels.stop_bar, Qt.MouseButton.LeftButton)

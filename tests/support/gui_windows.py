@@ -43,6 +43,7 @@ class Windowed:
         """Show the tab of a button, and click the button with the mouse."""
         reveal(button)
         assert button.isVisible(), f"{button.accessibleName()} is hidden"
+        assert whole(button), f"{button.accessibleName()} is cut"
         assert button.isEnabled(), f"{button.accessibleName()} is off: {button.toolTip()}"
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
         self.until_shown()
@@ -124,6 +125,12 @@ def drag(widget: QWidget, start: QPoint, goal: QPoint) -> None:
             kind, QPointF(place), button, Qt.MouseButtons(held), Qt.KeyboardModifier.NoModifier
         )
         QApplication.sendEvent(widget, event)
+
+
+def whole(widget: QWidget) -> bool:
+    """Return whether no part of a widget is outside its window or covered by the edge of its parents."""
+    shown = widget.visibleRegion().boundingRect()
+    return not shown.isEmpty() and shown == widget.rect()
 
 
 def reveal(widget: QWidget) -> None:

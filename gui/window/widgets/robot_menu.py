@@ -85,4 +85,9 @@ class RobotMenu(QFrame):
     def _fit(self) -> None:
         """Take the height that the buttons and the wrapped question need."""
         self._column.activate()
-        self.setFixedHeight(self._column.totalHeightForWidth(WIDTH_PX))
+        column = self._column
+        # Only the question has a height for a width: without it Qt returns -1 here.
+        wraps = column.hasHeightForWidth()
+        self.setFixedHeight(
+            column.totalHeightForWidth(WIDTH_PX) if wraps else column.totalSizeHint().height()
+        )
