@@ -99,8 +99,8 @@ def refusal(endpoint: str, account: Account | None) -> str:
     """Return the message about a router that refuses this client: the possible causes, and what to do."""
     if account is None:
         return (
-            f"The router at {endpoint} does not accept this program. If it is the router of a class, it needs an account: "
-            "`beatrix join FILE` with the file of your seat. Or the program that listens there is not a router."
+            f"The program at {endpoint} closes the connection: it is no router, or one of a class, which accepts only "
+            "accounts. Check the address; in a class, run `beatrix join FILE` with the file of your seat."
         )
     causes = [_certificate_error(one, identity(account)) for one in endpoints(endpoint)]
     cause = next(

@@ -80,7 +80,7 @@ def test_the_sheet_shows_router_and_account() -> None:
     ("phase", "account", "words"),
     [
         (LinkPhase.NO_ROUTER, None, "Check the address"),
-        (LinkPhase.REFUSED, None, "Choose the account file of your seat"),
+        (LinkPhase.REFUSED, None, "it is no router, or one of a class"),
         (LinkPhase.REFUSED, ANA, "Choose the newest file of your seat"),
         (LinkPhase.REFUSED, replace(ANA, expired=True), "expired on 2027-07-31"),
     ],
