@@ -218,6 +218,40 @@ def test_undo_goes_back_through_accepted_motions() -> None:
     assert state.handle(intents.Undo(), here) == []
 
 
+def test_undo_moves_no_robot_that_did_not_make_the_motion() -> None:
+    state, start = state_after(BOTH), world(robot("sim", arms=(10, 0, 0)), robot("hw"))
+    state.handle(Jog("short", 1), world())
+    accept(state, 1)
+    state.handle(intents.SetDestination("hw", checked=False), start)
+    state.handle(intents.PlayGesture("yes"), start)
+    accept(state, 2)
+    for intent in (intents.SetDestination("sim", checked=False), BOTH):
+        state.handle(intent, start)
+    only_hw = state.view(start).commands.undo
+    assert "short 0.0°" in only_hw.tooltip, "the hardware did not make the gesture"
+    state.handle(intents.SetDestination("sim", checked=True), start)
+    assert state.view(start).commands.undo.tooltip.startswith("Simulation: ")
+    back = sent(state.handle(intents.Undo(), start))
+    assert (back.sides, arms_of(back)) == (("sim",), (10, 0, 0))
+    accept(state, back.row)
+    state.handle(intents.SetDestination("sim", checked=False), start)
+    back = sent(state.handle(intents.Undo(), start))
+    assert (back.sides, arms_of(back)) == (("hw",), (0, 0, 0))
+    state.report(Outcome(back.row, "hw", accepted=True, done=True))
+    assert not state.view(start).commands.undo.enabled
+    state.handle(intents.SetDestination("sim", checked=True), start)
+    back = sent(state.handle(intents.Undo(), start))
+    assert back.sides == ("sim",), "the hardware has gone back already"
+
+
+def test_undo_of_a_motion_of_both_goes_to_the_pose_of_the_hardware() -> None:
+    state, apart = state_after(BOTH), world(robot("sim", arms=(20, 10, 0)), robot("hw", arms=(1, 2, 3)))
+    state.handle(intents.RunCommand(Command.HOME), apart)
+    accept(state, 1)
+    back = sent(state.handle(intents.Undo(), world()))
+    assert (back.sides, arms_of(back), back.lead_s) == (("sim", "hw"), (1, 2, 3), 2.0)
+
+
 def test_a_replaced_motion_is_no_error_in_the_history() -> None:
     state = state_after(Jog("short", 1))
     state.report(Outcome(1, "sim", accepted=False, done=True, reason=Reason.REPLACED, message="Replaced."))

@@ -33,7 +33,7 @@ from gui.console.state.intents import (
 )
 from gui.console.state.memory import Memory
 from gui.console.state.motions import again, begin, send_arms
-from gui.console.state.poses import last_undo
+from gui.console.state.poses import way_back
 from gui.console.state.presence import unreachable
 from gui.console.state.views import ButtonView, CommandsView, RecordView
 from gui.console.state.world import LinkPhase, World
@@ -78,13 +78,14 @@ def _button(memory: Memory, key: str, intent: Intent, question: str = "") -> But
 
 
 def _undo(memory: Memory) -> ButtonView:
-    texts, found = memory.choices.texts, last_undo(memory)
+    texts, found = memory.choices.texts, way_back(memory)
     if not memory.choices.sides:
         return ButtonView(texts("command.undo"), texts("off.unchecked"), Undo(), enabled=False)
     if found is None:
         return ButtonView(texts("command.undo"), texts("off.no_undo"), Undo(), enabled=False)
-    _, arms = found
-    tooltip = texts("command.undo_tip", short=arms.short, middle=arms.middle, long=arms.long)
+    tooltip = texts("command.undo_tip", **found.arms._asdict())
+    if found.sides != memory.choices.sides:
+        tooltip = texts("of.side", side=texts(f"side.{found.sides[0]}"), text=tooltip)
     return ButtonView(texts("command.undo"), tooltip, Undo())
 
 

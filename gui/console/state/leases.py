@@ -154,4 +154,4 @@ def give_back_all(memory: Memory, world: World) -> list[Action]:
     if not places:
         return []
     request = Govern(memory.next_row(), LeaseAction.GIVE_BACK, places)
-    return memory.add_row(RequestRow(request, CONTROL, world.wall_s, before=None))
+    return memory.add_row(RequestRow(request, CONTROL, world.wall_s, before={}))

@@ -47,8 +47,8 @@ class RequestRow:
     """the control of the request, as in `RefusalView`"""
     began_s: float
     """wall clock, since 1970; 0: unknown"""
-    before: ArmAngles | None
-    """set point of the arms at the time of the request (deg); None: unknown, or no motion"""
+    before: Mapping[str, ArmAngles]
+    """by side: set point of the arms at the time of the request (deg), if it was known and this is a motion"""
     undoes: int | None = None
     """row of the motion that this request undoes; None: it is not an undo"""
     dropped: bool = False
@@ -172,8 +172,8 @@ class Memory:
     """oldest first"""
     numbers: int = 0
     """number of the newest row"""
-    undo: tuple[tuple[int, ArmAngles], ...] = ()
-    """row of each accepted motion, and the arms (deg) before it; oldest first"""
+    undo: tuple[tuple[int, Mapping[str, ArmAngles]], ...] = ()
+    """row of each accepted motion, and by side the arms (deg) before it; oldest first"""
     refusal: Refusal | None = None
     seen_trouble: Trouble | None = None
     """the newest failure during which the simulation was not online"""

@@ -25,14 +25,19 @@ def send_arms(
     *,
     relative: bool = False,
     undoes: int | None = None,
+    sides: tuple[str, ...] | None = None,
 ) -> list[Action]:
-    """Return the action that turns the arms to, or by, angles (deg) at the chosen speed; none if it is refused."""
+    """Return the action that turns the arms to, or by, angles (deg) at the chosen speed; none if it is refused.
+
+    sides: None: the checked robots
+    """
     speed = memory.choices.speed
 
     def query() -> Query:
         return motion_query(*arms, relative=relative, speed=speed)
 
-    return _send(memory, world, query, control, undoes)
+    chosen = memory.choices.sides if sides is None else sides
+    return _send(memory, world, query, control, chosen, undoes)
 
 
 def send_head(memory: Memory, world: World, target: HeadOrientation, control: str) -> list[Action]:
@@ -42,13 +47,17 @@ def send_head(memory: Memory, world: World, target: HeadOrientation, control: st
     def query() -> Query:
         return pose_query(target.yaw, target.pitch, target.roll, relative=False, speed=speed)
 
-    return _send(memory, world, query, control, None)
+    return _send(memory, world, query, control, memory.choices.sides)
 
 
 def _send(
-    memory: Memory, world: World, query: Callable[[], Query], control: str, undoes: int | None
+    memory: Memory,
+    world: World,
+    query: Callable[[], Query],
+    control: str,
+    sides: tuple[str, ...],
+    undoes: int | None = None,
 ) -> list[Action]:
-    sides = memory.choices.sides
     if unreachable(memory, world, sides, control):
         return []
     try:
@@ -85,5 +94,6 @@ def begin(
     return memory.add_row(RequestRow(request, control, world.wall_s, _before(world, request), undoes))
 
 
-def _before(world: World, request: Request) -> ArmAngles | None:
-    return commanded(world, request.sides) if isinstance(request, Send | Play | FollowFace) else None
+def _before(world: World, request: Request) -> dict[str, ArmAngles]:
+    sides = request.sides if isinstance(request, Send | Play | FollowFace) else ()
+    return {side: arms for side in sides if (arms := commanded(world, (side,))) is not None}

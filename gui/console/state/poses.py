@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Command
@@ -95,33 +95,59 @@ def _play(memory: Memory, world: World, file: Path) -> list[Action]:
     return begin(memory, world, Play(memory.next_row(), sides, file, lead_s=lead_of(memory, sides)), CONTROL)
 
 
-def last_undo(memory: Memory) -> tuple[int, ArmAngles] | None:
-    """Return the row of the newest motion without a pending undo, and the arms (deg) before it; None if none exists."""
-    under_way = {row.undoes for row in memory.rows if row.undoes is not None and not row.outcomes}
-    return next((entry for entry in reversed(memory.undo) if entry[0] not in under_way), None)
+class WayBack(NamedTuple):
+    """What *Undo* does now."""
+
+    row: int
+    """row of the motion that it undoes"""
+    sides: tuple[str, ...]
+    """the checked robots that made that motion"""
+    arms: ArmAngles
+    """where they go (deg): the arms before that motion"""
+
+
+def way_back(memory: Memory) -> WayBack | None:
+    """Return how the newest motion of a checked robot without a pending undo is undone; None if there is none.
+
+    Robots that did not make the motion stay where they are. If both made it from different places, both go to that of
+    the hardware: it gets no pose that only the simulation had, and both go there with preview and lead.
+    """
+    open_rows = [row for row in memory.rows if row.undoes is not None and not row.outcomes]
+    under_way = {(row.undoes, side) for row in open_rows for side in row.sides}
+    for number, before in reversed(memory.undo):
+        made = (side for side in memory.choices.sides if side in before)
+        if sides := tuple(side for side in made if (number, side) not in under_way):
+            return WayBack(number, sides, before[sides[-1]])
+    return None
 
 
 def undo(memory: Memory, world: World) -> list[Action]:
     """Return the action that turns the arms back to their angles before the last accepted motion."""
-    found = last_undo(memory)
+    found = way_back(memory)
     if found is None:
         return memory.refuse(CONTROL, "off.no_undo")
-    return send_arms(memory, world, found[1], CONTROL, undoes=found[0])
+    return send_arms(memory, world, found.arms, CONTROL, undoes=found.row, sides=found.sides)
 
 
 def note_accepted(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
     """Add a motion to the undo list when the first robot accepts it.
 
-    Remove it when a robot accepts the motion that undoes it. Angles are counted from home, so a request that may change
-    home clears the list.
+    Remove from it the robots of a motion that undoes it, when one of them accepts that. Angles are counted from home,
+    so a request that may change home clears the list.
     """
     if not outcome.accepted or row.accepted:
         return
     if sets_home(row.request):
         memory.undo = ()
     elif row.undoes is not None:
-        memory.undo = tuple(entry for entry in memory.undo if entry[0] != row.undoes)
-    elif row.before is not None:
+        rest = (
+            (number, {side: arms for side, arms in before.items() if side not in row.sides})
+            if number == row.undoes
+            else (number, before)
+            for number, before in memory.undo
+        )
+        memory.undo = tuple(entry for entry in rest if entry[1])
+    elif row.before:
         memory.undo = (*memory.undo, (row.number, row.before))[-UNDO_KEPT:]
 
 

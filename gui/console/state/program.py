@@ -56,7 +56,9 @@ def lines_of(row: RequestRow, texts: Texts, *, from_set_point: bool = False) -> 
     """
     request = row.request
     if from_set_point:
-        request = _absolute(request, row.before)
+        request = _absolute(
+            request, next((row.before[side] for side in row.sides if side in row.before), None)
+        )
     calls = (
         [] if isinstance(request, SendStop) else code_lines.python(request, rounds=row.rounds).splitlines()
     )
