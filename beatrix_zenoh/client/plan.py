@@ -73,8 +73,15 @@ class Plan(ProcessBound):
         """Time (s) from the start of the motion until the arms rest."""
         self.verdict = preview.message
         """The result of the preview in a sentence, and whether it holds for the hardware."""
-        if (elsewhere := distance(start)) > SAME_DEG:
-            self.verdict += f" The hardware stands {elsewhere:.1f}° away from the simulation, so its path was not previewed."
+        apart = distance(start)
+        self.apart = apart if apart > SAME_DEG else 0.0
+        """Distance (deg) of the hardware from the simulation at the preview; 0 if they stood at the same position."""
+        self.alike = alike
+        """Whether simulation and hardware run with the same values, so that the preview holds for the hardware."""
+        if self.apart:
+            self.verdict += (
+                f" The hardware stands {apart:.1f}° away from the simulation, so its path was not previewed."
+            )
         if not alike:
             self.verdict += UNLIKE
         self.path = Path(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 from golden import same
@@ -17,6 +18,23 @@ from gui.console.state.actions import AbortPlan, Outcome, SendPlanNow
 from gui.console.state.intents import Jog, SetDestination
 from gui.console.state.views import HeadOrientation
 from gui.console.state.world import PlanPhase
+
+
+@pytest.mark.parametrize(
+    ("language", "apart", "unlike"),
+    [("en", "stands 5.7° away", "different values"), ("de", "steht 5,7° von", "verschiedenen Werten")],
+)
+@pytest.mark.parametrize("phase", [PlanPhase.LEADING, PlanPhase.SENT])
+def test_what_the_preview_does_not_show_is_said_in_the_language_of_the_window(
+    phase: PlanPhase, language: str, apart: str, unlike: str
+) -> None:
+    state, now = state_after(BOTH), plan(phase)
+    state.handle(intents.SetLanguage(language), now)
+    assert now.plan is not None
+    far = replace(now, plan=replace(now.plan, apart_deg=5.7))
+    assert apart in state.view(far).sending.text
+    other = replace(now, plan=replace(now.plan, alike=False))
+    assert unlike in state.view(other).sending.text
 
 
 def test_the_countdown_is_shown_with_its_buttons() -> None:

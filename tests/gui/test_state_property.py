@@ -200,11 +200,12 @@ WORLDS: st.SearchStrategy[World] = st.builds(
     | st.builds(
         PlanProgress,
         st.sampled_from(PlanPhase),
-        st.sampled_from(["", "Possible: 1.2 s.", "Possible: 1.2 s. But no."]),
         st.floats(0, 10),
         st.floats(0, 5),
         st.floats(-1, 5),
         PATHS,
+        st.sampled_from([0.0, 5.7]),
+        st.booleans(),
     ),
     recording=st.none()
     | st.builds(

@@ -230,6 +230,7 @@ def test_the_preview_reports_hardware_far_away_and_commit_waits_for_it(twin: Twi
     twin.hw.look(yaw=40, speed=60)
     plan = twin.preview_arms(0, 0, 0, speed=60)
     assert "The hardware stands 40.0° away" in plan.verdict
+    assert round(plan.apart, 1) == 40.0
     plan.commit()
     assert commanded(twin.hw) == (0, 0, 0)
 

@@ -212,7 +212,7 @@ def example(state: str, theme: Theme, language: str) -> View:
     if state == "preview":
         deciding.handle(AimHead(20.0, 14.0, 12.0), now)
         deciding.handle(SendHead(), now)
-        plan = PlanProgress(PlanPhase.LEADING, "Possible.", 1.2, 2.0, 1.4, PATH)
+        plan = PlanProgress(PlanPhase.LEADING, 1.2, 2.0, 1.4, PATH)
         now = replace(
             now, plan=plan, sim=robot("sim", arms=(18.0, 2.0, 3.0), known=status("sim", moving=True))
         )

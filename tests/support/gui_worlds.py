@@ -119,7 +119,7 @@ def arms_of(send: Send) -> tuple[float, ...]:
 
 
 def plan(phase: PlanPhase, countdown_s: float = 0.0, path: MotionPath | None = None) -> World:
-    return world(plan=PlanProgress(phase, "Possible: 1.2 s.", 1.2, 2.0, countdown_s, path))
+    return world(plan=PlanProgress(phase, 1.2, 2.0, countdown_s, path))
 
 
 def refused(

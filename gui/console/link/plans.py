@@ -200,4 +200,4 @@ def _explained(error: BeatrixError) -> BeatrixError:
 
 
 def _progress(phase: PlanPhase, plan: Plan, lead_s: float, countdown_s: float) -> PlanProgress:
-    return PlanProgress(phase, plan.verdict, plan.duration, lead_s, countdown_s, plan.path)
+    return PlanProgress(phase, plan.duration, lead_s, countdown_s, plan.path, plan.apart, plan.alike)

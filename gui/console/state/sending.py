@@ -130,8 +130,12 @@ def _under_way(plan: PlanProgress, texts: Texts) -> tuple[str, str]:
     duration_s = float(plan.duration_s)
     if plan.phase is PlanPhase.TRYING:
         return texts("sending.trying"), texts("sending.trying_text")
-    # The title replaces the first sentence of the verdict; the rest is a warning.
-    _, _, warning = plan.verdict.partition(" s. ")
+    warnings = []
+    if plan.apart_deg:
+        warnings.append(texts("sending.apart", degrees=float(plan.apart_deg)))
+    if not plan.alike:
+        warnings.append(texts("sending.unlike"))
+    warning = " ".join(warnings)
     if plan.phase is PlanPhase.LEADING:
         text = warning or texts("sending.leading_text")
         return texts("sending.possible", seconds=duration_s), text

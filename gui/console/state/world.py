@@ -41,14 +41,16 @@ class PlanProgress:
     """A motion of both robots under way."""
 
     phase: PlanPhase
-    verdict: str = ""
-    """the result of the preview, in a sentence"""
     duration_s: float = 0.0
     lead_s: float = 0.0
     countdown_s: float = 0.0
     """time until the link sends the motion to the hardware"""
     path: MotionPath | None = None
     """the previewed path, degrees"""
+    apart_deg: float = 0.0
+    """distance of the hardware from the simulation at the preview; 0: none, so the path holds for the hardware"""
+    alike: bool = True
+    """whether both robots run with the same values"""
 
 
 @dataclass(frozen=True)

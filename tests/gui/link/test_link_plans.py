@@ -56,7 +56,7 @@ def test_the_hardware_follows_after_the_lead_with_a_countdown(linked: Linked) ->
     assert world.plan.path is not None
     assert world.plan.path.arms[-1].short == pytest.approx(20, abs=0.1)
     assert 0.5 < world.plan.countdown_s <= world.plan.lead_s == 1.0
-    assert world.plan.verdict.startswith("Possible")
+    assert (world.plan.apart_deg, world.plan.alike) == (0.0, True)
     assert steps(linked) == before
     sent = linked.until(
         lambda world: world.plan is not None and world.plan.phase is PlanPhase.SENT,
