@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 from gui_windows import Windowed
-from gui_worlds import state_after, world
+from gui_worlds import BOTH, state_after, world
 from PyQt5.QtCore import QEvent, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
@@ -17,7 +17,7 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import MotionQuery
 from gui.console.state.actions import Hold, Outcome, Release
 from gui.console.state.holding import AHEAD_S, FASTEST_DEG_S, HoldArm, ReleaseArm, jog_query
-from gui.console.state.intents import SetDestination, SetSpeed
+from gui.console.state.intents import SetDestination, SetLanguage, SetSpeed, Stop
 from gui.console.state.state import State
 from gui.window.widgets.arms import HoldButton
 
@@ -54,6 +54,41 @@ def test_the_row_of_a_hold_gets_the_angles_at_rest() -> None:
     state.follow(world())
     (row,) = state.view(world()).history
     assert "relative" not in row.python
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_the_panel_says_that_both_move_at_once_while_a_button_is_held(language: str) -> None:
+    state = state_after(SetLanguage(language), BOTH)
+    texts, idle = state.choices.texts, state.view(world()).sending
+    state.handle(HoldArm("short", 1), world())
+    held = state.view(world())
+    assert (held.sending.title, held.sending.text) == (texts("sending.held"), texts("sending.held_text"))
+    assert held.arms.rows[0].plus.tooltip.endswith(texts("arm.hold_both"))
+    state.handle(ReleaseArm(), world())
+    assert state.view(world()).sending == idle
+    state.handle(HoldArm("short", 1), world())
+    state.handle(Stop(), world())
+    assert state.view(world()).sending == idle, "after STOP nothing moves although the button is held"
+
+
+def test_a_page_that_holds_a_button_says_the_same_until_its_row_has_ended() -> None:
+    state = state_after(BOTH)
+    idle = state.view(world()).sending
+    row = state.hold(world(), jog_query("yaw", 1, 30.0, AHEAD_S), "head")
+    assert row is not None
+    assert state.view(world()).sending.title == state.choices.texts("sending.held")
+    for side in ("sim", "hw"):
+        state.report(Outcome(row, side, accepted=True, done=True))
+    assert state.view(world()).sending == idle
+
+
+def test_a_held_button_of_one_robot_changes_nothing_in_the_panel() -> None:
+    state = State()
+    idle = state.view(world()).sending
+    state.handle(HoldArm("short", 1), world())
+    held = state.view(world())
+    assert held.sending == idle
+    assert held.arms.rows[0].plus.tooltip.endswith(state.choices.texts("arm.hold"))
 
 
 @pytest.mark.parametrize(("part", "moved"), [("short", 1), ("all", 3)])

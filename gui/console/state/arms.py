@@ -69,7 +69,8 @@ def _button(memory: Memory, world: World, jog: Jog) -> ButtonView:
     text = texts("arm.plus") if jog.sign > 0 else texts("arm.minus")
     if not memory.choices.sides:
         return ButtonView(text, texts("off.unchecked"), jog, enabled=False)
-    return ButtonView(text, f"{_effect(memory, world, jog)}\n{texts('arm.hold')}", jog)
+    hold = texts("arm.hold_both" if len(memory.choices.sides) > 1 else "arm.hold")
+    return ButtonView(text, f"{_effect(memory, world, jog)}\n{hold}", jog)
 
 
 def _effect(memory: Memory, world: World, jog: Jog) -> str:

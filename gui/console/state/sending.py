@@ -70,13 +70,8 @@ def view(memory: Memory, world: World) -> SendingView:
     waiting = plan is not None and plan.phase is PlanPhase.LEADING
     if plan is not None:
         title, text = _under_way(plan, texts)
-    elif world.playing:
-        title, text = (
-            texts("sending.playing", title=gestures.title(world.playing, texts)),
-            texts("sending.playing_text"),
-        )
     else:
-        title, text = _idle(memory)
+        title, text = _without_plan(memory, world)
     countdown, progress = "", None
     if plan is not None and waiting:
         left_s = max(0.0, plan.countdown_s)
@@ -110,6 +105,17 @@ def view(memory: Memory, world: World) -> SendingView:
 def _can_change(plan: PlanProgress | None) -> bool:
     """Return whether there is a motion that was not sent to the hardware yet."""
     return plan is not None and plan.phase is not PlanPhase.SENT
+
+
+def _without_plan(memory: Memory, world: World) -> tuple[str, str]:
+    texts = memory.choices.texts
+    if world.playing:
+        title = gestures.title(world.playing, texts)
+        return texts("sending.playing", title=title), texts("sending.playing_text")
+    held = memory.row(memory.held_row or 0)
+    if held is not None and len(held.sides) > 1 and not (held.ended or held.dropped):
+        return texts("sending.held"), texts("sending.held_text")
+    return _idle(memory)
 
 
 def _idle(memory: Memory) -> tuple[str, str]:

@@ -208,7 +208,8 @@ class State:
 
     def hold(self, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:
         """Add a motion that the face itself sends to the checked robots; return its row, or None if it is refused."""
-        return holding.begin(self._memory, world, query, control)
+        row = self._memory.held_row = holding.begin(self._memory, world, query, control)
+        return row
 
     def leave(self) -> None:
         """Forget leases and unfinished requests, because the session of this seat was closed."""
