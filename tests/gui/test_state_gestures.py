@@ -35,10 +35,10 @@ SHIPPED, OWN = Path("shipped/follow_the_face.py"), Path("beatrix-programs/follow
 GERMAN = SetLanguage("de")
 
 
-def seeing(side: str, *, connected: bool = True) -> RobotState:
+def seeing(side: str, *, connected: bool = True, source: str = "") -> RobotState:
     """Return a robot with cameras."""
     cameras = tuple(
-        CameraStatus(eye=eye, connected=connected, streaming=False, hz=0.0, width=0, height=0, source="")
+        CameraStatus(eye=eye, connected=connected, streaming=False, hz=0.0, width=0, height=0, source=source)
         for eye in ("left", "right")
     )
     return robot(side, known=status(side, cameras=cameras))
@@ -103,6 +103,8 @@ def test_a_gesture_without_a_robot_is_refused_beside_the_gestures() -> None:
         ((BOTH,), faces(), ("sim", "hw")),
         ((BOTH,), faces(hw=True), ("hw", "sim")),
         ((BOTH, NOT_SIM), faces(hw=True), ("hw",)),
+        ((BOTH,), world(seeing("sim", source="egl"), seeing("hw", source="pattern")), ("sim", "hw")),
+        ((BOTH,), world(seeing("sim", source="egl"), seeing("hw", source="v4l2")), ("hw", "sim")),
     ],
 )
 def test_the_hardware_sees_if_it_moves_and_has_an_eye(
@@ -119,6 +121,7 @@ def test_the_hardware_sees_if_it_moves_and_has_an_eye(
         ((), world(seeing("sim", connected=False))),
         ((BOTH,), faces(sim=False)),
         ((BOTH, NOT_SIM), faces()),
+        ((BOTH, NOT_SIM), world(seeing("sim"), seeing("hw", source="pattern"))),
     ],
 )
 @pytest.mark.parametrize("language", ["en", "de"])

@@ -17,6 +17,8 @@ from gui.console.texts import Texts
 CONTROL = "gestures"
 EYE = "left"
 """The eye with which the shipped program sees."""
+TEST_PICTURE = "pattern"
+"""The source of an eye of a virtual board, which never sees a person."""
 
 
 def view(memory: Memory, world: World) -> GesturesView:
@@ -81,7 +83,7 @@ def _play(memory: Memory, world: World, name: str) -> list[Action]:
 
 
 def _begin_following(memory: Memory, world: World) -> list[Action]:
-    """Return the action that starts the program; the hardware's eye sees if both robots move and both have one."""
+    """Return the action that starts the program; the hardware's eye sees if both robots move and both can see."""
     sides = memory.choices.sides
     if unreachable(memory, world, sides, CONTROL):
         return []
@@ -93,6 +95,6 @@ def _begin_following(memory: Memory, world: World) -> list[Action]:
 
 
 def sees(robot: RobotState) -> bool:
-    """Return whether the left eye of a robot has a camera that works."""
+    """Return whether the left eye of a robot has a camera that works, and shows more than the test picture."""
     cameras = () if robot.status is None else robot.status.cameras
-    return any(camera.eye == EYE and camera.connected for camera in cameras)
+    return any(camera.eye == EYE and camera.connected and camera.source != TEST_PICTURE for camera in cameras)
