@@ -398,13 +398,18 @@ class TwinRun:
 def stopped(error: BaseException, moving: list[Robot], unmoved: str = "") -> BaseException:
     """Stop robots because of an error, in reverse order; return the error with their positions in its message.
 
-    If one robot fails, the other must not finish the motion. A replaced motion is not stopped.
+    If one robot fails, the other must not finish the motion. A replaced motion is not stopped. A cause that STOP meets
+    again, such as a lost router, is in the message only once.
     """
     if isinstance(error, Interrupted) and error.reason is Reason.REPLACED:
         return error
     rests: list[str] = []
     if not (moving and moving[0].client.bus.closed):
-        rests = [sentence(robot.place, answer.message) for robot, answer in stop_robots(reversed(moving))]
+        told = [error.message] if isinstance(error, BeatrixError) else []
+        for robot, answer in stop_robots(reversed(moving)):
+            if isinstance(answer, BeatrixError) and any(answer.message in line for line in (*told, *rests)):
+                continue
+            rests.append(sentence(robot.place, answer.message))
     if unmoved:
         rests.append(unmoved)
     if isinstance(error, KeyboardInterrupt):

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import time
 from typing import cast
+from unittest.mock import Mock
 
 import msgspec
 import pytest
 from statuses import AT_HOME, READY
 
 from beatrix_zenoh import Monitor, NoAnswer, Refused, Robot
+from beatrix_zenoh.client import twin_motion
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.monitor import Presence, RobotState
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Arrival
-from beatrix_zenoh.client.twin_motion import MotionBegin, lag_s
+from beatrix_zenoh.client.twin_motion import MotionBegin, lag_s, stopped
 from beatrix_zenoh.client.twin_state import TwinState, may_move
 from beatrix_zenoh.contract._generated.messages import Fault, Positions, Reason, Status, Vector3
 from beatrix_zenoh.contract.errors import BeatrixError
@@ -185,3 +187,16 @@ def test_the_lag_does_not_depend_on_the_clock_of_the_hardware(clock_s: float) ->
 def test_a_robot_that_does_not_move_has_no_lag() -> None:
     assert lag_s(FakeRobot().path(0.1, 0.0, 0.0), FakeRobot().path(9.0, 0.0, 0.0)) is None
     assert lag_s(FakeRobot(), FakeRobot()) is None
+
+
+def test_a_cause_that_stop_meets_again_is_reported_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    lost = NoAnswer(Reason.NO_ROUTER, "The router is lost.")
+    pair: list[Robot] = [Mock(spec=Robot, place=("bea", side)) for side in ("sim", "hw")]
+    for robot in pair:
+        robot.client = Mock(**{"bus.closed": False})
+    monkeypatch.setattr(twin_motion, "stop_robots", lambda robots: [(robot, lost) for robot in robots])
+    named = NoAnswer(Reason.NO_ROUTER, "bea (hw): The router is lost.")
+    assert str(stopped(named, pair)) == "bea (hw): The router is lost."
+    other = NoAnswer(Reason.NODE_LOST, "bea (hw) is not online.")
+    assert str(stopped(other, pair)) == "bea (hw) is not online.\nbea (hw): The router is lost."
+    assert str(stopped(KeyboardInterrupt(), pair)) == "bea (hw): The router is lost."
