@@ -13,6 +13,9 @@ from gui.console.state.intents import Intent
 from gui.console.texts import Texts
 from gui.window.widgets.controls import label
 
+FORBIDDEN = '<>:"|?*\\'
+"""Characters that Windows does not allow in the name of a file."""
+
 
 class FileDialog(QFileDialog):
     """Qt's own dialog, not modal; shows messages in a line instead of Qt's modal boxes."""
@@ -40,7 +43,7 @@ class FileDialog(QFileDialog):
         if mode == QFileDialog.AcceptMode.AcceptOpen:
             self.setFileMode(QFileDialog.FileMode.ExistingFile)
         else:
-            self.setDefaultSuffix(suffix)
+            self.setDefaultSuffix(suffix)  # Qt adds it only to a name without a dot
         self.notice = label(role="warn", wrap=True)
         self._overwrites: Path | None = None
         """the existing file that the next press of Overwrite replaces"""
@@ -56,9 +59,10 @@ class FileDialog(QFileDialog):
 
         An existing file is overwritten only at the second press; a missing file cannot be opened.
         """
-        selected = self.selectedFiles()
-        file = Path(selected[0] if selected else "")
         writes = self.acceptMode() == QFileDialog.AcceptMode.AcceptSave
+        if writes and self._refuse_name():
+            return
+        file = self._file()
         if file.is_dir() or file.exists() != writes or file == self._overwrites:
             super().accept()
         elif writes:
@@ -67,6 +71,23 @@ class FileDialog(QFileDialog):
             self.setLabelText(QFileDialog.DialogLabel.Accept, self._texts("label.file_overwrite"))
         else:
             self._show_notice(self._texts("label.file_missing", file=file.name))
+
+    def _file(self) -> Path:
+        selected = self.selectedFiles()
+        return Path(selected[0] if selected else "")
+
+    def _refuse_name(self) -> bool:
+        """Add a missing suffix to the typed name; return whether the name is refused, and say why."""
+        field = self.findChild(QLineEdit, "fileNameEdit")
+        if field is None or self._file().is_dir():
+            return False
+        name = Path(field.text()).name
+        if found := sorted(set(FORBIDDEN) & set(name)):
+            self._show_notice(self._texts("label.file_characters", characters=" ".join(found)))
+            return True
+        text, suffix = field.text().rstrip(" ."), f".{self.defaultSuffix()}"
+        field.setText(text if text.lower().endswith(suffix) else text + suffix)
+        return False
 
     def _clear_notice(self) -> None:
         self._overwrites = None
