@@ -135,6 +135,27 @@ def test_a_robot_without_a_working_eye_follows_no_face(
     assert ("eye" if language == "en" else "Auge") in refusal.text
 
 
+@pytest.mark.parametrize(("language", "title"), [("en", "Following"), ("de", "Folgt dem Gesicht")])
+@pytest.mark.parametrize(
+    ("own", "hw", "eye"), [(False, False, "Simulation"), (False, True, "Hardware"), (True, True, "")]
+)
+def test_the_panel_says_that_the_program_runs_and_which_eye_sees(
+    language: str, title: str, *, own: bool, hw: bool, eye: str
+) -> None:
+    state, file = state_after(SetLanguage(language), BOTH), OWN if own else SHIPPED
+    idle = state.view(faces()).sending
+    state.handle(ToggleFollowing(), faces(hw=hw))
+    sending = state.view(faces(hw=hw, running=True, file=file)).sending
+    assert sending.title == title
+    assert sending.text.startswith(eye)
+    assert "STOP" in sending.text
+    assert ("Simulation" in sending.text, "Hardware" in sending.text) == (
+        eye == "Simulation",
+        eye == "Hardware",
+    )
+    assert state.view(faces(hw=hw)).sending == idle
+
+
 def test_a_second_press_ends_the_program_even_if_no_robot_is_checked() -> None:
     state, now = state_after(SetDestination("sim", checked=False)), faces(running=True)
     view = state.view(now).gestures

@@ -98,3 +98,10 @@ def sees(robot: RobotState) -> bool:
     """Return whether the left eye of a robot has a camera that works, and shows more than the test picture."""
     cameras = () if robot.status is None else robot.status.cameras
     return any(camera.eye == EYE and camera.connected and camera.source != TEST_PICTURE for camera in cameras)
+
+
+def watching(memory: Memory, world: World) -> str:
+    """Return the side whose eye the running program uses, if this window has started it; else an empty string."""
+    started = (row.request for row in reversed(memory.rows) if not row.ended)
+    found = next((request for request in started if isinstance(request, FollowFace)), None)
+    return found.sides[0] if found is not None and world.face.running else ""

@@ -112,6 +112,14 @@ def _without_plan(memory: Memory, world: World) -> tuple[str, str]:
     if world.playing:
         title = gestures.title(world.playing, texts)
         return texts("sending.playing", title=title), texts("sending.playing_text")
+    if world.face.running:
+        eye = gestures.watching(memory, world)
+        text = (
+            texts("sending.following_text", side=texts(f"side.{eye}"))
+            if eye and not world.face.own
+            else texts("sending.playing_text")
+        )
+        return texts("sending.following"), text
     held = memory.row(memory.held_row or 0)
     if held is not None and len(held.sides) > 1 and not (held.ended or held.dropped):
         return texts("sending.held"), texts("sending.held_text")
