@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QLocale, QPoint, QRect, pyqtSignal
+from PyQt5.QtCore import QLocale, QPoint, QRect, QSignalBlocker, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QHBoxLayout, QTabWidget, QVBoxLayout, QWidget
 
@@ -35,6 +35,9 @@ LOW_PX = 680
 """Window height at scale 1 below which the tabs of the right column are tabs of the middle, and less room is reserved."""
 LOWER_PX = {540: 150, 0: 84}
 """Height of the low area in the middle, with its tabs, by the least height of the window, both at scale 1."""
+
+PAGES = ("head3d", "eyes", "plots", "history", "code", "gestures", "sequence")
+"""Names of the widgets that are pages of tabs."""
 
 
 class Panels(QWidget):
@@ -233,6 +236,25 @@ class Panels(QWidget):
         refusals = (view.head.refusal, view.arms.refusal, view.commands.refusal, view.gestures.refusal)
         self._refusal = next((refusal for refusal in refusals if refusal is not None), None)
         self._show_notice()
+
+    def keep(self, before: Panels) -> None:
+        """Show the tabs, camera, curves and row of the history that panels in another language have shown."""
+        self.resize(before.size())
+        self._arrange()
+        with QSignalBlocker(self.tabs):  # the state knows this tab
+            for name in PAGES:
+                old: QWidget = getattr(before, name)
+                if any(tabs.currentWidget() is old for tabs in (before.tabs, before.side, before.low_area)):
+                    self._select(getattr(self, name))
+        self.head3d.head.look_from(before.head3d.head.camera)
+        self.plots.keep(before.plots)
+        self.history.choose(before.history.chosen_row)
+        self.code.choose(before.history.chosen_row)
+
+    def _select(self, page: QWidget) -> None:
+        for tabs in (self.tabs, self.side, self.low_area):
+            if tabs.indexOf(page) >= 0:
+                tabs.setCurrentWidget(page)
 
     def _show_page(self, page: WindowPage) -> None:
         shows_class = page is WindowPage.CLASS

@@ -149,7 +149,8 @@ class Window(QMainWindow):
 
     def _show(self, view: View) -> None:
         old, self._view = self._view, view
-        if old is None or old.language != view.language:
+        before = None if old is None or old.language == view.language else self.panels
+        if old is None or before is not None:
             self._build(view)
         if old is None or old.theme != view.theme or old.language != view.language:
             self._apply_theme(view)
@@ -157,6 +158,8 @@ class Window(QMainWindow):
             self.setWindowTitle(view.title)
         focus = QApplication.focusWidget()
         self.panels.show_view(view)
+        if before is not None:
+            self.panels.keep(before)
         keep_focus(self.panels, focus)
         if view.page is not WindowPage.CLASS and not self.panels.projector.isHidden():
             self._project(on=False)

@@ -8,9 +8,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from gui_views import posed
-from gui_windows import menu_button
+from gui_windows import menu_button, reveal
 from gui_worlds import absent
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtTest import QTest
@@ -34,6 +35,7 @@ from gui.console.state.intents import (
     Theme,
 )
 from gui.console.state.sequence_intents import SaveSequence
+from gui.window.panels import PAGES
 from gui.window.run import Bridge, errors_shown
 from gui.window.theme import style_of
 from gui.window.widgets.header import ROBOT_PX
@@ -142,6 +144,38 @@ def test_the_language_changes_while_the_window_runs(
     QTest.keyClick(window, Qt.Key.Key_Space)
     assert intents() == [Stop()]
     qtbot.waitUntil(window.panels.isVisible)
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (1024, 600), (1024, 560)])
+def test_another_language_keeps_tabs_camera_curves_and_row(
+    qtbot: QtBot, window: Window, size: tuple[int, int]
+) -> None:
+    window.resize(*size)
+    qtbot.waitUntil(lambda: window.panels.width() == size[0])
+    QTest.mouseClick(window.panels.arms.rows["short"].plus, LEFT)
+    old = window.panels
+    for page in (old.history, old.code, old.sequence, old.plots):
+        reveal(page)
+    old.head3d.views["front"].click()
+    old.history.list.setCurrentRow(0)
+    old.plots.bar.choices["sim"].setChecked(False)
+    old.plots.show_span(5.0)
+    old.plots.pause(on=True)
+    shown = old.plots.arms[0].lines[0].getData()
+    pages = {name for name in PAGES if getattr(old, name).isVisible()}
+    assert "plots" in pages
+    old.header.choices["de"].trigger()
+    new = window.panels
+    assert new is not old
+    qtbot.waitUntil(new.isVisible)
+    assert {name for name in PAGES if getattr(new, name).isVisible()} == pages
+    assert new.head3d.views["front"].isChecked()
+    assert new.history.list.currentRow() == 0
+    assert new.history.repeat.isEnabled()
+    assert new.plots.bar.pause.isChecked()
+    assert new.plots.bar.spans[5].isChecked()
+    assert not new.plots.bar.chosen("sim")
+    assert np.array_equal(new.plots.arms[0].lines[0].getData(), shown)
 
 
 @pytest.mark.qt_log_ignore("This plugin does not support")

@@ -94,9 +94,15 @@ class HistoryPanel(QWidget):
         self._style = style_of(theme)
         self._fill(self._rows, 0)
 
+    @property
+    def chosen_row(self) -> int:
+        """Number of the selected row; -1 if there is none, or if it is of another seat."""
+        chosen = self._chosen()
+        return -1 if chosen is None else chosen.row
+
     def choose(self, number: int) -> None:
         """Select the row of this number, unless it is no longer shown."""
-        same = [i for i, row in enumerate(self._rows) if row.row == number]
+        same = [i for i, row in enumerate(self._rows) if row.row == number >= 0]
         with QSignalBlocker(self.list):
             self.list.setCurrentRow(same[0] if same else -1)
         self._show_buttons()

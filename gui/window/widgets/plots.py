@@ -224,6 +224,15 @@ class PlotsPanel(FilePanel):
         if self._paused is None and self.isVisible() and time.monotonic() - self._drawn_s > PERIOD_S:
             self._draw()
 
+    def keep(self, before: PlotsPanel) -> None:
+        """Go on with the samples, times and choices of a panel in another language."""
+        self._robot, self._histories, self._now_s = before._robot, before._histories, before._now_s
+        self._paused, self._begin_s, self._end_s = before._paused, before._begin_s, before._end_s
+        for name, action in self.bar.choices.items():
+            action.setChecked(before.bar.chosen(name))
+        self.bar.pause.setChecked(self._paused is not None)
+        self._show_times()
+
     def _samples(self) -> dict[str, Samples]:
         """Return the samples of the chosen robots, with times before now or before the pause."""
         found = self._present() if self._paused is None else self._paused
