@@ -24,6 +24,7 @@ from gui.console.state.state import State
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.widgets import plots as plots_module
+from gui.window.widgets.plot_curves import ZOOM
 from gui.window.widgets.plot_samples import CAPACITY, History, sample_time_s, span, table
 from gui.window.widgets.plots import PlotsPanel
 
@@ -188,6 +189,24 @@ def test_the_cursor_reads_all_curves_in_the_language(qtbot: QtBot, filled: Plots
         assert angle not in panel.plots["short"].label.text()
     ticks = german.difference.plot.getAxis("left").tickStrings([-0.5, 0.0], 1.0, 0.5)
     assert ticks == ["−0,5", "0"]
+
+
+@pytest.mark.parametrize(("paused", "at_s"), [(True, -2.0), (False, -2.0 * ZOOM**4)])
+def test_the_cursor_follows_the_mouse_when_the_times_change(
+    filled: PlotsPanel,
+    paused: bool,
+    at_s: float,
+) -> None:
+    filled.pause(on=paused)
+    filled.plots["short"].mouse.pointed.emit(-19.0)
+    turn_wheel(filled, 4, -2.0)
+    shown = float(filled.bar.time.text().removesuffix(" s").replace("−", "-"))
+    assert shown == pytest.approx(at_s, abs=0.2)
+    assert "–" not in filled.plots["short"].label.text()
+    filled.show_span(20.0)
+    filled.plots["short"].mouse.pointed.emit(-19.0)
+    filled.show_span(5.0)
+    assert filled.bar.time.text() == ""
 
 
 def test_the_sign_of_a_curve_stays_beside_its_name(filled: PlotsPanel) -> None:

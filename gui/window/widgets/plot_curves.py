@@ -53,6 +53,7 @@ class Mouse(QObject):
         if isinstance(event, QWheelEvent):
             notches = event.angleDelta().y() / NOTCH
             self.zoomed.emit(ZOOM**notches, self._time_at(event.position().toPoint()))
+            self.pointed.emit(self._time_at(event.position().toPoint()))  # another time is at the mouse now
             return True
         if isinstance(event, QMouseEvent):
             self._move(event)

@@ -285,6 +285,7 @@ class PlotsPanel(FilePanel):
             button.setChecked(math.isclose(shown_s, seconds))
         for curves in self.plots.values():
             curves.show_times(self._begin_s, self._end_s)
+        self._point(self._cursor_s)
         self._draw()
 
     def _zoom(self, factor: float, at_s: float) -> None:
