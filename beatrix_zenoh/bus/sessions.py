@@ -35,7 +35,7 @@ class ProcessSessions:
     def __init__(self, connect: Callable[[], Bus]) -> None:
         """Open the control session; raises the errors of `connect` (NoAnswer: no router)."""
         self.connect = connect
-        self._lock = threading.Lock()
+        self._lock, self._closing = threading.Lock(), threading.Lock()
         self._open: dict[str, Bus] = {CONTROL: connect()}
         self.watchdog = SessionWatchdog(self.opened)
         self.accepted = False
@@ -59,11 +59,12 @@ class ProcessSessions:
             return dict(self._open)
 
     def close(self) -> None:
-        """Close all sessions, the control session last. May be called twice."""
-        for traffic, bus in sorted(self.opened().items(), key=lambda entry: entry[0] == CONTROL):
-            bus.close()
-            if traffic != CONTROL:
-                del self._open[traffic]
+        """Close all sessions, the control session last. May be called twice; the second call waits for the first."""
+        with self._closing:
+            for traffic, bus in sorted(self.opened().items(), key=lambda entry: entry[0] == CONTROL):
+                bus.close()
+                if traffic != CONTROL:
+                    del self._open[traffic]
 
 
 class Sessions:

@@ -40,6 +40,8 @@ CLOSE_S: Final = 0.4
 """Time (s) that a failed robot gets to reply to open requests, before its name is freed for the new one."""
 END_S: Final = 4.0
 """Longest time (s) for the end of all robots."""
+FREED_S, FREE_POLL_S = 5.0, 0.05
+"""Longest time (s) until the router has freed the name of a robot that was closed, and the pause between attempts."""
 AGAIN_S: Final = 60.0
 """A robot that fails twice within this time (s) stays down."""
 SIM: Final = "sim"
@@ -285,16 +287,18 @@ class Robots:
         self._start_again(name, cause)
 
     def _start_again(self, name: str, cause: str) -> None:
-        """Start a robot that has failed; if the router is away, wait for it."""
+        """Start a robot that has failed; wait for a router that is away, and until the router has freed its name."""
         warning = f"The program of {name} had failed ({cause}). It is started anew, as if it had just been switched on."
+        freed_s = time.monotonic() + FREED_S
         while True:
             try:
                 return self.start(name, warning)
             except BeatrixError as refusal:
-                if refusal.reason is not Reason.NO_ROUTER:
+                busy = refusal.reason is Reason.NAME_TAKEN and time.monotonic() < freed_s
+                if not busy and refusal.reason is not Reason.NO_ROUTER:
                     why = f"It has failed ({cause}) and cannot be started again: {refusal.message}"
                     return self._stays_down(name, why)
-            if self._closing.wait(RETRY_S):
+            if self._closing.wait(FREE_POLL_S if busy else RETRY_S):
                 return None
 
     def _stays_down(self, name: str, why: str) -> None:

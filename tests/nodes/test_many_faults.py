@@ -96,11 +96,11 @@ def test_a_robot_that_fails_is_started_anew_and_the_others_go_on(
 ) -> None:
     watched = Watched(stage, name)
     process.say(f"{fault} {name}")
+    process.expect(f"{name}: The program of {name} had failed")
     watched.end()
     anew = stage.robot(name, "sim")
     assert any(cause in text for text in anew.status().warnings)
     ready(anew).look(yaw=5)
-    process.expect(f"{name}: The program of {name} had failed")
     stage.close_clients()
 
 
