@@ -69,7 +69,7 @@ class Window(QMainWindow):
         self.keys.projector.connect(lambda: self._project(on=self.panels.projector.isHidden()))
         self.keys.install()
         self._timer = QTimer(self)
-        self._timer.timeout.connect(self.refresh)
+        self._timer.timeout.connect(self._refresh_in_turn)
         self._timer.start(PERIOD_MS)
         self._delayed_refresh = QTimer(self)
         self._delayed_refresh.setSingleShot(True)
@@ -86,6 +86,14 @@ class Window(QMainWindow):
         self._world = self._link.world()
         self._show_world()
 
+    def _refresh_in_turn(self) -> None:
+        if not self.refresh_pending:  # a robot may be about to answer, and drawing would delay its reply
+            self.refresh()
+
+    def _refresh_soon(self) -> None:
+        if not self.refresh_pending:  # each of many outcomes must not put the refresh off again
+            self._delayed_refresh.start()
+
     def _show_world(self) -> None:
         self._delayed_refresh.stop()
         self._state.follow(self._world)
@@ -101,7 +109,7 @@ class Window(QMainWindow):
         actions = self._state.handle(intent, self._world)
         self._do(actions)
         if any(isinstance(action, ANSWERED) for action in actions):
-            self._delayed_refresh.start()
+            self._refresh_soon()
         else:
             self.refresh()
 
@@ -109,7 +117,7 @@ class Window(QMainWindow):
         """Show the outcome of an action: history and last line at once, the rest after REFRESH_DELAY_MS."""
         self._state.report(outcome)
         self.panels.show_outcome(*self._state.outcomes(self._world))
-        self._delayed_refresh.start()
+        self._refresh_soon()
 
     def show_image(self, side: str, image: CameraImage) -> None:
         """Show a picture of a camera."""
