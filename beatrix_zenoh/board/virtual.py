@@ -50,7 +50,7 @@ class Firmware:
 
     def __init__(self, boot: int = 1, name: str = "") -> None:
         engine, module = wasm.compiled()
-        import wasmtime  # noqa: PLC0415 - as above
+        import wasmtime  # noqa: PLC0415 - an optional dependency, as in `wasm`
 
         self._store = wasmtime.Store(engine)
         exports = wasmtime.Instance(self._store, module, []).exports(self._store)

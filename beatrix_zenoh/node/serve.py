@@ -136,7 +136,7 @@ def _check_free(names: Sequence[str], bus: Bus) -> None:
     online = [name for name, side in bus.robots() if side == SIM]
     if taken := [name for name in names if name in online]:
         others = " ".join(f"--name {name}" for name in names if name not in online)
-        instead = f", or simulate the others: beatrix sim {others}" if others else ""
+        instead = f", or simulate the others: beatrix sim {others}" if others else "."
         raise Refused(
             Reason.NAME_TAKEN,
             f"Already simulated by another program at {bus.endpoint}: {', '.join(taken)}. End it{instead}",
