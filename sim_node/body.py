@@ -90,6 +90,9 @@ class StepClock:
         return 1.0 if elapsed_s < PERIOD_S else (self._simulated_s - simulated_s) / elapsed_s
 
 
+TURN_S = 0.1
+"""Longest time (s) between two turns. Each publication makes the steps that are due, so at rest it may always come just
+before the turn."""
 ASSEMBLY_CHECK_TURNS = 3
 """Turns between two checks of the assembly while arms move: every 30 ms."""
 FAULT_SHOWN_S = 5.0
@@ -136,7 +139,7 @@ class Simulation:
         self._clock = StepClock(TIMESTEP_MS / 1000, time.monotonic())
         self._left_s = float("-inf")
         self._pulses, self._steps, self._resting = self._firmware.pulses(), self._firmware.steps(), True
-        self._turns, self._busy_until_s = 0, 0.0
+        self._turns, self._busy_until_s, self._turn_until_s = 0, 0.0, 0.0
         self._lock = threading.Lock()
         self._port = RealTimePort(self._board, self)
         self._schedule, self._drawing = schedule, drawing or Drawing(robot)
@@ -157,13 +160,15 @@ class Simulation:
     def wait_s(self) -> float:
         """Return the time (s) until the next turn is due; negative if it is late."""
         now_s = time.monotonic()
-        return self._clock.wait_s(now_s, resting=self._resting and now_s > self._busy_until_s)
+        wait_s = self._clock.wait_s(now_s, resting=self._resting and now_s > self._busy_until_s)
+        return min(wait_s, self._turn_until_s - now_s)
 
     def turn(self, *, written: bool) -> None:
         """Make the steps that are due; `written`: the board has received bytes, which may move the arms soon."""
+        now_s = time.monotonic()
         if written:
-            self._busy_until_s = time.monotonic() + BUSY_S
-        self._turns += 1
+            self._busy_until_s = now_s + BUSY_S
+        self._turns, self._turn_until_s = self._turns + 1, now_s + TURN_S
         with self._lock:
             self._catch_up()
             check = self._turns % ASSEMBLY_CHECK_TURNS == 0 or self._resting
