@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from bisect import bisect_right
+from functools import cached_property
 from typing import Final, NamedTuple
 
 import msgspec
@@ -41,14 +42,43 @@ class Section(NamedTuple):
         return (x + (u + velocity[0]) * h, y + (v + velocity[1]) * h, z + (w + velocity[2]) * h), velocity
 
 
-class Trajectory(msgspec.Struct, frozen=True):
+_Piece = tuple[float, float, float, float]
+"""Begin, position, velocity and acceleration of one arm; a plain tuple, because a check of a path makes a dozen."""
+_Profile = tuple[_Piece, ...]
+
+
+class Trajectory(msgspec.Struct, frozen=True, dict=True):
     """Angles of the arms over time; after the end the arms rest."""
 
-    sections: tuple[Section, ...]
+    start: Arms
+    """rad"""
     target: Arms
     """rad"""
-    duration: float
-    """s"""
+    profiles: tuple[_Profile, ...]
+    """the motions of the arms, or with `shares` that of the arm with the longest distance"""
+    shares: Arms | None = None
+    """the motion of each arm as a share of the one profile, which begins at 0; None: each arm has a profile"""
+
+    @property
+    def duration(self) -> float:
+        """Time (s) until the arms rest."""
+        return max(profile[-1][0] for profile in self.profiles)
+
+    @property
+    def lengths(self) -> Arms:
+        """Lengths of the paths of the arms (rad)."""
+        if self.shares is not None:
+            way, (a, b, c) = _length(self.profiles[0]), self.shares
+            return way * abs(a), way * abs(b), way * abs(c)
+        one, two, three = self.profiles
+        return _length(one), _length(two), _length(three)
+
+    @cached_property
+    def sections(self) -> tuple[Section, ...]:
+        """Parts in which all arms have constant accelerations. Computed when read: a short motion does not need them."""
+        if self.shares is not None:
+            return _shared(self.profiles[0], self.start, self.shares)
+        return _sections(self.profiles)
 
     def at(self, t: float) -> tuple[Arms, Arms]:
         """Return angles (rad) and velocities (rad/s) of the arms `t` seconds after the start."""
@@ -56,11 +86,6 @@ class Trajectory(msgspec.Struct, frozen=True):
             return self.target, _REST
         section = self.sections[max(0, bisect_right(self.sections, t, key=lambda section: section.begin) - 1)]
         return section.at(max(0.0, t - section.begin))
-
-
-_Piece = tuple[float, float, float, float]
-"""Begin, position, velocity and acceleration of one arm; a plain tuple, because a check of a path makes a dozen."""
-_Profile = tuple[_Piece, ...]
 
 
 def shortest_s(way: float, speed: float, acceleration: float) -> float:
@@ -98,15 +123,15 @@ def plan(
     longest = max(map(abs, travel))
     if straight and longest and velocity == _REST:
         shares = (travel[0] / longest, travel[1] / longest, travel[2] / longest)
-        sections = _shared(_profile(0.0, 0.0, longest, speed[0], acceleration), start, shares)
-    else:
-        if straight and longest:
-            x, y, z = (speed[0] * max(_SLOWEST_SHARE, abs(way) / longest) for way in travel)
-            speed = (x, y, z)
-        axes = zip(start, velocity, target, speed, strict=True)
-        sections = _sections([_profile(p, v, goal, top, acceleration) for p, v, goal, top in axes])
-    end = sections[-1].begin + sections[-1].duration if sections else 0.0
-    return Trajectory(sections, target, end)
+        leader = _profile(0.0, 0.0, longest, speed[0], acceleration)
+        return Trajectory(start, target, (leader,), shares)
+    if straight and longest:
+        x, y, z = (speed[0] * max(_SLOWEST_SHARE, abs(way) / longest) for way in travel)
+        speed = (x, y, z)
+    axes = zip(start, velocity, target, speed, strict=True)
+    return Trajectory(
+        start, target, tuple(_profile(p, v, goal, top, acceleration) for p, v, goal, top in axes)
+    )
 
 
 def _profile(start: float, velocity: float, target: float, speed: float, acceleration: float) -> _Profile:
@@ -149,7 +174,15 @@ def _shared(leader: _Profile, start: Arms, shares: Arms) -> tuple[Section, ...]:
     )
 
 
-def _sections(profiles: list[_Profile]) -> tuple[Section, ...]:
+def _length(profile: _Profile) -> float:
+    """Return the length of the path of one arm (rad), or a little more."""
+    way = 0.0
+    for (begin, _, velocity, rate), (end, *_) in itertools.pairwise(profile):
+        way += (end - begin) * max(abs(velocity), abs(velocity + rate * (end - begin)))
+    return way
+
+
+def _sections(profiles: tuple[_Profile, ...]) -> tuple[Section, ...]:
     """Return sections in which all three arms have constant acceleration."""
     cuts = sorted({piece[0] for profile in profiles for piece in profile})
     cuts = [

@@ -127,8 +127,7 @@ class PathChecker:
         A limit that is exceeded at the start must not be exceeded by more: the motion may only lead back.
         Raises BeatrixError if no head orientation is possible at the start.
         """
-        start = trajectory.sections[0].arms if trajectory.sections else trajectory.target
-        clearance = self.clearance(start)
+        clearance = self.clearance(trajectory.start)
         floors = _Floors(clearance, self._ends)
         if self._is_short(floors, clearance, trajectory):
             return None
@@ -150,7 +149,7 @@ class PathChecker:
 
         In a stream of targets each motion then needs only one evaluation.
         """
-        x, y, z = _lengths(trajectory)
+        x, y, z = trajectory.lengths
         square = x * x + y * y + z * z
         for value, floor, (a, b, c), bend in zip(
             start.values, floors.values, start.gradients, self._curvature, strict=True
@@ -207,17 +206,6 @@ class _Floors:
             if floor < self._ends[index]:
                 self.values[index] = min(self._ends[index], max(floor, value))
         return None
-
-
-def _lengths(trajectory: Trajectory) -> Arms:
-    """Return upper bounds of the lengths of the paths of the arms (rad)."""
-    x = y = z = 0.0
-    for section in trajectory.sections:
-        t, (u, v, w), (a, b, c) = section.duration, section.velocity, section.acceleration
-        x += t * max(abs(u), abs(u + a * t))
-        y += t * max(abs(v), abs(v + b * t))
-        z += t * max(abs(w), abs(w + c * t))
-    return x, y, z
 
 
 def _level(vector: Arms) -> float:
