@@ -50,7 +50,9 @@ class OpenSessions:
 
     def __init__(self) -> None:
         self._sessions: weakref.WeakSet[Closes] = weakref.WeakSet()
-        self._changed = threading.Condition()
+        self._lock = threading.RLock()
+        """That of `_changed`, which is slower, because it is written in Python: each query needs the lock several times."""
+        self._changed = threading.Condition(self._lock)
         self._call = _Call(self)
         self._calls = 0
         self._receivers = 0
@@ -78,7 +80,7 @@ class OpenSessions:
 
     def begin_call(self) -> None:
         """Count a thread that enters Zenoh; raises the error of `call`."""
-        with self._changed:
+        with self._lock:
             ended = self._ended
             self._calls += not ended
         if ended:
@@ -88,7 +90,7 @@ class OpenSessions:
 
     def end_call(self) -> None:
         """Count a thread that has returned from Zenoh."""
-        with self._changed:
+        with self._lock:
             self._calls -= 1
             if self._ended:
                 self._changed.notify_all()
