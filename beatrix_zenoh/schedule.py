@@ -49,6 +49,10 @@ class ScheduledTask:
         self.held = False
         """Whether it must not run: it has failed, has ended, or still runs on a thread that was left behind."""
 
+    def soon(self) -> None:
+        """Run the task the next time that any task runs; any thread may call this."""
+        self.due_s = 0.0
+
     def wake(self) -> None:
         """Run the task now, before those that are due; any thread may call this."""
         if not self.awake:
@@ -74,7 +78,7 @@ class Schedule:
     """
 
     def __init__(self, name: str, failed: Failed | None = None) -> None:
-        """Start the thread `name`; without `failed` an exception of a task ends it, as that of any thread."""
+        """Name the thread, which the first task starts; without `failed` an exception of a task ends it."""
         self._name, self._failed = name, failed
         self._tasks: tuple[ScheduledTask, ...] = ()
         self._woken: deque[ScheduledTask] = deque()
@@ -86,14 +90,21 @@ class Schedule:
         self._patience, self._calm = LEFT_TICKS, 0
         self._idle = threading.Condition(self._lock)
         self._closed = False
-        self._thread = threads.start(self._work, name)
+        self._thread: threading.Thread | None = None
 
     def add(self, owner: threads.Owner, run: Callable[[], float]) -> ScheduledTask:
         """Call `run` after the first `wake`, and then at each time that it returns."""
         task = ScheduledTask(owner, run, self._wake)
         with self._lock:
             self._tasks = (*self._tasks, task)
+            if self._thread is None:
+                with threads.owned_by(None):
+                    self._thread = threads.start(self._work, self._name)
         return task
+
+    def serves(self, owner: threads.Owner) -> bool:
+        """Return whether it has a task of this robot."""
+        return any(task.owner is owner for task in self._tasks)
 
     def remove(self, task: ScheduledTask) -> bool:
         """End a task; return False if it still runs after END_S, or is left behind. Not for use in a task."""
@@ -203,7 +214,8 @@ class Schedule:
         """End the thread after the present task."""
         self._closed = True
         self._signals.put(None)
-        self._thread.join(timeout=2.0)
+        if self._thread is not None:
+            self._thread.join(timeout=2.0)
 
 
 class HangWatch:

@@ -22,8 +22,8 @@ OWNER: ContextVar[Owner | None] = ContextVar("owner", default=None)
 
 
 @contextmanager
-def owned_by(owner: Owner) -> Iterator[None]:
-    """Do the work of this robot in a block."""
+def owned_by(owner: Owner | None) -> Iterator[None]:
+    """Do the work of this robot in a block; None: of all robots."""
     before = OWNER.set(owner)
     try:
         yield

@@ -87,7 +87,7 @@ def hw(
         )
     raise typer.Exit(
         serve(
-            lambda name, _: build(port, name, robot, cameras, ears),
+            lambda name: build(port, name, robot, cameras, ears),
             [settings.robot],
             settings,
             robot=robot,

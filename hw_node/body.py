@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from beatrix_zenoh.board.state import Port, Turns
+from beatrix_zenoh.board.state import Port, TimedPort
 from beatrix_zenoh.board.virtual import Firmware, RealTime, RealTimePort, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import TELEMETRY_PERIOD, Telemetry
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node import ArmState, Component, Node
-from beatrix_zenoh.threads import Owner
 from hw_node.cameras.camera import PATTERN, CameraChoice, CameraSensor, same_for_both
 from hw_node.microphones.microphones import MicrophoneSensor, SoundSource
 from hw_node.port import VIRTUAL, SerialPort, find
@@ -37,8 +36,8 @@ class Hardware:
         """Open the serial port; raises NoAnswer if there is no board."""
         return SerialPort(self._device or find(", or try `--port virtual:` for a virtual board"))
 
-    def turns(self, owner: Owner) -> Turns | None:  # noqa: ARG002
-        """Return None: a thread of its own waits for the serial port."""
+    def timed_port(self) -> TimedPort | None:
+        """Return None: a thread waits for the serial port."""
         return None
 
     def pose(self, telemetry: Telemetry, t_mono_ns: int) -> ArmState:
@@ -87,6 +86,10 @@ class VirtualHardware(Hardware):
 
     def open_port(self) -> Port:
         """Return the port of the virtual board, which is always present."""
+        return self._port
+
+    def timed_port(self) -> TimedPort | None:
+        """Return the port of the virtual board."""
         return self._port
 
     def close(self) -> None:

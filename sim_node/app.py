@@ -84,14 +84,13 @@ def sim(
         typer.echo(KEYS, err=True)
     raise typer.Exit(
         serve(
-            lambda name, clock: Simulation(
+            lambda name: Simulation(
                 name,
                 robot,
                 eyes_hz=eyes_hz,
                 target=target,
                 viewer=viewer,
                 follow=follow,
-                schedule=clock,
                 drawing=drawing,
             ),
             robots,

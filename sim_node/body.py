@@ -6,14 +6,13 @@ import threading
 import time
 from collections import deque
 
-from beatrix_zenoh.board.state import Port, Turns
+from beatrix_zenoh.board.state import Port, TimedPort
 from beatrix_zenoh.board.virtual import BUSY_S, Firmware, RealTimePort, VirtualBoard
+from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.node import ArmState, Component, Node
-from beatrix_zenoh.schedule import Schedule
-from beatrix_zenoh.threads import Owner
 from sim_node.drawing import Drawing
 from sim_node.ears import SimulatedMicrophones
 from sim_node.eyes import Eyes
@@ -27,11 +26,12 @@ from sim_node.sound_queries import SoundSource, sound_queries
 from sim_node.target import PersonTarget, TargetPath, target_queries
 from sim_node.viewer import SceneViewer, ViewerFeed
 
-PERIOD_S = 0.010
-"""Period (s) of the board's thread, which makes the steps that are due: that of the telemetry."""
-RESTING_S = 0.025
-"""Period (s) while the arms rest and no frame for the board has arrived. It is longer than that of the publisher, which
-makes the due steps, too: otherwise both threads would wake at the same time and wait for each other."""
+PERIOD_S = 1 / keys.POSITIONS_HZ
+"""Period (s) of the turns, which make the steps that are due: that of the publications, which follow in the same pass."""
+BUSY_PERIOD_S = 0.010
+"""Period (s) just after a frame for the board has arrived: that of the telemetry, which shows its effect."""
+RESTING_S = 2 * PERIOD_S
+"""Period (s) while the arms rest. Publications make the due steps themselves."""
 LATE_S = 0.010
 SLICE_S = 0.1
 """Longest simulated time of one call of `due`, so that the board receives its heartbeat between two calls."""
@@ -75,10 +75,10 @@ class StepClock:
         """The time up to which steps have been made."""
         return self._due_s
 
-    def wait_s(self, now_s: float, *, resting: bool) -> float:
-        """Return the seconds until steps are due; negative if they are late."""
-        self._period_s = RESTING_S if resting else PERIOD_S
-        return self._due_s + self._period_s - now_s
+    def wait_s(self, now_s: float, period_s: float = PERIOD_S) -> float:
+        """Return the seconds until the steps of a period (s) are due; negative if they are late."""
+        self._period_s = period_s
+        return self._due_s + period_s - now_s
 
     def real_time_factor(self, now_s: float) -> float:
         """Return the simulated seconds per second over the last WINDOW_S."""
@@ -93,8 +93,8 @@ class StepClock:
 TURN_S = 0.1
 """Longest time (s) between two turns. Each publication makes the steps that are due, so at rest it may always come just
 before the turn."""
-ASSEMBLY_CHECK_TURNS = 3
-"""Turns between two checks of the assembly while arms move: every 30 ms."""
+ASSEMBLY_CHECK_TURNS = 2
+"""Turns between two checks of the assembly while arms move: every 40 ms."""
 FAULT_SHOWN_S = 5.0
 EYES_HZ = 15.0
 EYES_HZ_MAX = 30.0
@@ -115,7 +115,6 @@ class Simulation:
         target: TargetPath = TargetPath.STILL,
         viewer: SceneViewer | None = None,
         follow: bool = False,
-        schedule: Schedule | None = None,
         drawing: Drawing | None = None,
     ) -> None:
         """Create the robot and start its physics.
@@ -127,7 +126,6 @@ class Simulation:
             target: movement of the person in front of the eyes.
             viewer: a window that shows the robot; closed with the simulation.
             follow: follow the hardware of this name from the start on, as soon as the motors are on and home is known.
-            schedule: thread that advances several simulations; None: this one has a thread of its own.
             drawing: draws the pictures of several simulations; None: only those of this one.
         """
         self._robot, self._eyes_hz, self._viewer, self._follow = robot, eyes_hz, viewer, follow
@@ -142,17 +140,14 @@ class Simulation:
         self._turns, self._busy_until_s, self._turn_until_s = 0, 0.0, 0.0
         self._lock = threading.Lock()
         self._port = RealTimePort(self._board, self)
-        self._schedule, self._drawing = schedule, drawing or Drawing(robot)
-
-    def turns(self, owner: Owner) -> Turns | None:
-        """Return the turns on the thread of several simulations; None if this one has a thread of its own."""
-        if self._schedule is None:
-            return None
-        self.open_port()
-        return Turns(self._schedule, owner, self._port)
+        self._drawing = drawing or Drawing(robot)
 
     def open_port(self) -> Port:
         """Return the port of the virtual board, which is always present; its time passes from now on."""
+        return self.timed_port()
+
+    def timed_port(self) -> TimedPort:
+        """Return the port of the virtual board; its time passes from now on."""
         with self._lock:
             self._clock = StepClock(TIMESTEP_MS / 1000, time.monotonic())
         return self._port
@@ -160,7 +155,8 @@ class Simulation:
     def wait_s(self) -> float:
         """Return the time (s) until the next turn is due; negative if it is late."""
         now_s = time.monotonic()
-        wait_s = self._clock.wait_s(now_s, resting=self._resting and now_s > self._busy_until_s)
+        busy, resting_s = now_s < self._busy_until_s, RESTING_S if self._resting else PERIOD_S
+        wait_s = self._clock.wait_s(now_s, BUSY_PERIOD_S if busy else resting_s)
         return min(wait_s, self._turn_until_s - now_s)
 
     def turn(self, *, written: bool) -> None:

@@ -100,14 +100,11 @@ class Board:
             )
 
     def move(self, move: Move | MoveStraight) -> None:
-        """Begin a motion; raises the errors of `request`. Call `wake` once the client has its reply."""
+        """Begin a motion; raises the errors of `request`."""
         self.request(move.kind, move.pack())
 
     def wake(self) -> None:
-        """Wake the threads of a virtual board.
-
-        `move` leaves them asleep so that the reply to the client goes first.
-        """
+        """Give a virtual board a turn now. `move` does not, so that the reply to the client goes first."""
         self._connection.wake()
 
     def enable(self, *, on: bool) -> None:
@@ -176,12 +173,12 @@ class Board:
         in it and does not wait for the board's thread, which reads the same bytes later. Other requests wait for the
         board's thread, so that everything the board sent earlier (answers to text, telemetry) has been handled.
         """
-        frame, acknowledged = encode(kind, seq, payload), encode(kind | FrameType.ACK, seq, _OK)
+        frame = encode(kind, seq, payload)
         for attempt in range(wire.TRIES):
             self._connection.retries += attempt > 0
             answer = self._connection.write_frame(frame)
             self._connection.request_sent()
-            if kind in MOTIONS and answer.startswith(acknowledged):
+            if kind in MOTIONS and answer and answer.startswith(encode(kind | FrameType.ACK, seq, _OK)):
                 return Error.OK
             self._connection.wake()
             try:

@@ -32,11 +32,11 @@ _STALL_MS: Final = 300
 _UNREAD_MS: Final = 100
 """The host is late if bytes have been unread for longer. The sum of this time, one step and a heartbeat period is less
 than the heartbeat timeout."""
-_PERIOD_MS: Final = 5
-_RESTING_MS: Final = 2 * TELEMETRY_PERIOD
-"""Period of a board whose arms rest, of as many telemetry frames as a publication of positions contains."""
+_STEP_MS: Final = 5
+_PERIOD_MS: Final = 2 * TELEMETRY_PERIOD
+"""Period of the turns of a board: that of the publications of positions."""
 BUSY_S: Final = 0.03
-"""Time (s) after a write for which a board keeps the period of a motion: a command shows in the next telemetry."""
+"""Time (s) after a write for which a board has a turn for each telemetry, so that a command shows in the next one."""
 _UNREAD_MAX: Final = 65536
 """Largest number of bytes kept for a reader; older ones are lost, as on a serial port without a reader."""
 
@@ -302,14 +302,12 @@ class RealTime:
         self._board = board
         self._start_s = self._busy_until_s = time.monotonic()
         self._done_ms = 0
-        self._steps, self._rests = board.firmware.steps(), True
 
     def wait_s(self) -> float:
         """Return the time (s) until the next turn, at a tick of the telemetry, so that this arrives without delay."""
         now_s = time.monotonic()
-        rests = self._rests and now_s > self._busy_until_s
-        period_ms = _RESTING_MS if rests else TELEMETRY_PERIOD
-        next_ms = self._done_ms - self._done_ms % TELEMETRY_PERIOD + period_ms
+        period_ms = TELEMETRY_PERIOD if now_s < self._busy_until_s else _PERIOD_MS
+        next_ms = self._done_ms - self._done_ms % period_ms + period_ms
         return self._start_s + next_ms / 1000 - now_s
 
     def turn(self, *, written: bool) -> None:
@@ -318,12 +316,10 @@ class RealTime:
         if written:
             self._busy_until_s = now_s + BUSY_S
         due_ms = int((now_s - self._start_s) * 1000)
-        due_ms -= due_ms % _PERIOD_MS
+        due_ms -= due_ms % _STEP_MS
         if due_ms - self._done_ms > _STALL_MS or self._board.host_is_late:
             self._start_s += (due_ms - self._done_ms) / 1000
             return
         due_ms = min(due_ms, self._done_ms + _CATCH_UP_MS)
-        with self._board.lock:
-            self._board.advance(due_ms - self._done_ms)
-            steps = self._board.firmware.steps()
-        self._rests, self._steps, self._done_ms = steps == self._steps, steps, due_ms
+        self._board.advance(due_ms - self._done_ms)
+        self._done_ms = due_ms

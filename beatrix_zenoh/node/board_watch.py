@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.board.state import NO_TELEMETRY
+from beatrix_zenoh.board.state import NO_TELEMETRY, Turns
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import messages as msg
 from beatrix_zenoh.contract._generated.messages import Fault
@@ -14,6 +14,7 @@ from beatrix_zenoh.contract._generated.serial import BoardState, Telemetry, Text
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.interfaces import Component, HardwareInterface, StatusFields
 from beatrix_zenoh.node.requests import ControllerQueue
+from beatrix_zenoh.schedule import Schedule
 from beatrix_zenoh.threads import Owner
 
 BOARD_READY_S = 1.7
@@ -35,9 +36,15 @@ class BoardWatch(Component):
     """Owns the board. The callbacks of the board run on its thread and only queue calls for the controller's thread."""
 
     def __init__(
-        self, hardware: HardwareInterface, access: Access, queue: ControllerQueue, owner: Owner
+        self,
+        hardware: HardwareInterface,
+        access: Access,
+        queue: ControllerQueue,
+        owner: Owner,
+        schedule: Schedule,
     ) -> None:
-        self._owner = owner
+        """Store the arguments; `schedule` gives a virtual board its turns, a real board gets a thread of its own."""
+        self._owner, self._schedule = owner, schedule
         self._hardware, self._access, self._queue = hardware, access, queue
         self._observers: list[Observer] = []
         self._on_text: Callable[[int, Text | TextWarning], None] = lambda *_: None
@@ -53,7 +60,8 @@ class BoardWatch(Component):
         self._on_text = handle
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002
-        self.board.start(self._hardware.turns(self._owner))
+        port = self._hardware.timed_port()
+        self.board.start(None if port is None else Turns(self._schedule, self._owner, port))
         self.board.wait_for(lambda _: True, BOARD_READY_S)
 
     def contribute(self, status: StatusFields) -> None:

@@ -163,7 +163,6 @@ class MotionController:
         self.running = Running(number, caller, goal, boot, now_s, now_s + goal.duration + LATE_S, ended)
         self._stop_cause = StopCause.STOP
         accepted(number, goal)
-        self.board.wake()
         if replaced is not None:
             text = f"A newer motion ({number}, of {caller.seat}) replaced this one."
             replaced.ended(replaced.number, Reason.REPLACED, text, now_s - replaced.began_s)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from beatrix_zenoh.board.state import Port, Turns
+from beatrix_zenoh.board.state import Port, TimedPort
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Fault, PlantStatus
 from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Arms
-from beatrix_zenoh.threads import Owner
 
 
 @dataclass
@@ -72,8 +71,8 @@ class HardwareInterface(Protocol):
     def open_port(self) -> Port:
         """Open the port of the board; raises OSError or BeatrixError if that is not possible now."""
 
-    def turns(self, owner: Owner) -> Turns | None:
-        """Return how a virtual board gets its turns; None: its node has a thread for it."""
+    def timed_port(self) -> TimedPort | None:
+        """Return the port of a virtual board, whose time passes from now on in turns; None for a real board."""
 
     def pose(self, telemetry: Telemetry, t_mono_ns: int) -> ArmState:
         """Return the pose of the arms: measured if possible, else from the telemetry, which is of `t_mono_ns`."""

@@ -26,7 +26,7 @@ from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.logs import log_to
-from beatrix_zenoh.node.node import Node, RobotBody
+from beatrix_zenoh.node.node import Node, RobotBody, Schedules
 from beatrix_zenoh.schedule import HangWatch, Hung, Schedule
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import FAULT, Shutdown
@@ -52,7 +52,7 @@ _log = logging.getLogger(__name__)
 
 
 def serve(
-    build: Callable[[str, Schedule | None], RobotBody],
+    build: Callable[[str], RobotBody],
     names: Sequence[str],
     settings: Settings,
     *,
@@ -63,7 +63,7 @@ def serve(
 ) -> int:
     """Serve robots until a signal arrives; return the exit code: FAULT after an uncaught exception in a thread, else 0.
 
-    `build` makes the robot of a name; of several robots the schedule advances the boards. `ready` (simulation only)
+    `build` makes the robot of a name. `ready` (simulation only)
     switches the motors on and calibrates. `legacy` is the path of the terminal for programs of 2023. All log records
     are written to `log_file`. Prints `ready <key>` for each robot when its node serves.
 
@@ -85,9 +85,9 @@ def serve(
             return 0
 
         def open_node(name: str, robots: Robots | None = None, warning: str = "") -> Node:
-            clock, publishing = (robots.clock, robots.publishing) if robots else (None, None)
+            schedules = robots.schedules if robots else None
             own = Sessions(sessions.connect, sessions) if robots else Sessions(sessions)
-            node = _open(own, build(name, clock), name, robot, legacy, publishing, warning)
+            node = _open(own, build(name), name, robot, legacy, schedules, warning)
             _begin(node, legacy, ready=ready)
             return node
 
@@ -185,7 +185,7 @@ def _open(
     name: str,
     robot: RobotData,
     legacy: Path | None,
-    publishing: Schedule | None,
+    schedules: Schedules | None,
     warning: str,
 ) -> Node:
     """Return a started node; if it cannot start, close `sessions`, `hardware` and the terminal.
@@ -198,7 +198,7 @@ def _open(
         terminal = None if legacy is None else Terminal(legacy)
         if terminal is not None:
             undo.callback(terminal.close)
-        node = Node(sessions, name, hardware, robot, terminal, files.user_folder() / KEPT, publishing)
+        node = Node(sessions, name, hardware, robot, terminal, files.user_folder() / KEPT, schedules)
         if warning:
             with threads.owned_by(node.owner):
                 node.controller.diagnostics.warn(warning, Reason.FAULT)
@@ -236,8 +236,9 @@ class OpenNode(Protocol):
 class Robots:
     """The nodes of a process by name, and the threads that they share.
 
-    `clock` advances the boards and plants of all, `publishing` publishes for all. Each node has its own threads for
-    requests and for STOP, so that no robot waits for the requests to another one.
+    One of `schedules` advances the boards and plants of all, the other one publishes for all, because a publication
+    may wait for a router that does not read. Each node has its own threads for requests and for STOP, so that no robot
+    waits for the requests to another one.
     """
 
     def __init__(self, open_node: OpenNode) -> None:
@@ -251,8 +252,8 @@ class Robots:
         self._failed_s: dict[str, float] = {}
         self._closing = threading.Event()
         self._faults: queue.SimpleQueue[tuple[Owner, BaseException] | None] = queue.SimpleQueue()
-        self.clock, self.publishing = Schedule("board", self.fail), Schedule("publisher", self.fail)
-        self._watch = HangWatch(self.clock, self.publishing)
+        self.schedules = Schedules(Schedule("boards", self.fail), Schedule("publisher", self.fail))
+        self._watch = HangWatch(*self.schedules)
         self._thread = threads.start(self._run, "robots")
 
     def start(self, name: str, warning: str = "") -> None:
@@ -327,8 +328,8 @@ class Robots:
         for thread in closing:
             thread.join(max(0.0, until_s - time.monotonic()))
         self._watch.close()
-        self.clock.close()
-        self.publishing.close()
+        for schedule in self.schedules:
+            schedule.close()
 
 
 def _close(node: Node) -> None:

@@ -77,6 +77,8 @@ ON_CHANGE = {
 
 SHIFT_S = 0.0002
 """Largest change (s) of one period of the publications."""
+AFTER_S = SLACK_S / 2
+"""Time (s) of a publication after the turn of a virtual board on the same thread, which then wakes once for both."""
 
 
 def phase_shift(due_s: float, sample_s: float, sampling_s: float) -> float:
@@ -85,8 +87,19 @@ def phase_shift(due_s: float, sample_s: float, sampling_s: float) -> float:
     A publication that is due just when a sample is made contains, by chance, this one or the one before it. The period
     of the time stamps then varies by a whole `sampling_s`. `sample_s`: time of any sample.
     """
-    off_s = (due_s - sample_s) % sampling_s - sampling_s / 2
-    return 0.0 if abs(off_s) < sampling_s / 8 else -math.copysign(min(abs(off_s), SHIFT_S), off_s)
+    return _shift((due_s - sample_s) % sampling_s - sampling_s / 2, sampling_s / 8)
+
+
+def turn_shift(due_s: float, sample_s: float) -> float:
+    """Return the shift (s) of the publications that brings them just after the turns of the board on the same thread.
+
+    `sample_s`: time of the sample that the last turn has made.
+    """
+    return _shift((due_s - sample_s - AFTER_S + PERIOD_S / 2) % PERIOD_S - PERIOD_S / 2, AFTER_S / 2)
+
+
+def _shift(off_s: float, tolerated_s: float) -> float:
+    return 0.0 if abs(off_s) < tolerated_s else -math.copysign(min(abs(off_s), SHIFT_S), off_s)
 
 
 class StatePublication:
@@ -113,7 +126,7 @@ class StatePublication:
 class Publisher(Component):
     """Publishes positions, status and events until closed.
 
-    Its thread wakes at POSITIONS_HZ while a client subscribes to anything, otherwise every CHECK_S and when `changed` is
+    It has a turn at POSITIONS_HZ while a client subscribes to anything, otherwise every CHECK_S and when `changed` is
     called.
     """
 
@@ -122,7 +135,7 @@ class Publisher(Component):
         snapshot: Snapshot,
         events: NodeEvents,
         owner: Owner,
-        schedule: Schedule | None,
+        schedule: Schedule,
     ) -> None:
         """Store the arguments; `start` declares the publications.
 
@@ -130,7 +143,8 @@ class Publisher(Component):
             snapshot: builds the messages.
             events: the events to publish.
             owner: the robot.
-            schedule: thread that publishes for several robots; None: this one has a thread of its own.
+            schedule: thread that publishes. If it advances the board of the robot, too, each publication follows a turn
+                of the board.
         """
         self._snapshot, self._recorded = snapshot, events
         self._changes = StatusEvents(events)
@@ -138,7 +152,7 @@ class Publisher(Component):
         self._status_due_s = self._check_due_s = 0.0
         self._dirty, self._idle = True, False
         self._due_s = float("inf")
-        self._owner, self._schedule, self._shared = owner, schedule, schedule is not None
+        self._owner, self._schedule, self._in_step = owner, schedule, False
         self._task: ScheduledTask | None = None
 
     def start(self, sessions: Sessions) -> None:
@@ -152,16 +166,16 @@ class Publisher(Component):
         self._events = StatePublication(
             sessions, keys.events(name, side), keys.events_json(name, side), self.changed
         )
-        self._schedule = self._schedule or Schedule("publisher")
+        self._in_step = self._schedule.serves(self._owner)
         self._task = self._schedule.add(self._owner, self._turn)
         self._due_s = time.monotonic()
         self._task.wake()
 
     def changed(self) -> None:
-        """Compare the status in the next period, or now if the thread waits for longer; any thread may call this."""
+        """Compare the status within a period; any thread may call this."""
         self._dirty = True
         if self._idle and self._task is not None:
-            self._task.wake()
+            (self._task.soon if self._in_step else self._task.wake)()
 
     def _turn(self) -> float:
         """Publish what is due; return the monotonic time (s) of the next turn."""
@@ -169,17 +183,22 @@ class Publisher(Component):
             positions = self._snapshot.positions(count=True)
             self._positions.put(positions)
             if not positions.repeated:
-                self._due_s += phase_shift(self._due_s, positions.t_mono_ns / 1e9, self._snapshot.sampling_s)
+                self._due_s += self._phase_shift(positions.t_mono_ns / 1e9)
         self._publish_changes()
         self._idle = not self._watched
         if self._idle and self._dirty and self._task is not None:
-            self._task.wake()  # `changed` was called before the thread was idle
+            self.changed()  # it was called before the thread was idle
         period_s, now_s = CHECK_S if self._idle else PERIOD_S, time.monotonic()
         # After a stall of the process, skip the missed publications: clients need no burst of old positions. After a
         # wake-up the periods begin anew.
         early = self._due_s > now_s + SLACK_S
         self._due_s = now_s + period_s if early else max(self._due_s + period_s, now_s - period_s)
         return self._due_s
+
+    def _phase_shift(self, sample_s: float) -> float:
+        if self._in_step:
+            return turn_shift(self._due_s, sample_s)
+        return phase_shift(self._due_s, sample_s, self._snapshot.sampling_s)
 
     @property
     def _watched(self) -> bool:
@@ -207,13 +226,8 @@ class Publisher(Component):
             self._events.put(event)
 
     def close(self) -> None:
-        """End the thread; publish a last status and the last events."""
-        if self._schedule is None or self._task is None:
-            return
-        ended = self._schedule.remove(self._task)
-        if not self._shared:
-            self._schedule.close()
-        if ended:
+        """Publish a last status and the last events."""
+        if self._task is not None and self._schedule.remove(self._task):
             self._publish_status(always=True)
             self._publish_events()
 

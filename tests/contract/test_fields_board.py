@@ -11,13 +11,13 @@ import msgspec
 import pytest
 from published import at_once, published_statuses, regular, without_clocks
 from robots import Process, Stage, ready
+from threaded_board import ThreadedHardware
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.board.link import Decoder
 from beatrix_zenoh.board.state import Port
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract._generated.serial import FrameType
-from hw_node.body import VirtualHardware
 
 LOST_NS = 0.5e9
 """Longest time after the last byte of a board until it counts as lost (ns)."""
@@ -79,7 +79,7 @@ def cable(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.Mo
             stage.hardware("bea", str(tmp_path / "board"))
             yield Cable(ready(stage.robot("bea", "hw")), mega)
         else:
-            body = VirtualHardware("bea")
+            body = ThreadedHardware("bea")
             stage.node("bea", body)
             cable = Cable(ready(stage.robot("bea", "hw")), None)
             cable.patch(body.open_port(), monkeypatch)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import pytest
 from robots import Stage, ready, until
+from threaded_board import ThreadedHardware
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh import bus as zbus
@@ -16,7 +17,6 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Telemetry
 from beatrix_zenoh.node import Node
-from hw_node.body import VirtualHardware
 
 MOVES = (FrameType.MOVE, FrameType.MOVE_STRAIGHT)
 
@@ -64,7 +64,7 @@ class FaultyPort:
         """Keep the board running."""
 
 
-class FaultyHardware(VirtualHardware):
+class FaultyHardware(ThreadedHardware):
     def open_port(self) -> Port:
         self.port = FaultyPort(super().open_port())
         return self.port

@@ -1,10 +1,11 @@
-"""The phase of the publications: in the middle between two samples, whatever the first phase and the drift."""
+"""The phase of the publications: in the middle between two samples, or just after a turn of a virtual board."""
 
 from __future__ import annotations
 
 import pytest
 
-from beatrix_zenoh.node.state import PERIOD_S, phase_shift
+from beatrix_zenoh.node.state import PERIOD_S, phase_shift, turn_shift
+from beatrix_zenoh.schedule import SLACK_S
 
 
 def offsets(sampling_s: float, begin_s: float, drift: float) -> list[float]:
@@ -27,3 +28,13 @@ def test_publications_keep_away_from_the_times_of_samples(
     last = offsets(sampling_s, 100 + phase * sampling_s, drift)[50:]
     assert sampling_s / 4 < min(last)
     assert max(last) < sampling_s * 3 / 4
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.0005, 0.003, 0.0099, 0.0101, 0.0195])
+def test_publications_get_into_the_pass_of_the_turns(phase: float) -> None:
+    due_s, after = 100 + phase, []
+    for _ in range(200):
+        after.append(due_s % PERIOD_S)
+        due_s += PERIOD_S + turn_shift(due_s, due_s // PERIOD_S * PERIOD_S)
+    assert min(after[60:]) > 0
+    assert max(after[60:]) < SLACK_S

@@ -126,3 +126,32 @@ def test_a_removed_task_is_not_called_again(reports: Reports) -> None:
     task.wake()
     bob()
     assert reports.called() == "bob"
+
+
+def test_a_task_that_may_run_soon_runs_with_the_next_one(reports: Reports) -> None:
+    def called() -> float:
+        reports.calls.put("ada")
+        return NEVER
+
+    ada = reports.schedule.add(Owner("ada"), called)
+    wake_bob = reports.add("bob", lambda: NEVER)
+    ada.soon()
+    with pytest.raises(queue.Empty):
+        reports.calls.get(timeout=0.1)
+    wake_bob()
+    assert sorted(reports.called() for _ in range(2)) == ["ada", "bob"]
+
+
+def test_a_schedule_knows_the_robots_that_it_serves(reports: Reports) -> None:
+    ada, bob = Owner("ada"), Owner("bob")
+    task = reports.schedule.add(ada, lambda: NEVER)
+    assert (reports.schedule.serves(ada), reports.schedule.serves(bob)) == (True, False)
+    assert reports.schedule.remove(task)
+    assert not reports.schedule.serves(ada)
+
+
+def test_a_schedule_without_tasks_has_no_thread() -> None:
+    before = threading.active_count()
+    schedule = Schedule("idle")
+    assert threading.active_count() == before
+    schedule.close()
