@@ -82,7 +82,7 @@ class Trajectory(msgspec.Struct, frozen=True, dict=True):
 
     def at(self, t: float) -> tuple[Arms, Arms]:
         """Return angles (rad) and velocities (rad/s) of the arms `t` seconds after the start."""
-        if t >= self.duration:
+        if t >= self.duration or not self.sections:
             return self.target, _REST
         section = self.sections[max(0, bisect_right(self.sections, t, key=lambda section: section.begin) - 1)]
         return section.at(max(0.0, t - section.begin))
