@@ -47,7 +47,8 @@ class ScheduledTask:
         self.awake = False
         """Whether `wake` was called since the task began to run."""
         self.held = False
-        """Whether it must not run: it has failed, has ended, or still runs on a thread that was left behind."""
+        """Whether it must not run: it has failed or ended, or it or another task of its robot still runs on a thread that
+        was left behind, perhaps with a lock."""
 
     def soon(self) -> None:
         """Run the task the next time that any task runs; any thread may call this."""
@@ -104,7 +105,10 @@ class Schedule:
 
     def serves(self, owner: threads.Owner) -> bool:
         """Return whether it has a task of this robot."""
-        return any(task.owner is owner for task in self._tasks)
+        return bool(self._of(owner))
+
+    def _of(self, owner: threads.Owner) -> list[ScheduledTask]:
+        return [task for task in self._tasks if task.owner is owner]
 
     def remove(self, task: ScheduledTask) -> bool:
         """End a task; return False if it still runs after END_S, or is left behind. Not for use in a task."""
@@ -175,8 +179,9 @@ class Schedule:
             else:
                 self._left.remove(run)
                 if not run.reported and run.task in self._tasks:
-                    run.task.held, run.task.awake = False, True
-                    self._wake(run.task)
+                    for task in self._of(run.task.owner):
+                        task.held, task.awake = False, True
+                        self._wake(task)
                     self._patience, self._calm = min(2 * self._patience, MOST_TICKS), 0
             self._idle.notify_all()
         return stays
@@ -194,7 +199,9 @@ class Schedule:
                 run.ticks += 1
                 waits = any(not left.reported for left in self._left)
                 if run.ticks > self._patience and self._failed is not None and not waits:
-                    self._running, run.task.held = None, True
+                    self._running = None
+                    for task in self._of(run.task.owner):
+                        task.held = True
                     self._left.append(run)
                     self._thread = threads.start(self._work, self._name)
             hung = []
@@ -219,17 +226,16 @@ class Schedule:
 
 
 class HangWatch:
-    """A thread that checks schedules for tasks that hang."""
+    """A thread that checks a schedule for tasks that hang."""
 
-    def __init__(self, *schedules: Schedule) -> None:
-        self._schedules = schedules
+    def __init__(self, schedule: Schedule) -> None:
+        self._schedule = schedule
         self._closed = threading.Event()
         self._thread = threads.start(self._run, "watch")
 
     def _run(self) -> None:
         while not self._closed.wait(TICK_S):
-            for schedule in self._schedules:
-                schedule.check()
+            self._schedule.check()
 
     def close(self) -> None:
         """End the thread."""

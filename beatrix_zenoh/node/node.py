@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Sessions
@@ -92,14 +92,6 @@ class ControllerThread(Component):
             self._thread.join(timeout=2.0)
 
 
-class Schedules(NamedTuple):
-    """The threads that serve the robots of a process."""
-
-    boards: Schedule
-    """advances virtual boards and their plants"""
-    publications: Schedule
-
-
 class RobotBody(HardwareInterface, Protocol):
     """A robot with the components that only its kind has."""
 
@@ -123,12 +115,12 @@ class Node:
         robot: RobotData = ROBOT,
         terminal: Terminal | None = None,
         kept: Path | None = None,
-        schedules: Schedules | None = None,
+        clock: Schedule | None = None,
     ) -> None:
         """Construct the components; `start` starts the threads.
 
-        `kept` is the folder in which the decisions of the teacher outlive the node; None: they end with it. `schedules`
-        are the threads of several nodes; None: this one has one thread for both.
+        `kept` is the folder in which the decisions of the teacher outlive the node; None: they end with it. `clock` is the
+        thread that advances several virtual boards and publishes for them; None: this node has one of its own.
         """
         self.owner = Owner(name)
         self.sessions, self.hardware = sessions, hardware
@@ -136,18 +128,18 @@ class Node:
         self.events, queue = NodeEvents(), ControllerQueue()
         planner, access, diagnostics = Planner(robot), Access(), Diagnostics(self.events)
         self.requests = Requests(name, self.side, queue, self.events)
-        self._own_schedule = Schedule("clock")
-        boards, publications = schedules or (self._own_schedule, self._own_schedule)
-        self.board_watch = BoardWatch(hardware, access, queue, self.owner, boards)
+        self._own_clock = Schedule("clock")
+        clock = clock or self._own_clock
+        self.board_watch = BoardWatch(hardware, access, queue, self.owner, clock)
         self.board = self.board_watch.board
         self.controller = MotionController(self.board, planner, access, diagnostics)
         self.snapshot = Snapshot(name, hardware, self.board, planner, sessions.control.endpoint)
         # Add the controller first: the other observers, for example that of STOP, read the state of the motion from it.
         self.board_watch.observe(Observer(self.controller.observe, self.controller.overdue))
         path = None if kept is None else kept / f"{name}.{self.side}.toml"
-        self.snapshot.components = self._components = self._build(terminal, path, publications)
+        self.snapshot.components = self._components = self._build(terminal, path, clock)
 
-    def _build(self, terminal: Terminal | None, kept: Path | None, publications: Schedule) -> list[Component]:
+    def _build(self, terminal: Terminal | None, kept: Path | None, clock: Schedule) -> list[Component]:
         """Return the components in the order in which they start; `kept`: file of the teacher's decisions."""
         requests, controller, watch, hardware = (
             self.requests,
@@ -157,7 +149,7 @@ class Node:
         )
         decisions, stop = TeacherDecisions(controller, kept), StopHandler(requests, controller, watch)
         controller.on_stop.append(decisions.keep)  # an EMERGENCY_STOP may be the teacher's
-        publisher = Publisher(self.snapshot, self.events, self.owner, publications)
+        publisher = Publisher(self.snapshot, self.events, self.owner, clock)
         return [
             LogEvents(self.events, self.owner),
             decisions,
@@ -189,7 +181,7 @@ class Node:
         """
         claim_name(self.sessions, self.name, self.side)
         with threads.owned_by(self.owner), ExitStack() as undo:
-            undo.callback(self._own_schedule.close)
+            undo.callback(self._own_clock.close)
             undo.callback(self.board.close)
             for component in self._components:
                 undo.callback(component.close)
@@ -206,7 +198,7 @@ class Node:
     def close(self) -> None:
         """Stop the motion, reply to open requests, publish the last status, close sessions, board and hardware."""
         with ExitStack() as later:  # runs its callbacks in reverse order
-            later.callback(self._own_schedule.close)
+            later.callback(self._own_clock.close)
             later.callback(self.hardware.close)
             later.callback(self.board.close)
             later.callback(self.sessions.close)

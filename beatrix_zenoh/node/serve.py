@@ -26,7 +26,7 @@ from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.logs import log_to
-from beatrix_zenoh.node.node import Node, RobotBody, Schedules
+from beatrix_zenoh.node.node import Node, RobotBody
 from beatrix_zenoh.schedule import HangWatch, Hung, Schedule
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import FAULT, Shutdown
@@ -85,9 +85,9 @@ def serve(
             return 0
 
         def open_node(name: str, robots: Robots | None = None, warning: str = "") -> Node:
-            schedules = robots.schedules if robots else None
+            clock = robots.clock if robots else None
             own = Sessions(sessions.connect, sessions) if robots else Sessions(sessions)
-            node = _open(own, build(name), name, robot, legacy, schedules, warning)
+            node = _open(own, build(name), name, robot, legacy, clock, warning)
             _begin(node, legacy, ready=ready)
             return node
 
@@ -185,7 +185,7 @@ def _open(
     name: str,
     robot: RobotData,
     legacy: Path | None,
-    schedules: Schedules | None,
+    clock: Schedule | None,
     warning: str,
 ) -> Node:
     """Return a started node; if it cannot start, close `sessions`, `hardware` and the terminal.
@@ -198,7 +198,7 @@ def _open(
         terminal = None if legacy is None else Terminal(legacy)
         if terminal is not None:
             undo.callback(terminal.close)
-        node = Node(sessions, name, hardware, robot, terminal, files.user_folder() / KEPT, schedules)
+        node = Node(sessions, name, hardware, robot, terminal, files.user_folder() / KEPT, clock)
         if warning:
             with threads.owned_by(node.owner):
                 node.controller.diagnostics.warn(warning, Reason.FAULT)
@@ -234,15 +234,13 @@ class OpenNode(Protocol):
 
 
 class Robots:
-    """The nodes of a process by name, and the threads that they share.
+    """The nodes of a process by name, and the thread `clock`, which advances boards and plants and publishes for all.
 
-    One of `schedules` advances the boards and plants of all, the other one publishes for all, because a publication
-    may wait for a router that does not read. Each node has its own threads for requests and for STOP, so that no robot
-    waits for the requests to another one.
+    Each node has its own threads for requests and for STOP, so that no robot waits for the requests to another one.
     """
 
     def __init__(self, open_node: OpenNode) -> None:
-        """Start the shared threads."""
+        """Start the threads that serve all robots."""
         self._open_node = open_node
         self.failed = False
         """Whether a robot is down because it has failed."""
@@ -252,8 +250,8 @@ class Robots:
         self._failed_s: dict[str, float] = {}
         self._closing = threading.Event()
         self._faults: queue.SimpleQueue[tuple[Owner, BaseException] | None] = queue.SimpleQueue()
-        self.schedules = Schedules(Schedule("boards", self.fail), Schedule("publisher", self.fail))
-        self._watch = HangWatch(*self.schedules)
+        self.clock = Schedule("clock", self.fail)
+        self._watch = HangWatch(self.clock)
         self._thread = threads.start(self._run, "robots")
 
     def start(self, name: str, warning: str = "") -> None:
@@ -328,8 +326,7 @@ class Robots:
         for thread in closing:
             thread.join(max(0.0, until_s - time.monotonic()))
         self._watch.close()
-        for schedule in self.schedules:
-            schedule.close()
+        self.clock.close()
 
 
 def _close(node: Node) -> None:

@@ -5,18 +5,19 @@ from __future__ import annotations
 import itertools
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 from robots import Stage, ready, until
 from web_client import WebClient, WebSocket, online, serving
+from web_holds import PRESSES, hold_button, jog
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Command, Source
 from gui.page.handlers import MESSAGES_MAX
 
-NAMES, PRESSES = itertools.count(1), itertools.count(1)
+NAMES = itertools.count(1)
 
 
 @pytest.fixture(scope="module")
@@ -67,33 +68,6 @@ def moving(view: dict[str, Any]) -> bool:
 def resting(view: dict[str, Any]) -> bool:
     """Return whether a view shows a robot at rest."""
     return any(pill["condition"] == "ready" for pill in view["pills"])
-
-
-def hold_button(
-    page: WebSocket, part: str, holds: Callable[[dict[str, Any]], bool], what: str
-) -> dict[str, Any]:
-    """Hold a button until a view fulfils `holds`, with a heartbeat for each message; return the view."""
-    press, over = next(PRESSES), 0
-
-    def held(view: dict[str, Any]) -> bool:
-        nonlocal press, over
-        if holds(view):
-            return True
-        over = over + 1 if view["you"]["over"] >= press else 0
-        if over == 2:  # no heartbeat arrived in time: press again; a refusal would be in the second view
-            press = next(PRESSES)
-        page.send("hold", press=press, part=part, sign=1)
-        return False
-
-    page.send("SetSpeed", degrees_per_s=20)
-    found = page.state(held, what)
-    page.send("release", press=press)
-    return found
-
-
-def jog(page: WebSocket, part: str, moved: float) -> None:
-    """Hold the + button of an axis until its absolute angle is above `moved` (deg)."""
-    hold_button(page, part, lambda view: abs(view["head"]["hw"][part]) > moved, "moved")
 
 
 def slowly_home(page: WebSocket) -> None:
