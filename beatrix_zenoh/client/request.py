@@ -31,9 +31,6 @@ NOTICE_S = 0.2
 """Time (s) to wait for the report of a loss: Zenoh ends the queries of a lost connection before it reports the loss."""
 BACK_S = 0.6
 """Zenoh restores a lost connection within this time (s) if the router answers."""
-CLASS_BACK_S = 1.5
-"""In a class, time (s) to wait for a lost connection before the router is probed. Zenoh accepts no session for 0.1 s
-after each probe: if every program of a class probed a router that has just restarted, none would get a connection."""
 POLL_S = 0.02
 """Period (s) in which a restored connection is looked for."""
 ABSENT_S = 1.5
@@ -94,9 +91,6 @@ class Unanswered(msgspec.Struct, frozen=True):
                 f"This program closed its connection before {title(self.place)} had answered. Robots stop the motions of a "
                 "closed connection.",
             )
-        in_class = self.client.settings.account is not None
-        if limit_s is None and in_class and self._lost() and self._back(CLASS_BACK_S):
-            return self._was_lost()
         if limit_s is None and not zbus.is_listening(bus.endpoint):
             return self._no_router()
         answers = limit_s is None or bus.router_answers(ROUTER_S)
@@ -119,21 +113,15 @@ class Unanswered(msgspec.Struct, frozen=True):
 
     def _interrupted(self) -> NoAnswer:
         """Return the error of a lost connection to a router that is still running."""
-        return self._was_lost() if self._back(BACK_S) else self._not_back()
-
-    def _back(self, limit_s: float) -> bool:
-        """Wait for the connection for at most `limit_s` (s); return whether it is restored."""
-        deadline_s = time.monotonic() + limit_s
-        while not self.client.bus.connected:
+        bus = self.client.bus
+        deadline_s = time.monotonic() + BACK_S
+        while not bus.connected:
             if time.monotonic() > deadline_s:
-                return False
+                return self._not_back()
             time.sleep(POLL_S)
-        return True
-
-    def _was_lost(self) -> NoAnswer:
         return NoAnswer(
             Reason.NO_ROUTER,
-            f"The connection to the router at {self.client.bus.endpoint} was lost although the router is running: this program was "
+            f"The connection to the router at {bus.endpoint} was lost although the router is running: this program was "
             "suspended or very busy, or the network was interrupted. Robots stop the motions of a lost connection. "
             "This program reconnects by itself: send the request again.",
         )
