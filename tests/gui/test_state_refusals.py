@@ -30,6 +30,7 @@ from beatrix_zenoh.contract.refusals import (
 )
 from gui.console.state import intents
 from gui.console.state.actions import Action, Outcome, Ready, SendCommand, SendLease
+from gui.console.state.holding import AHEAD_S, jog_query
 from gui.console.state.intents import Jog
 from gui.console.state.state import State
 from gui.console.state.world import PlanPhase
@@ -141,6 +142,26 @@ def test_the_robot_that_refused_is_read_from_the_message() -> None:
     same("state refusals.the robot that refused is read from the message", shown.text)
     (action,) = state.handle(intents.TakeAlternative(), world())
     assert action == SendCommand(2, Command.CALIBRATE, value=True, sides=("hw",))
+
+
+@pytest.mark.parametrize("left", [{"head": Head(0.0, math.radians(34.9), 0.0)}, {}], ids=["a way", "no way"])
+def test_a_hold_that_ends_at_a_limit_says_so_although_goals_before_were_accepted(left: Any) -> None:
+    state = State()
+    row = state.hold(world(), jog_query("pitch", 1, 20.0, AHEAD_S), "head")
+    assert row is not None
+    accept(state, row)
+    refused(state, tilt(**left), Reason.OUT_OF_REACH)
+    refusal = state.view(world()).head.refusal
+    assert refusal is not None
+    assert "at most 35.0° is allowed" in refusal.text
+    assert (refusal.alternative is not None) == bool(left)
+
+
+def test_the_end_of_an_accepted_motion_is_no_refusal() -> None:
+    state = state_after(Jog("short", 1))
+    accept(state, 1)
+    refused(state, Detail(presser="ben"), Reason.STOPPED)
+    assert state.view(world()).arms.refusal is None
 
 
 def test_a_motion_that_this_window_stops_or_aborts_is_not_a_refusal() -> None:

@@ -13,22 +13,28 @@ PRESSES: Final = itertools.count(1)
 
 
 def hold_button(
-    page: WebSocket, part: str, holds: Callable[[dict[str, Any]], bool], what: str
+    page: WebSocket,
+    part: str,
+    holds: Callable[[dict[str, Any]], bool],
+    what: str,
+    speed: float = 20.0,
 ) -> dict[str, Any]:
-    """Hold a button until a view fulfils `holds`, with a heartbeat for each message; return the view."""
-    press, over = next(PRESSES), 0
+    """Hold a button until a view fulfils `holds`, with a heartbeat for each message; return the view.
+
+    `speed` in deg/s.
+    """
+    press = next(PRESSES)
 
     def held(view: dict[str, Any]) -> bool:
-        nonlocal press, over
+        nonlocal press
         if holds(view):
             return True
-        over = over + 1 if view["you"]["over"] >= press else 0
-        if over == 2:  # no heartbeat arrived in time: press again; a refusal would be in the second view
-            press = next(PRESSES)
+        if view["you"]["over"] >= press and "No heartbeat" in view["you"]["notice"]:
+            press = next(PRESSES)  # as the page asks; a press that ended otherwise must have said why
         page.send("hold", press=press, part=part, sign=1)
         return False
 
-    page.send("SetSpeed", degrees_per_s=20)
+    page.send("SetSpeed", degrees_per_s=speed)
     found = page.state(held, what)
     page.send("release", press=press)
     return found

@@ -96,11 +96,12 @@ def wrong_file(error: WrongUsage, file: str) -> tuple[str, dict[str, str]]:
 def record(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
     """Store a refusal, to be shown; the end of an accepted motion is shown in the history only.
 
-    An alternative shows that it is no end: the robot has accepted earlier goals of a held button. Neither is a required
-    step: a play is accepted when its file is checked, before the robot gets its first pose.
+    A limit shows that it is no end: the robot has accepted earlier goals of a held button, and close to the limit there
+    is no alternative. Neither is a required step: a play is accepted when its file is checked, before the robot gets
+    its first pose.
     """
     detail, played = outcome.detail, isinstance(row.request, Play)
-    refused = detail is not None and (detail.alternative is not None or (played and bool(detail.needs)))
+    refused = detail is not None and (detail.limit is not None or (played and bool(detail.needs)))
     ended_elsewhere = not refused and (outcome.side in row.accepted or "" in row.accepted)
     wanted = row.dropped and outcome.reason is Reason.STOPPED
     if outcome.accepted or ended_elsewhere or wanted or outcome.reason in (Reason.OK, Reason.REPLACED):
