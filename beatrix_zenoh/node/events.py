@@ -12,6 +12,7 @@ from typing import Final
 
 import msgspec
 
+from beatrix_zenoh import threads
 from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import (
     Detail,
@@ -59,8 +60,11 @@ class _Window:
 class NodeEvents:
     """The event log; any thread adds events, the publisher takes them, queries read the newest ones."""
 
-    def __init__(self, monotonic_s: Callable[[], float] = time.monotonic) -> None:
-        self._monotonic_s = monotonic_s
+    def __init__(
+        self, monotonic_s: Callable[[], float] = time.monotonic, owner: threads.Owner | None = None
+    ) -> None:
+        """`owner`: the robot of the events, which Python's log names also if a thread of Zenoh adds them."""
+        self._monotonic_s, self._owner = monotonic_s, owner
         self._lock = threading.Lock()
         self._seq = 0
         self._windows: dict[tuple[object, ...], _Window] = {}
@@ -125,7 +129,7 @@ class NodeEvents:
                 emitted.append(self._emit(event(self._next_seq(), 1)))
             else:
                 window.held = event(0, 1 if window.held is None else window.held.count + 1)
-        write(emitted)  # after releasing the lock, because a log handler may wait
+        self._write(emitted)  # after releasing the lock, because a log handler may wait
 
     def take(self) -> list[Event]:
         """Remove and return the events to publish now, oldest first."""
@@ -138,7 +142,7 @@ class NodeEvents:
                         del self._windows[key]
             events = list(self._unpublished)
             self._unpublished.clear()
-        write(emitted)
+        self._write(emitted)
         return events
 
     def latest(self) -> Events:
@@ -160,14 +164,14 @@ class NodeEvents:
         self._unpublished.append(event)
         return event
 
-
-def write(events: list[Event]) -> None:
-    """Write events to Python's log, except those that came from it."""
-    for event in events:
-        if event.kind in _PRINTED:
-            log.warning("%s", event.message)
-        elif event.kind is not EventKind.LOG and log.isEnabledFor(logging.INFO):
-            log.info("%s", sentence(event))
+    def _write(self, events: list[Event]) -> None:
+        """Write events to Python's log, except those that came from it."""
+        with threads.owned_by(self._owner):
+            for event in events:
+                if event.kind in _PRINTED:
+                    log.warning("%s", event.message)
+                elif event.kind is not EventKind.LOG and log.isEnabledFor(logging.INFO):
+                    log.info("%s", sentence(event))
 
 
 SHOWN_S = 10.0

@@ -125,7 +125,7 @@ class Node:
         self.owner = Owner(name)
         self.sessions, self.hardware = sessions, hardware
         self.name, self.side = names.check_name(name), hardware.side
-        self.events, queue = NodeEvents(), ControllerQueue()
+        self.events, queue = NodeEvents(owner=self.owner), ControllerQueue()
         planner, access, diagnostics = Planner(robot), Access(), Diagnostics(self.events)
         self.requests = Requests(name, self.side, queue, self.events)
         self._own_clock = Schedule("clock")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from robots import Process, Stage, ask_raw, ready, until
@@ -114,6 +115,15 @@ def test_a_signal_ends_all_robots() -> None:
             assert client.bus.robots() == [(name, "sim") for name in NAMES]
             assert process.end() == 0
             until(lambda: client.bus.robots() == [], "all robots are gone")
+
+
+def test_the_log_file_names_each_robot_that_has_lost_the_router(tmp_path: Path) -> None:
+    log = tmp_path / "day.log"
+    with Stage() as stage:
+        start(stage, "--log-file", str(log))
+        stage.end_router()
+        lost = [f" {name}: The router at {stage.endpoint} was lost" for name in NAMES]
+        until(lambda: all(line in log.read_text(encoding="utf-8") for line in lost), "a line for each robot")
 
 
 @pytest.mark.parametrize("options", [("--name", "ada"), ("--legacy", "COM4"), ("--view",)])
