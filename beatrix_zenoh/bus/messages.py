@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 import zenoh
 
+from beatrix_zenoh import threads
 from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.bus.declarations import Declared, RenewableSession
 from beatrix_zenoh.bus.incoming import Incoming, Received, subscribe_newest
@@ -146,7 +147,13 @@ class MessageSession(RenewableSession):
 
         A publication is dropped before it is read if `skips` returns True for its key: that costs little.
         """
-        return self.add(SUBSCRIBER, key, lambda session: subscribe_newest(session, key, handle, skips))
+        owner = threads.OWNER.get()
+
+        def declare(session: zenoh.Session) -> Declared:
+            with threads.owned_by(owner):  # the watchdog repeats this on its own thread
+                return subscribe_newest(session, key, handle, skips)
+
+        return self.add(SUBSCRIBER, key, declare)
 
     def put(self, key: str, payload: bytes, encoding: str, priority: str | None = None) -> None:
         """Publish once, with a `priority` as in `query`; raises the errors of `query`."""

@@ -63,7 +63,8 @@ class SessionWatchdog:
             self._listeners = {**self._listeners, listener: own}
             if self._thread is None:
                 self._ended = ended = threading.Event()
-                self._thread = threads.start(lambda: self._run(ended), "watchdog")
+                with threads.owned_by(None):  # not by the robot that adds the first listener
+                    self._thread = threads.start(lambda: self._run(ended), "watchdog")
         return lambda: self._remove(listener)
 
     def _remove(self, listener: SessionListener) -> None:
