@@ -70,6 +70,12 @@ def resting(view: dict[str, Any]) -> bool:
     return any(pill["condition"] == "ready" for pill in view["pills"])
 
 
+def at_limit(view: dict[str, Any]) -> bool:
+    """Return whether a view shows a refusal that names the limit of tilt."""
+    refusal = view["head"]["refusal"]
+    return refusal is not None and "at most 35.0° is allowed" in refusal["text"]
+
+
 def slowly_home(page: WebSocket) -> None:
     """Begin a motion that takes longer than the test."""
     page.send("SetSpeed", degrees_per_s=2)
@@ -94,9 +100,8 @@ def test_a_held_button_moves_the_robot_until_it_is_released(driver: WebSocket, r
 
 
 def test_a_jog_that_ends_at_the_limit_says_so_at_the_first_press(driver: WebSocket, robot: Robot) -> None:
-    hold_button(driver, "pitch", lambda view: view["head"]["refusal"], "a refusal")
-    view = driver.state(resting, "at rest")
-    assert "at most 35.0° is allowed" in view["head"]["refusal"]["text"]
+    hold_button(driver, "pitch", at_limit, "a refusal")
+    assert at_limit(driver.state(resting, "at rest"))
     assert robot.positions().head.pitch == pytest.approx(34.5, abs=1.0)
 
 
@@ -105,7 +110,7 @@ def test_a_jog_ends_at_the_limit_with_an_alternative(driver: WebSocket, robot: R
     driver.send("SendHead")
     driver.state(lambda view: view["history"][0]["good"], "near the limit")
     # So slow that no shorter goal is tried: the refusal comes while an alternative is left.
-    view = hold_button(driver, "pitch", lambda view: view["head"]["refusal"], "a refusal", speed=1.9)
+    view = hold_button(driver, "pitch", at_limit, "a refusal", speed=1.9)
     assert view["head"]["refusal"]["alternative"]["intent"] == {"do": "TakeAlternative"}
     driver.state(resting, "at rest")
     assert robot.positions().head.pitch == pytest.approx(34.5, abs=1.0)

@@ -29,8 +29,8 @@ def hold_button(
         nonlocal press
         if holds(view):
             return True
-        if view["you"]["over"] >= press and "No heartbeat" in view["you"]["notice"]:
-            press = next(PRESSES)  # as the page asks; a press that ended otherwise must have said why
+        if view["you"]["over"] >= press and _says_why(view):
+            press = next(PRESSES)
         page.send("hold", press=press, part=part, sign=1)
         return False
 
@@ -38,6 +38,13 @@ def hold_button(
     found = page.state(held, what)
     page.send("release", press=press)
     return found
+
+
+def _says_why(view: dict[str, Any]) -> bool:
+    """Return whether the user reads why a press has ended, for example because no heartbeat arrived in time."""
+    row = view["history"][0]
+    stopped = row["good"] is False and "allowed" not in row["result"]  # a limit is shown beside the button
+    return bool(view["you"]["notice"] or view["head"]["refusal"] or stopped)
 
 
 def jog(page: WebSocket, part: str, moved: float) -> None:

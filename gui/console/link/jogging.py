@@ -95,6 +95,14 @@ class Jogging(Worker):
             if self._press is not None:
                 self.over, self._press = max(self.over, self._press.number), None
 
+    def _failed(self, press: Press) -> None:
+        """End a press without a last goal, but none that has begun since: a motion that STOP ends reports it later."""
+        with self._lock:
+            if self._goal is not None and self._goal[0] is press:
+                self._goal = None
+            if self._press is press:
+                self.over, self._press = max(self.over, press.number), None
+
     # -- the thread ---------------------------------------------------------------------------------
 
     def _step(self) -> None:
@@ -107,7 +115,7 @@ class Jogging(Worker):
             try:
                 self._begin(press, robot, ahead_s, stops)
             except BeatrixError as error:
-                self.end()
+                self._failed(press)
                 self._report(failed(press.row, robot.side, error))
                 return
 
@@ -135,7 +143,7 @@ class Jogging(Worker):
             del self._running[side]
         error = motion.exception(0.0)
         if error is not None and error.reason is not Reason.REPLACED:
-            self.end()
+            self._failed(press)
             self._report(failed(press.row, side, error))
         elif error is None and newest and press.number <= self.over:
             self._report(done(press.row, side, motion.result(0.0).message, time.monotonic() - began_s))
