@@ -166,6 +166,8 @@ class NodeEvents:
 
     def _write(self, events: list[Event]) -> None:
         """Write events to Python's log, except those that came from it."""
+        if not events:
+            return  # as in most turns of the publisher
         with threads.owned_by(self._owner):
             for event in events:
                 if event.kind in _PRINTED:
