@@ -38,6 +38,7 @@ class StepperDrive:
         self._gear = Gear(drive)
         # The electrical cycle as an angle of an arm (rad). It is positive, because Gear applies the direction of a motor.
         self._cycle = math.tau / (drive.full_steps * drive.gear_ring / drive.gear_pinion / CYCLE_FULL_STEPS)
+        self._half_cycle = self._cycle / 2
         self._signs = drive.sign
         self._pulses: Counts = (0, 0, 0)
         self._home: Counts = (0, 0, 0)
@@ -80,9 +81,9 @@ class StepperDrive:
             self._update_set_points()
             changed = True
         if on:
-            half = self._cycle / 2
-            x, y, z = self._set_points
-            if not (-half < arms[0] - x < half and -half < arms[1] - y < half and -half < arms[2] - z < half):
+            half = self._half_cycle
+            (x, y, z), (a, b, c) = self._set_points, arms
+            if not (-half < a - x < half and -half < b - y < half and -half < c - z < half):
                 # Motors that have just been switched on lock to the nearest position, which is not a slip.
                 self._lock(arms, slip=self._on)
                 changed = True
@@ -107,9 +108,10 @@ class StepperDrive:
         self._update_set_points()
 
     def _update_set_points(self) -> None:
-        counted = self._gear.to_rad([now - home for now, home in zip(self._pulses, self._home, strict=True)])
-        x, y, z = (angle + cycles * self._cycle for angle, cycles in zip(counted, self._cycles, strict=True))
-        self._set_points = x, y, z
+        (i, j, k), (h, m, n) = self._pulses, self._home
+        x, y, z = self._gear.to_rad((i - h, j - m, k - n))
+        (a, b, c), cycle = self._cycles, self._cycle
+        self._set_points = x + a * cycle, y + b * cycle, z + c * cycle
 
 
 _log = logging.getLogger(__name__)
@@ -161,6 +163,8 @@ class Plant:
         self._rod_ends = [self.model.site(f"rod_{name}").id for name in ARMS]
         self._mounts = [self.model.site(f"mount_{name}").id for name in ARMS]
         self._forces, self._speeds = self.data.xfrc_applied, self.data.qvel
+        self._pulled_to, self._options = self.data.ctrl, self.model.opt
+        self._powered: bool | None = None
         self._until_check, self._checks = _CHECK_STEPS, 0
         self.straighten()
 
@@ -170,7 +174,7 @@ class Plant:
             if self._drive.step(pulses, self._arms.tolist(), on=drivers_on):
                 self._apply_drive()
             elif self.asleep:
-                if not self._forces.any():
+                if not np.count_nonzero(self._forces):  # quicker than `any`
                     self.data.time += left * TIMESTEP_MS / 1000
                     return
                 self._checks = 0
@@ -283,14 +287,17 @@ class Plant:
         plant._until_check, plant._checks = self._until_check, self._checks
         mujoco.mj_copyData(plant.data, plant.model, self.data)
         # A new plant has its motors off, and a step changes the switch only when the board does.
-        plant.model.opt.disableactuator = self.model.opt.disableactuator
+        plant._options.disableactuator, plant._powered = self._options.disableactuator, self._powered
         return plant
 
     def _apply_drive(self) -> None:
         """Pass set points and motor switch to MuJoCo; wakes the neck."""
         self._checks = 0
-        self.data.ctrl[:] = self._drive.set_points
-        self.model.opt.disableactuator = 0 if self._drive.on else _ALL_MOTORS
+        angles, on = self._pulled_to, self._drive.on
+        angles[0], angles[1], angles[2] = self._drive.set_points
+        if on is not self._powered:
+            self._powered = on
+            self._options.disableactuator = 0 if on else _ALL_MOTORS
 
 
 def _stride(addresses: Sequence[int]) -> slice:
