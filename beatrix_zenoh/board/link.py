@@ -62,7 +62,8 @@ class Decoder:
         frames = []
         *ended, rest = data.split(b"\0")
         for part in ended:
-            self._keep(part)
+            if part:
+                self._keep(part)
             if self._block:
                 frame = _decode(bytes(self._block))
                 if frame is None:
@@ -79,18 +80,19 @@ class Decoder:
 
 
 def _decode(block: bytes) -> SerialFrame | None:
-    if len(block) > MAX_ENCODED:
+    size = len(block)
+    if size > MAX_ENCODED:
         return None
     body = bytearray(block)
     at = 0
-    while at < len(block):
+    while at < size:
         body[at] = 0
         at += block[at]
-    if at != len(block):
+    if at != size:
         return None
     del body[0]
     if not _SHORTEST <= len(body) <= _SHORTEST + MAX_PAYLOAD:
         return None
-    if crc16(body[:-_CRC_SIZE]) != int.from_bytes(body[-_CRC_SIZE:], "little"):
+    if crc16(body):  # the CRC of bytes that end with their own CRC is 0
         return None
     return SerialFrame(body[0], body[1], bytes(body[2:-_CRC_SIZE]))

@@ -44,7 +44,7 @@ class Port(Protocol):
 
 
 class TimedPort(Port, Protocol):
-    """The port of a virtual board, whose time passes in `read`."""
+    """The port of a virtual board, whose time passes in `read`, which does not wait."""
 
     def due_s(self) -> float:
         """Return the monotonic time (s) at which `read` should be called again."""

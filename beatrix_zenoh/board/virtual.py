@@ -119,7 +119,7 @@ class Firmware:
         runs: list[tuple[tuple[int, int, int], bool, int]] = []
         ticks = list(_TICK.iter_unpack(self._ticks_view[: ms * _TICK.size]))[period_ms - 1 :: period_ms]
         for (x, y, z, on), same in itertools.groupby(ticks):
-            runs.append(((x, y, z), bool(on), sum(1 for _ in same)))
+            runs.append(((x, y, z), bool(on), len(list(same))))
         return runs
 
     def set_points(self) -> tuple[float, float, float]:
@@ -173,10 +173,10 @@ class VirtualBoard:
         self._unread = bytearray()
         self._unread_ms = 0
         self._closed = False
-        self.woken = threading.Event()
-        """Set by `wake` and `close`: a thread that waits before advancing an idle board may advance it now."""
+        self.written = False
+        """Set by `wake`: bytes were written since the last turn."""
         self.notify: Callable[[], None] = lambda: None
-        """Called by `wake`, for a thread that advances several boards."""
+        """Called by `wake`, for the thread that gives the board its turns."""
         with self.lock:
             self._collect()
 
@@ -194,10 +194,10 @@ class VirtualBoard:
         return answer
 
     def wake(self) -> None:
-        """Wake the reader, and the thread that advances an idle board."""
+        """Wake the reader, and the thread that gives the board its turns."""
         with self.lock:
             self._arrived.notify_all()
-        self.woken.set()
+        self.written = True
         self.notify()
 
     def read(self, timeout_s: float) -> bytes:
@@ -232,7 +232,6 @@ class VirtualBoard:
         with self.lock:
             self._closed = True
             self._arrived.notify_all()
-        self.woken.set()
 
     @property
     def closed(self) -> bool:
@@ -278,21 +277,17 @@ class RealTimePort:
         return time.monotonic() + self._time.wait_s()
 
     def on_wake(self, notify: Callable[[], None]) -> None:
-        """Let `wake` call `notify`, for a thread that advances several boards and reads without waiting."""
+        """Let `wake` call `notify`."""
         self._board.notify = notify
 
-    def read(self, timeout_s: float) -> bytes:
-        """Advance the board until it has sent bytes, and return them; empty after `timeout_s`, or after `close`."""
-        end_s = time.monotonic() + timeout_s
-        while True:
-            wait_s = min(self._time.wait_s(), end_s - time.monotonic())
-            written = self._board.woken.wait(max(0.0, wait_s))
-            self._board.woken.clear()
-            if written or self._time.wait_s() <= 0:  # another thread may have advanced the board meanwhile
-                self._time.turn(written=written)
-            data = self._board.read(0)
-            if data or self._board.closed or time.monotonic() >= end_s:
-                return data
+    def read(self, timeout_s: float) -> bytes:  # noqa: ARG002 - it never waits
+        """Give the board a turn if one is due, and return what it has sent; empty after `close`."""
+        written = self._board.written
+        if written:
+            self._board.written = False
+        if written or self._time.wait_s() <= 0:  # another thread may have advanced the board meanwhile
+            self._time.turn(written=written)
+        return self._board.read(0)
 
 
 class RealTime:

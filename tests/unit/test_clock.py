@@ -6,10 +6,10 @@ import threading
 
 import pytest
 from robots import until
+from threaded_board import ThreadedPort
 
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.board.state import NO_TELEMETRY
-from beatrix_zenoh.board.virtual import RealTimePort
+from beatrix_zenoh.board.state import NO_TELEMETRY, TimedPort
 from beatrix_zenoh.contract._generated.serial import FrameType, MoveStraight
 from sim_node.body import LATE_S, PERIOD_S, SLICE_S, STALL_S, Simulation, StepClock
 
@@ -53,8 +53,8 @@ class BlockedReader:
     name = "blocked:"
     boot_s = 0.0
 
-    def __init__(self, port: RealTimePort) -> None:
-        self._port = port
+    def __init__(self, port: TimedPort) -> None:
+        self._port = ThreadedPort(port)
         self.write, self.wake = port.write, port.wake
         self.running = threading.Event()
         self.running.set()
@@ -69,9 +69,7 @@ class BlockedReader:
 
 def test_the_simulation_waits_while_the_reading_thread_is_blocked() -> None:
     simulation = Simulation("bea")
-    driven = simulation.open_port()
-    assert isinstance(driven, RealTimePort)
-    port, virtual = BlockedReader(driven), simulation._board
+    port, virtual = BlockedReader(simulation.timed_port()), simulation._board
     board = Board(lambda: port, lambda _: None, lambda: None)
     board.start()
     try:

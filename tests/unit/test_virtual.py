@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 import wasmtime
-from robots import until
+from threaded_board import ThreadedPort
 from ticking_board import RealTimeTicker
 
 from beatrix_zenoh.board import virtual, wasm
@@ -136,7 +136,7 @@ def test_the_ticker_catches_up_after_a_delay(board: VirtualBoard) -> None:
 
 def test_reading_lets_the_time_of_the_board_pass(board: VirtualBoard) -> None:
     begin = time.monotonic()
-    port = RealTimePort(board, RealTime(board))
+    port = ThreadedPort(RealTimePort(board, RealTime(board)))
     seen: list[Telemetry] = []
     while not seen or seen[-1].tick < 200:
         assert time.monotonic() - begin < 30
@@ -146,7 +146,7 @@ def test_reading_lets_the_time_of_the_board_pass(board: VirtualBoard) -> None:
 
 
 def test_a_board_waits_for_a_thread_that_does_not_read(board: VirtualBoard) -> None:
-    port = RealTimePort(board, RealTime(board))
+    port = ThreadedPort(RealTimePort(board, RealTime(board)))
     board.read(0)
     threading.Event().wait(0.5)  # longer than the heartbeat's time-out, and than the board makes up for
     seen: list[Telemetry] = []
@@ -168,32 +168,25 @@ class NeverDue:
         self.turns.append(written)
 
 
-def test_a_write_and_a_close_wake_a_reader_that_waits_for_the_next_turn(board: VirtualBoard) -> None:
+def test_a_write_gives_the_board_a_turn_before_it_is_due(board: VirtualBoard) -> None:
     never = NeverDue()
+    notified: list[bool] = []
     port = RealTimePort(board, never)
+    port.on_wake(lambda: notified.append(True))
     board.read(0)
-    got: list[bytes] = []
-
-    def read() -> None:
-        got.append(port.read(30))
-        got.append(port.read(30))
-
-    reader = threading.Thread(target=read)
-    reader.start()
     answer = port.write(HELLO)
+    assert (port.read(0), never.turns) == (answer, [])
     port.wake()
-    until(lambda: len(got) == 1, "the answer was read")
-    assert got == [answer]
-    assert never.turns == [True]
+    assert (port.read(0), never.turns, notified) == (b"", [True], [True])
+    assert (port.read(0), never.turns) == (b"", [True])
     port.close()
-    reader.join(30)
-    assert got == [answer, b""]
+    assert port.read(0) == b""
 
 
 def test_bytes_from_the_turn_of_another_thread_are_read_without_a_turn(board: VirtualBoard) -> None:
     never = NeverDue()
     board.advance(20)
-    assert [t.tick for t in telemetry(RealTimePort(board, never).read(0.01))] == [10, 20]
+    assert [t.tick for t in telemetry(RealTimePort(board, never).read(0))] == [10, 20]
     assert never.turns == []
 
 
