@@ -9,6 +9,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
+from contextvars import copy_context
 from typing import Final
 
 from beatrix_zenoh import threads
@@ -42,13 +43,19 @@ class ScheduledTask:
     def __init__(
         self, owner: threads.Owner, run: Callable[[], float], woken: Callable[[ScheduledTask], None]
     ) -> None:
-        self.owner, self.run, self._woken = owner, run, woken
+        self.owner, self._run, self._woken = owner, run, woken
+        with threads.owned_by(owner):
+            self._context = copy_context()
         self.due_s = float("inf")
         self.awake = False
         """Whether `wake` was called since the task began to run."""
         self.held = False
         """Whether it must not run: it has failed or ended, or it or another task of its robot still runs on a thread that
         was left behind, perhaps with a lock."""
+
+    def run(self) -> None:
+        """Call the function as work of its robot."""
+        self.due_s = self._context.run(self._run)
 
     def soon(self) -> None:
         """Run the task the next time that any task runs; any thread may call this."""
@@ -160,8 +167,7 @@ class Schedule:
         task.awake = False
         self._running = run = _Run(task)
         try:
-            with threads.owned_by(task.owner):
-                task.due_s = task.run()
+            task.run()
         except Exception as error:
             task.held = True
             if self._failed is None:
@@ -183,7 +189,8 @@ class Schedule:
                         task.held, task.awake = False, True
                         self._wake(task)
                     self._patience, self._calm = min(2 * self._patience, MOST_TICKS), 0
-            self._idle.notify_all()
+            if run.task.held:
+                self._idle.notify_all()
         return stays
 
     # -- on the thread of a watch -------------------------------------------------------------------

@@ -90,9 +90,9 @@ class StepClock:
         return 1.0 if elapsed_s < PERIOD_S else (self._simulated_s - simulated_s) / elapsed_s
 
 
-TURN_S = 0.1
+TURN_S = 2 * RESTING_S - 0.0005
 """Longest time (s) between two turns. Each publication makes the steps that are due, so at rest it may always come just
-before the turn."""
+before the turn. A multiple of RESTING_S, less a little, so that the thread does not wake once more for it."""
 ASSEMBLY_CHECK_TURNS = 2
 """Turns between two checks of the assembly while arms move: every 40 ms."""
 FAULT_SHOWN_S = 5.0

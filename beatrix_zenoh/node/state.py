@@ -65,9 +65,10 @@ def board_trouble(status: Status) -> str:
 
 PERIOD_S = 1 / keys.POSITIONS_HZ
 STATUS_S = 1 / keys.STATUS_HZ
-CHECK_S = 0.1
-"""Longest time (s) between two comparisons of the status with the last one. After each change of the board's state and
-each request the controller calls `changed`: it takes more time to assemble a status than to publish positions."""
+CHECK_S = 0.2
+"""Longest time (s) between two comparisons of the status with the last one: a camera that comes or goes, a reassembled
+neck. After each change of the board's state and each request the controller calls `changed`: it takes more time to
+assemble a status than to publish positions."""
 ON_CHANGE = {
     kind: [name for name in kind.__struct_fields__ if name not in quiet]
     for kind, quiet in NOT_ON_CHANGE.items()
@@ -179,13 +180,14 @@ class Publisher(Component):
 
     def _turn(self) -> float:
         """Publish what is due; return the monotonic time (s) of the next turn."""
-        if self._positions.subscribed:
+        watched = self._positions.subscribed
+        if watched:
             positions = self._snapshot.positions(count=True)
             self._positions.put(positions)
             if not positions.repeated:
                 self._due_s += self._phase_shift(positions.t_mono_ns / 1e9)
         self._publish_changes()
-        self._idle = not self._watched
+        self._idle = not (watched or self._status.subscribed or self._events.subscribed)
         if self._idle and self._dirty and self._task is not None:
             self.changed()  # it was called before the thread was idle
         period_s, now_s = CHECK_S if self._idle else PERIOD_S, time.monotonic()
@@ -199,10 +201,6 @@ class Publisher(Component):
         if self._in_step:
             return turn_shift(self._due_s, sample_s)
         return phase_shift(self._due_s, sample_s, self._snapshot.sampling_s)
-
-    @property
-    def _watched(self) -> bool:
-        return self._positions.subscribed or self._status.subscribed or self._events.subscribed
 
     def _publish_changes(self) -> None:
         now_s = time.monotonic()
