@@ -87,7 +87,8 @@ def _set_up_listening() -> None:
     liveliness tokens would remain until TCP gives up, after a quarter of an hour, and its motions would continue.
 
     TCP_DEFER_ACCEPT: connections that send nothing stay in the kernel. After each failed handshake Zenoh accepts no
-    connection for 0.1 s, so a few hundred silent connections would keep out all clients.
+    connection for 0.1 s, so a few hundred silent connections would keep out all clients. For the same reason
+    `endpoint.probe` resets its connections, which then end in the kernel, too.
     """
     for path in DESCRIPTORS.iterdir() if sys.platform == "linux" else ():
         with contextlib.suppress(OSError):  # a descriptor that is no socket, or already closed
