@@ -48,8 +48,8 @@ def ratio(drive: DriveData) -> float:
     return drive.gear_ring / drive.gear_pinion
 
 
-def build_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
-    """Return the editable model; its `to_xml()` returns MJCF."""
+def mechanics(robot: RobotData = ROBOT) -> mujoco.MjSpec:
+    """Return the editable model without the shapes that only pictures show: each would be moved in each step."""
     spec = mujoco.MjSpec()
     spec.modelname = "beatrix"
     spec.compiler.degree = False
@@ -63,6 +63,12 @@ def build_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
         loop.name1, loop.name2 = f"rod_{name}", f"mount_{name}"
         loop.solref, loop.solimp = _SOLREF, _SOLIMP
         _add_motor(spec, robot.drive, name)
+    return spec
+
+
+def build_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
+    """Return the editable model with all shapes; its `to_xml()` returns MJCF."""
+    spec = mechanics(robot)
     add_visuals(spec, robot)
     return spec
 

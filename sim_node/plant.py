@@ -9,7 +9,6 @@ import copy
 import logging
 import math
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import Final
 
 import mujoco
@@ -23,7 +22,7 @@ from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Rotation, ypr_of
 from beatrix_zenoh.recording.figure import chains
-from sim_node.model import TIMESTEP_MS, build
+from sim_node.model import TIMESTEP_MS, mechanics
 
 CYCLE_FULL_STEPS: Final = 4
 """Full steps of a two-phase motor's electrical cycle."""
@@ -127,12 +126,6 @@ _CHECKS: Final = 5
 """The neck sleeps when so many checks in a row, each _CHECK_STEPS physics steps after the last, find it at rest."""
 
 
-@lru_cache(maxsize=1)
-def _compiled(robot: RobotData) -> mujoco.MjModel:
-    """Return the compiled model of a robot, to be copied: compiling takes 40 ms, in which no other thread runs."""
-    return build(robot)
-
-
 class Plant:
     """The simulated neck; starts upright with motors off. Angles in rad from home, lengths in m.
 
@@ -150,7 +143,7 @@ class Plant:
         self._drive = StepperDrive(robot.drive)
         self.re_placed = 0
         """Number of times that the neck was reassembled."""
-        self.model = copy.copy(_compiled(robot)) if model is None else model
+        self.model = mechanics(robot).compile() if model is None else model
         self.data = mujoco.MjData(self.model)
         # Views are created once: creating one takes as long as reading it.
         arms = [self.model.joint(f"arm_{name}") for name in ARMS]
