@@ -55,7 +55,8 @@ class Unanswered(msgspec.Struct, frozen=True):
     place: Place
     losses: int
     """number of losses of the router before the query"""
-    began_s: float = msgspec.field(default_factory=time.monotonic)
+    began_s: float
+    """time (s, monotonic) of the query"""
 
     def explain(self, limit_s: float | None = None, *, heard: bool = False) -> NoAnswer:
         """Return the error of a query without a reply: within `limit_s` (s) or, with None, until the query ended.
@@ -244,9 +245,12 @@ class Request:
         self._client, self._place, self._key, self._priority = client, place, key, priority
         self._payload = None if request is None else codec.encode(request)
         self._lasts_s = lasts_s + LATE_S
-        self._unanswered = Unanswered(client, place, client.losses)
+        self._losses, self._began_s = client.losses, time.monotonic()
         self._heard = self._repeated = False
         self._query = self._ask()
+
+    def _unanswered(self) -> Unanswered:
+        return Unanswered(self._client, self._place, self._losses, self._began_s)
 
     def _ask(self) -> Query:
         return self._client.bus.query(
@@ -266,7 +270,7 @@ class Request:
 
     def explain(self, limit_s: float) -> NoAnswer:
         """Return the error of a reply that did not come within `limit_s`; takes up to 3 s."""
-        return self._unanswered.explain(limit_s, heard=self._heard)
+        return self._unanswered().explain(limit_s, heard=self._heard)
 
     def reply(self, kind: type[M], timeout_s: float) -> M:
         """Return the result of `next`, but raise TimeoutError if no reply arrives within `timeout_s`."""
@@ -276,7 +280,7 @@ class Request:
             if answer is None and not (self._heard or self._repeated or self._client.bus.closed):
                 answer = self._again(deadline)
             if answer is None:
-                raise self._unanswered.explain(heard=self._heard)
+                raise self._unanswered().explain(heard=self._heard)
             reply = _read(self._client, self._key, answer, kind)
             if reply is not None:
                 self._heard = True
@@ -302,8 +306,8 @@ class Request:
             except TimeoutError:
                 if left_s <= LOSS_CHECK_S:
                     raise
-                if self._client.losses != self._unanswered.losses:
-                    raise self._unanswered.explain(heard=self._heard) from None
+                if self._client.losses != self._losses:
+                    raise self._unanswered().explain(heard=self._heard) from None
 
     def notify(self, notify: Callable[[], None]) -> None:
         """Call `notify` on Zenoh's thread after every reply; it must not block."""

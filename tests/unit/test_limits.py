@@ -15,7 +15,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import MotionLimits
-from beatrix_zenoh.motion.limits.path_check import TOLERANCE
+from beatrix_zenoh.motion.limits.path_check import TOLERANCE, PathChecker
 from beatrix_zenoh.motion.rotation import tilt_of
 from beatrix_zenoh.motion.trajectory import Trajectory
 
@@ -222,6 +222,19 @@ def test_many_small_motions_do_not_add_up_beyond_a_limit() -> None:
             break
         here = target
     assert tilt(here) <= LIMITS.tilt_max + TOLERANCE
+
+
+def test_a_motion_near_the_last_checked_position_needs_no_evaluation(monkeypatch: pytest.MonkeyPatch) -> None:
+    limits = MotionLimits()
+    limits.check_motion((0.1, 0.1, 0.1), REST, (0.2, 0.2, 0.2), SPEED, straight=True)
+
+    def evaluated(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr(PathChecker, "clearance", evaluated)
+    limits.check_motion((0.11, 0.12, 0.1), (0.1, 0.1, 0.1), (0.15, 0.15, 0.16), SPEED, straight=False)
+    with pytest.raises(AssertionError):
+        limits.check_motion((1.1, 1.1, 1.1), REST, (1.2, 1.2, 1.2), SPEED, straight=True)
 
 
 def test_the_refusal_of_arms_that_fit_no_orientation_of_the_head_explains_what_to_do() -> None:

@@ -92,6 +92,27 @@ def test_short_accepted_paths_keep_the_limits_and_refused_paths_do_not(
         assert_keeps(limits, outcome)
 
 
+@given(
+    poses(),
+    st.tuples(*[st.floats(-0.15, 0.15)] * 3),
+    st.tuples(*[st.floats(-0.3, 0.3)] * 3) | st.just(REST),
+    st.tuples(*[st.floats(-0.15, 0.15)] * 3),
+    st.sampled_from([LIMITS, CLOSE_ARMS]),
+)
+def test_paths_near_the_last_one_keep_the_limits_or_are_refused(
+    last: Arms, away: Arms, velocity: Arms, way: Arms, limits: MotionLimits
+) -> None:
+    start = (last[0] + away[0], last[1] + away[1], last[2] + away[2])
+    assume(min(NECK.gaps(last)) > limits.gap_min and not limits._checker.exceeded(start))
+    limits.check_motion(last, REST, last, SPEED, straight=False)
+    target = (start[0] + way[0], start[1] + way[1], start[2] + way[2])
+    outcome = verdict(limits, start, velocity, target, SPEED, straight=False)
+    if isinstance(outcome, Refused):
+        assert exceeds(limits, outcome.reason, start, velocity, target, SPEED, straight=False)
+    else:
+        assert_keeps(limits, outcome)
+
+
 @pytest.mark.parametrize(
     "arm", [0, *(pytest.param(n, marks=pytest.mark.long("the arms are alike")) for n in (1, 2))]
 )

@@ -14,6 +14,7 @@ long far from limits; along a limit they shrink with the square root of the marg
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -96,6 +97,8 @@ class PathChecker:
         up_bend, yaw_bend = _curvature(neck, known_tilt(neck, bounds.tilt_max))
         self._curvature: Margins = (up_bend, yaw_bend, yaw_bend, 0.0, 0.0, 0.0)
         self._gap_by = _gap_gradients(neck)
+        self._last: tuple[Arms, Clearance] | None = None
+        """The last position whose clearance was computed."""
 
     def clearance(self, arms: Arms) -> Clearance:
         """Return the margins at these arm angles (rad); raises BeatrixError if no head orientation is possible."""
@@ -127,9 +130,13 @@ class PathChecker:
         A limit that is exceeded at the start must not be exceeded by more: the motion may only lead back.
         Raises BeatrixError if no head orientation is possible at the start.
         """
+        last = self._last
+        if last is not None and self._has_room(last[1], self._ends, last[0], trajectory):
+            return None
         clearance = self.clearance(trajectory.start)
+        self._last = trajectory.start, clearance
         floors = _Floors(clearance, self._ends)
-        if self._is_short(floors, clearance, trajectory):
+        if self._has_room(clearance, floors.values, trajectory.start, trajectory):
             return None
         first: Clearance | None = clearance  # at the start, which exceeds no floor
         for section in trajectory.sections:
@@ -144,17 +151,20 @@ class PathChecker:
         found = self._visit(floors, trajectory.target)
         return Violation(found, trajectory.duration, trajectory.target) if isinstance(found, int) else None
 
-    def _is_short(self, floors: _Floors, start: Clearance, trajectory: Trajectory) -> bool:
-        """Return whether the path is too short to use up any margin.
+    def _has_room(
+        self, there: Clearance, floors: Sequence[float], arms: Arms, trajectory: Trajectory
+    ) -> bool:
+        """Return whether all margins at `arms` (rad) suffice for the way to the start and the whole path.
 
-        In a stream of targets each motion then needs only one evaluation.
+        In a stream of targets most motions then need no evaluation, and the others one.
         """
-        x, y, z = trajectory.lengths
+        (a, b, c), (x, y, z), (u, v, w) = arms, trajectory.start, trajectory.lengths
+        x, y, z = abs(x - a) + u, abs(y - b) + v, abs(z - c) + w
         square = x * x + y * y + z * z
         for value, floor, (a, b, c), bend in zip(
-            start.values, floors.values, start.gradients, self._curvature, strict=True
+            there.values, floors, there.gradients, self._curvature, strict=True
         ):
-            if value - floor < abs(a) * x + abs(b) * y + abs(c) * z + bend / 2 * square:
+            if not value - floor >= abs(a) * x + abs(b) * y + abs(c) * z + bend / 2 * square:
                 return False
         return True
 
