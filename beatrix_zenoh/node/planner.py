@@ -44,6 +44,8 @@ class Goal(msgspec.Struct, frozen=True):
     """the requested arm angles (rad); `target` is the nearest position in whole microsteps"""
     pose: Arms | None
     """the requested yaw, pitch and roll (rad); None for a motion of the arms"""
+    kept: tuple[bool, bool, bool] = (False, False, False)
+    """whether yaw, pitch, roll are those from before the motion, because a relative pose did not turn them"""
     turns: bool = True
     """whether an arm turns; False if all arms rest at `steps` already"""
     remark: str = ""
@@ -179,6 +181,7 @@ class Planner:
             trajectory,
             exact,
             pose,
+            _kept(query),
             turns,
             "" if turns or not _asks_to_turn(query) else self._not_yet,
         )
@@ -223,7 +226,23 @@ class Planner:
             return asked
         if last is not None and last.pose is not None and telemetry.position == last.steps:
             return _sum(last.pose, asked)
-        return _sum(self.limits.head_at(self.base(telemetry, last)), asked)
+        yaw, pitch, roll = self.limits.head_at(self.base(telemetry, last))
+        if last is not None and last.pose is not None:
+            # A held button sends a goal every moment. Between two goals the arms move on straight lines, not the head,
+            # so without this it would drift by a degree about the other two axes.
+            same = [was and not by for was, by in zip(last.kept, asked, strict=True)]
+            yaw, pitch, roll = (
+                goal if keeps else now
+                for keeps, goal, now in zip(same, last.pose, (yaw, pitch, roll), strict=True)
+            )
+        return _sum((yaw, pitch, roll), asked)
+
+
+def _kept(query: MotionQuery | PoseQuery) -> tuple[bool, bool, bool]:
+    """Return whether a query is a relative pose that does not turn yaw, pitch, roll."""
+    if query.absolute or not isinstance(query, PoseQuery):
+        return False, False, False
+    return not query.yaw, not query.pitch, not query.roll
 
 
 def _asks_to_turn(query: MotionQuery | PoseQuery) -> bool:

@@ -95,6 +95,30 @@ def test_while_a_motion_runs_a_relative_motion_counts_from_the_present_set_point
     assert goal.exact == pytest.approx((50 * STEP + math.radians(2),) * 3, abs=1e-6)
 
 
+def held(part: int, goals: int = 40) -> Arms:
+    """Return the pose (deg) after a stream of relative motions, each begun when a fifth of the last one is made."""
+    last, steps = None, REST
+    for _ in range(goals):
+        last = PLANNER.goal(turn(*(5.0 if i == part else 0.0 for i in range(3))), at(steps), last)
+        steps = PLANNER.gear.to_steps(last.trajectory.at(last.duration / 5)[0])
+    assert last is not None
+    assert last.pose is not None
+    yaw, pitch, roll = map(math.degrees, last.pose)
+    return yaw, pitch, roll
+
+
+@pytest.mark.parametrize("part", [0, 1, 2])
+def test_a_held_button_turns_the_head_about_no_other_axis(part: int) -> None:
+    others = [angle for i, angle in enumerate(held(part, 28)) if i != part]
+    assert others == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_an_axis_that_the_last_motion_has_turned_stops_at_the_set_point() -> None:
+    running = PLANNER.goal(turn(40), at(REST))
+    goal = PLANNER.goal(turn(0, 2), at((50, 50, 50), (200, 200, 200)), running)
+    assert goal.pose == pytest.approx((50 * STEP, math.radians(2), 0.0), abs=1e-6)
+
+
 @pytest.mark.parametrize("query", [turn(0.04), arms(0.0, -0.04, 0.0)])
 def test_a_relative_motion_of_less_than_half_a_microstep_says_that_the_arms_do_not_turn_yet(
     query: Query,

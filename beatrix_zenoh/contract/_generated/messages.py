@@ -362,7 +362,7 @@ class PoseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Turn the head; the arms start and arrive together."""
 
     absolute: bool = True
-    """true: this orientation; false: angles relative to the exact goal of the last motion if the head stands at it, otherwise, also while it moves, to the orientation of the present set point"""
+    """true: this orientation; false: angles relative to the exact goal of the last motion if the head stands at it, otherwise, also while it moves, to the orientation of the present set point; an angle that is 0 in several motions in a row stays exactly the same"""
     yaw: Float32 = 0.0
     """left is positive [rad]"""
     pitch: Float32 = 0.0
