@@ -44,13 +44,15 @@ class Writer:
     def _run(self) -> None:
         while (entry := self._next()) is not None:
             name, record = entry
+            line = printable.line(record.getMessage())
             if self._file is not None:
+                if name:
+                    record.msg = f"{name}: {record.msg}"
                 self._file.handle(record)
             if record.levelno < logging.WARNING:
                 continue
-            line = printable.line(record.getMessage())
             if self._named:
-                self._gather(name, line.removeprefix(f"{name}: "))
+                self._gather(name, line)
             else:
                 print_raw(line)
         self._print()
@@ -94,15 +96,13 @@ class Enqueue(QueueHandler):
     """A handler that drops records when the queue is full."""
 
     def __init__(self, records: queue.Queue[Entry | None], *, named: bool) -> None:
-        """Put records into a queue; `named`: begin their messages with the name of their robot."""
+        """Put records into a queue; `named`: with the name of their robot."""
         super().__init__(records)
         self._named = named
 
     def enqueue(self, record: logging.LogRecord) -> None:
         """Put the copy of a record, on the thread that logs, into the queue; raises queue.Full."""
         owner = threads.OWNER.get() if self._named else None
-        if owner is not None:
-            record.msg = f"{owner.name}: {record.msg}"
         self.queue.put_nowait(("" if owner is None else owner.name, record))
 
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 - the name is logging's
