@@ -92,16 +92,19 @@ class Jogging(Worker):
         with self._lock:
             self._stops += stopped
             self._goal = None
-            if self._press is not None:
-                self.over, self._press = max(self.over, self._press.number), None
+            self._drop(self._press)
 
     def _failed(self, press: Press) -> None:
         """End a press without a last goal, but none that has begun since: a motion that STOP ends reports it later."""
         with self._lock:
             if self._goal is not None and self._goal[0] is press:
                 self._goal = None
-            if self._press is press:
-                self.over, self._press = max(self.over, press.number), None
+            self._drop(press)
+
+    def _drop(self, press: Press | None) -> None:
+        """End a press if it is held; the caller holds the lock."""
+        if press is not None and self._press is press:
+            self.over, self._press = max(self.over, press.number), None
 
     # -- the thread ---------------------------------------------------------------------------------
 
