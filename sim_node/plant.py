@@ -157,7 +157,6 @@ class Plant:
         self._mounts = [self.model.site(f"mount_{name}").id for name in ARMS]
         self._forces, self._speeds = self.data.xfrc_applied, self.data.qvel
         self._pulled_to, self._options = self.data.ctrl, self.model.opt
-        self._powered: bool | None = None
         self._until_check, self._checks = _CHECK_STEPS, 0
         self.straighten()
 
@@ -280,17 +279,15 @@ class Plant:
         plant._until_check, plant._checks = self._until_check, self._checks
         mujoco.mj_copyData(plant.data, plant.model, self.data)
         # A new plant has its motors off, and a step changes the switch only when the board does.
-        plant._options.disableactuator, plant._powered = self._options.disableactuator, self._powered
+        plant._options.disableactuator = self._options.disableactuator
         return plant
 
     def _apply_drive(self) -> None:
         """Pass set points and motor switch to MuJoCo; wakes the neck."""
         self._checks = 0
-        angles, on = self._pulled_to, self._drive.on
+        angles = self._pulled_to
         angles[0], angles[1], angles[2] = self._drive.set_points
-        if on is not self._powered:
-            self._powered = on
-            self._options.disableactuator = 0 if on else _ALL_MOTORS
+        self._options.disableactuator = 0 if self._drive.on else _ALL_MOTORS
 
 
 def _stride(addresses: Sequence[int]) -> slice:
