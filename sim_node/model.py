@@ -49,7 +49,10 @@ def ratio(drive: DriveData) -> float:
 
 
 def mechanics(robot: RobotData = ROBOT) -> mujoco.MjSpec:
-    """Return the editable model without the shapes that only pictures show: each would be moved in each step."""
+    """Return the editable model (nq 10, nv 9, nu 3) without the shapes that only pictures show.
+
+    Each of them would be moved in each step.
+    """
     spec = mujoco.MjSpec()
     spec.modelname = "beatrix"
     spec.compiler.degree = False
@@ -71,11 +74,6 @@ def build_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
     spec = mechanics(robot)
     add_visuals(spec, robot)
     return spec
-
-
-def build(robot: RobotData = ROBOT) -> mujoco.MjModel:
-    """Return the compiled model: nq 10, nv 9, nu 3."""
-    return build_spec(robot).compile()
 
 
 def _set_options(spec: mujoco.MjSpec) -> None:

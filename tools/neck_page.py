@@ -18,7 +18,7 @@ from beatrix_zenoh.client.degrees import Path as ArmsPath
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.trajectory import plan
-from sim_node.model import build
+from sim_node.model import build_spec
 from sim_node.picture import write_mechanism
 
 DOCS: Final = Path(__file__).resolve().parent.parent / "docs"
@@ -88,7 +88,7 @@ def speeds_table() -> str:
 
 def model_tree() -> str:
     """Return a tree of the bodies of the simulation with their joints, motors, cameras and loops."""
-    return "```text\nworld\n" + "\n".join(_branches(build(), 0, "")) + "\n```\n"
+    return "```text\nworld\n" + "\n".join(_branches(build_spec().compile(), 0, "")) + "\n```\n"
 
 
 def _branches(model: mujoco.MjModel, parent: int, indent: str) -> Iterator[str]:

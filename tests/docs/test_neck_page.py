@@ -13,7 +13,7 @@ import pytest
 
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.trajectory import plan
-from sim_node.model import build
+from sim_node.model import build_spec
 
 Vector = npt.NDArray[np.float64]
 
@@ -34,7 +34,7 @@ def test_the_head_angles_of_each_row_belong_to_its_arm_angles() -> None:
 
 
 def test_the_tree_names_every_body_joint_motor_and_loop() -> None:
-    model = build()
+    model = build_spec().compile()
     names = [model.body(i).name for i in range(model.nbody)]
     names += [model.actuator(i).name for i in range(model.nu)]
     names += [model.equality(i).name for i in range(model.neq)]

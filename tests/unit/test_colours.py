@@ -13,7 +13,7 @@ from robots import ROOT
 from beatrix_zenoh import colours
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rrd import scene
-from sim_node.model import build
+from sim_node.model import build_spec
 
 Colour = colours.Colour
 SOURCES = [
@@ -52,7 +52,7 @@ def test_the_colours_of_a_plot_are_distinguishable_with_colour_blindness(
 
 
 def test_models_and_viewer_use_the_table() -> None:
-    model = build()
+    model = build_spec().compile()
     for body in Figure().bodies[1:4]:
         name = body.path.removeprefix("arm_")
         assert colours.ARMS[name] in {solid.colour for solid in body.solids}

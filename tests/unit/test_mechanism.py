@@ -8,7 +8,7 @@ import numpy as np
 from beatrix_zenoh import colours
 from beatrix_zenoh.recording.figure import Form, Solid
 from beatrix_zenoh.recording.mechanism import AXIS_RADIUS
-from sim_node.model import build, build_spec
+from sim_node.model import build_spec
 from sim_node.picture import MECHANISM, add_mechanism
 from sim_node.scene import scene_spec
 
@@ -35,7 +35,7 @@ def test_solids_are_where_the_figure_has_them_in_mujoco() -> None:
 
 
 def test_the_mechanism_is_hidden_at_first_and_changes_neither_masses_nor_contacts() -> None:
-    plain, spec = build(), build_spec()
+    plain, spec = build_spec().compile(), build_spec()
     add_mechanism(spec)
     model = spec.compile()
     added = model.geom_group == MECHANISM

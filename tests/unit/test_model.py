@@ -10,7 +10,7 @@ from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData, RobotDa
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import chains
-from sim_node.model import build, rod_range
+from sim_node.model import build_spec, rod_range
 from sim_node.visuals import COLLISION, VISUAL
 
 GEOMETRIES = [
@@ -23,12 +23,12 @@ GEOMETRIES = [
 
 @pytest.fixture(scope="module")
 def model() -> mujoco.MjModel:
-    return build()
+    return build_spec().compile()
 
 
 @pytest.mark.parametrize("geometry", GEOMETRIES)
 def test_home_is_qpos0_with_a_closed_loop(geometry: GeometryData) -> None:
-    model = build(RobotData(geometry=geometry))
+    model = build_spec(RobotData(geometry=geometry)).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert model.qpos0.tolist() == [1.0] + [0.0] * 9
@@ -52,7 +52,7 @@ def test_hidden_geoms_have_the_mass_of_the_robot(model: mujoco.MjModel) -> None:
 
 @pytest.mark.parametrize("geometry", GEOMETRIES)
 def test_rod_angle_closes_the_loop_of_any_pose(geometry: GeometryData) -> None:
-    model = build(RobotData(geometry=geometry))
+    model = build_spec(RobotData(geometry=geometry)).compile()
     data = mujoco.MjData(model)
     neck = Neck(geometry)
     for yaw, pitch, roll in itertools.product((-2.0, 0.3), (-0.3, 0.2), (-0.2, 0.4)):

@@ -14,7 +14,7 @@ from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Vector, rotation_of
 from beatrix_zenoh.recording.figure import Figure, Quaternion
 from beatrix_zenoh.recording.samples import Floats
-from sim_node.model import build
+from sim_node.model import build_spec
 
 LEFT_HANDED = GeometryData(hand=-1, rod_twist=80.0, mount_angle=100.0)
 
@@ -39,7 +39,7 @@ def test_rods_end_where_the_head_is_mounted(geometry: GeometryData, pose: tuple[
 
 
 def test_bodies_turn_as_in_the_model() -> None:
-    model = build()
+    model = build_spec().compile()
     data = mujoco.MjData(model)
     arms, head = (0.3, -0.1, 0.2), rotation_of(*Neck().forward((0.3, -0.1, 0.2)))
     turns = Figure().rotations(arms, head)

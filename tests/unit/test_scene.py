@@ -15,7 +15,7 @@ from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
 from beatrix_zenoh.lettering import ROWS, cells
 from beatrix_zenoh.motion.kinematics import Neck
 from sim_node import gl
-from sim_node.model import build
+from sim_node.model import build_spec
 from sim_node.painter import Image, PosedModel
 from sim_node.plant import Plant
 from sim_node.rays import RayPainter
@@ -67,7 +67,7 @@ def painter() -> RayPainter:
 
 
 def test_the_scene_has_the_joints_of_the_plant() -> None:
-    plant, scene = build(), scene_spec().compile()
+    plant, scene = build_spec().compile(), scene_spec().compile()
     assert scene.nq == plant.nq
     assert scene.jnt_qposadr.tolist() == plant.jnt_qposadr.tolist()
     assert [scene.joint(i).name for i in range(scene.njnt)] == [
@@ -80,7 +80,7 @@ def test_the_person_is_first_where_its_paths_begin() -> None:
 
 
 def test_the_model_of_the_physics_does_not_contain_the_scene() -> None:
-    assert mujoco.mj_name2id(build(), mujoco.mjtObj.mjOBJ_BODY, PERSON) == -1
+    assert mujoco.mj_name2id(build_spec().compile(), mujoco.mjtObj.mjOBJ_BODY, PERSON) == -1
 
 
 @pytest.mark.parametrize("place", [NEAR, HOME, (2.0, 0.3, 0.2)])
