@@ -29,8 +29,19 @@ MESSAGES = {
 }
 """Zenoh's kinds of messages for each field of `Grant`."""
 ALL_MESSAGES = (*(kind for kinds in MESSAGES.values() for kind in kinds), "delete")
+DEPTH = 9
+"""Largest number of chunks in the keys of BEATRIX, and a few more."""
 LARGEST_REQUEST = 64 * 1024
 """Largest query (bytes); the router of a class drops larger ones."""
+
+
+def below(root: str) -> tuple[str, ...]:
+    """Return key expressions that include all keys below `root` with at most DEPTH chunks, and none with `**`.
+
+    Zenoh 1.10 passes a declaration on to other routers, and a router ends with a stack overflow when it forgets a key
+    of some thousand chunks, so a rule such as `beatrix/**` would let one seat end the router of the robots.
+    """
+    return tuple(root + "/*" * count for count in range(1, DEPTH - root.count("/")))
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,8 @@ BUFFERS = {"so_sndbuf": 256 * 1024, "so_rcvbuf": 32 * 1024}
 """Socket buffers (bytes). A small one for received data, as for TCP; a larger one for data to send, because Zenoh 1.10
 closes a TLS connection only after all data is written, so a buffer that is full would hide a lost computer."""
 _UNKNOWN = (
-    "it does not know this certificate, which is from another class or an earlier `beatrix classroom init`"
+    "it does not know this certificate, which has been replaced by a newer one, removed from the class, or is from another "
+    "class"
 )
 _WRONG_ADDRESS = (
     "its certificate is for another address: the teacher corrects `addresses` in class.toml and runs `beatrix "
@@ -109,9 +110,11 @@ def refusal(endpoint: str, account: Account | None) -> str:
     return _refused(endpoint, account, cause)
 
 
-def without_rights(endpoint: str, account: Account) -> str:
-    """Return the message about a router that accepts the certificate of an account, but has no rules for it."""
-    return _refused(endpoint, account, "it has been replaced by a newer one, or removed from the class")
+def put_out(endpoint: str, account: Account) -> str:
+    """Return the message about a router that closes each session of an account."""
+    return _refused(
+        endpoint, account, "the teacher has removed it from the class, or it is put out for a minute"
+    )
 
 
 def _refused(endpoint: str, account: Account, cause: str) -> str:

@@ -6,20 +6,21 @@ import contextlib
 import os
 import socket
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import zenoh
 
-from beatrix_zenoh.bus.access_control import Grant, access_control, downsampling, low_pass_filter
+from beatrix_zenoh.bus.access_control import EVERYTHING, Grant, access_control, downsampling, low_pass_filter
+from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.bus.credentials import Identity, tls
 from beatrix_zenoh.bus.endpoint import endpoints, is_local
-from beatrix_zenoh.bus.transport import HALF_OPEN, LEASE_MS, RUNTIME, WAIT_CLOSE_US, opened
+from beatrix_zenoh.bus.transport import HALF_OPEN, LEASE_MS, RETRY, RUNTIME, WAIT_CLOSE_US, opened
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 
-DESCRIPTORS = Path("/proc/self/fd")
+DESCRIPTORS = Path("/proc/self/fd" if sys.platform == "linux" else "/dev/fd")
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,9 @@ class RouterAccess:
     common_names: Mapping[str, str]
     """common name of the one valid certificate of each account, by the account's name"""
     identity: Identity
-    """certificate and key of this router"""
+    """certificate and key of this router; as `authority` the certificates of all whose sessions and routers it accepts"""
+    upstream: str = ""
+    """endpoint of a router to which this one connects, and through which its clients reach all others; empty: none"""
     rates: Mapping[str, float] = field(default_factory=dict)
     """largest rate (Hz) of the publications of each of these keys that the router accepts from a session"""
 
@@ -73,6 +76,11 @@ def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Sessio
             "downsampling": downsampling(access.rates),
             "low_pass_filter": low_pass_filter(),
             "transport/link/tls": tls(access.identity, listens=True),
+            # It keeps trying for ever: a router that is started again accepts no connection for a moment.
+            "connect/endpoints": [access.upstream] if access.upstream else [],
+            "connect/timeout_ms": -1,
+            "connect/exit_on_failure": False,
+            "connect/retry": RETRY,
         }
     session = opened(settings, lambda: trouble)
     _set_up_listening()
@@ -90,15 +98,61 @@ def _set_up_listening() -> None:
     connection for 0.1 s, so a few hundred silent connections would keep out all clients. For the same reason
     `endpoint.probe` resets its connections, which then end in the kernel, too.
     """
-    for path in DESCRIPTORS.iterdir() if sys.platform == "linux" else ():
+    if sys.platform == "linux":
+        for listening in _sockets():
+            if listening.getsockopt(socket.SOL_SOCKET, socket.SO_ACCEPTCONN):
+                listening.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, LEASE_MS)
+                listening.setsockopt(socket.IPPROTO_TCP, socket.TCP_DEFER_ACCEPT, LEASE_MS // 1000)
+
+
+def watch_router(
+    session: zenoh.Session, link: Callable[[str, str, bool], None], token: Callable[[str], None]
+) -> object:
+    """Report what the clients of a router do, on Zenoh's threads, until the returned object is deleted.
+
+    `link(common_name, address, opened)`: a connection of the account with this common name has begun or ended.
+    `token(key)`: a client has declared a liveliness token.
+    """
+
+    def on_link(event: zenoh.LinkEvent) -> None:
+        address = event.link.dst.partition("/")[2]
+        link(event.link.auth_identifier or "", address, event.kind == zenoh.SampleKind.PUT)
+
+    def on_token(sample: zenoh.Sample) -> None:
+        if sample.kind == zenoh.SampleKind.PUT:
+            token(str(sample.key_expr))
+
+    tokens = session.liveliness()
+    return (
+        session.info.declare_link_events_listener(direct(on_link), history=True),
+        *(tokens.declare_subscriber(key, direct(on_token)) for key in EVERYTHING[1:]),
+    )
+
+
+def close_connections(addresses: Container[str]) -> None:
+    """End the connections of this process to these addresses, such as `10.0.0.7:51002`; Zenoh cannot end a session.
+
+    Raises:
+        NotImplementedError: the system does not list the open files of a process.
+    """
+    if not DESCRIPTORS.exists():
+        raise NotImplementedError
+    for connection in _sockets():
+        with contextlib.suppress(OSError):  # it has no peer, or has ended meanwhile
+            host, port = connection.getpeername()[:2]
+            if f"{host}:{port}" in addresses:
+                connection.shutdown(socket.SHUT_RDWR)
+
+
+def _sockets() -> Iterator[socket.socket]:
+    """Yield a copy of each socket of this process, which is closed after its use."""
+    for path in DESCRIPTORS.iterdir():
         with contextlib.suppress(OSError):  # a descriptor that is no socket, or already closed
             copy = os.dup(int(path.name))
             try:
-                listening = socket.socket(fileno=copy)
+                found = socket.socket(fileno=copy)
             except OSError:
                 os.close(copy)
                 continue
-            with listening:
-                if listening.getsockopt(socket.SOL_SOCKET, socket.SO_ACCEPTCONN):
-                    listening.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, LEASE_MS)
-                    listening.setsockopt(socket.IPPROTO_TCP, socket.TCP_DEFER_ACCEPT, LEASE_MS // 1000)
+            with found:
+                yield found

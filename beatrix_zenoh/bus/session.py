@@ -14,8 +14,7 @@ from beatrix_zenoh.bus import credentials, forks
 from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe
 from beatrix_zenoh.bus.messages import TOKEN, WATCH, MessageSession
-from beatrix_zenoh.bus.query import intersects
-from beatrix_zenoh.bus.transport import OPEN_MS, opened
+from beatrix_zenoh.bus.transport import OPEN_MS, RETRY, opened
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
@@ -25,8 +24,8 @@ OTHER_CAUSES = (
     "Or it does not use certificates: it serves no class."
 )
 """What else may be wrong if a router with TLS does not answer."""
-PASSES_S = 0.5
-"""Time (s) for the router to report the tokens of a new session."""
+STAYS_S = 0.3
+"""Time (s) after which a router has not closed the session of an account that it has put out."""
 POLL_S = 0.02
 
 
@@ -38,7 +37,6 @@ class Bus(MessageSession):
     ) -> None:
         super().__init__(open_session)
         self._account = account
-        self._watched: list[str] = []
         self.endpoint = endpoint
         self.session_id = self.use(lambda session: str(session.zid()))
 
@@ -63,41 +61,12 @@ class Bus(MessageSession):
             and (time.monotonic() - begin < timeout_s)
         )
 
-    def refusal(self, token: str = "") -> NoAnswer | None:
-        """Return the error if the router accepts the certificate of the account but drops all messages; else None.
-
-        `token`: one that this session has declared; by default a new one of the account's seat. Zenoh returns a
-        session's own token twice, from the session itself and from the router. In the first milliseconds of a session
-        the router may not return it yet, so this method tries for PASSES_S. A session that has watched tokens of this
-        kind gets its own only once, so then a second session looks.
-        """
-        account = self._account
-        if account is None or not self.connected:
+    def refusal(self) -> NoAnswer | None:
+        """Return the error if the router refuses the account; None if it accepts it, or cannot be reached."""
+        if self._account is None or self.connected:
             return None
-        if any(intersects(watched, token) for watched in self._watched):
-            return self._refusal_of_second(account)
-        if not token:
-            token = keys.seat(account.name, self.session_id)
-            end = self.declare_token(token)
-            try:
-                return self.refusal(token)
-            finally:
-                end()
-        deadline_s = time.monotonic() + PASSES_S
-        while len(self.tokens(token)) <= 1:
-            if not self.connected:
-                return None
-            if time.monotonic() > deadline_s:
-                return NoAnswer(Reason.ACCOUNT_REFUSED, credentials.without_rights(self.endpoint, account))
-            time.sleep(POLL_S)
-        return None
-
-    def _refusal_of_second(self, account: Account) -> NoAnswer | None:
-        try:
-            with Bus(self._open_session, self.endpoint, account) as second:
-                return second.refusal()
-        except NoAnswer as error:  # if the router has just been lost, it has refused nothing
-            return error if error.reason is Reason.ACCOUNT_REFUSED else None
+        error = self.connection_error()
+        return error if error is not None and error.reason is Reason.ACCOUNT_REFUSED else None
 
     def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> Callable[[], None]:
         """Report tokens that appear or disappear, first the existing ones; return a function that ends the reports.
@@ -108,7 +77,6 @@ class Bus(MessageSession):
         def receive(sample: zenoh.Sample) -> None:
             handle(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT)
 
-        self._watched.append(key)
         return self.add(
             WATCH,
             key,
@@ -138,12 +106,22 @@ class Bus(MessageSession):
         return False
 
     def connection_error(self) -> NoAnswer | None:
-        """Try to open another session with the same account; return the error, or None if the router accepts it."""
+        """Try to open another session with the same account; return the error, or None if the router accepts it.
+
+        A router that has put an account out closes each of its sessions at once.
+        """
         try:
-            self._open_session().close()
+            with Bus(self._open_session, self.endpoint) as second:
+                deadline_s = time.monotonic() + STAYS_S
+                while self._account is not None and second.connected:
+                    if time.monotonic() > deadline_s:
+                        return None
+                    time.sleep(POLL_S)
         except NoAnswer as error:
             return error
-        return None
+        if self._account is None:
+            return None
+        return NoAnswer(Reason.ACCOUNT_REFUSED, credentials.put_out(self.endpoint, self._account))
 
     def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
         """Return name and side of every robot online."""
@@ -185,7 +163,7 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
         "mode": "client",
         "connect/endpoints": endpoints(endpoint),
         "connect/timeout_ms": 0,
-        "connect/retry": {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2},
+        "connect/retry": RETRY,
         "scouting/gossip/enabled": False,
         "metadata": {"name": label},
         **credentials.settings(account),

@@ -19,7 +19,6 @@ from beatrix_zenoh.bus.session import Bus
 from beatrix_zenoh.bus.watchdog import CONTROL, SessionListener, SessionWatchdog
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import ProgramInfo
-from beatrix_zenoh.contract.errors import NoAnswer
 
 MEDIA = "media"
 """Traffic class of pictures and sound, in which a node only publishes. Nodes of one process share its session and no
@@ -38,8 +37,6 @@ class ProcessSessions:
         self._lock, self._closing = threading.Lock(), threading.Lock()
         self._open: dict[str, Bus] = {CONTROL: connect()}
         self.watchdog = SessionWatchdog(self.opened)
-        self.accepted = False
-        """Whether the router has passed a token of the account."""
 
     @property
     def control(self) -> Bus:
@@ -130,15 +127,6 @@ class Sessions:
     def declare_token(self, key: str) -> Callable[[], None]:
         """Declare a token in the control session, as `Bus.declare_token` does."""
         return self._declared(TOKEN, key, self.control.declare_token(key))
-
-    def refusal(self, token: str) -> NoAnswer | None:
-        """Return `Bus.refusal` of a token that the control session has declared, unless an earlier one has passed."""
-        process = self._shared or self._own
-        if process.accepted:
-            return None
-        refused = self.control.refusal(token)
-        process.accepted = refused is None
-        return refused
 
     def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> None:
         """Report tokens to `handle`, as `Bus.watch_tokens` does."""

@@ -43,6 +43,8 @@ MESSAGE_HEADER = 4 * 1024
 """Room for the key, attachment and header of a message (bytes)."""
 OPEN_MS = 2000
 """Time after which a router that accepts a connection and does not answer counts as lost; the default is 10 s."""
+RETRY = {"period_init_ms": 50, "period_max_ms": 500, "period_increase_factor": 2}
+"""Times between two attempts to connect."""
 HALF_OPEN = 1000
 """Largest number of connections that have not sent anything yet; at the default of 100 a port scan locks out a
 class."""

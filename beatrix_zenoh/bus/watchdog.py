@@ -25,8 +25,6 @@ FAILURES = 2
 class SessionListener(NamedTuple):
     """What a node gives to the watchdog."""
 
-    token: str
-    """a token that the node has declared in the control session"""
     renewed: Callable[[str], None]
     """called with the traffic class of a session that was replaced"""
     refused: Callable[[NoAnswer], None]
@@ -39,8 +37,8 @@ class SessionWatchdog:
     If the router disconnects a session under a flood of messages, Zenoh 1.10 reconnects it without its declarations in
     about one case in ten. The session is then open, but the router delivers no query to it.
 
-    If the router is back after a loss and refuses the account, or has no rules for it, the listeners are told once,
-    because Zenoh tries to connect for ever, or drops all messages, and reports nothing.
+    If the router is back after a loss and refuses the account, it reports that to the listeners once, because Zenoh tries
+    to connect for ever and reports nothing.
     """
 
     def __init__(self, opened: Callable[[], dict[str, Bus]]) -> None:
@@ -51,7 +49,7 @@ class SessionWatchdog:
         """The listeners, each with a function that returns the sessions of its node that no other node uses."""
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
-        self._refusals, self._without_rights = 0, False
+        self._refusals = 0
         self._failures: weakref.WeakKeyDictionary[Bus, int] = weakref.WeakKeyDictionary()
 
     def add(self, listener: SessionListener, own: Callable[[], dict[str, Bus]] = dict) -> Callable[[], None]:
@@ -103,24 +101,14 @@ class SessionWatchdog:
         if self._failures[checked] < FAILURES:
             return
         del self._failures[checked]
-        is_control = traffic == CONTROL
-        if self._without_rights and not is_control:
-            return
         try:
             checked.renew()
         except NoAnswer:
             return  # the router has just been lost; the old session remains
         except WrongUsage:
             return  # the node closes
-        error = checked.refusal(listeners[0].token) if is_control and listeners else None
-        if error is None:
-            self._without_rights = False
-            for listener in listeners:
-                listener.renewed(traffic)
-        elif not self._without_rights:
-            self._without_rights = True
-            for listener in listeners:
-                listener.refused(error)
+        for listener in listeners:
+            listener.renewed(traffic)
 
     def _check_account(self, control: Bus) -> None:
         """Report a router that refuses the account twice in a row; one that has just started may refuse it once."""

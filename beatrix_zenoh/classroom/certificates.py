@@ -1,4 +1,7 @@
-"""Certificates of a class, whose own authority signs those of routers, seats and robots."""
+"""Certificates of a class: its own authority signs those of its router; those of accounts sign themselves.
+
+The router lists the certificates of the accounts one by one, so TLS itself refuses a card that was replaced or removed.
+"""
 
 from __future__ import annotations
 
@@ -54,34 +57,43 @@ class Authority:
         """The authority's own certificate (PEM)."""
         return _text(self._certificate)
 
-    def issue(
-        self,
-        common_name: str,
-        addresses: tuple[str, ...] = (),
-        *,
-        begin: dt.datetime = BEGIN,
-        days: int = ACCOUNT_DAYS,
-    ) -> Identity:
-        """Issue a certificate, with a new key, for an account or for a router at these addresses."""
+    def issue(self, common_name: str, addresses: tuple[str, ...], *, days: int = ACCOUNT_DAYS) -> Identity:
+        """Issue a certificate, with a new key, for a router at these addresses."""
         key = ec.generate_private_key(ec.SECP256R1())
-        usages = [ExtendedKeyUsageOID.CLIENT_AUTH, *([ExtendedKeyUsageOID.SERVER_AUTH] if addresses else [])]
-        builder = _builder(_name(common_name), self._certificate.subject, key, days, begin)
-        builder = builder.add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
-        builder = builder.add_extension(x509.ExtendedKeyUsage(usages), critical=False)
-        if addresses:
-            alternatives = [_alternative(address) for address in (*addresses, *LOOPBACK)]
-            builder = builder.add_extension(x509.SubjectAlternativeName(alternatives), critical=False)
-        signed = builder.sign(self._key, hashes.SHA256())
+        builder = _builder(_name(common_name), self._certificate.subject, key, days)
+        usages = [ExtendedKeyUsageOID.CLIENT_AUTH, ExtendedKeyUsageOID.SERVER_AUTH]
+        alternatives = [_alternative(address) for address in (*addresses, *LOOPBACK)]
+        builder = builder.add_extension(x509.SubjectAlternativeName(alternatives), critical=False)
+        signed = _leaf(builder, usages).sign(self._key, hashes.SHA256())
         return Identity(self.certificate, _text(signed), _key_text(key))
 
     def signed(self, certificate: str) -> bool:
         """Return whether this authority has signed a certificate (PEM) that is valid for more than RENEW_DAYS."""
-        try:
-            read = x509.load_pem_x509_certificate(certificate.encode())
-            read.verify_directly_issued_by(self._certificate)
-        except Exception:  # noqa: BLE001  # cryptography raises many kinds of errors for foreign certificates
-            return False
-        return read.not_valid_after_utc > _in_days(RENEW_DAYS)
+        return _is_current(certificate, self._certificate)
+
+
+def account(
+    common_name: str, authority: str, *, begin: dt.datetime = BEGIN, days: int = ACCOUNT_DAYS
+) -> Identity:
+    """Make the certificate of an account, with a new key; it trusts routers that `authority` (PEM) has signed."""
+    key = ec.generate_private_key(ec.SECP256R1())
+    name = _name(common_name)
+    builder = _leaf(_builder(name, name, key, days, begin), [ExtendedKeyUsageOID.CLIENT_AUTH])
+    return Identity(authority, _text(builder.sign(key, hashes.SHA256())), _key_text(key))
+
+
+def is_current(certificate: str) -> bool:
+    """Return whether the certificate (PEM) of an account has signed itself and is valid for more than RENEW_DAYS."""
+    return _is_current(certificate, None)
+
+
+def _is_current(certificate: str, issuer: x509.Certificate | None) -> bool:
+    try:
+        read = x509.load_pem_x509_certificate(certificate.encode())
+        read.verify_directly_issued_by(issuer or read)
+    except Exception:  # noqa: BLE001  # cryptography raises many kinds of errors for foreign certificates
+        return False
+    return read.not_valid_after_utc > _in_days(RENEW_DAYS)
 
 
 def common_name(certificate: str) -> str:
@@ -104,6 +116,12 @@ def _builder(
 ) -> x509.CertificateBuilder:
     builder = x509.CertificateBuilder(issuer, subject, key.public_key(), x509.random_serial_number())
     return builder.not_valid_before(begin).not_valid_after(_in_days(days))
+
+
+def _leaf(builder: x509.CertificateBuilder, usages: list[x509.ObjectIdentifier]) -> x509.CertificateBuilder:
+    """Return the builder of a certificate that signs no other, for these usages."""
+    builder = builder.add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
+    return builder.add_extension(x509.ExtendedKeyUsage(usages), critical=False)
 
 
 def _in_days(days: int) -> dt.datetime:

@@ -70,8 +70,16 @@ class Classroom:
 
     @property
     def listen(self) -> str:
-        """Endpoints of the router, in the order in which seats and robots try them."""
-        return ",".join(f"tls/{address}:{self.port}" for address in self.addresses)
+        """Endpoints of the router of robots and teacher, in the order in which they try them."""
+        return self._endpoints(self.port)
+
+    @property
+    def listen_seats(self) -> str:
+        """Endpoints of the router of the seats: the next port."""
+        return self._endpoints(self.port + 1)
+
+    def _endpoints(self, port: int) -> str:
+        return ",".join(f"tls/{address}:{port}" for address in self.addresses)
 
     @property
     def accounts(self) -> dict[str, Role]:
@@ -136,7 +144,7 @@ def read(path: Path) -> Classroom:
         port=file.router.port,
         pictures_hz=file.router.pictures_hz,
     )
-    for endpoint in zbus.endpoints(made.listen):
+    for endpoint in zbus.endpoints(made.listen_seats):
         zbus.parse_endpoint(endpoint)
     return made
 

@@ -19,6 +19,9 @@ from beatrix_zenoh.classroom.router_file import ROUTER, RouterFile, load
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused, WrongUsage
 
+AUTHORITY = "router-authority.pem"
+"""File of the authority that signs the certificates of the router. In earlier versions one in `authority.pem` also signed
+accounts, which no router may accept any more."""
 MISSING = '`beatrix classroom init` needs {}, which is not installed: pip install ".[classroom]" in the folder of BEATRIX'
 
 
@@ -70,14 +73,14 @@ def init(classroom: Classroom, folder: Path) -> Made:
 
 
 class _Signer:
-    """Signs certificates with the authority of the class, whose file is needed on the teacher's computer only."""
+    """Makes the certificates of accounts, and of the router with the authority, whose file stays with the teacher."""
 
     def __init__(self, folder: Path, classroom: Classroom) -> None:
         try:
             from beatrix_zenoh.classroom import certificates  # needs an extra
         except ModuleNotFoundError as error:
             raise Refused(Reason.BAD_VALUE, MISSING.format(error.name)) from error
-        path = folder / "authority.pem"
+        path = folder / AUTHORITY
         if path.is_file():
             try:
                 self.authority = certificates.Authority.read(path.read_text(encoding="utf-8"))
@@ -89,29 +92,28 @@ class _Signer:
         self._certificates = certificates
 
     def account(self, classroom: Classroom, name: str, role: Role, old: Account | None) -> Account:
-        """Return an account with its old certificate, or with a new one if `Authority.signed` rejects it.
+        """Return an account with its old certificate, or with a new one if that is not of this class or expires soon.
 
         The common name of a new certificate has a random suffix, so that the router can distinguish it from older ones.
         """
-        if old is not None and self.authority.signed(old.certificate):
-            certificate, key = old.certificate, old.key
-        else:
-            new = self.authority.issue(f"{name}.{secrets.token_hex(4)}")
-            certificate, key = new.certificate, new.key
+        trusted = self.authority.certificate
+        own = None if old is None else Identity(old.authority, old.certificate, old.key)
+        if own is None or own.authority != trusted or not self._certificates.is_current(own.certificate):
+            own = self._certificates.account(f"{name}.{secrets.token_hex(4)}", trusted)
         return Account(
             class_name=classroom.name,
             name=name,
             role=role,
-            connect=classroom.listen,
-            expires=self._certificates.expiry(certificate),
-            authority=self.authority.certificate,
-            certificate=certificate,
-            key=key,
+            connect=classroom.listen_seats if role == "student" else classroom.listen,
+            expires=self._certificates.expiry(own.certificate),
+            authority=trusted,
+            certificate=own.certificate,
+            key=own.key,
             names=classroom.display_names if role == "teacher" else {},
         )
 
     def router(self, classroom: Classroom, path: Path, accounts: list[Account]) -> RouterFile:
-        """Return the router's file, with the certificate of the old one in `path` if that is still right."""
+        """Return the routers' file, with the certificate of the old one in `path` if that is still right."""
         old = None
         with contextlib.suppress(WrongUsage):  # it is missing, or of an earlier version
             old = load(path)
@@ -123,6 +125,7 @@ class _Signer:
             class_name=classroom.name,
             role="router",
             listen=classroom.listen,
+            listen_seats=classroom.listen_seats,
             seats=classroom.seats,
             robots=classroom.robots,
             pictures_hz=classroom.pictures_hz,
@@ -130,6 +133,7 @@ class _Signer:
             certificate=own.certificate,
             key=own.key,
             accounts={one.name: self._certificates.common_name(one.certificate) for one in accounts},
+            certificates={one.name: one.certificate for one in accounts},
         )
 
 
@@ -141,7 +145,7 @@ def _accounts(classroom: Classroom, folder: Path, signer: _Signer) -> Made:
         path = folder / folder_of(role) / f"{name}.toml"
         old = account.load(path) if path.is_file() else None
         made.append(signer.account(classroom, name, role, old))
-        moved = moved or (old is not None and old.connect != classroom.listen)
+        moved = moved or (old is not None and old.connect != made[-1].connect)
         renamed = renamed or (old is not None and old.names != made[-1].names)
         if old is None or old.key != made[-1].key:
             new.append(name)

@@ -1,15 +1,23 @@
-"""The file of the router of a class: all data that the router needs, and the grants of its accounts."""
+"""The file of the routers of a class: all data that they need, and the grants of the accounts.
+
+A class has two routers: robots and teacher connect to one, the seats to the other, which connects to the first. So what
+a seat sends or declares ends or delays at most the router of the seats.
+"""
 
 from __future__ import annotations
 
+import datetime as dt
+from collections.abc import Collection
 from dataclasses import replace
+from enum import StrEnum
 from pathlib import Path
 from typing import Literal
 
 import msgspec
 
 from beatrix_zenoh import files
-from beatrix_zenoh.bus.access_control import EVERYTHING, ROOT, Grant
+from beatrix_zenoh.account import Account
+from beatrix_zenoh.bus.access_control import EVERYTHING, ROOT, Grant, below
 from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.bus.router import RouterAccess
 from beatrix_zenoh.classroom.class_file import Classroom, read
@@ -19,9 +27,21 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 
 ROUTER = "@router"
-"""Common name in the certificate of the router; no account can have it."""
+"""Common name in the certificate of both routers; no account can have it."""
 LONGEST = 256 * 1024
 """Largest size of a router file (bytes)."""
+
+
+class Part(StrEnum):
+    """The two routers of a class."""
+
+    ROBOTS = "robots"
+    SEATS = "seats"
+
+    @property
+    def called(self) -> str:
+        """What messages to the teacher call this router."""
+        return "router of robots and teacher" if self is Part.ROBOTS else "router of the seats"
 
 
 class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -30,6 +50,7 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     class_name: str = msgspec.field(name="class")
     role: Literal["router"]
     listen: str
+    listen_seats: str
     seats: tuple[str, ...]
     robots: tuple[str, ...]
     pictures_hz: float
@@ -38,6 +59,8 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     key: str
     accounts: dict[str, str]
     """common name of the newest certificate of each account"""
+    certificates: dict[str, str]
+    """newest certificate (PEM) of each account"""
 
     def __repr__(self) -> str:
         """Return role and class without the secrets."""
@@ -48,13 +71,52 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         head = f"# BEATRIX router of class {self.class_name}. Keep it private. Start: beatrix router --class FILE\n"
         return head + files.toml_text(msgspec.to_builtins(self))
 
-    def access(self) -> RouterAccess:
-        """Return the accounts and access rules for `open_router`."""
+    def endpoint(self, part: Part) -> str:
+        """Return the endpoints at which one of the routers listens."""
+        return self.listen if part is Part.ROBOTS else self.listen_seats
+
+    def access(self, part: Part) -> RouterAccess:
+        """Return the accounts and access rules of one router for `open_router`."""
+        own = self.own(part)
+        trusted = self.authority + "".join(self.certificates[name] for name in own)
         return RouterAccess(
-            grants(self.seats, self.robots),
-            self.accounts,
-            Identity(self.authority, self.certificate, self.key),
-            picture_rates(self.seats, self.robots, self.pictures_hz),
+            [*(self._grant(name) for name in own), Grant(ROUTER, *(EVERYTHING,) * 6)],
+            {**{name: self.accounts[name] for name in own}, ROUTER: ROUTER},
+            Identity(trusted, self.certificate, self.key),
+            self.listen.partition(",")[0] if part is Part.SEATS else "",
+            picture_rates(own, self.pictures_hz),
+        )
+
+    def account(self) -> Account:
+        """Return the account with which a program of the routers' computer may send and receive everything."""
+        return Account(
+            self.class_name,
+            ROUTER,
+            "robot",
+            self.listen,
+            dt.date.max,
+            self.authority,
+            self.certificate,
+            self.key,
+        )
+
+    def own(self, part: Part) -> tuple[str, ...]:
+        """Return the accounts that connect to one of the routers."""
+        return self.seats if part is Part.SEATS else (names.TEACHER, *self.robots)
+
+    def _grant(self, name: str) -> Grant:
+        if name == names.TEACHER:
+            return teacher_grant()
+        return student_grant(name, self.robots) if name in self.seats else account_grant(name)
+
+    def without(self, gone: Collection[str]) -> RouterFile:
+        """Return the file as it were without these accounts."""
+        return msgspec.structs.replace(
+            self,
+            seats=tuple(seat for seat in self.seats if seat not in gone),
+            robots=tuple(robot for robot in self.robots if robot not in gone),
+            accounts={name: value for name, value in self.accounts.items() if name not in gone},
+            certificates={name: value for name, value in self.certificates.items() if name not in gone},
         )
 
 
@@ -86,8 +148,14 @@ def load(path: Path) -> RouterFile:
     if not made.is_file():
         raise _wrong(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
     file = load(made)
-    known = (file.listen, file.seats, file.robots, file.pictures_hz)
-    if known != (classroom.listen, classroom.seats, classroom.robots, classroom.pictures_hz):
+    known = (file.listen, file.listen_seats, file.seats, file.robots, file.pictures_hz)
+    if known != (
+        classroom.listen,
+        classroom.listen_seats,
+        classroom.seats,
+        classroom.robots,
+        classroom.pictures_hz,
+    ):
         raise _wrong(
             f"{path} has changed since the accounts were made. Run {init} again; it keeps existing accounts."
         )
@@ -110,15 +178,6 @@ READS = (STATE, keys.info(ANY, ANY), keys.clock(ANY, ANY), keys.program(ANY, ANY
 TOKENS = tuple(row.key for row in keys.KEYS.values() if row.kind == "token")
 
 
-def grants(seats: tuple[str, ...], robots: tuple[str, ...]) -> list[Grant]:
-    """Return the grants of all accounts of a class."""
-    return [
-        teacher_grant(),
-        *(student_grant(seat, robots) for seat in seats),
-        *(account_grant(robot) for robot in robots),
-    ]
-
-
 def account_grant(name: str, drives: tuple[str, ...] = ()) -> Grant:
     """Return the grant to read everything, stop every robot, serve and drive the robot `name`, and query `drives`.
 
@@ -132,8 +191,8 @@ def account_grant(name: str, drives: tuple[str, ...] = ()) -> Grant:
         name,
         puts=(state, keys.arm_target(name, ANY, ANY), keys.target(name), *stops),
         queries=(_commands(name, name), *_scenes(name), *READS, *stops, *drives),
-        serves=(f"{ROOT}/{name}/**", keys.program(name, ANY)),
-        subscribes=EVERYTHING[:1],
+        serves=(*below(f"{ROOT}/{name}"), keys.program(name, ANY)),
+        subscribes=below(ROOT),
         tokens=tuple(token for key in TOKENS for token in _own_tokens(key, name)),
         watches=EVERYTHING,
     )
@@ -173,11 +232,11 @@ def _own_tokens(key: str, name: str) -> list[str]:
     return [key.format_map({**fields, "side": side, own: name}) for side in sides]
 
 
-def picture_rates(seats: tuple[str, ...], robots: tuple[str, ...], pictures_hz: float) -> dict[str, float]:
+def picture_rates(robots: tuple[str, ...], pictures_hz: float) -> dict[str, float]:
     """Return, for the key of each camera, the largest rate (Hz) at which the router passes on its pictures."""
     return {
         keys.camera(robot, side, view): pictures_hz
-        for robot in (*robots, *seats, names.TEACHER)
+        for robot in robots
         for side in names.SIDES
         for view in names.VIEWS
     }

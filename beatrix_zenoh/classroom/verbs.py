@@ -113,7 +113,7 @@ def _check(account: Account) -> None:
     """Print whether the router accepts the account now; a refusal is an error, a router that is not running yet is none."""
     try:
         with zbus.connect(account.connect, account=account) as bus:
-            refused: BeatrixError | None = bus.refusal()
+            refused: BeatrixError | None = bus.connection_error()
     except BeatrixError as error:
         refused = error
     if refused is not None:

@@ -14,13 +14,13 @@ import typer
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract._generated.messages import Reason, Status
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDE_TITLES
 from beatrix_zenoh.motion.robot_file import load
 from beatrix_zenoh.output import columns, print_json, say
 from beatrix_zenoh.processes import Child, Role, Supervisor, advice, end_on_interrupt, start_router, watch
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
-from beatrix_zenoh.shutdown import POLL_S, Shutdown, signals_interrupt
+from beatrix_zenoh.shutdown import Shutdown, signals_interrupt
 from beatrix_zenoh.terminal.options import Connect, Json, Legacy, LogFile, OwnName, RobotFile
 from beatrix_zenoh.terminal.run import install, missing
 from beatrix_zenoh.terminal.states import look_up, problems, state
@@ -59,7 +59,9 @@ def router(
     shutdown.handle_signals()
     _allow_connections()
     if of_class is not None:
-        _class_router(of_class, shutdown)
+        from beatrix_zenoh.classroom import routers
+
+        routers.run(of_class, shutdown)
         return
     listen = listen or DEFAULT_ENDPOINT
     session = zbus.open_router(listen)
@@ -79,53 +81,6 @@ def _allow_connections() -> None:
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = OPEN_FILES if hard == resource.RLIM_INFINITY else hard
     resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, wanted), hard))
-
-
-def _class_router(of_class: Path, shutdown: Shutdown) -> None:
-    """Run the router of a class; restart it when `beatrix classroom init` has changed its file.
-
-    Zenoh 1.10 reads its access rules only while it opens.
-    """
-    from beatrix_zenoh.classroom import router_file
-    from beatrix_zenoh.lessons import lesson
-
-    file = router_file.load(of_class)
-    place = router_file.place(of_class)
-    seen = place.stat().st_mtime_ns
-
-    def changed() -> router_file.RouterFile | None:
-        """Return a file that has changed since the last call; None if it has not or cannot be read."""
-        nonlocal seen
-        try:
-            if (written := place.stat().st_mtime_ns) == seen:
-                return None
-            found = router_file.load(of_class)
-        except (OSError, BeatrixError):
-            return None  # the class file has changed, and `init` will follow
-        seen = written
-        return None if found == file else found
-
-    reports = zbus.KeptReports(lesson.names())
-    session = zbus.open_router(file.listen, file.access())
-    while True:
-        try:
-            reports.serve(session)
-            say(f"ready {file.listen}")
-            found = None
-            while not (ended := shutdown.requested(POLL_S)) and (found := changed()) is None:
-                pass
-        finally:
-            session.close()
-        if ended or found is None:
-            return
-        say("The accounts have changed: the router restarts.")
-        try:
-            session, file = zbus.open_router(found.listen, found.access()), found
-        except BeatrixError as error:
-            say(
-                f"The router continues with the former accounts, because it cannot use the new file. {error.message}"
-            )
-            session = zbus.open_router(file.listen, file.access())
 
 
 def sim(context: typer.Context) -> None:

@@ -67,8 +67,6 @@ class Client(ProcessBound):
         """Number of losses of the router so far; a query that was sent before a loss is lost too."""
         self.seen: set[Place] = set()
         """Robots that were online or have answered since the session began."""
-        self.token = ""
-        """Liveliness token of the seat; empty: not announced."""
         self.replied_s: dict[Place, float] = {}
         """Time of the last reply to a command or motion of each robot (monotonic clock, s): earlier publications may
         not show its effect."""
@@ -83,8 +81,7 @@ class Client(ProcessBound):
         self._description = keys.program(settings.who, self.bus.session_id)
         self.bus.serve(self._description, self._describe)
         if announce:
-            self.token = keys.seat(settings.who, self.bus.session_id)
-            self.bus.declare_token(self.token)
+            self.bus.declare_token(keys.seat(settings.who, self.bus.session_id))
 
     @property
     def media(self) -> Bus:
@@ -116,10 +113,10 @@ class Client(ProcessBound):
         """Return name and side of every robot online.
 
         Raises:
-            NoAnswer: ACCOUNT_REFUSED, there seems to be none because the router drops all messages of this account.
+            NoAnswer: ACCOUNT_REFUSED, there seems to be none because the router has put this account out.
         """
         present = self.bus.robots()
-        if not present and self.token and (refused := self.bus.refusal(self.token)) is not None:
+        if not present and (refused := self.bus.refusal()) is not None:
             raise refused
         self.seen.update(present)
         return present

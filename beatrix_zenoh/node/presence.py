@@ -32,9 +32,7 @@ class ClientWatch(Component):
         sessions.watch_tokens(keys.seat("*", "*"), self._seat)
         sessions.watch_router(self._router)
         sessions.declare_token(self._alive_key)
-        self._end_reports = sessions.watch_sessions(
-            SessionListener(self._alive_key, self._renewed, self._refused)
-        )
+        self._end_reports = sessions.watch_sessions(SessionListener(self._renewed, self._refused))
 
     def _seat(self, key: str, alive: bool) -> None:  # noqa: FBT001
         """Handle a client's session that has begun or ended, on Zenoh's thread."""
@@ -115,15 +113,12 @@ def claim_name(sessions: Sessions, name: str, side: str) -> None:
 
     Raises:
         Refused: NAME_TAKEN; the claim was withdrawn.
-        NoAnswer: ACCOUNT_REFUSED, the router has no rules for the account of this session.
     """
     bus = sessions.control
     alive, own = keys.alive(name, side), keys.claim(name, side, bus.session_id)
     if bus.tokens(alive):
         raise taken(bus, name, side)
     withdraw = sessions.declare_token(own)
-    if (refused := sessions.refusal(own)) is not None:
-        raise refused
     deadline = time.monotonic() + WAIT_S
     while others := [other for other in bus.tokens(keys.claim(name, side, "*")) if other != own]:
         if min(others) < own or bus.tokens(alive) or time.monotonic() > deadline:

@@ -92,7 +92,7 @@ def test_the_window_returns_when_the_router_restarts_with_another_card(tmp_path:
             until(lambda: session.client.losses > 0, "the router restarts")
             router.process.expect("ready")
             linked.until(lambda world: world.phase is LinkPhase.ONLINE, "connected again")
-            assert session.client.bus.refusal(session.client.token) is None
+            assert session.client.bus.refusal() is None
             assert linked.world.phase is LinkPhase.ONLINE, "the account was checked"
             linked.link._connection._refused = True
             linked.do(Connect())

@@ -154,7 +154,7 @@ class ClassRouter:
 
     def authority(self) -> Authority:
         """Return the authority of the class, which signs its certificates."""
-        return Authority.read((self.folder / "authority.pem").read_text())
+        return Authority.read((self.folder / provision.AUTHORITY).read_text())
 
     def former(self, name: str) -> Account:
         """Return an account as it was before it was replaced: with another certificate of the class's authority."""

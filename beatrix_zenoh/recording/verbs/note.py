@@ -59,7 +59,7 @@ def send_note(client: Client, text: str) -> list[NoteReply]:
     """Put a note into every running recording under the seat of the client; return the reply of each.
 
     Raises:
-        NoAnswer: NO_ANSWER, no recording is running; ACCOUNT_REFUSED, the router drops the messages of this account.
+        NoAnswer: NO_ANSWER, no recording is running; ACCOUNT_REFUSED, the router has put this account out.
         WrongUsage: SHUTDOWN, the client was closed.
     """
     key = keys.note(client.settings.who, "*")
@@ -67,5 +67,5 @@ def send_note(client: Client, text: str) -> list[NoteReply]:
     answers = (client.read(reply, NoteReply) for reply in query.replies(ANSWER_S) if not reply.error)
     found = [answer for answer in answers if answer is not None]
     if not found:
-        raise client.bus.refusal(client.token) or NoAnswer(Reason.NO_ANSWER, NONE)
+        raise client.bus.refusal() or NoAnswer(Reason.NO_ANSWER, NONE)
     return found

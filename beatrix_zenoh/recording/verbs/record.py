@@ -176,8 +176,6 @@ def write_recording(settings: Settings, options: RecordingOptions, *, as_json: b
     shutdown = Shutdown()
     shutdown.handle_signals()
     with Client(settings, announce=False) as client:
-        if (refused := client.bus.refusal()) is not None:
-            raise refused
         file = FileOutput(options.file, note, rotate_s=options.rotate_s)
         outputs: list[Output] = [file]
         viewer: Viewer | None = None

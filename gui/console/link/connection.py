@@ -165,7 +165,7 @@ class Connection:
             self._connect()
         else:
             self._choose()
-        doubted = 0 < self._refusals < REFUSALS
+        doubted = self.session is not None and not (self._router_present or self._refused)
         try:
             task = self._tasks.get(timeout=RETRY_S if self.session is None or doubted else LOOK_S)
         except queue.Empty:
@@ -183,13 +183,11 @@ class Connection:
             return
         self._client = client
         try:
-            if (refused := client.bus.refusal(client.token)) is not None:
-                raise refused
             client.bus.watch_router(lambda present: self._on_router(client, present=present))
             shared = self._shared
             monitor = Monitor(client, events=EVENTS) if shared is None else shared.monitor
             seats = Seats(client) if shared is None else shared.seats
-        except BeatrixError as error:  # the router has no rules for this account, or was lost meanwhile
+        except BeatrixError as error:  # the router was lost meanwhile
             client.close()
             self._note(error, settings)
             return
@@ -216,11 +214,11 @@ class Connection:
         self._router_present = present
 
     def _check_account(self) -> None:
-        """Look whether a router that has returned still has rules for the account."""
+        """Look whether a router that is lost or has returned refuses the account."""
         session = self.session
         if session is None or self._closed:
             return
-        error = session.client.bus.refusal(session.client.token)
+        error = session.client.bus.refusal()
         if session is not self.session:
             return
         self._refusals = 0 if error is None else self._refusals + 1

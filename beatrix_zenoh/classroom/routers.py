@@ -1,0 +1,263 @@
+"""`beatrix router --class`: the two routers of a class as child processes, which are started again when they end.
+
+A client can end Zenoh 1.10 with one declaration (docs/explanation/zenoh-declarations.md), so this process has no part in
+the traffic of the class. It only starts the routers, keeps the reports of lessons, and follows changes of the accounts.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Final, cast
+
+import msgspec
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh import threads
+from beatrix_zenoh.classroom import router_file
+from beatrix_zenoh.classroom.router_file import Part, RouterFile
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.lessons import lesson
+from beatrix_zenoh.output import note, say
+from beatrix_zenoh.processes import end, in_words
+from beatrix_zenoh.shutdown import Shutdown
+
+POLL_S: Final = 0.1
+READY_S: Final = 20.0
+"""Longest time (s) until a router is ready."""
+END_S: Final = 2.0
+AGAIN_S: Final = 1.0
+"""Time (s) between two attempts to start a router that cannot listen."""
+OFTEN, OFTEN_S = 3, 60.0
+"""A router that has ended OFTEN times in OFTEN_S is probably ended on purpose."""
+
+
+class ChildRouter:
+    """The process of one router."""
+
+    def __init__(self, part: Part, file: RouterFile) -> None:
+        """Start it; wait for it with `wait_ready`."""
+        self.part, self.file = part, file
+        self.connected: Counter[str] = Counter()
+        """number of connections of each account"""
+        self._events: queue.SimpleQueue[list[object]] = queue.SimpleQueue()
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "beatrix_zenoh.classroom.router_process", part.value],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            process_group=None if sys.platform == "win32" else 0,
+            creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
+        )
+        self._reader = threads.start(self._read, f"router-{part.value}")
+        self._write(file)
+
+    def _read(self) -> None:
+        for line in self._process.stdout or ():
+            with contextlib.suppress(msgspec.DecodeError):  # another line than ours
+                self._events.put(msgspec.json.decode(line, type=list[object]))
+
+    def _write(self, message: object) -> None:
+        """Send a line to the process; one that has ended needs none."""
+        stdin = self._process.stdin
+        with contextlib.suppress(OSError):
+            if stdin is not None:
+                stdin.write(msgspec.json.encode(message) + b"\n")
+                stdin.flush()
+
+    def wait_ready(self) -> None:
+        """Wait until the router listens; raise the error of its process if it cannot."""
+        deadline_s = time.monotonic() + READY_S
+        while time.monotonic() < deadline_s:
+            with contextlib.suppress(queue.Empty):
+                event, *data = self._events.get(timeout=POLL_S)
+                if event == "ready":
+                    return
+                if event == "failed":
+                    reason, message = cast("tuple[str, str]", data)
+                    kind = NoAnswer if reason == Reason.NO_ROUTER else Refused
+                    raise kind(Reason(reason), message)
+                continue
+            if self.code is not None:
+                raise Refused(Reason.SHUTDOWN, f"The {self.part.called} has ended ({in_words(self.code)}).")
+        raise Refused(Reason.SHUTDOWN, f"The {self.part.called} was not ready within {READY_S:.0f} s.")
+
+    @property
+    def code(self) -> int | None:
+        """Exit code; None while it runs."""
+        return self._process.poll()
+
+    def floods(self) -> Iterator[str]:
+        """Handle what the process has printed; yield the accounts that it has put out for their tokens."""
+        while not self._events.empty():
+            event, *data = self._events.get()
+            if event == "connected":
+                self.connected = Counter(cast("dict[str, int]", data[0]))
+            elif event == "flood":
+                yield str(data[0])
+
+    def put_out(self, accounts: set[str], file: RouterFile) -> None:
+        """End the sessions of accounts, which are not in `file` any more; others notice nothing."""
+        self.file = file
+        self._write(sorted(accounts))
+
+    def close(self) -> None:
+        """End the process."""
+        if self._process.stdin is not None:
+            with contextlib.suppress(OSError):
+                self._process.stdin.close()
+        try:
+            self._process.wait(END_S)
+        except subprocess.TimeoutExpired:
+            end(self._process, 0.0)
+        self._reader.join(END_S)
+
+
+class ClassRouters:
+    """Both routers of a class."""
+
+    def __init__(self, of_class: Path) -> None:
+        """Start the routers of a class file or router file; raises the errors of `router_file.load` and `open_router`."""
+        self._of_class, self._place = of_class, router_file.place(of_class)
+        self._file = router_file.load(of_class)
+        self._written_ns = self._place.stat().st_mtime_ns
+        self._children: dict[Part, ChildRouter] = {}
+        self._ends: dict[Part, list[tuple[float, frozenset[str]]]] = {part: [] for part in Part}
+        """when each router has ended (monotonic clock, s), with the accounts that were connected"""
+        try:
+            for part in Part:
+                self._start(part, self._file)
+            self._reports = zbus.connect(self._file.listen, account=self._file.account())
+        except BeatrixError:
+            self.close()
+            raise
+        self._reports.use(zbus.KeptReports(lesson.names()).serve)
+
+    def _start(self, part: Part, file: RouterFile) -> None:
+        child = ChildRouter(part, file)
+        self._children[part] = child
+        child.wait_ready()
+
+    def ready(self) -> str:
+        """Return the line that says where the routers listen."""
+        return f"ready {self._file.listen} (seats: {self._file.listen_seats})"
+
+    def tend(self) -> None:
+        """Start routers that have ended again, follow changes of the accounts, and report both."""
+        for part, child in self._children.items():
+            for account in child.floods():
+                note(flooded(account))
+            if child.code is not None:
+                note(self._ended(part, child))
+                self._again(part, lambda part=part: self._start(part, self._file))  # type: ignore[misc]
+        found = self._changed()
+        if found is not None:
+            self._follow(found)
+
+    def _again(self, part: Part, start: Callable[[], None]) -> None:
+        """Start a router that ran before."""
+        try:
+            start()
+        except BeatrixError as error:
+            note(f"The {part.called} cannot start. {error.message} It tries again in {AGAIN_S:.0f} s.")
+            self._children[part].close()
+            time.sleep(AGAIN_S)
+
+    def _ended(self, part: Part, child: ChildRouter) -> str:
+        """Return the report that a router has ended."""
+        connected = frozenset(child.connected)
+        child.close()
+        ends = [*self._ends[part], (time.monotonic(), connected)]
+        self._ends[part] = ends
+        recent = [who for at_s, who in ends if at_s > ends[-1][0] - OFTEN_S]
+        return ended(part, in_words(child.code or 0), connected, len(ends), recent)
+
+    def _changed(self) -> RouterFile | None:
+        """Return the file if it has changed since the last call; None if it has not or cannot be read."""
+        try:
+            if (written_ns := self._place.stat().st_mtime_ns) == self._written_ns:
+                return None
+            found = router_file.load(self._of_class)
+        except (OSError, BeatrixError):
+            return None  # the class file has changed, and `init` will follow
+        self._written_ns = written_ns
+        return None if found == self._file else found
+
+    def _follow(self, found: RouterFile) -> None:
+        """Use a new file: put removed accounts out, or restart the routers for which more has changed."""
+        former, self._file = self._file, found
+        try:
+            for part, child in self._children.items():
+                gone = set(former.own(part)) - set(found.own(part))
+                if serves_alike(former, found, part):
+                    child.file = found
+                elif gone and serves_alike(former.without(gone), found, part):
+                    child.put_out(gone, found)
+                    note(f"Put out: {', '.join(sorted(gone))}.")
+                else:
+                    note(f"The accounts have changed: the {part.called} restarts.")
+                    child.close()
+                    self._start(part, found)
+        except BeatrixError as error:
+            note(
+                f"The routers continue with the former accounts, because they cannot use the new file. {error.message}"
+            )
+            self._file = former
+            for part, child in self._children.items():
+                if child.file != former or child.code is not None:
+                    child.close()
+                    self._again(part, lambda part=part: self._start(part, former))  # type: ignore[misc]
+        say(self.ready())
+
+    def close(self) -> None:
+        """End both routers."""
+        if hasattr(self, "_reports"):
+            self._reports.close()
+        for child in self._children.values():
+            child.close()
+
+
+def serves_alike(one: RouterFile, other: RouterFile, part: Part) -> bool:
+    """Return whether one of the routers is the same with both files."""
+    return (one.endpoint(part), one.access(part)) == (other.endpoint(part), other.access(part))
+
+
+def ended(part: Part, cause: str, connected: frozenset[str], count: int, recent: list[frozenset[str]]) -> str:
+    """Return the report that a router has ended for the `count`th time.
+
+    `recent`: the accounts that were connected at each of its ends within OFTEN_S.
+    """
+    names = ", ".join(sorted(connected)) or "none"
+    text = f"The {part.called} has ended ({cause}), {count} x since the start. It is started again. Connected were: {names}."
+    if len(recent) < OFTEN:
+        return text
+    suspects = ", ".join(sorted(frozenset.intersection(*recent))) or "no account was"
+    return (
+        f"{text}\nIt has ended {len(recent)} x within a minute, so a program may do it on purpose. Connected each time: "
+        f"{suspects}. To put an account out, take it out of class.toml and run `beatrix classroom init class.toml`."
+    )
+
+
+def flooded(account: str) -> str:
+    """Return the report that an account was put out for its tokens."""
+    return (
+        f"{account} announced more programs than any lesson needs, so it is put out for a minute. To put it out for good, "
+        "take it out of class.toml and run `beatrix classroom init class.toml`."
+    )
+
+
+def run(of_class: Path, shutdown: Shutdown) -> None:
+    """Run the routers of a class until the shutdown; raises the errors of `ClassRouters`."""
+    routers = ClassRouters(of_class)
+    try:
+        say(routers.ready())
+        while not shutdown.requested(POLL_S):
+            routers.tend()
+    finally:
+        routers.close()
