@@ -67,6 +67,7 @@ def init(classroom: Classroom, folder: Path) -> Made:
             router = signer.router(classroom, folder / "router.toml", made.accounts)
             files.write_private(folder / "router.toml", router.text())
             files.write_private(folder / "cards.html", cards(classroom, made.accounts))
+            files.write_private(folder / "connections.nft", connections(classroom))
     except OSError as error:
         raise Refused(Reason.BAD_VALUE, f"Cannot write the files of the class: {error}.") from error
     return made
@@ -152,6 +153,34 @@ def _accounts(classroom: Classroom, folder: Path, signer: _Signer) -> Made:
     present = [path for role in ("seats", "robots") for path in sorted((folder / role).glob("*.toml"))]
     return Made(
         made, new, [str(path) for path in present if path.stem not in classroom.accounts], moved, renamed
+    )
+
+
+CONNECTIONS = """# Limits the new connections that each other computer opens to the routers of class {name} (Linux). Type as root:
+#   nft -f FILE                        until the next start of this computer
+#   nft delete table inet {table}    ends it
+table inet {table}
+delete table inet {table}
+table inet {table} {{
+  set newcomers {{ type ipv4_addr; flags dynamic; timeout 1m; }}
+  chain input {{
+    type filter hook input priority filter; policy accept;
+    iif lo accept
+    tcp dport {{ {port}, {port_seats} }} ct state new update @newcomers {{ ip saddr limit rate over 4/second burst 30 packets }} drop
+  }}
+}}
+"""
+"""Rules of the kernel. A computer with a robot or a window opens some ten connections when it starts. Zenoh accepts no
+connection for 0.1 s after each that sends nonsense, so 11 of them a second would keep out all newcomers."""
+
+
+def connections(classroom: Classroom) -> str:
+    """Return the rules that limit the new connections of each computer, for nft(8)."""
+    return CONNECTIONS.format(
+        name=classroom.name,
+        table=f"beatrix_{classroom.name.replace('-', '_')}",
+        port=classroom.port,
+        port_seats=classroom.port + 1,
     )
 
 

@@ -175,7 +175,12 @@ ANY = "*"
 STATE = keys.positions(ANY, ANY).rpartition("/")[0] + "/**"
 READS = (STATE, keys.info(ANY, ANY), keys.clock(ANY, ANY), keys.program(ANY, ANY))
 """Keys of queries that change nothing."""
-TOKENS = tuple(row.key for row in keys.KEYS.values() if row.kind == "token")
+TOKENS = tuple(
+    row.key
+    for row in keys.KEYS.values()
+    if row.kind == "token" and ("{robot}" in row.key or "{who}" in row.key)
+)
+"""Keys of the tokens that belong to an account; that of the router of the seats is its own."""
 
 
 def account_grant(name: str, drives: tuple[str, ...] = ()) -> Grant:

@@ -117,11 +117,14 @@ def main() -> int:
         events.put(None)
 
     watched = zbus.watch_router(session, link, lambda key: events.put(lambda: count(key)))
+    token = None
+    if part is Part.SEATS:
+        token = session.liveliness().declare_token(keys.seats_router(str(session.zid())))
     threads.start(listen, "parent")
     _print("ready")
     while (event := events.get()) is not None:
         event()
-    del watched
+    del watched, token
     with contextlib.suppress(
         Exception
     ):  # a client that does not read; the end of the process closes what is open

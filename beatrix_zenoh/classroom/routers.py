@@ -7,6 +7,7 @@ the traffic of the class. It only starts the routers, keeps the reports of lesso
 from __future__ import annotations
 
 import contextlib
+import os
 import queue
 import subprocess
 import sys
@@ -35,6 +36,9 @@ READY_S: Final = 20.0
 END_S: Final = 2.0
 AGAIN_S: Final = 1.0
 """Time (s) between two attempts to start a router that cannot listen."""
+STACK: Final = str(8 << 20)
+"""Stack (bytes) of each of Zenoh's threads. A key of 8 000 chunks overflows the usual 2 MiB; with 64 MiB the stacks alone
+would exceed the memory of `router_process.MEMORY` (decision 0092)."""
 OFTEN, OFTEN_S = 3, 60.0
 """A router that has ended OFTEN times in OFTEN_S is probably ended on purpose."""
 
@@ -52,6 +56,7 @@ class ChildRouter:
             [sys.executable, "-P", "-m", "beatrix_zenoh.classroom.router_process", part.value],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
+            env={"RUST_MIN_STACK": STACK, **os.environ},
             process_group=None if sys.platform == "win32" else 0,
             creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
         )

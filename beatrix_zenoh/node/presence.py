@@ -30,6 +30,7 @@ class ClientWatch(Component):
     def start(self, sessions: Sessions) -> None:
         self._endpoint = sessions.control.endpoint
         sessions.watch_tokens(keys.seat("*", "*"), self._seat)
+        sessions.watch_tokens(keys.seats_router("*"), self._seats_router)
         sessions.watch_router(self._router)
         sessions.declare_token(self._alive_key)
         self._end_reports = sessions.watch_sessions(SessionListener(self._renewed, self._refused))
@@ -41,6 +42,11 @@ class ClientWatch(Component):
             caller = Caller(parts.who, parts.session)
             now_s = time.monotonic()
             self._queue.post_event(lambda: self._session_changed(caller, now_s, alive=alive))
+
+    def _seats_router(self, _key: str, alive: bool) -> None:  # noqa: FBT001
+        """Handle the end or return of the router of the seats of a class, on Zenoh's thread; others stay connected."""
+        now_s = time.monotonic()
+        self._queue.post_event(lambda: self._connection_changed(now_s, connected=alive))
 
     def _session_changed(self, caller: Caller, now_s: float, *, alive: bool) -> None:
         if self._access.session_changed(caller, now_s, alive=alive):
@@ -69,11 +75,15 @@ class ClientWatch(Component):
         self._events.add(EventKind.ROUTER, reason=Reason.NO_ROUTER, message=text)
 
     def _router_changed(self, now_s: float, *, connected: bool) -> None:
+        self._connection_changed(now_s, connected=connected)
+        if not connected:
+            self._controller.client_lost()
+
+    def _connection_changed(self, now_s: float, *, connected: bool) -> None:
+        """Keep the leases of sessions that are missing because a router is lost, until they could have returned."""
         self._access.router_changed(now_s, connected=connected)
         if connected:
             self._queue.post_later(now_s + RETURN_S, self._give_up_sessions)
-        else:
-            self._controller.client_lost()
 
     def _renewed(self, traffic: str) -> None:
         """Stop the running motion, because the client of the old session may be gone without notice.

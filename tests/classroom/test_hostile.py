@@ -71,7 +71,7 @@ def moves_and_stops(robot: Robot) -> None:
 def recorded_session(router: ClassRouter) -> bytes:
     """Return the bytes that a program of the seat ana sends to turn the robot."""
     account = router.account("ana")
-    with Cable("127.0.0.1", router.classroom.port) as cable:
+    with Cable("127.0.0.1", router.classroom.port + 1) as cable:
         endpoint = f"tls/127.0.0.1:{cable.port}"
         account = msgspec.structs.replace(account, connect=endpoint)
         with patiently(lambda: Client(Settings("bea1", endpoint, "ana", account=account))) as client:

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from class_router import ClassRouter, replies, settled
+from class_router import ClassRouter, replies
 from patient_connections import patiently
+from robots import until
 from students import use_account
 
 from beatrix_zenoh.client import Client
@@ -43,6 +44,7 @@ def test_the_teacher_reads_what_each_seat_has_reported(
     for seat, record in (("ana", STUCK), ("ben", PASSED)):
         use_account(tmp_path, router.path(seat))
         reports.report("01-hello", record)
+    until(lambda: len(rows(router)) == 2, "both reports have arrived")
     found = rows(router)
     assert [(row.seat, row.lesson, row.words) for row in found] == [
         ("ana", "01-hello", "stuck (7)"),
@@ -50,7 +52,8 @@ def test_the_teacher_reads_what_each_seat_has_reported(
     ]
     use_account(tmp_path, router.path("ana"))
     reports.report("01-hello", PASSED)
-    assert [row.words for row in rows(router)] == ["passed (9)", "passed (2)"], "from another folder"
+    expected = ["passed (9)", "passed (2)"]
+    until(lambda: [row.words for row in rows(router)] == expected, "a report from another folder")
     with pytest.raises(Refused) as refused:
         rows(router, "ana")
     assert refused.value.reason is Reason.TEACHER_ONLY
@@ -69,7 +72,7 @@ def test_the_teacher_reads_what_each_seat_has_reported(
         ("*", forged),
     ):
         ben.put(keys.lesson("ben", lesson), report, codec.MSGPACK)
-    settled(ben)
+    router.settled(ben)
     assert [(row.seat, row.lesson, row.progress) for row in rows(router)] == [
         ("ana", "01-hello", "passed"),
         ("ben", "01-hello", "passed"),

@@ -7,12 +7,11 @@ import shutil
 from pathlib import Path
 
 import pytest
-from class_router import CLI
+from class_router import CLI, free_ports
 from robots import ROOT, Process
 from shell import beatrix
 
 from beatrix_zenoh.classroom import class_file
-from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import resolve
 
 
@@ -21,7 +20,7 @@ def test_the_commands_of_the_page_make_a_class(tmp_path: Path, monkeypatch: pyte
     file, table = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     (tmp_path / "table.toml").write_text(re.sub(r"seats = .*\n", "", file) + table, encoding="utf-8")
     assert class_file.read(tmp_path / "table.toml").display_names["zoe"] == "Zoë Müller"
-    port = str(free_port())
+    port = str(free_ports())
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     Path("class.toml").write_text(file.replace("192.168.1.20", "127.0.0.1").replace("7447", port))
@@ -41,6 +40,6 @@ def test_the_commands_of_the_page_make_a_class(tmp_path: Path, monkeypatch: pyte
         shutil.copy("8b/seats/ana.toml", ".")
         assert "accepts this account" in beatrix(*join).stdout
         assert (resolve().robot, resolve().who) == ("ana", "ana")
-        assert port in resolve().connect
+        assert str(int(port) + 1) in resolve().connect
     finally:
         assert process.end() == 0

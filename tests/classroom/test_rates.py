@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import zenoh
-from class_router import Answering, ClassRouter, ReceivedKeys, settled
+from class_router import Answering, ClassRouter, ReceivedKeys
 
 from beatrix_zenoh.bus import credentials
 from beatrix_zenoh.bus.access_control import LARGEST_REQUEST
@@ -27,11 +27,11 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
 
 
 def test_each_camera_has_a_limited_rate_of_its_own_and_positions_have_none(router: ClassRouter) -> None:
-    robot, ana = router.session("bea1"), router.session("ana")
+    robot, teacher = router.session("bea1"), router.session("teacher")
     cameras = [keys.camera("bea1", "hw", eye) for eye in ("left", "right")]
     positions, marker = keys.positions("bea1", "hw"), keys.status("bea1", "hw")
-    received = ReceivedKeys(ana, "beatrix/**")
-    settled(ana)
+    received = ReceivedKeys(teacher, "beatrix/**")
+    router.settled(teacher)
     for _ in range(PICTURES):
         for key in (*cameras, positions):
             robot.put(key, b"1", "image/jpeg", priority="data")
@@ -44,10 +44,10 @@ def test_each_camera_has_a_limited_rate_of_its_own_and_positions_have_none(route
 
 
 def test_an_oversize_message_is_dropped(router: ClassRouter) -> None:
-    robot, ana = router.session("bea1"), router.session("ana")
+    robot, teacher = router.session("bea1"), router.session("teacher")
     large, marker = keys.positions("bea1", "sim"), keys.status("bea1", "sim")
-    received = ReceivedKeys(ana, "beatrix/**")
-    settled(ana)
+    received = ReceivedKeys(teacher, "beatrix/**")
+    router.settled(teacher)
     for key, size in ((large, LARGEST_MESSAGE + 1), (marker, LARGEST_MESSAGE // 2)):
         robot.put(key, bytes(size), "text/plain", priority="data")
     assert large not in received.until(marker)
@@ -72,7 +72,7 @@ def test_a_huge_message_does_not_fill_the_memory_of_the_router(router: ClassRout
         )
     finally:
         hostile.close()
-    settled(ana)
+    router.settled(ana)
     assert (resident(router.process.pid) - before) * 1024 < HUGE / 4
 
 
@@ -86,7 +86,7 @@ def test_the_router_raises_its_limit_of_open_files(tmp_path: Path) -> None:
 def test_an_oversize_request_reaches_no_robot(router: ClassRouter) -> None:
     robot, ana = router.session("bea2"), router.session("ana")
     served = Answering(robot, keys.motion("bea2", "hw", "*"))
-    settled(robot)
+    router.settled(robot)
     own = keys.motion("bea2", "hw", "ana")
     for size in (LARGEST_REQUEST + 1, LARGEST_REQUEST // 2):
         query = ana.query(own, bytes(size), timeout_s=5.0)

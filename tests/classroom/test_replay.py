@@ -10,7 +10,7 @@ import hostile
 import msgspec
 import pytest
 from cable import Cable
-from class_router import Answering, ClassRouter, replies, settled
+from class_router import Answering, ClassRouter, replies
 from patient_connections import PATIENCE_S, patiently
 
 from beatrix_zenoh import bus as zbus
@@ -30,7 +30,7 @@ def send_again(router: ClassRouter, pieces: list[bytes]) -> int:
     received_bytes = 0
     with (
         contextlib.suppress(ConnectionError),
-        socket.create_connection(("127.0.0.1", router.classroom.port), PATIENCE_S) as connection,
+        socket.create_connection(("127.0.0.1", router.classroom.port + 1), PATIENCE_S) as connection,
     ):
         for piece in pieces[:-1]:
             connection.sendall(piece)
@@ -46,9 +46,9 @@ def send_again(router: ClassRouter, pieces: list[bytes]) -> int:
 
 def test_a_replayed_session_opens_no_session_and_repeats_no_request(router: ClassRouter) -> None:
     served = Answering(router.session("bea1"), keys.command("bea1", "hw", "*"))
-    settled(router.session("bea1"))
+    router.settled(router.session("bea1"))
     account = router.account("ana")
-    with Cable("127.0.0.1", router.classroom.port) as cable:
+    with Cable("127.0.0.1", router.classroom.port + 1) as cable:
         endpoint = f"tls/127.0.0.1:{cable.port}"
         relayed = msgspec.structs.replace(account, connect=endpoint)
         with patiently(lambda: zbus.connect(endpoint, account=relayed)) as session:

@@ -5,20 +5,23 @@ The router restarts by itself when `init` has changed its file.
 
 from __future__ import annotations
 
+import queue
 import shutil
 import socket
 from pathlib import Path
 
 import pytest
-from class_router import Answering, ClassRouter, replies, settled, start_node
+from class_router import ANSWER_S, Answering, ClassRouter, end, replies, start_node
 from gui_links import Linked
 from robots import until
 from shell import beatrix
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
+from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.output import exit_code
 from gui.console.state.actions import Connect
 from gui.console.state.world import LinkPhase
@@ -29,8 +32,13 @@ STOP = keys.stop("bea2", "hw", "{}")
 
 def has_rights(account: Account) -> bool:
     """Return whether a STOP of the account reaches the robot bea2."""
-    with zbus.connect(account.connect, account=account) as session:
-        return bool(replies(session, STOP.format(account.name))) and session.refusal() is None
+    try:
+        with zbus.connect(account.connect, account=account) as session:
+            return bool(replies(session, STOP.format(account.name)))
+    except NoAnswer as error:
+        if error.reason not in (Reason.ACCOUNT_REFUSED, Reason.NO_ROUTER):
+            raise
+        return False
 
 
 @pytest.mark.parametrize("name", ROLES)
@@ -42,30 +50,42 @@ def test_the_router_refuses_a_card_that_was_replaced_and_accepts_the_new_one(
         shutil.copy(router.path(name), file)
         robot = router.session("bea2")
         Answering(robot, STOP.format("*"))
-        settled(robot)
+        router.settled(robot)
         assert has_rights(router.account(name))
         old = router.replace(name)
         router.process.expect("ready")
         until(lambda: has_rights(router.account(name)), "the robot is connected again")
         assert not has_rights(old)
         monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
-        assert "it has been replaced by a newer one" in beatrix("join", str(file)).stderr
-        done = beatrix("hw", "--port", "virtual:", "--name", "bea1")
-        assert (done.returncode, "Ask for a new" in done.stderr) == (
-            exit_code(Reason.ACCOUNT_REFUSED),
-            True,
-        ) or (name == "ana")
+        assert "which has been replaced by a newer one" in beatrix("join", str(file)).stderr
 
 
-def test_the_router_refuses_a_seat_that_was_removed(tmp_path: Path) -> None:
+def test_a_seat_that_is_removed_is_put_out_at_once_and_others_notice_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with ClassRouter(tmp_path) as router:
         robot = router.session("bea2")
         Answering(robot, STOP.format("*"))
-        removed = router.account("ben")
+        router.settled(robot)
+        ana, ben, removed = router.session("ana"), router.session("ben"), router.account("ben")
+        losses: queue.SimpleQueue[str] = queue.SimpleQueue()
+        for name, session in (("ana", ana), ("ben", ben), ("bea2", robot)):
+            session.watch_router(lambda present, name=name: None if present else losses.put(name))  # type: ignore[misc]
         router.rewrite('["ana", "ben"]', '["ana"]')
-        router.process.expect("ready")
-        until(lambda: has_rights(router.account("ana")), "the robot is connected again")
-        assert not has_rights(removed)
+        router.process.expect("Put out: ben.")
+        assert losses.get(timeout=ANSWER_S) == "ben"
+        until(lambda: ben.connection_error() is not None, "each new session ends, too")
+        monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+        file = tmp_path / "ben.toml"
+        file.write_text(removed.text())
+        assert "the teacher has removed it from the class" in beatrix("join", str(file)).stderr
+        assert has_rights(router.account("ana"))
+        end(router, Part.SEATS)
+        router.process.expect("The router of the seats has ended (SIGKILL)")
+        until(lambda: has_rights(router.account("ana")), "the seats are connected again")
+        assert not has_rights(removed), "TLS refuses it now"
+        names = {losses.get_nowait() for _ in range(losses.qsize())}
+        assert names <= {"ana", "ben"}, "the robot stayed connected"
 
 
 def test_a_running_node_reports_that_its_card_was_replaced(tmp_path: Path) -> None:
@@ -76,7 +96,7 @@ def test_a_running_node_reports_that_its_card_was_replaced(tmp_path: Path) -> No
             router.replace("bea1")
             router.process.expect("ready")
             line = node.expect(f"The router at {router.classroom.listen} refuses account bea1 of class 8b")
-            assert "it has been replaced by a newer one, or removed from the class" in line
+            assert "which has been replaced by a newer one, removed from the class" in line
         finally:
             assert node.end() == 0
 
@@ -136,7 +156,7 @@ def test_a_router_that_cannot_use_the_new_file_continues_with_the_former_account
     with ClassRouter(tmp_path) as router, socket.create_server(("127.0.0.1", 0)) as taken:
         before = router.account("ana")
         router.rewrite(f"port = {router.classroom.port}", f"port = {taken.getsockname()[1]}")
-        router.process.expect("The router continues with the former accounts")
+        router.process.expect("The routers continue with the former accounts")
         router.process.expect("ready")
         with zbus.connect(before.connect, account=before) as session:
             assert session.refusal() is None

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from class_router import Answering, ClassRouter, settled, start_node
+from class_router import Answering, ClassRouter, start_node
 from gui_links import Linked
 from robots import PATIENCE_S, Process, free_endpoint, until
 from shell import beatrix
@@ -84,7 +84,7 @@ def denied(lesson: Lesson) -> Iterator[Case]:
         for key in (keys.clock("ana", HW), keys.command("ana", HW, "*")):
             Answering(bus, key)
         bus.declare_token(keys.alive("ana", HW))
-        settled(bus)
+        lesson.router.settled(bus)
         yield Case(lesson.router.account("ben"), "ana")
 
 
@@ -139,7 +139,7 @@ def crashed(lesson: Lesson) -> Iterator[Case]:
             incoming.finish()
 
         spy.serve(keys.command("bea2", HW, "*"), kill)
-        settled(spy)
+        lesson.router.settled(spy)
         yield Case(lesson.router.account("ana"), "bea2")
 
 
@@ -176,7 +176,7 @@ def hanging(lesson: Lesson) -> Iterator[Bus]:
     with connected(lesson, "bea2") as bus:
         bus.serve(keys.command("bea2", HW, "*"), kept.append)
         bus.declare_token(keys.alive("bea2", HW))
-        settled(bus)
+        lesson.router.settled(bus)
         yield bus
         for incoming in kept:
             incoming.finish()
@@ -241,7 +241,7 @@ def test_the_error_reports_a_robot_that_was_lost_and_is_online_again(lesson: Les
     with connected(lesson, "bea2") as bus:
         bus.serve(keys.command("bea2", HW, "*"), lose)
         bus.declare_token(keys.alive("bea2", HW))
-        settled(bus)
+        lesson.router.settled(bus)
         with pytest.raises(NoAnswer, match="was lost during this request and is online again") as caught:
             enable(Case(lesson.router.account("ana"), "bea2"), PATIENCE_S)
         for timer in received:

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime as dt
+import os
 import queue
+import secrets
 import shutil
 import signal
+import socket
 from pathlib import Path
 from typing import Any, Self
 
 import msgspec
 from patient_connections import patiently
-from robots import Process
+from robots import Process, until
 
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Bus, Incoming
-from beatrix_zenoh.classroom import class_file, provision
-from beatrix_zenoh.classroom.certificates import Authority
+from beatrix_zenoh.classroom import certificates, class_file, provision
+from beatrix_zenoh.classroom.router_file import Part
+from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.recording.viewer import free_port
 
 CLI = ("-m", "beatrix_zenoh.cli")
@@ -94,6 +99,14 @@ def class_text(
     return CLASS.format(port=port, name=name, address=address, seats=seats)
 
 
+def free_ports() -> int:
+    """Return a free port of this computer whose next one is free, too: a class has two routers."""
+    while True:
+        port = free_port()
+        with contextlib.suppress(OSError, OverflowError), socket.create_server(("127.0.0.1", port + 1)):
+            return port
+
+
 class ClassRouter:
     """The process of a class's router: robots bea1 and bea2, a teacher, and by default the seats ana and ben.
 
@@ -103,7 +116,7 @@ class ClassRouter:
     def __init__(self, folder: Path, inside: tuple[str, ...] = (), **options: str) -> None:
         self._inside = inside
         self.class_file = folder / "class.toml"
-        self.class_file.write_text(class_text(port=free_port(), **options))
+        self.class_file.write_text(class_text(port=free_ports(), **options))
         self.classroom = class_file.read(self.class_file)
         self.folder = folder / self.classroom.name
         provision.init(self.classroom, self.folder)
@@ -152,13 +165,9 @@ class ClassRouter:
     def account(self, name: str) -> Account:
         return accounts.load(self.path(name))
 
-    def authority(self) -> Authority:
-        """Return the authority of the class, which signs its certificates."""
-        return Authority.read((self.folder / provision.AUTHORITY).read_text())
-
     def former(self, name: str) -> Account:
-        """Return an account as it was before it was replaced: with another certificate of the class's authority."""
-        return certified(self.account(name), self.authority())
+        """Return an account as it was before it was replaced: with another certificate."""
+        return certified(self.account(name))
 
     def session(self, name: str, program: str = "client") -> Bus:
         """Return the session of an account; each program of the account has its own."""
@@ -168,10 +177,20 @@ class ClassRouter:
         return self._sessions[label]
 
     def open(self, name: str, label: str = "") -> Bus:
-        """Open a new session of an account, or of `old ` and an account that was replaced; the caller closes it."""
-        kind, _, old = name.partition(" ")
-        account = self.former(old) if kind == "old" else self.account(name)
+        """Open a new session of an account; the caller closes it."""
+        account = self.account(name)
         return patiently(lambda: zbus.connect(account.connect, label=label, account=account))
+
+    def settled(self, bus: Bus) -> None:
+        """Wait until both routers have handled all declarations of this session."""
+        account = bus._account
+        assert account is not None
+        seats = account.role == "student"
+        other = self.session("teacher" if seats else self.classroom.seats[0], "witness")
+        token = keys.seat(account.name, secrets.token_hex(4))
+        end = bus.declare_token(token)
+        until(lambda: token in other.tokens(token, ANSWER_S), "the other router knows the token")
+        end()
 
     def close(self) -> None:
         for session in self._sessions.values():
@@ -186,18 +205,15 @@ class ClassRouter:
         self.close()
 
 
-def certified(account: Account, issuer: Authority, trusted: str = "", **validity: Any) -> Account:
-    """Return the account with a new certificate of `issuer`; it checks the router against `trusted` (default: as before).
+def certified(account: Account, trusted: str = "", **validity: Any) -> Account:
+    """Return the account with a new certificate; it checks the router against `trusted` (default: as before).
 
-    `validity` are options of `Authority.issue`.
+    `validity` are options of `certificates.account`.
     """
-    own = issuer.issue(f"{account.name}.01234567", **validity)
+    trusted = trusted or account.authority
+    own = certificates.account(f"{account.name}.01234567", trusted, **validity)
     return msgspec.structs.replace(
-        account,
-        certificate=own.certificate,
-        key=own.key,
-        authority=trusted or account.authority,
-        expires=dt.date.max,
+        account, certificate=own.certificate, key=own.key, authority=trusted, expires=dt.date.max
     )
 
 
@@ -207,6 +223,19 @@ def start_node(folder: Path, account: Path) -> Process:
     node = Process(*CLI, "hw", "--port", "virtual:", folder=folder, traced=False)
     node.expect("ready")
     return node
+
+
+def process_of(router: ClassRouter, part: Part) -> int:
+    """Return the process id of one of the two routers."""
+    children = Path(f"/proc/{router.process.pid}/task/{router.process.pid}/children").read_text().split()
+    return next(
+        int(pid) for pid in children if part.value.encode() in Path(f"/proc/{pid}/cmdline").read_bytes()
+    )
+
+
+def end(router: ClassRouter, part: Part) -> None:
+    """Kill one of the two routers, which is then started again."""
+    os.kill(process_of(router, part), signal.SIGKILL)
 
 
 def replies(bus: Bus, key: str) -> list[tuple[str, bytes]]:
@@ -219,8 +248,3 @@ def replies(bus: Bus, key: str) -> list[tuple[str, bytes]]:
     finally:
         query.close()
     return found
-
-
-def settled(bus: Bus) -> None:
-    """Wait until the router has handled all declarations of this session."""
-    bus.tokens("beatrix/nothing/here/@alive", ANSWER_S)

@@ -330,6 +330,18 @@ KEYS: Final[dict[str, KeyRow]] = {
         "drop",
         "Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. The source info of a query names the session that sent it. Without source info the node cannot detect that the client has disconnected: the motion ends at its goal, by STOP, or when the router is lost.",
     ),
+    "seats_router": KeyRow(
+        "beatrix/@router/{session}",
+        "token",
+        "",
+        "",
+        ("hw", "sim"),
+        "control",
+        "",
+        "data",
+        "drop",
+        "Liveliness token of the router of the seats of a class, which only this router may declare. When it disappears, the tokens of all seats do, too: a node stops the motions of the seats, and keeps their leases and places until 3 s after its return.",
+    ),
     "program": KeyRow(
         "beatrix/@program/{who}/{session}",
         "query",
@@ -559,6 +571,14 @@ def seat(who: str, session: str) -> str:
     Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. The source info of a query names the session that sent it. Without source info the node cannot detect that the client has disconnected: the motion ends at its goal, by STOP, or when the router is lost.
     """
     return f"beatrix/@seat/{who}/{session}"
+
+
+def seats_router(session: str) -> str:
+    """Return the key `beatrix/@router/{session}`.
+
+    Liveliness token of the router of the seats of a class, which only this router may declare. When it disappears, the tokens of all seats do, too: a node stops the motions of the seats, and keeps their leases and places until 3 s after its return.
+    """
+    return f"beatrix/@router/{session}"
 
 
 def program(who: str, session: str) -> str:

@@ -6,7 +6,7 @@ import signal
 from pathlib import Path
 
 import pytest
-from class_router import ClassRouter, settled, start_node
+from class_router import ClassRouter, start_node
 from gui_links import Linked
 from gui_views import lesson
 from robots import Stage
@@ -102,7 +102,7 @@ def test_the_reports_of_the_class_are_read_while_its_page_is_shown(tmp_path: Pat
         ana, teacher = router.session("ana"), router.account("teacher")
         report = lesson("ana", "01-hello", stuck=5)
         ana.put(keys.lesson("ana", "01-hello"), codec.encode(report.state), codec.MSGPACK)
-        settled(ana)
+        router.settled(ana)
         with Linked(teacher.connect, "bea1", "teacher", account=teacher) as linked:
             linked.until(lambda world: world.phase is LinkPhase.ONLINE, "a session")
             assert linked.world.reports is None
@@ -121,7 +121,7 @@ def test_the_last_reports_of_the_class_stay_when_a_read_fails(tmp_path: Path) ->
         ana, teacher = router.session("ana"), router.account("teacher")
         passed = lesson("ana", "01-hello", passed=True)
         ana.put(keys.lesson("ana", "01-hello"), codec.encode(passed.state), codec.MSGPACK)
-        settled(ana)
+        router.settled(ana)
         with Linked(teacher.connect, "bea1", "teacher", account=teacher) as linked:
             linked.do(WatchClass(on=True))
             linked.until(lambda world: world.reports == (passed,), "the report is read")

@@ -1,0 +1,203 @@
+"""The two routers of a class: what a seat declares ends or delays at most that of the seats, and both are started again."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from typing import Self
+
+import pytest
+from class_router import ClassRouter, end, start_node
+from patient_connections import PATIENCE_S, patiently
+from robots import Process, ready, until
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh.bus.access_control import DEPTH, below
+from beatrix_zenoh.classroom.router_file import Part
+from beatrix_zenoh.classroom.router_process import OUT_S, TOKENS_MAX, WINDOW_S, Guests
+from beatrix_zenoh.classroom.routers import OFTEN, ended
+from beatrix_zenoh.client import Client, lease
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LeaseAction, LessonState
+from beatrix_zenoh.lessons import reports
+from beatrix_zenoh.settings import Settings
+
+PROGRAM = """
+import sys, time
+from pathlib import Path
+import zenoh
+from beatrix_zenoh import NoAnswer, account, bus
+own = account.load(Path(sys.argv[1]))
+while True:
+    try:
+        session = bus.connect(own.connect, account=own)._session
+        break
+    except NoAnswer:  # the router of the seats is being started again
+        time.sleep(0.1)
+kind, number = sys.argv[2], int(sys.argv[3])
+if kind == "subscriber":
+    kept = session.declare_subscriber("x" + "/a" * number, lambda _: None)
+elif kind == "own queryable":
+    kept = session.declare_queryable("beatrix/ana" + "/a" * number, lambda query: query.drop())
+elif kind == "any subscriber":
+    kept = session.declare_subscriber("beatrix/**" + "/a" * number, lambda _: None)
+else:
+    kept = [session.liveliness().declare_token(f"beatrix/@seat/ana/{i}") for i in range(number)]
+time.sleep(0.3)  # until the router has read it
+session.close()
+"""
+"""A program of a seat that makes a declaration, or many."""
+
+
+@pytest.fixture(scope="module")
+def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def teacher(router: ClassRouter, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+    """The robot bea1 through the teacher's session."""
+    node = start_node(tmp_path_factory.mktemp("bea1"), router.path("bea1"))
+    account = router.account("teacher")
+    with patiently(lambda: Client(Settings("bea1", account.connect, "teacher", account=account))) as client:
+        yield ready(Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S))
+    assert node.end() == 0
+
+
+class Stops:
+    """Presses STOP again and again in a thread; `waits_s` are the times until each answer."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.waits_s: list[float] = []
+        self._robot, self._ended = robot, threading.Event()
+        self._thread = threading.Thread(target=self._run)
+
+    def _run(self) -> None:
+        while not self._ended.wait(0.02):
+            begin_s = time.monotonic()
+            assert self._robot.stop().result
+            self.waits_s.append(time.monotonic() - begin_s)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self._ended.set()
+        self._thread.join(PATIENCE_S)
+
+
+def attack(router: ClassRouter, kind: str, number: int) -> None:
+    """Let the seat ana make declarations, in a process of its own."""
+    process = Process("-c", PROGRAM, str(router.path("ana")), kind, str(number))
+    assert process.wait(PATIENCE_S) == 0, process.lines
+
+
+@pytest.mark.parametrize(
+    ("kind", "number", "report"),
+    [
+        ("subscriber", 8000, ""),
+        ("subscriber", 30_000, "The router of the seats has ended (SIGABRT)"),
+        ("any subscriber", 30_000, ""),
+        ("own queryable", 30_000, ""),
+        ("tokens", 8000, "ana announced more programs"),
+    ],
+)
+def test_what_a_seat_declares_reaches_neither_robots_nor_teacher(
+    router: ClassRouter, teacher: Robot, kind: str, number: int, report: str
+) -> None:
+    losses = teacher.client.losses
+    events = len(teacher.past_events())
+    with Stops(teacher) as stops:
+        attack(router, kind, number)
+    assert max(stops.waits_s) < PATIENCE_S
+    assert teacher.client.losses == losses, "the teacher stayed connected"
+    assert "router" not in "".join(event.message for event in teacher.past_events()[events:])
+    assert not report or "ana" in router.process.expect(report)
+    account = router.account("ben")
+    patiently(lambda: Client(Settings("bea1", account.connect, "ben", account=account))).close()
+
+
+def test_both_routers_come_back_with_robots_seats_freeze_mute_and_lessons(
+    router: ClassRouter, teacher: Robot
+) -> None:
+    ben = router.session("ben")
+    report = codec.encode(LessonState(tries=2, passed=True, hints=0, stuck=0, version=1))
+    lease.ask(teacher, LeaseAction.FREEZE)
+    lease.ask(teacher, LeaseAction.MUTE, seat="ben")
+
+    def arrived() -> bool:
+        ben.put(keys.lesson("ben", "01-hello"), report, codec.MSGPACK)
+        return bool(reports.read(teacher.client))
+
+    until(arrived, "a report")
+    for part in Part:
+        begin_s = time.monotonic()
+        end(router, part)
+        router.process.expect(f"The {part.called} has ended (SIGKILL)")
+        until(lambda: ben.connected and bool(ben.robots()), "the seat sees the robot")
+        until(lambda: teacher.client.bus.connected and bool(teacher.client.bus.robots()), "the teacher, too")
+        print(f"{part}: all connected again {time.monotonic() - begin_s:.2f} s after its end")
+    status = patiently(teacher.status)
+    assert (status.frozen, status.muted) == (True, ["ben"])
+    assert [(row.seat, row.words) for row in patiently(lambda: reports.read(teacher.client))] == [
+        ("ben", "passed (2)")
+    ]
+    lease.ask(teacher, LeaseAction.UNFREEZE)
+    lease.ask(teacher, LeaseAction.UNMUTE, seat="ben")
+
+
+def test_the_routers_end_with_their_parent_even_if_it_is_killed(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path) as own:
+        robot = own.session("bea1")
+        own.process.send(signal.SIGKILL)
+        until(lambda: not robot.connected, "no router is left")
+
+
+# -- decisions, without a network ---------------------------------------------------------------------
+
+
+class Ended:
+    """The addresses whose connections were ended."""
+
+    def __init__(self) -> None:
+        self.addresses: set[str] = set()
+
+    def __call__(self, addresses: Collection[str]) -> None:
+        self.addresses |= set(addresses)
+
+
+def test_an_account_with_too_many_tokens_is_put_out_for_a_while_and_no_other() -> None:
+    ended = Ended()
+    guests = Guests(["ana", "ben"], ended)
+    guests.link("ana", "1:1", 0.0, opened=True)
+    guests.link("ben", "2:1", 0.0, opened=True)
+    assert not any(guests.token("ana", i * WINDOW_S / TOKENS_MAX * 1.01) for i in range(3 * TOKENS_MAX))
+    assert not any(guests.token("ben", 0.0) for _ in range(TOKENS_MAX))
+    assert not guests.token("a robot of the other router", 0.0)
+    assert guests.token("ben", WINDOW_S)
+    assert ended.addresses == {"2:1"}
+    guests.link("ben", "2:1", 0.0, opened=False)
+    guests.link("ben", "2:2", WINDOW_S + OUT_S - 1, opened=True)
+    guests.link("ben", "2:3", WINDOW_S + OUT_S, opened=True)
+    assert ended.addresses == {"2:1", "2:2"}
+    assert guests.connected == {"ana": 1, "ben": 2}
+
+
+def test_after_three_ends_the_report_names_the_accounts_that_were_always_connected() -> None:
+    connected = [frozenset({"ana", "cem"}), frozenset({"ben", "cem"}), frozenset({"cem"})]
+    first = ended(Part.SEATS, "SIGSEGV", connected[0], 1, connected[:1])
+    assert "SIGSEGV" in first
+    assert first.endswith("Connected were: ana, cem.")
+    third = ended(Part.SEATS, "SIGSEGV", connected[2], OFTEN, connected)
+    assert "Connected each time: cem. To put an account out" in third
+
+
+def test_no_rule_for_declarations_includes_keys_of_any_length() -> None:
+    assert all("**" not in rule and rule.count("/") < DEPTH for rule in below("beatrix"))
+    assert max(row.key.count("/") for row in keys.KEYS.values()) < DEPTH - 1
