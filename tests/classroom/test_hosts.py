@@ -97,7 +97,7 @@ def test_stop_of_all_robots_stops_only_the_robots_of_its_class(lesson: Lesson) -
 def test_programs_receive_publications_of_their_own_class_only(lesson: Lesson) -> None:
     ana, ben, other = (lesson.seats[place] for place in ("ana 8a", "ben 8a", "ana 8b"))
     for seat in (ana, other):
-        seat.does("listen('**', '@/**', '**/@alive', 'beatrix/**')")
+        seat.does("listen('**', '@/**', '**/@alive', 'beatrix/**', 'beatrix/*/*/*/*')")
         for key in ("**", "beatrix/**", "beatrix/*/*/cmd/**", "beatrix/bea2/hw/cmd/*/command"):
             seat.does(f"spy({key!r})")
     ben.until("robot('bea2').home() is None", "a motion of another seat, when the robot is free")

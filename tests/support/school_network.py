@@ -79,7 +79,6 @@ class School:
             )
             self._network(
                 host,
-                "link set lo up",
                 f"addr add {own} peer {ROUTER} dev eth0",
                 "link set eth0 multicast off up",
             )
@@ -110,8 +109,11 @@ class School:
             self._namespaces.append(keeper)
             until(lambda: Path(f"/proc/{keeper.pid}/comm").read_text() == "cat\n", "a namespace")
             inside = ("nsenter", "--preserve-credentials", "--user", "--net", "--target", str(keeper.pid))
-        self.hosts.append(Host(folder, len(self.hosts) + 1, inside))
-        return self.hosts[-1]
+        host = Host(folder, len(self.hosts) + 1, inside)
+        self.hosts.append(host)
+        if self.isolated:
+            self._network(host, "link set lo up")
+        return host
 
     def _network(self, host: Host, *lines: str) -> None:
         """Change the network of a computer; each line is a command of ip(8)."""
