@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from class_router import CLI, ClassRouter
+from class_router import CLI, ClassRouter, process_of
 from robots import Process
 from school_network import LISTENING, Host, School, permits_namespaces, sockets
 from students import PROGRAM, Seat, use_account
+
+from beatrix_zenoh.classroom.router_file import Part
 
 pytestmark = pytest.mark.long("several computers in network namespaces")
 
@@ -128,8 +130,10 @@ def test_only_the_routers_listen_and_no_program_sends_datagrams(lesson: Lesson) 
         )
         assert LISTENING not in {state for _, state in found}
     for router in lesson.routers.values():
-        assert sockets(router.process.pid).count(("tcp", LISTENING)) == 1
-        assert {table for table, _ in sockets(router.process.pid)} == {"tcp"}
+        for part in Part:
+            found = sockets(process_of(router, part))
+            assert found.count(("tcp", LISTENING)) == 1
+            assert {table for table, _ in found} == {"tcp"}
 
 
 def test_each_computer_is_a_namespace_where_namespaces_are_permitted(lesson: Lesson) -> None:

@@ -112,7 +112,8 @@ class School:
         host = Host(folder, len(self.hosts) + 1, inside)
         self.hosts.append(host)
         if self.isolated:
-            self._network(host, "link set lo up")
+            own = HOST.format(host.number)
+            self._network(host, "link set lo up", *([] if self.hosts[1:] else [f"addr add {own} dev lo"]))
         return host
 
     def _network(self, host: Host, *lines: str) -> None:
