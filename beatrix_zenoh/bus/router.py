@@ -129,6 +129,15 @@ def watch_router(
     )
 
 
+def is_received(session: zenoh.Session, key: str) -> bool:
+    """Return whether a subscriber would receive publications of a router on this key."""
+    publisher = session.declare_publisher(key)
+    try:
+        return bool(publisher.matching_status.matching)
+    finally:
+        publisher.undeclare()
+
+
 def close_connections(addresses: Container[str]) -> None:
     """End the connections of this process to these addresses, such as `10.0.0.7:51002`; Zenoh cannot end a session.
 

@@ -31,6 +31,8 @@ With 8 000 tokens one seat made the router disconnect the robots (measured)."""
 WINDOW_S: Final = 10.0
 OUT_S: Final = 60.0
 """Time for which a seat with too many tokens is kept out."""
+LINK_S, POLL_S = 5.0, 0.01
+"""Longest time (s) to wait for the other router, without which seats reach no robot, and period of looking for it."""
 MEMORY: Final = 1 << 30
 """Largest amount of memory (bytes); a router of a class with thirty robots and seats needs less than a fifth. A key of
 some thousand chunks takes Zenoh up to a gigabyte, which it keeps for ever."""
@@ -121,6 +123,11 @@ def main() -> int:
     if part is Part.SEATS:
         token = session.liveliness().declare_token(keys.seats_router(str(session.zid())))
     threads.start(listen, "parent")
+    if part is Part.SEATS:
+        # The other router passes its subscriptions on 0.1 s after the connection; until then reports would get lost.
+        deadline_s = time.monotonic() + LINK_S
+        while not zbus.is_received(session, keys.lesson("router", "any")) and time.monotonic() < deadline_s:
+            time.sleep(POLL_S)
     _print("ready")
     while (event := events.get()) is not None:
         event()

@@ -136,13 +136,13 @@ class ClassRouters:
         self._ends: dict[Part, list[tuple[float, frozenset[str]]]] = {part: [] for part in Part}
         """when each router has ended (monotonic clock, s), with the accounts that were connected"""
         try:
-            for part in Part:
-                self._start(part, self._file)
+            self._start(Part.ROBOTS, self._file)
             self._reports = zbus.connect(self._file.listen, account=self._file.account())
+            self._reports.use(zbus.KeptReports(lesson.names()).serve)
+            self._start(Part.SEATS, self._file)
         except BeatrixError:
             self.close()
             raise
-        self._reports.use(zbus.KeptReports(lesson.names()).serve)
 
     def _start(self, part: Part, file: RouterFile) -> None:
         child = ChildRouter(part, file)

@@ -57,7 +57,7 @@ def test_the_doctor_names_an_account_that_was_replaced(router: ClassRouter) -> N
         for found in checks.network(Settings("bea1", account.connect, "ana", account=account))
         if found.todo
     )
-    assert "does not know this certificate" in finding.advice
+    assert "does not know this certificate" in finding.todo
 
 
 def test_the_error_for_a_router_of_no_class_says_so(router: ClassRouter) -> None:
