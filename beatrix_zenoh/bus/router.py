@@ -133,7 +133,7 @@ def is_received(session: zenoh.Session, key: str) -> bool:
     """Return whether a subscriber would receive publications of a router on this key."""
     publisher = session.declare_publisher(key)
     try:
-        return bool(publisher.matching_status.matching)
+        return bool(publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
     finally:
         publisher.undeclare()
 

@@ -7,7 +7,7 @@ its parent. It prints lines of JSON, each a list: what has happened, and its dat
 
 from __future__ import annotations
 
-import contextlib
+import math
 import os
 import queue
 import sys
@@ -82,60 +82,77 @@ class Guests:
         return True
 
 
+class RouterProcess:
+    """The router of this process, and what happens at it; Zenoh's threads only put it into a queue."""
+
+    def __init__(self, part: Part, file: RouterFile) -> None:
+        """Open the router; raises the errors of `open_router`."""
+        self._session = zbus.open_router(file.endpoint(part), file.access(part))
+        self._names = {file.accounts[name]: name for name in file.own(part)}
+        self._guests = Guests(self._names.values(), zbus.close_connections)
+        self._events: queue.SimpleQueue[Event | None] = queue.SimpleQueue()
+        self._watched = zbus.watch_router(self._session, self._on_link, self._on_token)
+        self._token: object = None
+        threads.start(self._read, "parent")
+        if part is Part.SEATS:
+            self._token = self._session.liveliness().declare_token(
+                keys.seats_router(str(self._session.zid()))
+            )
+            self._wait_for_other()
+
+    def _wait_for_other(self) -> None:
+        """Wait until the other router has passed on its subscriptions, 0.1 s after the connection: reports would get lost."""
+        deadline_s = time.monotonic() + LINK_S
+        while (
+            not zbus.is_received(self._session, keys.lesson("router", "any"))
+            and time.monotonic() < deadline_s
+        ):
+            time.sleep(POLL_S)
+
+    def _on_link(self, common_name: str, address: str, opened: bool) -> None:  # noqa: FBT001
+        def handle() -> None:
+            account = self._names.get(common_name, "")
+            self._guests.link(account, address, time.monotonic(), opened=opened)
+            _print("connected", self._guests.connected)
+
+        self._events.put(handle)
+
+    def _on_token(self, key: str) -> None:
+        def handle() -> None:
+            parts = keys.parse(key)
+            account = "" if parts is None else parts.who or parts.robot
+            if self._guests.token(account, time.monotonic()):
+                _print("flood", account)
+
+        self._events.put(handle)
+
+    def _read(self) -> None:
+        """Read the accounts to put out, until the parent closes this process's input."""
+        for line in sys.stdin:
+            self._events.put(lambda line=line: self._put_out(line))  # type: ignore[misc]
+        self._events.put(None)
+
+    def _put_out(self, line: str) -> None:
+        for account in msgspec.json.decode(line, type=list[str]):
+            self._guests.put_out(account, math.inf)
+
+    def run(self) -> None:
+        """Handle events until the parent closes this process's input."""
+        while (event := self._events.get()) is not None:
+            event()
+
+
 def main() -> int:
     """Run one router of a class until the end of standard input; return the exit code."""
-    part = Part(sys.argv[1])
     file = msgspec.json.decode(sys.stdin.readline(), type=RouterFile)
     _limit_memory()
     try:
-        session = zbus.open_router(file.endpoint(part), file.access(part))
+        router = RouterProcess(Part(sys.argv[1]), file)
     except BeatrixError as error:
         _print("failed", error.reason, error.message)
         return FAILED
-    events: queue.SimpleQueue[Event | None] = queue.SimpleQueue()
-    names = {file.accounts[name]: name for name in file.own(part)}
-    guests = Guests(names.values(), zbus.close_connections)
-
-    def link(common_name: str, address: str, opened: bool) -> None:  # noqa: FBT001
-        def handle() -> None:
-            guests.link(names.get(common_name, ""), address, time.monotonic(), opened=opened)
-            _print("connected", guests.connected)
-
-        events.put(handle)
-
-    def count(key: str) -> None:
-        parts = keys.parse(key)
-        account = "" if parts is None else parts.who or parts.robot
-        if guests.token(account, time.monotonic()):
-            _print("flood", account)
-
-    def put_out(line: str) -> None:
-        for account in msgspec.json.decode(line, type=list[str]):
-            guests.put_out(account, float("inf"))
-
-    def listen() -> None:
-        for line in sys.stdin:
-            events.put(lambda line=line: put_out(line))  # type: ignore[misc]
-        events.put(None)
-
-    watched = zbus.watch_router(session, link, lambda key: events.put(lambda: count(key)))
-    token = None
-    if part is Part.SEATS:
-        token = session.liveliness().declare_token(keys.seats_router(str(session.zid())))
-    threads.start(listen, "parent")
-    if part is Part.SEATS:
-        # The other router passes its subscriptions on 0.1 s after the connection; until then reports would get lost.
-        deadline_s = time.monotonic() + LINK_S
-        while not zbus.is_received(session, keys.lesson("router", "any")) and time.monotonic() < deadline_s:
-            time.sleep(POLL_S)
     _print("ready")
-    while (event := events.get()) is not None:
-        event()
-    del watched, token
-    with contextlib.suppress(
-        Exception
-    ):  # a client that does not read; the end of the process closes what is open
-        session.close()
+    router.run()
     return 0
 
 
@@ -155,4 +172,4 @@ def _print(event: str, *data: object) -> None:
 if __name__ == "__main__":
     code = main()
     sys.stdout.flush()
-    os._exit(code)  # Zenoh's threads may wait for a client that does not read
+    os._exit(code)  # closing the session would wait for clients that do not read

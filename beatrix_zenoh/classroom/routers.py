@@ -13,7 +13,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import Final, cast
 
@@ -25,7 +25,6 @@ from beatrix_zenoh.classroom import router_file
 from beatrix_zenoh.classroom.router_file import Part, RouterFile
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
-from beatrix_zenoh.lessons import lesson
 from beatrix_zenoh.output import note, say
 from beatrix_zenoh.processes import end, in_words
 from beatrix_zenoh.shutdown import Shutdown
@@ -127,8 +126,11 @@ class ChildRouter:
 class ClassRouters:
     """Both routers of a class."""
 
-    def __init__(self, of_class: Path) -> None:
-        """Start the routers of a class file or router file; raises the errors of `router_file.load` and `open_router`."""
+    def __init__(self, of_class: Path, lessons: Collection[str]) -> None:
+        """Start the routers of a class file or router file, and keep the reports of these lessons.
+
+        Raises the errors of `router_file.load` and `open_router`.
+        """
         self._of_class, self._place = of_class, router_file.place(of_class)
         self._file = router_file.load(of_class)
         self._written_ns = self._place.stat().st_mtime_ns
@@ -138,7 +140,7 @@ class ClassRouters:
         try:
             self._start(Part.ROBOTS, self._file)
             self._reports = zbus.connect(self._file.listen, account=self._file.account())
-            self._reports.use(zbus.KeptReports(lesson.names()).serve)
+            self._reports.use(zbus.KeptReports(lessons).serve)
             self._start(Part.SEATS, self._file)
         except BeatrixError:
             self.close()
@@ -257,9 +259,9 @@ def flooded(account: str) -> str:
     )
 
 
-def run(of_class: Path, shutdown: Shutdown) -> None:
+def run(of_class: Path, lessons: Collection[str], shutdown: Shutdown) -> None:
     """Run the routers of a class until the shutdown; raises the errors of `ClassRouters`."""
-    routers = ClassRouters(of_class)
+    routers = ClassRouters(of_class, lessons)
     try:
         say(routers.ready())
         while not shutdown.requested(POLL_S):

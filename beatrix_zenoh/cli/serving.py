@@ -60,8 +60,9 @@ def router(
     _allow_connections()
     if of_class is not None:
         from beatrix_zenoh.classroom import routers
+        from beatrix_zenoh.lessons import lesson
 
-        routers.run(of_class, shutdown)
+        routers.run(of_class, lesson.names(), shutdown)
         return
     listen = listen or DEFAULT_ENDPOINT
     session = zbus.open_router(listen)

@@ -25,7 +25,7 @@ def test_the_watchdog_belongs_to_all_robots(monkeypatch: pytest.MonkeyPatch) -> 
         return {CONTROL: SimpleNamespace(connected=True)}
 
     watchdog = SessionWatchdog(opened)
-    listener = SessionListener("", cast("Any", None), cast("Any", None))
+    listener = SessionListener(cast("Any", None), cast("Any", None))
     with threads.owned_by(Owner("ada")):
         end = watchdog.add(listener)
     try:
