@@ -18,7 +18,7 @@ from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
 from beatrix_zenoh.lessons.lesson import find
 from beatrix_zenoh.lessons.line_child import NoReply
 from beatrix_zenoh.lessons.program import Program
-from beatrix_zenoh.lessons.stage import SEAT, Stage
+from beatrix_zenoh.lessons.stage import ROBOT, SEAT, Stage
 from beatrix_zenoh.lessons.unmet import NotMeasurable, busy
 
 PERIOD_S, MOTION_S = 0.02, 0.4
@@ -77,11 +77,11 @@ class EndlessRun:
 class FakeStage:
     """A stage whose only robot publishes nothing new; `seen` is what it has shown, None: the computer was too busy."""
 
-    names, path, robot_file = ("bea",), "still", None
+    names, path, robot_file = (ROBOT,), "still", None
     endpoint = ""
 
     def __init__(self, seen: Seen | None) -> None:
-        self._seen, self.watches = seen, {"bea": self}
+        self._seen, self.watches = seen, {ROBOT: self}
 
     def tidy(self) -> None: ...
     def begin(self) -> None: ...
