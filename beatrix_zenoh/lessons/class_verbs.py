@@ -44,7 +44,7 @@ def turn(
     passed = workspace.record(found.name).passed
     paths = workspace.programs(found.name)
     program = programs.read(paths[0]) if paths else None
-    if program is None or program.sha256 not in passed:
+    if program is None or progress.sealed(found.name, program.sha256) not in passed:
         what = "has changed since it passed" if passed and program is not None else "has not passed yet"
         raise Refused(
             Reason.BAD_VALUE,
@@ -69,8 +69,10 @@ def report(
 ) -> None:
     """Show what each seat of the class has reached in each lesson. Requires the seat `teacher`.
 
-    passed, trying or stuck, with the number of checks. Stuck: the last five checks or more have found nothing that the
-    seat has not met before. The router of the class keeps this in memory until it ends.
+    passed, trying, stuck or not-measured, with the number of checks; - or silent: no check yet. Stuck: the last five
+    checks or more have found nothing that the seat has not met before. Not measured: the last check could judge nothing,
+    usually because the computer was too busy. The computer of the seat reports this, and the router of the class keeps it
+    in memory until it ends.
     """
     from beatrix_zenoh.client.session import Client
     from beatrix_zenoh.lessons import reports
@@ -79,16 +81,18 @@ def report(
     with Client(resolve(None, connect, who)) as client:
         rows = reports.read(client)
         shown, account = client.settings.shown, client.settings.account
-        pupils = account.names if account is not None else {}
+        known = account.names if account is not None else {}
+    seats = sorted({row.seat for row in rows} | set(known))
+    silent = sorted(set(seats) - {row.seat for row in rows})
+    fields = [row.fields for row in rows] + [reports.silent(seat) for seat in silent]
     if as_json:
-        print_json({"result": True, "rows": [row.fields for row in rows]})
+        print_json({"result": True, "rows": fields})
     elif as_csv:
         writer = csv.DictWriter(sys.stdout, reports.FIELDS, lineterminator="\n")
         writer.writeheader()
-        writer.writerows(row.fields for row in rows)
+        writer.writerows(fields)
     elif rows:
         lessons = sorted({row.lesson for row in rows})
-        seats = sorted({row.seat for row in rows} | set(pupils))
         cells = {(row.seat, row.lesson): row.words for row in rows}
         lines = [(shown(seat), *(cells.get((seat, lesson), "-") for lesson in lessons)) for seat in seats]
         say(columns(("seat", *lessons), lines))
@@ -98,6 +102,11 @@ def report(
                 f"{shown(row.seat)} has been stuck in {row.lesson} for {row.state.stuck} checks (hints read: {row.state.hints}). "
                 f"The check asks: {reports.asked(row.lesson, row.state.figure)}."
             )
+        for row in rows:
+            if row.progress == reports.NOT_MEASURED:
+                say(
+                    f"The last check of {row.lesson} by {shown(row.seat)} could judge nothing: is the computer too busy?"
+                )
         if stuck:
             note(
                 "`beatrix lesson hint N` on the seat explains it; `beatrix lesson solution N --show` is for you."

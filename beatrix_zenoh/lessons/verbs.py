@@ -215,7 +215,7 @@ def check(
 
     Exit codes: 0 passed, 1 not yet, 4 this computer was too busy to measure.
     """
-    from beatrix_zenoh.lessons import checking, reports
+    from beatrix_zenoh.lessons import checking, progress, reports
     from beatrix_zenoh.lessons import program as programs
     from beatrix_zenoh.shutdown import signals_interrupt
 
@@ -230,13 +230,13 @@ def check(
         note("This check used no simulated robot that runs in real time: there is nothing to record.")
     workspace = _workspace()  # another check may have ended meanwhile
     record = workspace.record(found.name)
-    checking.count(record, verdict, program)
+    checking.count(record, verdict, progress.sealed(found.name, program.sha256))
     if as_json:
         print_json(_document(found, verdict, record))
     else:
         _print(found, verdict, record)
     workspace.save()
-    reports.report(found.name, record)
+    reports.report(found.name, record, measured=verdict.result is not checking.Result.NOT_MEASURABLE)
     if verdict.result.value:
         raise typer.Exit(verdict.result.value)
 
