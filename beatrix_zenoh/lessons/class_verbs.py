@@ -1,4 +1,4 @@
-"""`beatrix lesson turn` and `report`: a program that passed runs on the robot; the teacher sees what the class does."""
+"""`beatrix lesson turn` and `report`: a program that passed drives the robot; the teacher sees what the class does."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ def turn(
     connect: Connect = None,
     who: Who = None,
 ) -> None:
-    """Run your program on the robot, once it has passed: at most 90 s and 40 deg/s, then home.
+    """Let your program drive the robot, once it has passed: at most 90 s and 40 deg/s, then home.
 
-    Waits in the queue for the robot. Ctrl-C, and a STOP of any seat, end the turn.
+    The program runs on this computer. Waits in the queue for the robot. Ctrl-C, and a STOP of any seat, end the turn.
     """
     from beatrix_zenoh.lessons import program as programs
     from beatrix_zenoh.lessons import progress, turns
@@ -48,7 +48,7 @@ def turn(
         what = "has changed since it passed" if passed and program is not None else "has not passed yet"
         raise Refused(
             Reason.BAD_VALUE,
-            f"Your program of lesson {number} {what}; only one that passed on the simulation runs on the robot. "
+            f"Your program of lesson {number} {what}; only one that passed on the simulation may take a turn. "
             f"`beatrix lesson check {number}` checks it.",
         )
     with signals_interrupt():

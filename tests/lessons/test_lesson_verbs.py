@@ -121,7 +121,8 @@ def test_an_unknown_lesson_is_refused_with_those_that_exist() -> None:
 
 
 def test_german_is_chosen_once() -> None:
-    assert "Doppelt" in good("start", "1", "--language", "de")
+    text = good("start", "1", "--language", "de").splitlines()
+    assert (text[0], text[-1]) == ("Lektion 1: Doppelt (5 Minuten)", "  prüfen   beatrix lesson check 1")
     assert START.with_name("lesson.md").read_text() == "# Doppelt\n"
     assert checked("1").stdout.splitlines()[0] == "Noch nicht: Doppelt (Versuch 1)."
 
