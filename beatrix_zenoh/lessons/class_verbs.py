@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import csv
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,6 +14,9 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.output import columns, note, print_json, say
 from beatrix_zenoh.terminal.options import Connect, Json, Which, Who
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.lessons.reports import Row
 
 
 def turn(
@@ -92,24 +96,31 @@ def report(
         writer.writeheader()
         writer.writerows(fields)
     elif rows:
-        lessons = sorted({row.lesson for row in rows})
-        cells = {(row.seat, row.lesson): row.words for row in rows}
-        lines = [(shown(seat), *(cells.get((seat, lesson), "-") for lesson in lessons)) for seat in seats]
-        say(columns(("seat", *lessons), lines))
-        stuck = [row for row in rows if row.progress == reports.STUCK_AT]
-        for row in stuck:
-            say(
-                f"{shown(row.seat)} has been stuck in {row.lesson} for {row.state.stuck} checks (hints read: {row.state.hints}). "
-                f"The check asks: {reports.asked(row.lesson, row.state.figure)}."
-            )
-        for row in rows:
-            if row.progress == reports.NOT_MEASURED:
-                say(
-                    f"The last check of {row.lesson} by {shown(row.seat)} could judge nothing: is the computer too busy?"
-                )
-        if stuck:
-            note(
-                "`beatrix lesson hint N` on the seat explains it; `beatrix lesson solution N --show` is for you."
-            )
+        _show(rows, seats, shown)
     else:
         note("No seat has checked a lesson since the router of this class was started.")
+
+
+def _show(rows: list[Row], seats: list[str], shown: Callable[[str], str]) -> None:
+    """Print a line for each seat, and what the check asks of those that are stuck."""
+    from beatrix_zenoh.lessons import reports
+
+    lessons = sorted({row.lesson for row in rows})
+    cells = {(row.seat, row.lesson): row.words for row in rows}
+    lines = [(shown(seat), *(cells.get((seat, lesson), "-") for lesson in lessons)) for seat in seats]
+    say(columns(("seat", *lessons), lines))
+    stuck = [row for row in rows if row.progress == reports.STUCK_AT]
+    for row in stuck:
+        say(
+            f"{shown(row.seat)} has been stuck in {row.lesson} for {row.state.stuck} checks (hints read: {row.state.hints}). "
+            f"The check asks: {reports.asked(row.lesson, row.state.figure)}."
+        )
+    for row in rows:
+        if row.progress == reports.NOT_MEASURED:
+            say(
+                f"The last check of {row.lesson} by {shown(row.seat)} could judge nothing: is the computer too busy?"
+            )
+    if stuck:
+        note(
+            "`beatrix lesson hint N` on the seat explains it; `beatrix lesson solution N --show` is for you."
+        )
