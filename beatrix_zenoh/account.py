@@ -39,7 +39,8 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
     """certificate (PEM); its common name is the name and a random suffix, and the router knows only the newest"""
     key: str
     names: dict[str, str] = {}
-    """names of pupils by seat, only in the file of the teacher: the network transports no names of persons"""
+    """names of pupils by seat, empty texts for seats without one, only in the file of the teacher: the network transports
+    no names of persons"""
 
     def __repr__(self) -> str:
         """Return name and class without the credentials, because logs contain reprs."""

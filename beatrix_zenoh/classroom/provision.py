@@ -37,7 +37,7 @@ class Made:
     moved: bool
     """whether the address or port of the router has changed, so that all files must be handed out again"""
     renamed: bool
-    """whether names of pupils have changed, which the teacher's account contains"""
+    """whether seats or names of pupils have changed, which the account of the teacher contains"""
 
 
 def folder_of(role: str) -> str:
@@ -110,7 +110,7 @@ class _Signer:
             authority=trusted,
             certificate=own.certificate,
             key=own.key,
-            names=classroom.display_names if role == "teacher" else {},
+            names=dict.fromkeys(classroom.seats, "") | classroom.display_names if role == "teacher" else {},
         )
 
     def router(self, classroom: Classroom, path: Path, accounts: list[Account]) -> RouterFile:

@@ -82,7 +82,8 @@ class Suggesting:
             kind = type(self)
             if name.startswith("_") or hasattr(kind, name):
                 return object.__getattribute__(self, name)  # raises the error of a property again
-            names = [each for each in dir(kind) if not each.startswith("_")]
+            # Fields of a dataclass are no attributes of the class.
+            names = sorted(each for each in {*dir(kind), *_hints(kind)} if not each.startswith("_"))
             close = difflib.get_close_matches(name, names, 1)
             meant = _way(kind, name) or "".join(_text(kind, each) for each in close)
             raise AttributeError(
@@ -93,7 +94,7 @@ class Suggesting:
 
 def _text(kind: type, name: str) -> str:
     """Return how to write a member of a class: `positions()`, `camera(…)` or `place`."""
-    member = getattr(kind, name)
+    member = getattr(kind, name, None)
     return _call(member) if callable(member) else name
 
 

@@ -7,8 +7,8 @@
         nods = [size for size in swings(seen.pitch, least=2) if size >= 8]
         attempt.require("nods", len(nods) >= 4, count=len(nods))
 
-The first figure that is not met ends the check. `hints.toml` says what each figure means. The names `function`,
-`returns`, `import`, `calculates`, `runs`, `uncaught`, `ends`, `keyboard` and `refused` are figures of every lesson.
+The first figure that is not met ends the check. `hints.toml` says what each figure means. Those of `figures.toml` are
+figures of every lesson; `slips` recognises some of them.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ import numpy.typing as npt
 
 from beatrix_zenoh import processes
 from beatrix_zenoh.contract.errors import BeatrixError
-from beatrix_zenoh.lessons import bench
+from beatrix_zenoh.lessons import bench, slips
 from beatrix_zenoh.lessons.bench import Bench, Course
 from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
 from beatrix_zenoh.lessons.scratch import scratch
-from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, Seen, Stage
+from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage
 from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
 
 __all__ = ["Attempt", "NotMeasurable", "Seen", "Stage", "Unmet"]
@@ -164,9 +164,9 @@ class Attempt:
     def _child(self) -> LineChild:
         """Return the child process that has imported the pupil's file."""
         if self._functions is None:
-            words = ("-m", "beatrix_zenoh.lessons.function_child", str(self._file), str(IMPORT_S))
+            words = ("-P", "-m", "beatrix_zenoh.lessons.function_child", str(self._file), str(IMPORT_S))
             environment = {"BEATRIX_CONNECT": NO_ROUTER, "BEATRIX_ACCOUNT": "", "MPLBACKEND": "Agg"}
-            child = LineChild(words, environment, folder=self._program.path.parent)
+            child = LineChild(words, environment, folder=self._program.folder)
             self._open.callback(child.close)
             what, began_s = "Your file, when it is imported,", time.monotonic()
             try:
@@ -229,7 +229,7 @@ class Attempt:
         *,
         target: tuple[float, float, float] | None = None,
         path: str = "still",
-        robots: Sequence[str] = ("bea",),
+        robots: Sequence[str] = (ROBOT,),
         seconds: float | None = None,
         during: Callable[[Stage], None] | None = None,
         robot_file: Path | None = None,
@@ -246,13 +246,15 @@ class Attempt:
             robot_file: values of another robot, as for `beatrix sim --robot-file`.
 
         Raises:
-            Unmet: `runs` if the program ends with an error, `uncaught` if that is a refusal, `ends` if it does not end, `keyboard` if it reads from the
-                keyboard, or what `during` raises.
+            Unmet: a figure of `Run.check`, `ends` if the program does not end, one of `slips.motions` if it has ended and
+                no robot was moved, or what `during` raises.
             NotMeasurable: this computer was too busy.
         """
         seen = self.observe_all(
             target=target, path=path, robots=robots, seconds=seconds, during=during, robot_file=robot_file
         )
+        if seconds is None:
+            slips.motions(seen.values())
         return seen[robots[0]]
 
     def observe_all(
@@ -260,7 +262,7 @@ class Attempt:
         *,
         target: tuple[float, float, float] | None = None,
         path: str = "still",
-        robots: Sequence[str] = ("bea",),
+        robots: Sequence[str] = (ROBOT,),
         seconds: float | None = None,
         during: Callable[[Stage], None] | None = None,
         within_s: float | None = None,
@@ -336,7 +338,9 @@ class Attempt:
             if unmet.figure == "ends":
                 unmet.values |= _pace(self._judge_endless(stage, run))
                 self.doubt = ""  # short gaps do not make a program endless
-            elif unmet.figure in ("runs", "uncaught") and not OWN_ERROR.match(str(unmet.values["error"])):
+            elif unmet.figure in ("runs", "uncaught", "other_robot") and not OWN_ERROR.match(
+                str(unmet.values["error"])
+            ):
                 self._judge(stage, run)  # the robot may have stopped because this computer was busy
             raise
 

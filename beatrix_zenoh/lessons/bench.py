@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from beatrix_zenoh import processes
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
@@ -66,17 +67,20 @@ class TargetFunction:
 
 
 def start(speed: float | None) -> LineChild:
-    """Start the process of the bench; raises Refused if the simulation is not installed."""
+    """Start the process of the bench; raises Refused if it ends at once, NotMeasurable if it does not answer."""
     found = [entry for entry in metadata.entry_points(group="beatrix.processes") if entry.name == "bench"]
     module = found[0].module if found else "sim_node.bench"
     child = LineChild(("-m", module))
     try:
         child.ask({"speed": speed}, ANSWER_S)
-    except NoReply:
+    except NoReply as error:
         child.close()
+        if error.code is None:
+            raise busy("The bench did not answer.") from None
         raise Refused(
             Reason.BAD_VALUE,
-            'The bench did not start. Run `pip install ".[sim]"` in the folder of BEATRIX, and check again.',
+            f"The bench ended at its start ({processes.in_words(error.code)}). If the simulation is not installed, run "
+            '`pip install ".[sim]"` in the folder of BEATRIX; then check again.',
         ) from None
     except BaseException:
         child.close()

@@ -84,8 +84,8 @@ def own_share(attempt: Attempt) -> str:
     return OWN_SHARE.format(cores=attempt.cores) if attempt.cores > BUSY_CORES else ""
 
 
-def count(record: Record, verdict: Verdict, program: Program) -> None:
-    """Add a verdict to the record of a lesson; a computer that was too busy is no try."""
+def count(record: Record, verdict: Verdict, entry: str) -> None:
+    """Add a verdict to the record of a lesson, with the program's `entry`; a computer that was too busy is no try."""
     if verdict.result is Result.NOT_MEASURABLE:
         return
     record.tries += 1
@@ -96,7 +96,7 @@ def count(record: Record, verdict: Verdict, program: Program) -> None:
         record.seen.append(verdict.figure)
     if verdict.result is Result.PASSED:
         record.stuck, record.seen = 0, []
-        record.passed = [one for one in record.passed if one != program.sha256] + [program.sha256]
+        record.passed = [one for one in record.passed if one != entry] + [entry]
 
 
 def verdict(lesson: Lesson, unmet: Unmet) -> Verdict:

@@ -1,11 +1,12 @@
-"""`beatrix lesson turn` and `report`: a program that passed runs on the robot; the teacher sees what the class does."""
+"""`beatrix lesson turn` and `report`: a program that passed drives the robot; the teacher sees what the class does."""
 
 from __future__ import annotations
 
 import csv
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,6 +14,9 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.output import columns, note, print_json, say
 from beatrix_zenoh.terminal.options import Connect, Json, Which, Who
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.lessons.reports import Row
 
 
 def turn(
@@ -25,9 +29,9 @@ def turn(
     connect: Connect = None,
     who: Who = None,
 ) -> None:
-    """Run your program on the robot, once it has passed: at most 90 s and 40 deg/s, then home.
+    """Let your program drive the robot, once it has passed: at most 90 s and 40 deg/s, then home.
 
-    Waits in the queue for the robot. Ctrl-C, and a STOP of any seat, end the turn.
+    The program runs on this computer. Waits in the queue for the robot. Ctrl-C, and a STOP of any seat, end the turn.
     """
     from beatrix_zenoh.lessons import program as programs
     from beatrix_zenoh.lessons import progress, turns
@@ -44,11 +48,11 @@ def turn(
     passed = workspace.record(found.name).passed
     paths = workspace.programs(found.name)
     program = programs.read(paths[0]) if paths else None
-    if program is None or program.sha256 not in passed:
+    if program is None or progress.sealed(found.name, program.sha256) not in passed:
         what = "has changed since it passed" if passed and program is not None else "has not passed yet"
         raise Refused(
             Reason.BAD_VALUE,
-            f"Your program of lesson {number} {what}; only one that passed on the simulation runs on the robot. "
+            f"Your program of lesson {number} {what}; only one that passed on the simulation may take a turn. "
             f"`beatrix lesson check {number}` checks it.",
         )
     with signals_interrupt():
@@ -69,8 +73,10 @@ def report(
 ) -> None:
     """Show what each seat of the class has reached in each lesson. Requires the seat `teacher`.
 
-    passed, trying or stuck, with the number of checks. Stuck: the last five checks or more have found nothing that the
-    seat has not met before. The router of the class keeps this in memory until it ends.
+    passed, trying, stuck or not-measured, with the number of checks; - or silent: no check yet. Stuck: the last five
+    checks or more have found nothing that the seat has not met before. Not measured: the last check could judge nothing,
+    usually because the computer was too busy. The computer of the seat reports this, and the router of the class keeps it
+    in memory until it ends.
     """
     from beatrix_zenoh.client.session import Client
     from beatrix_zenoh.lessons import reports
@@ -79,28 +85,42 @@ def report(
     with Client(resolve(None, connect, who)) as client:
         rows = reports.read(client)
         shown, account = client.settings.shown, client.settings.account
-        pupils = account.names if account is not None else {}
+        known = account.names if account is not None else {}
+    seats = sorted({row.seat for row in rows} | set(known))
+    silent = sorted(set(seats) - {row.seat for row in rows})
+    fields = [row.fields for row in rows] + [reports.silent(seat) for seat in silent]
     if as_json:
-        print_json({"result": True, "rows": [row.fields for row in rows]})
+        print_json({"result": True, "rows": fields})
     elif as_csv:
         writer = csv.DictWriter(sys.stdout, reports.FIELDS, lineterminator="\n")
         writer.writeheader()
-        writer.writerows(row.fields for row in rows)
+        writer.writerows(fields)
     elif rows:
-        lessons = sorted({row.lesson for row in rows})
-        seats = sorted({row.seat for row in rows} | set(pupils))
-        cells = {(row.seat, row.lesson): row.words for row in rows}
-        lines = [(shown(seat), *(cells.get((seat, lesson), "-") for lesson in lessons)) for seat in seats]
-        say(columns(("seat", *lessons), lines))
-        stuck = [row for row in rows if row.progress == reports.STUCK_AT]
-        for row in stuck:
-            say(
-                f"{shown(row.seat)} has been stuck in {row.lesson} for {row.state.stuck} checks (hints read: {row.state.hints}). "
-                f"The check asks: {reports.asked(row.lesson, row.state.figure)}."
-            )
-        if stuck:
-            note(
-                "`beatrix lesson hint N` on the seat explains it; `beatrix lesson solution N --show` is for you."
-            )
+        _show(rows, seats, shown)
     else:
         note("No seat has checked a lesson since the router of this class was started.")
+
+
+def _show(rows: list[Row], seats: list[str], shown: Callable[[str], str]) -> None:
+    """Print a line for each seat, and what the check asks of those that are stuck."""
+    from beatrix_zenoh.lessons import reports
+
+    lessons = sorted({row.lesson for row in rows})
+    cells = {(row.seat, row.lesson): row.words for row in rows}
+    lines = [(shown(seat), *(cells.get((seat, lesson), "-") for lesson in lessons)) for seat in seats]
+    say(columns(("seat", *lessons), lines))
+    stuck = [row for row in rows if row.progress == reports.STUCK_AT]
+    for row in stuck:
+        say(
+            f"{shown(row.seat)} has been stuck in {row.lesson} for {row.state.stuck} checks (hints read: {row.state.hints}). "
+            f"The check asks: {reports.asked(row.lesson, row.state.figure)}."
+        )
+    for row in rows:
+        if row.progress == reports.NOT_MEASURED:
+            say(
+                f"The last check of {row.lesson} by {shown(row.seat)} could judge nothing: is the computer too busy?"
+            )
+    if stuck:
+        note(
+            "`beatrix lesson hint N` on the seat explains it; `beatrix lesson solution N --show` is for you."
+        )

@@ -39,6 +39,11 @@ class Program:
         """Hash of the text, by which a program that has passed is recognised."""
         return hashlib.sha256(self.text.encode()).hexdigest()
 
+    @property
+    def folder(self) -> Path | None:
+        """Working folder of the program as by hand: that of a notebook; None: the one in which the pupil types."""
+        return self.path.parent if self.path.suffix == ".ipynb" else None
+
     def file(self, folder: Path) -> Path:
         """Return a file that Python can run: the pupil's own, or one written into `folder` for a notebook."""
         if self.path.suffix != ".ipynb":

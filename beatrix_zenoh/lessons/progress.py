@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 
 import msgspec
@@ -32,7 +33,7 @@ class Record(msgspec.Struct, forbid_unknown_fields=True):
     seen: list[str] = []
     """figures at which checks have ended since the last pass"""
     passed: list[str] = []
-    """SHA-256 of each program that has passed, the newest last"""
+    """what `sealed` returns for each program that has passed, the newest last"""
 
 
 class ProgressFile(msgspec.Struct, forbid_unknown_fields=True):
@@ -42,8 +43,15 @@ class ProgressFile(msgspec.Struct, forbid_unknown_fields=True):
     lessons: dict[str, Record] = {}
 
 
+def sealed(lesson: str, sha256: str) -> str:
+    """Return the entry of a program that has passed: its hash, and a second one, which no editor adds by accident."""
+    return f"{sha256}-{hashlib.sha256(f'{lesson} {sha256}'.encode()).hexdigest()[:16]}"
+
+
 class Workspace:
     """The folder `lessons`, with a folder for each lesson that was started; it need not exist.
+
+    Entries of `passed` that no check has written count for nothing.
 
     Raises Refused (BAD_VALUE) if progress.json cannot be read.
     """
@@ -58,6 +66,8 @@ class Workspace:
             raise Refused(
                 Reason.BAD_VALUE, f"{self._path} cannot be read: {error}. Delete it; your programs stay."
             ) from error
+        for lesson, record in self.progress.lessons.items():
+            record.passed = [one for one in record.passed if one == sealed(lesson, one.partition("-")[0])]
 
     def record(self, lesson: str) -> Record:
         """Return the record of a lesson, an empty one if there is none yet."""

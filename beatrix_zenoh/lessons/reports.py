@@ -25,7 +25,8 @@ ANSWER_S: Final = 3.0
 STUCK: Final = 5
 """Checks without a new figure after which a seat counts as stuck: also one that goes back and forth between two."""
 FIELDS: Final = ("seat", "lesson", "progress", "tries", "hints", "figure")
-PASSED, TRYING, STUCK_AT = "passed", "trying", "stuck"
+PASSED, TRYING, STUCK_AT, NOT_MEASURED = "passed", "trying", "stuck", "not-measured"
+SILENT: Final = "silent"
 LONGEST_S: Final = 1.0
 """Longest time (s) that a pupil waits for a report."""
 BRACES: Final = re.compile(r"\{[^}]*\}")
@@ -33,25 +34,31 @@ BRACES: Final = re.compile(r"\{[^}]*\}")
 MOST: Final = 2**16 - 1
 
 
-def state_of(record: Record) -> LessonState:
-    """Return what a record says to the teacher: numbers, and the name of a figure."""
+def state_of(record: Record, *, measured: bool = True) -> LessonState:
+    """Return what a record says to the teacher: numbers, and the name of a figure.
+
+    measured: whether the last check has judged the program.
+    """
     return LessonState(
         version=record.version,
         tries=min(record.tries, MOST),
         hints=len(record.hints),
-        figure=record.figure,
+        figure=record.figure if measured else NOT_MEASURED,
         stuck=min(record.stuck, MOST),
         passed=bool(record.passed),
     )
 
 
-def report(lesson: str, record: Record) -> None:
-    """Report a lesson to the class's router if this computer has an account; give up after LONGEST_S, without a word."""
+def report(lesson: str, record: Record, *, measured: bool = True) -> None:
+    """Report a lesson to the class's router if this computer has an account; give up after LONGEST_S, without a word.
+
+    measured: as for `state_of`.
+    """
     with contextlib.suppress(BeatrixError):
         settings = resolve()
         if settings.account is None:
             return
-        state = state_of(record)
+        state = state_of(record, measured=measured)
         threads.start(lambda: _publish(settings, lesson, state), "lesson-report").join(LONGEST_S)
 
 
@@ -73,9 +80,11 @@ class Row(NamedTuple):
 
     @property
     def progress(self) -> str:
-        """`passed`, `stuck` or `trying`."""
+        """`passed`, `not-measured`, `stuck` or `trying`."""
         if self.state.passed:
             return PASSED
+        if self.state.figure == NOT_MEASURED:
+            return NOT_MEASURED
         return STUCK_AT if self.state.stuck >= STUCK else TRYING
 
     @property
@@ -89,6 +98,11 @@ class Row(NamedTuple):
     def words(self) -> str:
         """The progress and the number of checks."""
         return f"{self.progress} ({self.state.tries})" if self.state.tries else self.progress
+
+
+def silent(seat: str) -> dict[str, object]:
+    """Return the fields of a seat that has reported nothing."""
+    return dict(zip(FIELDS, (seat, "", SILENT, 0, 0, ""), strict=True))
 
 
 @cache

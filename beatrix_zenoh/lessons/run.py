@@ -31,6 +31,8 @@ LONGEST_ERROR = 500
 """Longest text of an error that is shown (characters)."""
 REFUSED = "Refused:"
 """Beginning of the last line of a traceback, if the robot has refused a request."""
+NO_ROBOT = " is not online"
+"""Part of the error of a program that names a robot which is not there."""
 PREFIX = re.compile(r"^[\w.]+\.(?=\w+(:|$))")
 """The module of an exception's name, as in `beatrix_zenoh.contract.errors.Refused`."""
 
@@ -47,7 +49,7 @@ class Run:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
-            cwd=program.path.parent,
+            cwd=program.folder,
             env=os.environ
             | {
                 "PYTHONUNBUFFERED": "1",
@@ -98,7 +100,7 @@ class Run:
         return (time.monotonic_ns() - self.began_ns) / 1e9
 
     def check(self) -> None:
-        """Raise Unmet (`runs`, `uncaught` or `keyboard`) if the program has ended with an error."""
+        """Raise Unmet (`runs`, `uncaught`, `other_robot` or `keyboard`) if the program has ended with an error."""
         if self._process.poll() == 0:
             return
         self._reader.join(END_S)
@@ -106,7 +108,8 @@ class Run:
         if lines and lines[-1].startswith("EOFError"):
             raise Unmet("keyboard", where=self._where())
         error = self._error(lines)
-        raise Unmet("uncaught" if error.startswith(REFUSED) else "runs", error=error, where=self._where())
+        figure = "uncaught" if error.startswith(REFUSED) else "runs"
+        raise Unmet("other_robot" if NO_ROBOT in error else figure, error=error, where=self._where())
 
     def _error(self, lines: list[str]) -> str:
         """Return the last line of the traceback, or how the program has ended without one."""

@@ -36,6 +36,8 @@ LONGEST_GAP_S = 0.3
 SLOWEST = 0.9
 """Smallest real-time factor of a run that can fail."""
 POLL_S = 0.02
+ROBOT = "bea1"
+"""Name of the simulation, as the pages write it: a program that is copied from them finds it."""
 SEAT = "check"
 """Seat of the check itself."""
 PUPIL = "pupil"
@@ -138,7 +140,7 @@ class Stage:
     """A router, simulations that are ready, and a client that watches them; a `with` block ends them."""
 
     def __init__(
-        self, robots: Sequence[str] = ("bea",), path: str = "still", robot_file: Path | None = None
+        self, robots: Sequence[str] = (ROBOT,), path: str = "still", robot_file: Path | None = None
     ) -> None:
         """Describe the stage: names of its robots, path of the person in front of them, values of other robots."""
         self.names, self.path, self.robot_file = tuple(robots), path, robot_file

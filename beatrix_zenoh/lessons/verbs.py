@@ -24,6 +24,11 @@ if TYPE_CHECKING:
     from beatrix_zenoh.lessons.progress import Record, Workspace
 
 FURTHER = "Next: the last part of the page; how we did it: `beatrix lesson solution {number}`."
+START = {
+    "en": ("Lesson {number}: {title} ({minutes} minutes)", "folder", "read", "change", "check"),
+    "de": ("Lektion {number}: {title} ({minutes} Minuten)", "Ordner", "lesen", "ändern", "prüfen"),
+}
+"""What `start` prints: the head, and the labels of the lines below it."""
 LABELS = {
     "en": ("Passed: {title}.", "Not yet: {title} (try {tries}).", "asked", "found", "Hint", FURTHER),
     "de": (
@@ -188,12 +193,12 @@ def start(
     workspace.save()
     if found.language != workspace.progress.language:
         note(f"Lesson {number} is not translated: its page, hints and checks are English.")
-    say(f"Lesson {number}: {found.title} ({found.about.minutes} minutes)")
+    head, *labels = START[found.language]
+    say(head.format(number=number, title=found.title, minutes=found.about.minutes))
     say(f"  {found.goal}")
-    say(f"  folder   {folder}")
-    say(f"  read     {_shown(folder / 'lesson.md')}")
-    say(f"  change   {_shown(program)}")
-    say(f"  check    beatrix lesson check {number}")
+    values = (folder, _shown(folder / "lesson.md"), _shown(program), f"beatrix lesson check {number}")
+    for label, value in zip(labels, values, strict=True):
+        say(f"  {label:<8} {value}")
 
 
 def _write_program(found: Lesson, path: Path) -> None:
@@ -215,7 +220,7 @@ def check(
 
     Exit codes: 0 passed, 1 not yet, 4 this computer was too busy to measure.
     """
-    from beatrix_zenoh.lessons import checking, reports
+    from beatrix_zenoh.lessons import checking, progress, reports
     from beatrix_zenoh.lessons import program as programs
     from beatrix_zenoh.shutdown import signals_interrupt
 
@@ -230,13 +235,13 @@ def check(
         note("This check used no simulated robot that runs in real time: there is nothing to record.")
     workspace = _workspace()  # another check may have ended meanwhile
     record = workspace.record(found.name)
-    checking.count(record, verdict, program)
+    checking.count(record, verdict, progress.sealed(found.name, program.sha256))
     if as_json:
         print_json(_document(found, verdict, record))
     else:
         _print(found, verdict, record)
     workspace.save()
-    reports.report(found.name, record)
+    reports.report(found.name, record, measured=verdict.result is not checking.Result.NOT_MEASURABLE)
     if verdict.result.value:
         raise typer.Exit(verdict.result.value)
 

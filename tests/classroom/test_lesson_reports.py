@@ -9,6 +9,7 @@ import pytest
 from class_router import ClassRouter, replies
 from patient_connections import patiently
 from robots import until
+from shell import beatrix
 from students import use_account
 
 from beatrix_zenoh.client import Client
@@ -29,6 +30,12 @@ PASSED = Record(tries=2, passed=["0" * 64])
 def router(tmp_path: Path) -> Iterator[ClassRouter]:
     with ClassRouter(tmp_path) as made:
         yield made
+
+
+def good(*words: str) -> str:
+    done = beatrix(*words)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
 
 
 def rows(router: ClassRouter, seat: str = "teacher") -> list[reports.Row]:
@@ -81,6 +88,27 @@ def test_the_teacher_reads_what_each_seat_has_reported(
     router.process.end()
     router.start_again()
     assert rows(router) == [], "all is forgotten at the end of the router"
+
+
+def test_seats_that_are_silent_or_too_busy_are_listed(
+    router: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    use_account(tmp_path, router.path("ana"))
+    reports.report("01-hello", Record(), measured=False)
+    use_account(tmp_path, router.path("teacher"))
+    table = patiently(lambda: good("lesson", "report")).splitlines()
+    assert [line.split() for line in table[:3]] == [
+        ["seat", "01-hello"],
+        ["ana", "not-measured"],
+        ["ben", "-"],
+    ]
+    assert "ana could judge nothing" in table[3]
+    assert good("lesson", "report", "--csv").splitlines() == [
+        ",".join(reports.FIELDS),
+        "ana,01-hello,not-measured,0,0,not-measured",
+        "ben,,silent,0,0,",
+    ]
 
 
 def test_a_report_names_no_person_and_is_small() -> None:

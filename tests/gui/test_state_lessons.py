@@ -7,12 +7,14 @@ from dataclasses import replace
 import pytest
 from gui_views import class_world, full_class, lesson
 
-from beatrix_zenoh.lessons.reports import Row
+from beatrix_zenoh.lessons.progress import Record
+from beatrix_zenoh.lessons.reports import Row, state_of
 from gui.console.state import lessons
 from gui.console.state.lessons import LessonRowView, LessonsView, Progress
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 
+NOT_MEASURED = Row("ana", "01-hello", state_of(Record(), measured=False))
 STUCK = lesson("ana", "03-arms", stuck=5, tries=9)
 
 
@@ -46,6 +48,7 @@ def test_a_row_shows_the_lesson_its_progress_and_the_number_of_passed_lessons() 
     ("reports", "cell"),
     [
         ([lesson("ana", "01-hello", passed=True)], ("01-hello", "✓ passed (2)")),
+        ([NOT_MEASURED], ("01-hello", "? computer too busy to measure (0)")),
         ([lesson("ana", "01-hello", stuck=4)], ("01-hello", "○ trying (2)")),
         (
             [lesson("ana", "01-hello"), lesson("ana", "02-steps", passed=True)],
@@ -83,6 +86,11 @@ def test_a_pupil_is_shown_by_name_in_the_language_of_the_window() -> None:
         "0",
     )
     assert view.title == "Lektionen: 1 hängt fest"
+
+
+def test_seats_that_have_reported_nothing_are_listed() -> None:
+    now = replace(class_world(), pupils={"ana": "ana", "xaver": "xaver"})
+    assert "xaver" in [row.seat for row in shown(STUCK, now=now).rows]
 
 
 @pytest.mark.parametrize("language", ["en", "de"])

@@ -12,11 +12,13 @@ import numpy as np
 import pytest
 
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Phase, PoseQuery, Reason
-from beatrix_zenoh.lessons import attempt
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lessons import attempt, bench
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
 from beatrix_zenoh.lessons.lesson import find
+from beatrix_zenoh.lessons.line_child import NoReply
 from beatrix_zenoh.lessons.program import Program
-from beatrix_zenoh.lessons.stage import SEAT, Stage
+from beatrix_zenoh.lessons.stage import ROBOT, SEAT, Stage
 from beatrix_zenoh.lessons.unmet import NotMeasurable, busy
 
 PERIOD_S, MOTION_S = 0.02, 0.4
@@ -75,11 +77,11 @@ class EndlessRun:
 class FakeStage:
     """A stage whose only robot publishes nothing new; `seen` is what it has shown, None: the computer was too busy."""
 
-    names, path, robot_file = ("bea",), "still", None
+    names, path, robot_file = (ROBOT,), "still", None
     endpoint = ""
 
     def __init__(self, seen: Seen | None) -> None:
-        self._seen, self.watches = seen, {"bea": self}
+        self._seen, self.watches = seen, {ROBOT: self}
 
     def tidy(self) -> None: ...
     def begin(self) -> None: ...
@@ -145,3 +147,21 @@ def test_shakes_that_a_refusal_has_skipped_are_told_from_small_ones() -> None:
     assert figure(1, drawn(NODS, event())) == "skipped"
     assert figure(1, drawn(NODS)) == "shakes"
     assert figure(1, drawn([*NODS, (0.3, 0.0, 0.0)], small, event())) == "shakes"
+
+
+@pytest.mark.parametrize(
+    ("code", "error", "words"),
+    [(None, NotMeasurable, "too busy"), (1, Refused, "exit code 1"), (-9, Refused, "SIGKILL")],
+)
+def test_a_bench_without_an_answer_is_not_called_missing(
+    code: int | None, error: type[Exception], words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Silent:
+        def __init__(self, *_arguments: object) -> None: ...
+        def close(self) -> None: ...
+        def ask(self, *_arguments: object) -> None:
+            raise NoReply(code)
+
+    monkeypatch.setattr(bench, "LineChild", Silent)
+    with pytest.raises(error, match=words):
+        bench.start(None)

@@ -6,11 +6,13 @@ import json
 import shutil
 import subprocess
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from shell import beatrix
 
-from beatrix_zenoh.lessons import lesson, program, progress
+from beatrix_zenoh.contract._generated.messages import LessonState
+from beatrix_zenoh.lessons import lesson, program, progress, reports
 from beatrix_zenoh.lessons.checking import Result, Verdict, count
 from beatrix_zenoh.lessons.program import notebook
 
@@ -91,7 +93,7 @@ def test_a_pupil_starts_fails_reads_the_hint_and_passes() -> None:
     assert "2 * x" in good("solution", "1")
     record = progress.workspace(Path.cwd()).record("01-double")
     assert (record.tries, record.hints, record.figure) == (2, [2, 1], "")
-    assert record.passed == [program.read(START).sha256]
+    assert record.passed == [progress.sealed("01-double", program.read(START).sha256)]
 
 
 def test_a_start_is_never_overwritten(pupil: Path) -> None:
@@ -119,7 +121,8 @@ def test_an_unknown_lesson_is_refused_with_those_that_exist() -> None:
 
 
 def test_german_is_chosen_once() -> None:
-    assert "Doppelt" in good("start", "1", "--language", "de")
+    text = good("start", "1", "--language", "de").splitlines()
+    assert (text[0], text[-1]) == ("Lektion 1: Doppelt (5 Minuten)", "  prüfen   beatrix lesson check 1")
     assert START.with_name("lesson.md").read_text() == "# Doppelt\n"
     assert checked("1").stdout.splitlines()[0] == "Noch nicht: Doppelt (Versuch 1)."
 
@@ -180,6 +183,26 @@ def test_errors_of_a_function_are_figures_of_every_lesson(text: str, figure: str
     assert document["figure"] == figure
     assert "{" not in document["asked"] + document["found"] + document["message"]
     assert "Traceback" not in document["found"]
+
+
+@pytest.mark.parametrize("entry", ["00", "sha256", "sha256-00", "of another lesson"])
+def test_a_progress_file_written_by_hand_counts_for_nothing(
+    entry: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    published: list[LessonState] = []
+    monkeypatch.setattr(reports, "_publish", lambda *sent: published.append(sent[-1]))
+    monkeypatch.setattr(reports, "resolve", lambda: SimpleNamespace(account=1))
+    good("start", "1")
+    sha256 = program.read(START).sha256
+    written = progress.sealed("02-steps", sha256) if "another" in entry else entry.replace("sha256", sha256)
+    path = Path("lessons/progress.json")
+    path.write_text(path.read_text().replace('"passed": []', f'"passed": ["{written}"]'))
+    assert written in path.read_text()
+    assert json.loads(good("list", "--json"))["lessons"][0]["state"] == "started"
+    assert "has not passed yet" in refused("turn", "1", "--name", "bea1")
+    assert "--show" in refused("solution", "1")
+    good("hint", "1")
+    assert [state.passed for state in published] == [False]
 
 
 def test_a_hint_for_a_figure_of_an_earlier_version_is_the_first_one() -> None:
@@ -268,7 +291,7 @@ def test_a_seat_is_stuck_while_checks_find_nothing_new(tmp_path: Path, figures: 
     for figure in figures:
         passed = figure == "-"
         verdict = Verdict(Result.PASSED) if passed else Verdict(Result.NOT_YET, figure)
-        count(record, verdict, checked_program)
+        count(record, verdict, checked_program.sha256)
     assert (record.tries, record.stuck) == (len(figures), stuck)
 
 

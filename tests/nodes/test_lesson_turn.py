@@ -206,7 +206,7 @@ def test_a_program_that_has_not_passed_gets_no_turn(free: Shell, tmp_path: Path)
     refused = free.run("lesson", "turn", "1", cwd=tmp_path)
     assert (refused.returncode, "has not passed yet" in refused.stderr) == (1, True)
     space = progress.workspace(tmp_path)
-    space.record("01-hello").passed = ["0" * 64]
+    space.record("01-hello").passed = [progress.sealed("01-hello", "0" * 64)]
     space.save()
     assert "has changed since it passed" in free.run("lesson", "turn", "1", cwd=tmp_path).stderr
 
@@ -238,7 +238,7 @@ def test_the_killed_verb_leaves_no_motion_and_a_free_robot(free: Shell, tmp_path
         WAITS.replace("time.sleep(60)", "[robot.look(yaw=y, speed=20) for y in (-10, 10) * 9]"),
     )
     space = progress.workspace(tmp_path)
-    space.record("01-hello").passed = [made.sha256]
+    space.record("01-hello").passed = [progress.sealed("01-hello", made.sha256)]
     space.save()
     words = (sys.executable, *CLI, "lesson", "turn", "1", "--who", SEAT, "--name", NAME)
     killed = subprocess.Popen(words, cwd=tmp_path, env=free.environment())

@@ -815,7 +815,7 @@ class LessonState(Struct, frozen=True, kw_only=True):
     hints: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
     """hints that were shown"""
     figure: Label = ""
-    """first figure that the last check has found unmet; empty: none"""
+    """first figure that the last check has found unmet; empty: none; not-measured: the computer was too busy for a verdict"""
     stuck: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
     """checks since one has ended at a figure for the first time"""
     passed: bool

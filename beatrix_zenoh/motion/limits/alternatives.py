@@ -70,6 +70,8 @@ def nearest_pose(pose: Arms, tilt_max: float, yaw_max: float) -> Arms:
     """Return the allowed head orientation (rad) nearest to `pose`: less yaw, and less tilt in the same direction."""
     yaw, pitch, roll = pose
     if tilt_of(pitch, roll) > tilt_max:
+        # Beyond a right angle the head would lean to the other side of what was asked for.
+        pitch, roll = (max(-math.pi / 2, min(math.pi / 2, angle)) for angle in (pitch, roll))
         direction = math.atan2(math.cos(pitch) * math.sin(roll), math.sin(pitch))
         pitch, roll = (_toward_zero(angle) for angle in leaning(tilt_max, direction))
     return max(-yaw_max, min(yaw_max, yaw)), pitch, roll

@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import Final
 
 from beatrix_zenoh.contract.names import TEACHER
-from beatrix_zenoh.lessons.reports import PASSED, STUCK_AT, TRYING, Row, asked
+from beatrix_zenoh.lessons.reports import NOT_MEASURED, PASSED, STUCK_AT, TRYING, Row, asked
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 
@@ -21,10 +21,18 @@ class Progress(StrEnum):
     TRYING = TRYING
     STUCK = STUCK_AT
     """several checks in a row have found no figure that is new to the seat"""
+    NOT_MEASURED = NOT_MEASURED
+    """the last check could judge nothing, usually because the computer was too busy"""
     PASSED = PASSED
 
 
-SYMBOLS: Final = {Progress.NONE: "–", Progress.TRYING: "○", Progress.STUCK: "▲", Progress.PASSED: "✓"}
+SYMBOLS: Final = {
+    Progress.NONE: "–",
+    Progress.TRYING: "○",
+    Progress.STUCK: "▲",
+    Progress.NOT_MEASURED: "?",
+    Progress.PASSED: "✓",
+}
 
 
 @dataclass(frozen=True)
@@ -62,7 +70,7 @@ def view(world: World, texts: Texts) -> LessonsView:
     reports = world.reports or ()
     columns = tuple(sorted({row.lesson[:2] for row in reports}))
     by_seat = {seat: list(rows) for seat, rows in groupby(reports, lambda row: row.seat)}
-    seats = {*by_seat, *(world.seats if by_seat else ())} - {TEACHER}
+    seats = {*by_seat, *((*world.seats, *world.pupils) if by_seat else ())} - {TEACHER}
     rows = [_row(seat, by_seat.get(seat, []), columns, world, texts) for seat in seats]
     rows.sort(key=lambda row: (row.progress is not Progress.STUCK, row.cells[0].casefold(), row.seat))
     stuck = sum(row.progress is Progress.STUCK for row in rows)
@@ -108,7 +116,7 @@ def _row(
 
 def _present(reports: list[Row]) -> Row | None:
     """Return the report of the lesson that a seat works at: one it is stuck at, else open, else passed; the last of them."""
-    order = (PASSED, TRYING, STUCK_AT)
+    order = (PASSED, TRYING, NOT_MEASURED, STUCK_AT)
     return max(reports, key=lambda row: (order.index(row.progress), row.lesson), default=None)
 
 
@@ -118,6 +126,8 @@ def _words(row: Row, texts: Texts) -> str:
         case Progress.STUCK:
             sentence = asked(row.lesson, state.figure, texts.code)
             words = texts("lessons.stuck_at", asked=sentence, count=float(state.stuck))
+        case Progress.NOT_MEASURED:
+            words = texts("lessons.not_measured", count=float(state.tries))
         case Progress.PASSED:
             words = texts("lessons.passed", count=float(state.tries))
         case _:

@@ -3,12 +3,14 @@ from itertools import pairwise
 
 import numpy as np
 
+from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt, Seen
 
 TURN = 200 * 8 * 68 / 26
 STEP = 360 / TURN
 ANGLES = range(3, 31, 3)
 AS_ASKED, SMALLEST = 0.09, 0.01
+REST_S = 0.1  # an arm that has arrived swings for less
 
 
 def check(attempt: Attempt) -> None:
@@ -17,6 +19,7 @@ def check(attempt: Attempt) -> None:
     attempt.require("upside-down", abs(turn - 1600 * 26 / 68) > 1, value=turn)
     attempt.require("turn", abs(turn - TURN) < 0.1, value=turn)
     step = attempt.call("degrees_per_step")
+    slips.numbers("degrees_per_step", step, STEP, 0.001)
     attempt.require("step", abs(step - STEP) < 0.001, value=step)
     for degrees in (1, 10, 29.99, 45, -10):
         steps = attempt.call("steps_for", degrees)
@@ -24,19 +27,25 @@ def check(attempt: Attempt) -> None:
         away = abs(steps * STEP - degrees)
         attempt.require("nearest", away <= STEP / 2, degrees=degrees, steps=steps, exact=degrees / STEP)
     degrees = attempt.call("degrees_for", 116)
+    slips.numbers("degrees_for", degrees, 116 * STEP, 0.01)
     attempt.require("back", abs(degrees - 116 * STEP) < 0.01, value=degrees)
     seen = attempt.observe()
     own = [(time, event.phase) for time, event in seen.motions]
     rests = [
         (begin, end) for (begin, phase), (end, _) in pairwise([*own, (seen.t[-1], "")]) if phase == "done"
     ]
+    rest = min((end - begin for begin, end in rests), default=REST_S)
     stops = [resting(seen, begin, end) for begin, end in rests]
     for asked in ANGLES:
         nearest = min(stops, key=lambda stop: abs(stop - asked), default=0.0)
-        attempt.require("angles", abs(nearest - asked) < AS_ASKED, asked=asked, nearest=nearest)
+        near = abs(nearest - asked) < AS_ASKED
+        attempt.require("pause", near or rest >= REST_S, rest=rest)
+        attempt.require("angles", near, asked=asked, nearest=nearest)
     moves = [abs(b - a) for a, b in pairwise(stops) if abs(b - a) > STEP / 2]
     smallest = min(moves, default=0.0)
-    attempt.require("smallest", abs(smallest - STEP) < SMALLEST, smallest=smallest)
+    near = abs(smallest - STEP) < SMALLEST
+    attempt.require("pause", near or rest >= REST_S, rest=rest)
+    attempt.require("smallest", near, smallest=smallest)
 
 
 def resting(seen: Seen, begin: float, end: float) -> float:

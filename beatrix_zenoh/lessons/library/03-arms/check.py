@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt
 from beatrix_zenoh.motion.kinematics import Neck
 
@@ -24,6 +25,8 @@ def check(attempt: Attempt) -> None:
     """Compare the rule with the kinematics, then look for a pure nod in the positions of the head."""
     said = [attempt.call_array("rule", *arms, shape=(3,)) for arms in SETS]
     for axis, figure in enumerate(("yaw", "pitch", "roll")):
+        numbers = [angles[axis] for angles in said]
+        slips.numbers(f"rule, {figure}", numbers, [head(arms)[axis] for arms in SETS], NEAR_DEG)
         for arms, angles in zip(SETS, said, strict=True):
             true = head(arms)[axis]
             attempt.require(
@@ -35,6 +38,7 @@ def check(attempt: Attempt) -> None:
     values = {"arms": arms, "yaw": yaw, "pitch": pitch, "roll": roll}
     attempt.require("nod", abs(yaw) <= STRAIGHT_DEG, **values)
     attempt.require("leans", abs(roll) <= STRAIGHT_DEG, **values)
+    slips.numbers(f"arms_for_nod({NOD_DEG:g}), pitch", pitch, NOD_DEG, STRAIGHT_DEG)
     attempt.require("size", abs(pitch - NOD_DEG) <= STRAIGHT_DEG, arms=arms, pitch=pitch)
     seen = attempt.observe()
     pure = (abs(seen.yaw) <= STRAIGHT_DEG) & (abs(seen.roll) <= STRAIGHT_DEG)

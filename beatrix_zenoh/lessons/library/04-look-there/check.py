@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt
 
 EYE_FORWARD_M, EYE_UP_M = 0.107, 0.144
@@ -53,6 +54,8 @@ def check(attempt: Attempt) -> None:
     )
     attempt.require("order", not turned)
     for axis, (figure, near) in enumerate((("yaw", YAW_DEG), ("pitch", PITCH_DEG))):
+        numbers = [angles[axis] for angles in said]
+        slips.numbers(f"bearing, {figure}", numbers, [bearing(*place)[axis] for place in PLACES], near)
         for (x, y, z), angles in zip(PLACES, said, strict=True):
             true = bearing(x, y, z)[axis]
             attempt.require(

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import leaning
@@ -53,6 +54,7 @@ def check(attempt: Attempt) -> None:
     """Compare closures, inverse and forward with the robot's own, then look where the head of the robot rests."""
     for arms, head in (([10, -20, 30], [0, 0, 0]), ([0, 0, 0], [25, 15, -10]), ([40, 10, -5], [-20, 5, 30])):
         said, true = attempt.call_array("closures", arms, head, shape=(3,)), true_closures(arms, head)
+        slips.numbers("closures", said, true, CLOSURE)
         off = float(np.abs(np.subtract(said, true)).max())
         attempt.require(
             "closures", off <= CLOSURE, arms=arms, head=head, said=listed(said, 4), true=listed(true, 4)
@@ -62,6 +64,7 @@ def check(attempt: Attempt) -> None:
         true_arms = np.degrees(neck.inverse(*np.radians(pose)))
         said = attempt.call_array("inverse", *pose, shape=(3,))
         attempt.require("number", bool(np.isfinite(said).all()), function="inverse", given=listed(pose))
+        slips.numbers("inverse", said, true_arms, INVERSE_DEG)
         off = said - true_arms
         wrapped = (off + 180) % 360 - 180
         near = np.abs(wrapped).max() <= INVERSE_DEG
@@ -75,6 +78,7 @@ def check(attempt: Attempt) -> None:
         true_arms = [math.degrees(arm) for arm in neck.inverse(*np.radians(pose))]
         said = attempt.call_array("forward", *true_arms, shape=(3,))
         attempt.require("number", bool(np.isfinite(said).all()), function="forward", given=listed(true_arms))
+        slips.numbers("forward", said, pose, FORWARD_DEG)
         off = np.abs(said - pose).max()
         attempt.require("forward", bool(off <= FORWARD_DEG), arms=listed(true_arms), off=float(off))
     seen = attempt.observe()

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from beatrix_zenoh.contract._generated.messages import EventKind, Phase, Reason
+from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt, Seen
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import leaning
@@ -54,6 +55,7 @@ def check(attempt: Attempt) -> None:
     """Compare the speeds with the derivatives, then look how far the head of a wide robot leans, without refusals."""
     for pitch in PITCHES:
         said, true = attempt.call("speed_ratio", pitch), ratio(pitch)
+        slips.numbers("speed_ratio", said, true, RATIO)
         attempt.require("ratio", abs(said / true - 1) <= RATIO, pitch=pitch, said=said, true=true)
     seen = attempt.observe(robot_file=ROBOT_FILE)
     refused = sum(

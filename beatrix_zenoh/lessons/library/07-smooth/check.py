@@ -1,5 +1,6 @@
 import numpy as np
 
+from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt
 from beatrix_zenoh.lessons.measures import rate, rms
 
@@ -13,6 +14,7 @@ STREAMED = (0.8, 1.4)
 def check(attempt: Attempt) -> None:
     t = np.arange(-0.1, 2.0, DT)
     angle = np.array([attempt.call("angle", time) for time in t.tolist()])
+    slips.numbers("angle", angle[-1], WAY, 0.01)
     attempt.require(
         "goal", abs(angle[0]) < 0.01 and abs(angle[-1] - WAY) < 0.01, first=angle[0], last=angle[-1]
     )
@@ -22,7 +24,9 @@ def check(attempt: Attempt) -> None:
     speed = np.diff(angle) / DT
     change = np.diff(speed) / DT
     at = int(np.abs(change).argmax())
-    attempt.require("acceleration", abs(change[at]) < ACCELERATION * 1.05, change=abs(change[at]), t=t[at])
+    attempt.require(
+        "acceleration", abs(change[at]) < ACCELERATION * 1.05, change=abs(change[at]), t=abs(t[at])
+    )
     attempt.require("top", abs(speed.max() - TOP) < 0.05 * TOP, top=speed.max())
     attempt.require("back", speed.min() > -0.1, back=-speed.min())
     end = t[int((angle > WAY - 0.002).argmax())]

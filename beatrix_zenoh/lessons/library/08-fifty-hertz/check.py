@@ -50,6 +50,8 @@ def check(attempt: Attempt) -> None:
         raise
     slow, fast = size(seen.t, seen.yaw, 0.25, 8.0), size(seen.t, seen.yaw, 2.0, 2.5)
     attempt.require("far", slow / SIZE < 1.05, found=slow)
+    once = size(seen.t, seen.yaw, 0.25, 4.0)
+    attempt.require("short", slow / SIZE > 0.95 or once / SIZE < 0.95, found=slow)
     attempt.require("slow", slow / SIZE > 0.95, found=slow, gain=slow / SIZE)
     attempt.require("fast", 0.10 < fast / SIZE < 0.25, found=fast, gain=fast / SIZE)
 

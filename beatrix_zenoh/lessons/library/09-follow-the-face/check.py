@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import simplejpeg
 
+from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt, Stage, Unmet
 from beatrix_zenoh.lessons.bench import Bench, Course
 from beatrix_zenoh.lessons.measures import at, rms
@@ -55,6 +56,7 @@ def check(attempt: Attempt) -> None:
 def bearings(attempt: Attempt) -> float:
     """Require the bearings of all pictures; return the processor time (ms) of one."""
     used: list[float] = []
+    people: list[tuple[float, float, Path]] = []
     known = tomllib.loads((PICTURES / "bearings.toml").read_text(encoding="utf-8"))
     for name, bearing in known.items():
         file = PICTURES / f"{name}.jpg"
@@ -66,8 +68,10 @@ def bearings(attempt: Attempt) -> float:
         attempt.require("missed", found is not None, file=file, bearing=bearing)
         if isinstance(found, bool) or not isinstance(found, int | float):
             raise Unmet("returns", function="bearing", value=repr(found)[:60], wanted="an angle in degrees")
+        people.append((found, bearing, file))
+    slips.numbers("bearing", [found for found, *_ in people], [bearing for _, bearing, _ in people], 1.0)
+    for found, bearing, file in people:
         values = {"found": found, "bearing": bearing, "file": file}
-        attempt.require("sign", abs(bearing) < 5 or abs(found + bearing) > 2, **values)
         pixels = FOCUS * math.tan(math.radians(bearing))
         attempt.require("pixels", abs(bearing) < 5 or abs(abs(found) - abs(pixels)) > 2, **values)
         attempt.require("bearing", abs(found - bearing) <= 1, **values)
@@ -110,6 +114,7 @@ def live(attempt: Attempt, picture_ms: float) -> None:
     if off >= FACE:
         light(attempt, picture_ms)
         enough(np.array([moment for moment in drawn if first < moment < LIVE_S]), first)
+        slips.motions([seen])
     attempt.require("face", off < FACE, off=off)
 
 

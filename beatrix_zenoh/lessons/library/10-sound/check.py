@@ -8,6 +8,7 @@ import time
 import numpy as np
 import numpy.typing as npt
 
+from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt, Stage, Unmet
 
 RATE, SPEED_M_S, EARS_M = 48_000, 343.0, 0.15
@@ -60,10 +61,7 @@ def check(attempt: Attempt) -> None:
     pairs = list(zip(DIRECTIONS, found, strict=True))
     small = [abs(said - true) <= NEAR_DEG for true, said in pairs if abs(true) < 20]
     wide = [(true, said) for true, said in pairs if abs(true) >= 20]
-    first = DIRECTIONS[0]
-    attempt.require(
-        "sign", not all(abs(said + true) <= NEAR_DEG for true, said in pairs), true=first, found=found[0]
-    )
+    slips.numbers("direction", found, DIRECTIONS, NEAR_DEG)
     stuck = [true for true, said in wide if abs(said) < abs(true) / 4]
     attempt.require("fan", len(stuck) < 2, count=len(stuck))
     attempt.require(

@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Stage, Unmet
 from beatrix_zenoh.lessons.measures import at, rms
 
@@ -12,6 +13,8 @@ LEADER, FOLLOWER = "bea1", "bea2"
 SIGNS = np.array([-1.0, 1.0, -1.0])
 NEAR = 2.0
 """The follower is the mirror image if no angle differs by more (deg)."""
+STILL = 0.5
+"""A follower whose angles are smaller (deg) has not left home."""
 PATIENT_S = 8.0
 POSES = ((20, 0, 0), (-20, 10, 5), (0, -8, -5), (0, 0, 0))
 SPEED = 30.0
@@ -19,7 +22,11 @@ END_OF_PROGRAM_S = 2.0
 """Time in which a program that gives up ends."""
 END_S = 10.0
 """Time in which the program must end after STOP."""
-WHEN = {"mirrors": "before the leader had moved", "taken": "while the teacher held bea2"}
+WHEN = {
+    "still": "before the leader had moved",
+    "mirrors": "before the leader had moved",
+    "taken": "while the teacher held bea2",
+}
 """When a program had ended by itself, by the figure that was not met then."""
 TIMES = ([0, 0.02, 0.04, 0.06, 0.08, 0.1], [3 + 0.02 * i for i in range(26)], [0, 0.5], [7, 8, 9.5, 10])
 
@@ -27,6 +34,7 @@ TIMES = ([0, 0.02, 0.04, 0.06, 0.08, 0.1], [3 + 0.02 * i for i in range(26)], [0
 def check(attempt: Attempt) -> None:
     for times in TIMES:
         asked, found = (len(times) - 1) / (times[-1] - times[0]), attempt.call("rate", times)
+        slips.numbers("rate", found, asked, 0.01)
         attempt.require("rate", abs(found / asked - 1) < 0.01, count=len(times), asked=asked, found=found)
     marks: dict[str, float] = {}
     with attempt.on_stage(LEADER, FOLLOWER):
@@ -96,6 +104,8 @@ def wait_for_image(leader, follower, figure: str) -> None:
     while np.abs(np.array(follower.positions().head) - wanted).max() > NEAR:
         if time.monotonic() > deadline_s:
             found = follower.positions().head
+            if np.abs(found).max() < STILL:
+                raise Unmet("still", asked=text(wanted))
             raise Unmet(figure, asked=text(wanted), found=text(found))
         time.sleep(0.1)
 

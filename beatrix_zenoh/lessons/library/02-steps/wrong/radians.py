@@ -1,4 +1,4 @@
-# expects: step
+# expects: radians
 """Lesson 2: from the steps of a motor to the degrees of an arm."""
 
 import time

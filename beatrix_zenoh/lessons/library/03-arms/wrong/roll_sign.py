@@ -1,4 +1,4 @@
-# expects: roll
+# expects: sign
 """Roll with the wrong sign."""
 
 

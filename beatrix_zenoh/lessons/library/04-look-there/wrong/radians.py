@@ -1,4 +1,4 @@
-# expects: yaw
+# expects: radians
 """The right formula, but in radians."""
 
 import math

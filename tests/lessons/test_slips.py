@@ -1,0 +1,235 @@
+"""Slips: solutions whose functions return radians or the other sign, and motions of which a part is missing."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from msgspec import structs
+from robots import until
+
+from beatrix_zenoh.contract._generated.messages import (
+    Event,
+    EventKind,
+    MotionQuery,
+    Phase,
+    PoseQuery,
+    Reason,
+    Vector3,
+)
+from beatrix_zenoh.lessons import slips
+from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
+from beatrix_zenoh.lessons.checking import Verdict, verdict
+from beatrix_zenoh.lessons.lesson import find
+from beatrix_zenoh.lessons.program import Program
+from beatrix_zenoh.lessons.run import Run
+from beatrix_zenoh.lessons.stage import SEAT
+
+Change = Callable[[npt.NDArray[np.float64]], npt.NDArray[np.float64]]
+
+
+class Called:
+    """An attempt that calls the functions of a solution, the one of a name with changed results, in this process."""
+
+    require, used_s = staticmethod(Attempt.require), 0.0
+
+    def __init__(self, lesson: int, function: str, change: Change, seen: Seen | None = None) -> None:
+        self._module: dict[str, object] = {"__name__": "solution"}
+        path = find(lesson).folder / "solution.py"
+        exec(compile(path.read_text(encoding="utf-8"), path, "exec"), self._module)
+        right = cast("Callable[..., object]", self._module[function])
+
+        def changed(*arguments: object) -> object:
+            value = right(*arguments)
+            return None if value is None else change(np.array(value, dtype=float)).tolist()
+
+        self._module[function], self._seen = changed, seen
+
+    def value(self, function: str, *arguments: object) -> object:
+        return cast("Callable[..., object]", self._module[function])(*arguments)
+
+    call = value
+
+    def call_array(
+        self, function: str, *arguments: object, shape: tuple[int, ...]
+    ) -> npt.NDArray[np.float64]:
+        return np.array(self.value(function, *arguments), dtype=float).reshape(shape)
+
+    def observe(self, **_arguments: object) -> Seen:
+        assert self._seen is not None, "a robot would be started"
+        return self._seen
+
+
+def said(number: int, function: str, change: Change) -> Verdict:
+    lesson = find(number)
+    with pytest.raises(Unmet) as unmet:
+        lesson.check()(cast("Attempt", Called(number, function, change)))
+    return verdict(lesson, unmet.value)
+
+
+def figure_of(call: Callable[[], None], lesson: int = 1) -> str:
+    """Return the figure that ends a call, whose texts must be complete; empty: none."""
+    try:
+        call()
+    except Unmet as unmet:
+        return "".join({verdict(find(lesson, language), unmet).figure for language in ("en", "de")})
+    return ""
+
+
+ANGLES = [
+    (2, "degrees_per_step"),
+    (2, "degrees_for"),
+    (3, "rule"),
+    (3, "arms_for_nod"),
+    (4, "bearing"),
+    (5, "inverse"),
+    (5, "forward"),
+    (7, "angle"),
+    (9, "bearing"),
+    (10, "direction"),
+]
+
+
+def tangent(angles: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    return np.tan(np.radians(angles))
+
+
+@pytest.mark.parametrize(
+    ("lesson", "function", "change"), [*((*one, np.radians) for one in ANGLES), (9, "bearing", tangent)]
+)
+def test_radians_are_recognised_in_every_lesson(lesson: int, function: str, change: Change) -> None:
+    found = said(lesson, function, change)
+    assert (found.figure, "math.degrees" in found.means) == ("radians", True)
+    assert function in found.found
+
+
+@pytest.mark.parametrize(("lesson", "function"), [*ANGLES, (5, "closures"), (6, "speed_ratio"), (11, "rate")])
+def test_the_other_sign_is_recognised_in_every_lesson(lesson: int, function: str) -> None:
+    found = said(lesson, function, lambda v: -v)
+    assert found.figure == "sign"
+    assert "size" in found.means
+
+
+@pytest.mark.parametrize(
+    ("found", "true", "figure"),
+    [
+        ([0.1, 0.35, -0.7], [5.7, 20, -40], "radians"),
+        ([0.0, 0.7, 0.7, 0.7, 30], [0, 40, 40, 40, 40], "radians"),  # one has a second fault
+        ([-20, 40, 0.0], [20, -40, 0], "sign"),
+        ([0, 0, 0], [20, -40, 30], ""),  # as with a loud fan
+        ([19, 0.7, -0.7], [20, 40, -40], ""),  # one is right
+        ([0.0], [0.0], ""),
+        ([math.nan, math.nan], [20, 40], ""),
+    ],
+)
+def test_a_slip_is_what_most_numbers_show(found: list[float], true: list[float], figure: str) -> None:
+    assert figure_of(lambda: slips.numbers("f", found, true, 2.0)) == figure
+
+
+def motion(*degrees: float, reason: Reason = Reason.OK, arms: bool = False, seat: str = "pupil") -> Event:
+    """Return the event of a motion that a program has asked for."""
+    angles = [math.radians(angle) for angle in degrees]
+    return Event(
+        seq=1,
+        t_mono_ns=0,
+        t_wall_ns=0,
+        kind=EventKind.MOTION,
+        seat=seat,
+        reason=reason,
+        phase=Phase.ACCEPTED,
+        motion_query=MotionQuery(position=Vector3(*angles)) if arms else None,
+        pose_query=None if arms else PoseQuery(yaw=angles[0], pitch=angles[1], roll=angles[2]),
+    )
+
+
+@pytest.mark.parametrize(
+    ("events", "figure"),
+    [
+        ([], "nothing"),
+        ([motion(15, 0, 0, seat=SEAT)], "nothing"),
+        ([motion(0, 80, 0, reason=Reason.OUT_OF_REACH)] * 2, "all_refused"),
+        ([motion(0, math.radians(15), 0), motion(0, 0, 0)], "tiny"),
+        ([motion(0, math.radians(15), 0, arms=True)], "tiny"),
+        ([motion(0, 80, 0, reason=Reason.OUT_OF_REACH), motion(0, 15, 0)], ""),
+        ([motion(0, 0, 0)], ""),  # home
+    ],
+)
+def test_a_program_that_moved_nothing_is_told_why(events: list[Event], figure: str) -> None:
+    none = np.zeros((2, 3))
+    seen = Seen(np.arange(2.0), none, none, none, none, events, np.zeros(len(events)))
+    assert figure_of(lambda: slips.motions([seen])) == figure
+
+
+def same(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    return numbers
+
+
+def stepped(rest_s: float) -> Seen:
+    """Return what the short arm shows in lesson 2: it arrives, swings for a moment, and rests for this time (s)."""
+    step, t, events, begin = 360 / (1600 * 68 / 26), np.arange(0, 30, 0.02), [], 0.5
+    short = np.zeros_like(t)
+    goals = [round(asked / step) * step for asked in range(3, 31, 3)]
+    for number, goal in enumerate([*goals, goals[-1] + step, 0.0]):
+        done = begin + 0.4
+        events += [(begin, Phase.ACCEPTED), (done, Phase.DONE)]
+        swing = 0.02 * (-1) ** number * np.exp(-(np.maximum(t, done) - done) / 0.02)
+        short = np.where(t >= done, goal + swing, short)
+        begin = done + rest_s
+    head = np.zeros((len(t), 3))
+    arms = np.column_stack([short, short, short])
+    parts = [structs.replace(motion(0, 0, 0), phase=phase) for _, phase in events]
+    return Seen(t, head, arms, head, head, parts, np.array([at for at, _ in events]))
+
+
+@pytest.mark.parametrize(("rest_s", "figure"), [(0.3, ""), (0.12, ""), (0.01, "pause")])
+def test_an_arm_that_does_not_rest_is_told_from_a_wrong_step(rest_s: float, figure: str) -> None:
+    attempt = cast("Attempt", Called(2, "steps_for", same, stepped(rest_s)))
+    assert figure_of(lambda: find(2).check()(attempt), 2) == figure
+
+
+def sines(slow_s: float, size: float = 10.0) -> Seen:
+    """Return a head that follows sines of 0.25 Hz, for this time (s), and of 2 Hz, with a rest between them."""
+    t = np.arange(0, 25, 0.02)
+    slow, fast = (t > 2) & (t < 2 + slow_s), (t > 4 + slow_s) & (t < 9 + slow_s)
+    yaw = slow * size * np.sin(np.pi / 2 * (t - 2)) + fast * 1.8 * np.sin(4 * np.pi * (t - 4 - slow_s))
+    none = np.zeros((len(t), 3))
+    return Seen(t, np.column_stack([yaw, none[:, :2]]), none, none, none, [], np.zeros(0))
+
+
+@pytest.mark.parametrize(
+    ("seen", "figure"),
+    [(sines(11), ""), (sines(8), ""), (sines(4), "short"), (sines(6), "short"), (sines(11, 7.0), "slow")],
+)
+def test_a_sine_that_is_too_short_is_told_from_a_small_one(seen: Seen, figure: str) -> None:
+    attempt = cast("Attempt", Called(8, "alias", same, seen))
+    assert figure_of(lambda: find(8).check()(attempt), 8) == figure
+
+
+@pytest.mark.parametrize("name", ["start.py", "start.ipynb"])
+def test_a_program_finds_its_files_as_by_hand(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "lessons" / "12-character"
+    folder.mkdir(parents=True)
+    text = "open('scene.csv').close()"
+    (folder / "start.py").write_text(text)
+    (tmp_path / "scene.csv" if name == "start.py" else folder / "scene.csv").write_text("")
+    monkeypatch.chdir(tmp_path)
+    with contextlib.closing(Run(folder / "start.py", Program(folder / name, text), {})) as run:
+        until(lambda: not run.running, "the program has ended")
+        run.check()
+
+
+def test_a_program_for_another_robot_is_told_to_name_none(tmp_path: Path) -> None:
+    text = "from beatrix_zenoh import NoAnswer\nraise NoAnswer('NO_ANSWER', 'ada (sim) is not online. Online: bea1.')"
+    path = tmp_path / "start.py"
+    path.write_text(text)
+    with contextlib.closing(Run(path, Program(path, text), {})) as run:
+        until(lambda: not run.running, "the program has ended")
+        assert figure_of(run.check) == "other_robot"
