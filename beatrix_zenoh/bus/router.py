@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import socket
 import sys
@@ -15,11 +16,12 @@ import zenoh
 from beatrix_zenoh.bus.access_control import Grant, access_control, downsampling, low_pass_filter
 from beatrix_zenoh.bus.credentials import Identity, tls
 from beatrix_zenoh.bus.endpoint import endpoints, is_local
-from beatrix_zenoh.bus.transport import HALF_OPEN, LEASE_MS, RUNTIME, WAIT_CLOSE_US, opened
+from beatrix_zenoh.bus.transport import HALF_OPEN, LEASE_MS, RUNTIME, WAIT_CLOSE_US, closed, opened
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 
 DESCRIPTORS = Path("/proc/self/fd")
+LOG = logging.getLogger("beatrix_zenoh.bus")
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class RouterAccess:
 
 
 def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Session:
-    """Open a router, to which nodes and clients connect. Close the session to end it.
+    """Open a router, to which nodes and clients connect; `close_router` ends it.
 
     Without `access`, every program that can connect to the router may send all messages.
 
@@ -77,6 +79,12 @@ def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Sessio
     session = opened(settings, lambda: trouble)
     _set_up_listening()
     return session
+
+
+def close_router(session: zenoh.Session) -> None:
+    """End a router; log a warning if it cannot close in time, for example because clients keep it busy."""
+    if cause := closed(session):
+        LOG.warning("The router did not close in time (%s). It ends with its process.", cause)
 
 
 def _set_up_listening() -> None:

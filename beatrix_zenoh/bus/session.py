@@ -15,7 +15,7 @@ from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe
 from beatrix_zenoh.bus.messages import TOKEN, WATCH, MessageSession
 from beatrix_zenoh.bus.query import intersects
-from beatrix_zenoh.bus.transport import OPEN_MS, opened
+from beatrix_zenoh.bus.transport import OPEN_MS, closed, opened
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
@@ -140,7 +140,7 @@ class Bus(MessageSession):
     def connection_error(self) -> NoAnswer | None:
         """Try to open another session with the same account; return the error, or None if the router accepts it."""
         try:
-            self._open_session().close()
+            closed(self._open_session())
         except NoAnswer as error:
             return error
         return None
