@@ -25,6 +25,7 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Command, CommandReply, EventKind, Reason
 from beatrix_zenoh.contract._generated.serial import BoardState, FrameType
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.board_watch import BoardWatch, Observer
 from beatrix_zenoh.node.callers import Caller
@@ -67,6 +68,8 @@ class StopHandler(Component):
         self._pressed: dict[Command, list[RequestHandle]] = {}
         self._changed = threading.Condition()
         self._closed = False
+        self._unsigned = ""
+        """Seat of a STOP whose key has none; empty: unknown."""
         self._sent: tuple[float, int] = float("-inf"), 0
         """Time (s, monotonic) of the last STOP that the board has acknowledged, and `Access.begun` before it."""
         self._puts: dict[str, tuple[float, int]] = {}
@@ -79,6 +82,8 @@ class StopHandler(Component):
 
     def start(self, sessions: Sessions) -> None:
         name, side = self._requests.name, self._requests.side
+        if sessions.control.endpoint.startswith("tls/"):  # the router of a class accepts it from the teacher only
+            self._unsigned = TEACHER
         self._thread = threads.start(self._run, "stop")
         # The watchdog checks the first key of a session, and the account of a robot may not query STOP without a seat.
         for key in (keys.stop(name, side, "*"), keys.stop_unsigned(name, side)):
@@ -92,7 +97,8 @@ class StopHandler(Component):
     def _query(self, served: str, incoming: Incoming) -> None:
         if is_stop(incoming.key):
             handle = self._requests.handle(incoming, served, Command.STOP.name, EventKind.STOP)
-            self.press(Command.STOP, replace(handle, events=self._events(handle.caller, "query")))
+            caller = Caller(handle.caller.seat or self._unsigned, handle.caller.session)
+            self.press(Command.STOP, replace(handle, caller=caller, events=self._events(caller, "query")))
         else:
             incoming.finish()
 
@@ -111,7 +117,7 @@ class StopHandler(Component):
         """Handle a put of STOP. Our clients send it before the query, because another queryable may take it."""
         if is_stop(received.key):
             # The seat is that of the key, which the router of a class checks; any client can forge a session id.
-            caller = Caller(seat_of(received.key, served), received.session)
+            caller = Caller(seat_of(received.key, served) or self._unsigned, received.session)
             events = self._events(caller, "put")
             self.press(Command.STOP, RequestHandle(caller, Command.STOP.name, events, kind=EventKind.STOP))
 

@@ -21,7 +21,9 @@ from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.client import Client, lease
-from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import EventKind, LeaseAction, Reason
+from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
@@ -78,6 +80,21 @@ def test_one_of_thirty_seats_takes_the_robot_and_refusals_name_it(router: ClassR
     finally:
         for robot in robots:
             robot.client.close()
+
+
+@pytest.mark.parametrize("form", ["put", "query", "query of all robots"])
+def test_a_stop_without_a_seat_is_the_teachers(router: ClassRouter, form: str) -> None:
+    """The router of a class lets no other account send it, for example with Zenoh's own `z_put`."""
+    robot = robot_of(router, "teacher")
+    bus, key = robot.client.bus, keys.stop_unsigned("bea1", "hw")
+    with contextlib.closing(robot.client), robot.events(timeout_s=PATIENCE_S) as events:
+        if form == "put":
+            bus.put(key, b"", "text/plain")
+        else:
+            asked = key if form == "query" else keys.stop_unsigned("*", "*")
+            assert bus.query(asked).next(PATIENCE_S) is not None
+        event = next(event for event in events if event.kind is EventKind.STOP)
+    assert event.seat == TEACHER
 
 
 @pytest.mark.parametrize("fault", ["killed", "frozen", "unplugged"])
