@@ -149,8 +149,6 @@ HEADS = ("robot", "side", "state", "yaw°", "pitch°", "roll°", "per s", "silen
 TABLE_S = 1.2
 """Time for which `--once` and `--json` collect data before they print, and the period of the tables in a pipe (s)."""
 REFRESH_S = 0.2
-EVENTS = 200
-"""Number of events kept for each robot, to count STOPs."""
 SEATS_SHOWN = 40
 """Largest number of seats in the line about seats."""
 STOPS_SHOWN = 8
@@ -182,7 +180,7 @@ def top(
     The angles are those of the head (degrees). Ctrl-C ends the table.
     """
     with Client(resolve(None, connect, who)) as client:
-        monitor = Monitor(client, events=EVENTS)
+        monitor = Monitor(client)
         seats = Seats(client)
         if once or as_json:
             time.sleep(TABLE_S)

@@ -31,7 +31,7 @@ from beatrix_zenoh.node.board_watch import BoardWatch, Observer
 from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.events import NodeEvents
-from beatrix_zenoh.node.interfaces import Component
+from beatrix_zenoh.node.interfaces import Component, StatusFields
 from beatrix_zenoh.node.planner import degrees
 from beatrix_zenoh.node.requests import RequestHandle, Requests, command_refusal, command_reply, seat_of
 
@@ -82,7 +82,9 @@ class StopHandler(Component):
 
     def start(self, sessions: Sessions) -> None:
         name, side = self._requests.name, self._requests.side
-        if sessions.control.endpoint.startswith("tls/"):  # the router of a class accepts it from the teacher only
+        if sessions.control.endpoint.startswith(
+            "tls/"
+        ):  # the router of a class accepts it from the teacher only
             self._unsigned = TEACHER
         self._thread = threads.start(self._run, "stop")
         # The watchdog checks the first key of a session, and the account of a robot may not query STOP without a seat.
@@ -91,6 +93,9 @@ class StopHandler(Component):
             sessions.subscribe_newest(
                 key, partial(self._put, key), lambda key: self.repeats(key, time.monotonic())
             )
+
+    def contribute(self, status: StatusFields) -> None:
+        status.values["stops"] = self._requests.events.stops()
 
     # -- 1. pressed, on Zenoh's thread or that of the puts ------------------------------------------
 

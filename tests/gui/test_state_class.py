@@ -11,7 +11,7 @@ from gui_views import class_world
 from gui_worlds import status, world
 from msgspec import structs
 
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason, SeatCount
 from gui.console.state import intents
 from gui.console.state.actions import Govern, Outcome, SendStop, WatchCameras, WatchClass
 from gui.console.state.intents import GovernClass, Intent, LimitClass, MuteSeat, Stop, TogglePage, WindowPage
@@ -113,7 +113,15 @@ def test_a_pupil_is_shown_by_name_and_muted_by_seat() -> None:
 
 def test_the_summary_counts_the_stops_of_each_seat() -> None:
     first, second, *others = TEACHER.robots
-    robots = (replace(first, stops=(("cem", 30), ("", 1))), replace(second, stops=(("cem", 2),)), *others)
+    assert first.status is not None
+    assert second.status is not None
+    both = [SeatCount(seat="cem", count=30), SeatCount(seat="", count=1)]
+    one = [SeatCount(seat="cem", count=2)]
+    robots = (
+        replace(first, status=structs.replace(first.status, stops=both)),
+        replace(second, status=structs.replace(second.status, stops=one)),
+        *others,
+    )
     summary = page(opened(), replace(TEACHER, robots=robots)).summary
     same("state class.the summary counts the stops of each seat 1", summary)
     free = replace(TEACHER.robots[0], status=status("sim"))
