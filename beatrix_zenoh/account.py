@@ -40,6 +40,8 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
     key: str
     names: dict[str, str] = {}
     """names of pupils by seat, only in the file of the teacher: the network transports no names of persons"""
+    robots: tuple[str, ...] = ()
+    """robots of the class, only in the file of the teacher; others belong to seats"""
 
     def __repr__(self) -> str:
         """Return name and class without the credentials, because logs contain reprs."""
@@ -60,6 +62,10 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
         """Return a seat with the name of its pupil, if this account has it."""
         name = self.names.get(seat)
         return f"{name} ({seat})" if name else seat
+
+    def of_seat(self, robot: str) -> bool:
+        """Return whether this account knows that a robot of this name belongs to a seat, and not to the class."""
+        return bool(self.robots) and robot not in self.robots
 
     def check_seat(self, seat: str) -> str:
         """Return the seat if this account may use it; otherwise raise WrongUsage (BAD_VALUE)."""

@@ -61,7 +61,9 @@ def classroom(
             "The address of the router has changed: copy every file again, and run beatrix join on each computer."
         )
     if made.renamed:
-        note(f"Names of pupils have changed: run beatrix join {folder / 'seats' / 'teacher.toml'} again.")
+        note(
+            f"Names of pupils or robots have changed: run beatrix join {folder / 'seats' / 'teacher.toml'} again."
+        )
     for path in made.left:
         note(
             f"{path}: the class has no such seat or robot, so the router refuses this account. You can delete the file."

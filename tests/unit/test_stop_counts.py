@@ -78,6 +78,6 @@ def test_the_teacher_sees_the_name_of_the_pupil_who_pressed_stop() -> None:
     teacher = Settings("bea", account.connect, "teacher", account=account)
     stops = SeatStops("zoe", 2, {("bea1", "hw"): 2})
     same("stop counts.the teacher sees the name of the pupil who pressed stop", stop_words(teacher, stops))
-    row = TableRow(("bea1", "hw"), "moving", None, 50.0, None, "zoe", {}, [])
+    row = TableRow(("bea1", "hw"), "moving", None, 50.0, None, "zoe", None, [])
     assert cells(teacher, row)[-1] == "Zoë Müller (zoe)"
     assert stop_words(Settings("bea", "", "ana"), stops).startswith("zoe 2 times")
