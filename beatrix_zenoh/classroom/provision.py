@@ -132,6 +132,7 @@ class _Signer:
             certificate=own.certificate,
             key=own.key,
             accounts={one.name: self._certificates.common_name(one.certificate) for one in accounts},
+            expires=min(self._certificates.expiry(own.certificate), *(one.expires for one in accounts)),
         )
 
 

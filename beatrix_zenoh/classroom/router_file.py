@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import datetime as dt
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 import msgspec
 
-from beatrix_zenoh import files
+from beatrix_zenoh import account, files
 from beatrix_zenoh.bus.access_control import EVERYTHING, ROOT, Grant
 from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.bus.router import RouterAccess
@@ -38,6 +39,8 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     key: str
     accounts: dict[str, str]
     """common name of the newest certificate of each account"""
+    expires: dt.date | None = None
+    """last day of the first certificate that expires; None: the file is of an earlier version"""
 
     def __repr__(self) -> str:
         """Return role and class without the secrets."""
@@ -56,6 +59,11 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             Identity(self.authority, self.certificate, self.key),
             picture_rates(self.seats, self.robots, self.pictures_hz),
         )
+
+
+def renewal(file: RouterFile, today: dt.date) -> str:
+    """Return when the accounts of a class expire, and what to do; empty while `init` would keep them."""
+    return "" if file.expires is None else account.renewal(file.class_name, file.expires, today)
 
 
 def folder(path: Path, classroom: Classroom) -> Path:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from beatrix_zenoh.account import Account
+from beatrix_zenoh.account import Account, today
 from beatrix_zenoh.client.degrees import HeadAngles, RobotInfo
 from beatrix_zenoh.client.monitor import Monitor, Presence, RobotState, Seats, SeatStops, stops_by_seat
 from beatrix_zenoh.client.session import Client, Place
@@ -237,7 +237,9 @@ def messages(client: Client, rows: list[TableRow]) -> list[str]:
     """Return the lines below the table: the loss of the router, no robot, or the problems of the robots."""
     if not client.bus.connected:
         return [LOST.format(client.bus.endpoint)]
-    return notes(rows, client.settings.account) if rows else [NO_ROBOT]
+    account = client.settings.account
+    expiring = account.renewal(today()) if account else ""
+    return [*([expiring] if expiring else []), *(notes(rows, account) if rows else [NO_ROBOT])]
 
 
 def seat_lines(settings: Settings, monitor: Monitor, seats: Seats) -> list[str]:

@@ -12,12 +12,13 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.account import today
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract._generated.messages import Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.contract.names import SIDE_TITLES
 from beatrix_zenoh.motion.robot_file import load
-from beatrix_zenoh.output import columns, print_json, say
+from beatrix_zenoh.output import columns, note, print_json, say
 from beatrix_zenoh.processes import Child, Role, Supervisor, advice, end_on_interrupt, start_router, watch
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
 from beatrix_zenoh.shutdown import POLL_S, Shutdown, signals_interrupt
@@ -111,6 +112,8 @@ def _class_router(of_class: Path, shutdown: Shutdown) -> None:
         try:
             reports.serve(session)
             say(f"ready {file.listen}")
+            if expiring := router_file.renewal(file, today()):
+                note(expiring)
             found = None
             while not (ended := shutdown.requested(POLL_S)) and (found := changed()) is None:
                 pass

@@ -17,7 +17,7 @@ from gui.console.state.actions import Govern, Outcome, SendStop, WatchCameras, W
 from gui.console.state.intents import GovernClass, Intent, LimitClass, MuteSeat, Stop, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import ClassView, Condition
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.world import LinkPhase, OwnAccount, World
 
 TEACHER = class_world()
 PLACE = ("bea2", "hw")
@@ -131,6 +131,21 @@ def test_the_summary_counts_the_stops_of_each_seat() -> None:
     empty = page(opened(), replace(TEACHER, robots=()))
     assert (empty.limit_now, empty.rows) == ("No speed limit.", ())
     assert empty.empty.startswith("No robot is online.")
+
+
+@pytest.mark.parametrize(
+    ("expired", "expiring", "words"),
+    [
+        (False, False, ""),
+        (False, True, "expire on 2027-07-31. Run"),
+        (True, True, "expired on 2027-07-31: no seat"),
+    ],
+)
+def test_the_summary_announces_that_the_accounts_expire(expired: bool, expiring: bool, words: str) -> None:
+    now = replace(TEACHER, account=OwnAccount("teacher", "8b", "2027-07-31", expired, expiring))
+    summary = page(opened(), now).summary
+    assert words in summary
+    assert ("beatrix classroom init class.toml" in summary) == expiring
 
 
 @pytest.mark.parametrize(

@@ -79,6 +79,9 @@ def _summary(world: World, texts: Texts) -> str:
         text += " " + texts(
             "class.stops", stops=", ".join(_stops(one, world, texts) for one in stops[:STOPS_SHOWN])
         )
+    account = world.account
+    if account is not None and account.expiring:
+        text += " " + texts("class.expired" if account.expired else "class.expires", expires=account.expires)
     return text
 
 

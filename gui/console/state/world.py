@@ -76,6 +76,8 @@ class OwnAccount:
     expires: str
     """last day of its certificate, as 2027-07-31"""
     expired: bool
+    expiring: bool = False
+    """whether `beatrix classroom init` would renew it"""
 
 
 @dataclass(frozen=True)
