@@ -69,7 +69,8 @@ def report(
 ) -> None:
     """Show what each seat of the class has reached in each lesson. Requires the seat `teacher`.
 
-    passed, trying or stuck, with the number of checks. Stuck: the last five checks or more have found nothing that the
+    The computer of each seat reports this itself: the router checks the seat, not the numbers. passed, trying, stuck, or
+    impossible for numbers that no checks can have made, with the number of checks. Stuck: the last five checks or more have found nothing that the
     seat has not met before. The router of the class keeps this in memory until it ends.
     """
     from beatrix_zenoh.client.session import Client
@@ -92,6 +93,7 @@ def report(
         cells = {(row.seat, row.lesson): row.words for row in rows}
         lines = [(shown(seat), *(cells.get((seat, lesson), "-") for lesson in lessons)) for seat in seats]
         say(columns(("seat", *lessons), lines))
+        note("Each row is what the computer of the seat has reported itself.")
         stuck = [row for row in rows if row.progress == reports.STUCK_AT]
         for row in stuck:
             say(

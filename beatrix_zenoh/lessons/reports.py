@@ -25,7 +25,9 @@ ANSWER_S: Final = 3.0
 STUCK: Final = 5
 """Checks without a new figure after which a seat counts as stuck: also one that goes back and forth between two."""
 FIELDS: Final = ("seat", "lesson", "progress", "tries", "hints", "figure")
-PASSED, TRYING, STUCK_AT = "passed", "trying", "stuck"
+PASSED, TRYING, STUCK_AT, IMPOSSIBLE = "passed", "trying", "stuck", "impossible"
+TRIES_MAX: Final = 1000
+"""Checks of one lesson above which a report is impossible: a check takes seconds, so these are hours."""
 LONGEST_S: Final = 1.0
 """Longest time (s) that a pupil waits for a report."""
 BRACES: Final = re.compile(r"\{[^}]*\}")
@@ -73,7 +75,10 @@ class Row(NamedTuple):
 
     @property
     def progress(self) -> str:
-        """`passed`, `stuck` or `trying`."""
+        """`passed`, `stuck`, `trying`, or `impossible`: no checks can have made this report."""
+        state = self.state
+        if max(state.passed, state.stuck) > state.tries or state.tries > TRIES_MAX:
+            return IMPOSSIBLE
         if self.state.passed:
             return PASSED
         return STUCK_AT if self.state.stuck >= STUCK else TRYING

@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import Final
 
 from beatrix_zenoh.contract.names import TEACHER
-from beatrix_zenoh.lessons.reports import PASSED, STUCK_AT, TRYING, Row, asked
+from beatrix_zenoh.lessons.reports import IMPOSSIBLE, PASSED, STUCK_AT, TRYING, Row, asked
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 
@@ -22,9 +22,17 @@ class Progress(StrEnum):
     STUCK = STUCK_AT
     """several checks in a row have found no figure that is new to the seat"""
     PASSED = PASSED
+    IMPOSSIBLE = IMPOSSIBLE
+    """no checks can have made this report"""
 
 
-SYMBOLS: Final = {Progress.NONE: "–", Progress.TRYING: "○", Progress.STUCK: "▲", Progress.PASSED: "✓"}
+SYMBOLS: Final = {
+    Progress.NONE: "–",
+    Progress.TRYING: "○",
+    Progress.STUCK: "▲",
+    Progress.PASSED: "✓",
+    Progress.IMPOSSIBLE: "?",
+}
 
 
 @dataclass(frozen=True)
@@ -107,8 +115,8 @@ def _row(
 
 
 def _present(reports: list[Row]) -> Row | None:
-    """Return the report of the lesson that a seat works at: one it is stuck at, else open, else passed; the last of them."""
-    order = (PASSED, TRYING, STUCK_AT)
+    """Return the report to show of a seat: an impossible one, else one it is stuck at, else open, else passed; the last."""
+    order = (PASSED, TRYING, STUCK_AT, IMPOSSIBLE)
     return max(reports, key=lambda row: (order.index(row.progress), row.lesson), default=None)
 
 
@@ -118,6 +126,8 @@ def _words(row: Row, texts: Texts) -> str:
         case Progress.STUCK:
             sentence = asked(row.lesson, state.figure, texts.code)
             words = texts("lessons.stuck_at", asked=sentence, count=float(state.stuck))
+        case Progress.IMPOSSIBLE:
+            words = texts("lessons.impossible", count=float(state.tries))
         case Progress.PASSED:
             words = texts("lessons.passed", count=float(state.tries))
         case _:

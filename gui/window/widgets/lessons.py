@@ -21,7 +21,13 @@ WIDTHS_PX = (180, 150, 210, 84)
 """Widths (px) of COLUMNS at scale 1."""
 MARK_PX = 34
 """Width (px) of the column of a lesson at scale 1."""
-ROLES = {Progress.NONE: "dim", Progress.TRYING: "text", Progress.STUCK: "bad", Progress.PASSED: "good"}
+ROLES = {
+    Progress.NONE: "dim",
+    Progress.TRYING: "text",
+    Progress.STUCK: "bad",
+    Progress.PASSED: "good",
+    Progress.IMPOSSIBLE: "bad",
+}
 """Colour of a `Style` for each progress; symbol and words say the same."""
 CENTRE = int(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter)
 
