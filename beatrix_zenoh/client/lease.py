@@ -26,7 +26,7 @@ ANSWER_S = 2.0
 """Time limit (s) of the reply of each robot."""
 ABSENT = (Reason.NODE_LOST, Reason.NO_ANSWER, Reason.NO_SUCH_ROBOT, Reason.NODE_HANGS, Reason.TIMED_OUT)
 """Reasons of a robot that is not there, but may return."""
-SEAT_S = 0.5
+SEAT_S = 1.0
 """Time limit (s) of the robot of a seat: its token may be all there is, and must not hold up the teacher."""
 AT_ONCE = 128
 """Largest number of robots that are waited for at the same time; a class has at most two for each account."""

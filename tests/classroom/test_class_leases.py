@@ -137,7 +137,7 @@ def test_a_token_without_a_robot_holds_up_no_command_of_the_teacher(
     assert all(len(line) < 350 for line in done.stderr.splitlines())
     assert "muted, but not at" not in shown.stdout, "the robot of a seat"
     assert len(shown.stderr.splitlines()) <= 1
-    in_time(muted_s, 1.9, "mute")
+    in_time(muted_s, 1.8, "mute")
     in_time(listed_s, 1.9, "ls")
 
 
