@@ -99,6 +99,15 @@ def test_a_seat_is_muted_on_all_robots_and_shown_as_muted() -> None:
     assert state.handle(MuteSeat("ana", on=True), world()) == [], "not the teacher's window"
 
 
+def test_a_robot_that_was_away_when_a_seat_was_muted_is_named() -> None:
+    """In a class only its own robots are named: a robot of a seat need not obey."""
+    first, *others = TEACHER.robots
+    robots = (replace(first, status=status("sim", muted=("cleo",))), *others)
+    for names, named in (((), {"bea2", "bea3", "bea4"}), (("bea1", "bea2"), {"bea2"})):
+        rows = page(opened(), replace(TEACHER, robots=robots, class_robots=names)).rows
+        assert {row.place[0] for row in rows if "not muted: cleo" in row.cells[-1]} - {"bea1"} == named
+
+
 def test_a_pupil_is_shown_by_name_and_muted_by_seat() -> None:
     now = replace(TEACHER, pupils={"cleo": "Cléo Brun (cleo)"})
     same("state class.a pupil is shown by name and muted by seat", page(opened(), now).summary)
