@@ -302,9 +302,7 @@ def _govern(
 def _name_absent(client: Client, silent: Sequence[Place], present: Collection[str]) -> None:
     """Print which robots of seats did not answer, and which robots of the class are not online, if this is known."""
     if silent:
-        note(
-            f"No answer from {some([*map(title, sorted(silent))])}: robots of seats, not of the class."
-        )
+        note(f"No answer from {some([*map(title, sorted(silent))])}: robots of seats, not of the class.")
     account = client.settings.account
     if absent := [robot for robot in account.robots if robot not in present] if account else []:
         note(

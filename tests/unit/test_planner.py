@@ -222,7 +222,7 @@ def test_the_refusal_of_a_speed_names_the_teachers_limit_and_this_limit_is_accep
             31.0,
             31.0,
             80.0,
-            "the teacher's limit and that of this turn are 31.0°/s each. Try a speed of 31.0°/s.",
+            "teacher and turn both limit it to 31.0°/s. Try a speed of 31.0°/s.",
         ),
         (0.0, 90.0, 100.0, "°/s to 90.0°/s is allowed."),
         (90.0, 90.0, 100.0, "°/s to 90.0°/s is allowed."),
