@@ -127,6 +127,7 @@ def test_a_token_without_a_robot_holds_up_no_command_of_the_teacher(
         muted_s = time.monotonic() - began_s
         shown = beatrix("ls")
         listed_s = time.monotonic() - began_s - muted_s
+        assert beatrix("unmute", "seat02").returncode == 0
         for incoming in held:
             incoming.finish()
     assert (done.returncode, done.stdout.count("\n")) == (0, 1), "bea1"
