@@ -17,6 +17,8 @@ from beatrix_zenoh.contract.errors import WrongUsage, quoted
 
 LONGEST = 32 * 1024
 """Largest size of an account file (bytes); one has 2 kB, and the teacher's also the names of 99 pupils."""
+RENEW_DAYS = 60
+"""`beatrix classroom init` replaces certificates that expire within this time."""
 PATH = re.compile(r"\$\.(\w+)")
 """The field in the path of a validation error of msgspec."""
 Role = Literal["student", "teacher", "robot"]
@@ -41,6 +43,8 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
     names: dict[str, str] = {}
     """names of pupils by seat, empty texts for seats without one, only in the file of the teacher: the network transports
     no names of persons"""
+    robots: tuple[str, ...] = ()
+    """robots of the class, only in the file of the teacher; others belong to seats"""
 
     def __repr__(self) -> str:
         """Return name and class without the credentials, because logs contain reprs."""
@@ -61,6 +65,10 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
         """Return a seat with the name of its pupil, if this account has it."""
         name = self.names.get(seat)
         return f"{name} ({seat})" if name else seat
+
+    def of_seat(self, robot: str) -> bool:
+        """Return whether this account knows that a robot of this name belongs to a seat, and not to the class."""
+        return bool(self.robots) and robot not in self.robots
 
     def check_seat(self, seat: str) -> str:
         """Return the seat if this account may use it; otherwise raise WrongUsage (BAD_VALUE)."""
@@ -91,13 +99,45 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
         if today > self.expires:
             raise WrongUsage(
                 Reason.BAD_VALUE,
-                f"The certificate of account {self.name} expired on {self.expires}; the date of this computer is "
-                f"{today}. If this date is right, ask the teacher for a new {self.name}.toml and run `beatrix join` "
-                "with it.",
+                f"{self.renewal(today)} The date of this computer is {today}; if it is wrong, set it instead.",
             )
+
+    def renewal(self, today: dt.date) -> str:
+        """Return the sentences of `renewal` for this account."""
+        return renewal(self.class_name, self.expires, today, "" if self.role == "teacher" else self.name)
 
 
 codec.prepare(Account)
+
+
+def today() -> dt.date:
+    """Return the present date in UTC, as in certificates."""
+    return dt.datetime.now(dt.UTC).date()
+
+
+def days_left(expires: dt.date, today: dt.date) -> int | None:
+    """Return the days until the last day of a certificate, negative after it; None while `init` would keep it."""
+    left = (expires - today).days
+    return left if left < RENEW_DAYS else None
+
+
+def renewal(class_name: str, expires: dt.date, today: dt.date, name: str = "") -> str:
+    """Return when the accounts of a class expire, and what to do; empty while `init` would keep them.
+
+    `name`: that of the account of a seat or robot, whose user asks the teacher; empty: for the teacher.
+    """
+    left = days_left(expires, today)
+    if left is None:
+        return ""
+    subject, verb = (f"Account {name}", "expires") if name else ("All accounts", "expire")
+    when = f"expired on {expires}" if left < 0 else f"{verb} on {expires}, in {left} day{'s' * (left != 1)}"
+    todo = (
+        f"Ask the teacher for a new {name}.toml, then run `beatrix join {name}.toml`."
+        if name
+        else "The teacher runs `beatrix classroom init class.toml`, copies the new files to all seats and robots, and runs "
+        "`beatrix join` with each on its computer; the router then refuses the old ones."
+    )
+    return f"{subject} of class {class_name} {when}. {todo}"
 
 
 def joined() -> Path:

@@ -160,6 +160,14 @@ def no_settings_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
             monkeypatch.delenv(name)
 
 
+@pytest.fixture
+def hangup() -> Iterator[None]:
+    """Handle SIGHUP in this test and in its processes; under `nohup make test` all processes ignore it."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
 def running_threads() -> set[threading.Thread]:
     """Return Python's threads without the dummy objects of Zenoh threads that have called into Python."""
     return {

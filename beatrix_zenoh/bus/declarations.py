@@ -12,6 +12,7 @@ import zenoh
 
 from beatrix_zenoh.bus.at_exit import OPEN
 from beatrix_zenoh.bus.forks import ProcessBound
+from beatrix_zenoh.bus.transport import closed
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 
@@ -105,13 +106,13 @@ class RenewableSession(ProcessBound):
                 if not self.closed:
                     self._session = new
             if self._session is not new:
-                new.close()
+                closed(new)
                 raise WrongUsage(Reason.SHUTDOWN, CLOSED)
             try:
                 for declaration in repeated:
                     self._repeat(declaration, new)
             finally:
-                old.close()
+                closed(old)
 
     def _repeat(self, declaration: Declaration, session: zenoh.Session) -> None:
         try:
@@ -144,8 +145,7 @@ class RenewableSession(ProcessBound):
         with self._lock:
             self.closed = True
             session, made, self._made = self._session, self._made, {}
-        with contextlib.suppress(zenoh.ZError):  # a router that hangs notices the end by itself
-            session.close()
+        closed(session)  # a router that hangs notices the end by itself
         made.clear()
         OPEN.discard(self)
 

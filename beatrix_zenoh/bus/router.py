@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import socket
 import sys
@@ -16,10 +17,11 @@ from beatrix_zenoh.bus.access_control import EVERYTHING, Grant, access_control, 
 from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.bus.credentials import Identity, tls
 from beatrix_zenoh.bus.endpoint import endpoints, is_local
-from beatrix_zenoh.bus.transport import HALF_OPEN, LEASE_MS, RETRY, RUNTIME, WAIT_CLOSE_US, opened
+from beatrix_zenoh.bus.transport import HALF_OPEN, LEASE_MS, RETRY, RUNTIME, WAIT_CLOSE_US, closed, opened
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 
+LOG = logging.getLogger("beatrix_zenoh.bus")
 DESCRIPTORS = Path("/proc/self/fd" if sys.platform == "linux" else "/dev/fd")
 
 
@@ -39,7 +41,7 @@ class RouterAccess:
 
 
 def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Session:
-    """Open a router, to which nodes and clients connect. Close the session to end it.
+    """Open a router, to which nodes and clients connect; `close_router` ends it.
 
     Without `access`, every program that can connect to the router may send all messages.
 
@@ -85,6 +87,12 @@ def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Sessio
     session = opened(settings, lambda: trouble)
     _set_up_listening()
     return session
+
+
+def close_router(session: zenoh.Session) -> None:
+    """End a router; log a warning if it cannot close in time, for example because clients keep it busy."""
+    if cause := closed(session):
+        LOG.warning("The router did not close in time (%s). It ends with its process.", cause)
 
 
 def _set_up_listening() -> None:

@@ -89,5 +89,18 @@ def opened(
         with OPEN.call():
             return zenoh.open(config)
     except zenoh.ZError as error:
-        cause = str(error).partition(" at /")[0]
-        raise NoAnswer(reason, f"{explain()} ({cause})") from error
+        raise NoAnswer(reason, f"{explain()} ({_cause(error)})") from error
+
+
+def closed(session: zenoh.Session) -> str:
+    """Close a session; return "" or, if the other side did not let it close in time, Zenoh's text."""
+    try:
+        session.close()
+    except zenoh.ZError as error:
+        return _cause(error)
+    return ""
+
+
+def _cause(error: zenoh.ZError) -> str:
+    """Return Zenoh's text without source locations."""
+    return str(error).partition(" at /")[0]

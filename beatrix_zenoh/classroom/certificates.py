@@ -13,14 +13,13 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
+from beatrix_zenoh.account import RENEW_DAYS
 from beatrix_zenoh.bus.credentials import Identity
 
 BEGIN = dt.datetime(1970, 1, 1, tzinfo=dt.UTC)
 """Start of the validity of all certificates: where clocks without a battery begin, so no clock is too early."""
 AUTHORITY_DAYS, ACCOUNT_DAYS = 3650, 400
 """Validity of the authority's certificate (ten years) and of an account's (a school year and its holidays)."""
-RENEW_DAYS = 60
-"""`init` replaces certificates that expire within this time."""
 LOOPBACK = ("127.0.0.1", "localhost")
 
 

@@ -7,6 +7,7 @@ import html
 import io
 import secrets
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
 import msgspec
@@ -37,7 +38,7 @@ class Made:
     moved: bool
     """whether the address or port of the router has changed, so that all files must be handed out again"""
     renamed: bool
-    """whether seats or names of pupils have changed, which the account of the teacher contains"""
+    """whether seats, names of pupils or robots have changed, which the account of the teacher contains"""
 
 
 def folder_of(role: str) -> str:
@@ -111,6 +112,7 @@ class _Signer:
             certificate=own.certificate,
             key=own.key,
             names=dict.fromkeys(classroom.seats, "") | classroom.display_names if role == "teacher" else {},
+            robots=classroom.robots if role == "teacher" else (),
         )
 
     def router(self, classroom: Classroom, path: Path, accounts: list[Account]) -> RouterFile:
@@ -135,6 +137,7 @@ class _Signer:
             key=own.key,
             accounts={one.name: self._certificates.common_name(one.certificate) for one in accounts},
             certificates={one.name: one.certificate for one in accounts},
+            expires=min(self._certificates.expiry(own.certificate), *(one.expires for one in accounts)),
         )
 
 
@@ -147,7 +150,9 @@ def _accounts(classroom: Classroom, folder: Path, signer: _Signer) -> Made:
         old = account.load(path) if path.is_file() else None
         made.append(signer.account(classroom, name, role, old))
         moved = moved or (old is not None and old.connect != made[-1].connect)
-        renamed = renamed or (old is not None and old.names != made[-1].names)
+        renamed = renamed or (
+            old is not None and (old.names, old.robots) != (made[-1].names, made[-1].robots)
+        )
         if old is None or old.key != made[-1].key:
             new.append(name)
     present = [path for role in ("seats", "robots") for path in sorted((folder / role).glob("*.toml"))]
@@ -189,6 +194,7 @@ PAGE = """<!doctype html>
 body {{ font: 11pt sans-serif; margin: 0; }}
 article {{ display: inline-block; width: 8.6cm; height: 12.6cm; margin: 0.2cm; padding: 0.4cm; border: 1px dashed #888;
   box-sizing: border-box; break-inside: avoid; vertical-align: top; overflow: hidden; }}
+section + section {{ break-before: page; }}
 h1 {{ font-size: 18pt; margin: 0; }} p {{ margin: 0.15cm 0; }} svg {{ width: 7.4cm; height: 7.4cm; }}
 </style></head><body>
 {cards}</body></html>
@@ -202,7 +208,7 @@ Then run: <code>beatrix join {name}.toml</code></p>
 
 
 def cards(classroom: Classroom, accounts: list[Account]) -> str:
-    """Return an HTML page with all cards, which loads no other files.
+    """Return an HTML page with all cards, which loads no other files; teacher, seats and robots on sheets of their own.
 
     Each code contains the text of an account file, so keep the page private.
     """
@@ -210,8 +216,9 @@ def cards(classroom: Classroom, accounts: list[Account]) -> str:
     return PAGE.format(
         title=html.escape(f"BEATRIX, class {classroom.name}"),
         cards="".join(
-            _card(account, classroom.display_names.get(account.name) or account.name, teacher)
-            for account in accounts
+            f"<section>{''.join(_card(one, classroom.display_names.get(one.name) or one.name, teacher) for one in group)}"
+            "</section>\n"
+            for _, group in groupby(accounts, lambda account: account.role)
         ),
     )
 
@@ -226,8 +233,8 @@ def _card(account: Account, title: str, teacher: str) -> str:
         "router": account.connect.replace(",", ", "),
     }
     return CARD.format(
-        # The names of all pupils do not fit into the code of the teacher.
-        code=_code(msgspec.structs.replace(account, names={}).text()),
+        # The names of all pupils and robots do not fit into the code of the teacher.
+        code=_code(msgspec.structs.replace(account, names={}, robots=()).text()),
         **{key: html.escape(value) for key, value in fields.items()},
     )
 

@@ -17,6 +17,7 @@ import msgspec
 
 from beatrix_zenoh import files
 from beatrix_zenoh.account import Account
+from beatrix_zenoh.account import renewal as renewal_of
 from beatrix_zenoh.bus.access_control import EVERYTHING, ROOT, Grant, below
 from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.bus.router import RouterAccess
@@ -61,6 +62,8 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """common name of the newest certificate of each account"""
     certificates: dict[str, str]
     """newest certificate (PEM) of each account"""
+    expires: dt.date | None = None
+    """last day of the first certificate that expires; None: the file is of an earlier version"""
 
     def __repr__(self) -> str:
         """Return role and class without the secrets."""
@@ -118,6 +121,11 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             accounts={name: value for name, value in self.accounts.items() if name not in gone},
             certificates={name: value for name, value in self.certificates.items() if name not in gone},
         )
+
+
+def renewal(file: RouterFile, today: dt.date) -> str:
+    """Return when the accounts of a class expire, and what to do; empty while `init` would keep them."""
+    return "" if file.expires is None else renewal_of(file.class_name, file.expires, today)
 
 
 def folder(path: Path, classroom: Classroom) -> Path:

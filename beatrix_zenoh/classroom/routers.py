@@ -21,6 +21,7 @@ import msgspec
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
+from beatrix_zenoh.account import today
 from beatrix_zenoh.classroom import router_file
 from beatrix_zenoh.classroom.router_file import Part, RouterFile
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -132,16 +133,16 @@ class ClassRouters:
         Raises the errors of `router_file.load` and `open_router`.
         """
         self._of_class, self._place = of_class, router_file.place(of_class)
-        self._file = router_file.load(of_class)
+        self.file = router_file.load(of_class)
         self._written_ns = self._place.stat().st_mtime_ns
         self._children: dict[Part, ChildRouter] = {}
         self._ends: dict[Part, list[tuple[float, frozenset[str]]]] = {part: [] for part in Part}
         """when each router has ended (monotonic clock, s), with the accounts that were connected"""
         try:
-            self._start(Part.ROBOTS, self._file)
-            self._reports = zbus.connect(self._file.listen, account=self._file.account())
+            self._start(Part.ROBOTS, self.file)
+            self._reports = zbus.connect(self.file.listen, account=self.file.account())
             self._reports.use(zbus.KeptReports(lessons).serve)
-            self._start(Part.SEATS, self._file)
+            self._start(Part.SEATS, self.file)
         except BeatrixError:
             self.close()
             raise
@@ -153,7 +154,7 @@ class ClassRouters:
 
     def ready(self) -> str:
         """Return the line that says where the routers listen."""
-        return f"ready {self._file.listen} (seats: {self._file.listen_seats})"
+        return f"ready {self.file.listen} (seats: {self.file.listen_seats})"
 
     def tend(self) -> None:
         """Start routers that have ended again, follow changes of the accounts, and report both."""
@@ -162,7 +163,7 @@ class ClassRouters:
                 note(flooded(account))
             if child.code is not None:
                 note(self._ended(part, child))
-                self._again(part, lambda part=part: self._start(part, self._file))  # type: ignore[misc]
+                self._again(part, lambda part=part: self._start(part, self.file))  # type: ignore[misc]
         found = self._changed()
         if found is not None:
             self._follow(found)
@@ -194,11 +195,11 @@ class ClassRouters:
         except (OSError, BeatrixError):
             return None  # the class file has changed, and `init` will follow
         self._written_ns = written_ns
-        return None if found == self._file else found
+        return None if found == self.file else found
 
     def _follow(self, found: RouterFile) -> None:
         """Use a new file: put removed accounts out, or restart the routers for which more has changed."""
-        former, self._file = self._file, found
+        former, self.file = self.file, found
         try:
             for part, child in self._children.items():
                 gone = set(former.own(part)) - set(found.own(part))
@@ -215,7 +216,7 @@ class ClassRouters:
             note(
                 f"The routers continue with the former accounts, because they cannot use the new file. {error.message}"
             )
-            self._file = former
+            self.file = former
             for part, child in self._children.items():
                 if child.file != former or child.code is not None:
                     child.close()
@@ -264,6 +265,8 @@ def run(of_class: Path, lessons: Collection[str], shutdown: Shutdown) -> None:
     routers = ClassRouters(of_class, lessons)
     try:
         say(routers.ready())
+        if expiring := router_file.renewal(routers.file, today()):
+            note(expiring)
         while not shutdown.requested(POLL_S):
             routers.tend()
     finally:

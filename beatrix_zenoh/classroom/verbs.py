@@ -62,7 +62,7 @@ def classroom(
         )
     if made.renamed:
         note(
-            f"Seats or names of pupils have changed: run beatrix join {folder / 'seats' / 'teacher.toml'} again."
+            f"Seats, names of pupils or robots have changed: run beatrix join {folder / 'seats' / 'teacher.toml'} again."
         )
     for path in made.left:
         note(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import nullcontext
 from enum import StrEnum
 from typing import Annotated
@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh.client import lease as leases
-from beatrix_zenoh.client.lease import govern
+from beatrix_zenoh.client.lease import govern, of_seat
 from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client, Place
@@ -28,6 +28,7 @@ from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, Wrong
 from beatrix_zenoh.output import exit_code, note, print_json, say
 from beatrix_zenoh.settings import resolve
 from beatrix_zenoh.terminal.options import Connect, Json, Name, Names, On, Which, Who
+from beatrix_zenoh.terminal.states import some
 from beatrix_zenoh.terminal.targets import Selection, open_targets
 
 
@@ -276,12 +277,16 @@ def _govern(
                 Reason.NO_SUCH_ROBOT if present else Reason.NO_ANSWER,
                 f"No robot{named} is online at {client.bus.endpoint}.{others}",
             )
-        results = {}
+        results, silent = {}, []
         for place, result in govern(client, places, query):
             results[place] = result
-            if not as_json:
+            if result.reason is Reason.TIMED_OUT and not wanted and of_seat(client, place):
+                silent.append(place)
+            elif not as_json:
                 (say if result.reason is Reason.OK else note)(f"{title(place)}: {result.message}")
-    failed = [place for place in places if results[place].reason is not Reason.OK]
+        if not (as_json or wanted):
+            _name_absent(client, silent, {robot for robot, _ in present})
+    failed = [place for place in places if results[place].reason is not Reason.OK and place not in silent]
     code = exit_code(results[failed[0]].reason) if failed else 0
     if as_json:
         print_json({"result": not failed, "robots": [_row(place, results[place]) for place in places]})
@@ -292,6 +297,17 @@ def _govern(
         )
     if code:
         raise typer.Exit(code)
+
+
+def _name_absent(client: Client, silent: Sequence[Place], present: Collection[str]) -> None:
+    """Print which robots of seats did not answer, and which robots of the class are not online, if this is known."""
+    if silent:
+        note(f"No answer from {some([*map(title, sorted(silent))])}: robots of seats, not of the class.")
+    account = client.settings.account
+    if absent := [robot for robot in account.robots if robot not in present] if account else []:
+        note(
+            f"Not online: {some(absent)}. Type the command again when they are; `beatrix top` shows what they lack."
+        )
 
 
 def _row(place: Place, result: LeaseReply | BeatrixError) -> dict[str, object]:

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
+from beatrix_zenoh.account import Account, today
 from beatrix_zenoh.client.degrees import HeadAngles, RobotInfo
 from beatrix_zenoh.client.monitor import Monitor, Presence, RobotState, Seats, SeatStops, stops_by_seat
 from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.contract._generated.messages import Status
 from beatrix_zenoh.output import STDOUT, columns, print_json, say
 from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who
@@ -24,7 +26,7 @@ from beatrix_zenoh.terminal.states import (
     some,
     state,
     state_row,
-    unfrozen_note,
+    unlike_notes,
 )
 from beatrix_zenoh.terminal.targets import Selection, open_targets
 
@@ -44,7 +46,7 @@ def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
         rows = [as_row(robot) | {"nodes": nodes[robot.place]} for robot in found]
         print_json({"result": True, "endpoint": endpoint, "robots": rows})
     elif found:
-        show(found)
+        show(found, client.settings.account)
         for robot in found:
             if (serving := nodes[robot.place]) > 1:
                 say(
@@ -54,7 +56,7 @@ def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
         say(f"The router at {endpoint} answers, but no robot is online. Start a simulation: beatrix sim")
 
 
-def show(found: list[ListedRobot]) -> None:
+def show(found: list[ListedRobot], account: Account | None) -> None:
     """Print a table of robots, and their warnings below it."""
     rows = [
         short(
@@ -70,7 +72,7 @@ def show(found: list[ListedRobot]) -> None:
     for robot in found:
         for problem in problems(robot.status):
             say(f"{robot}: {problem}")
-    for line in unfrozen_note({robot.place: robot.status.frozen for robot in found if robot.status}):
+    for line in unlike_notes({robot.place: robot.status for robot in found if robot.status}, account):
         say(line)
 
 
@@ -149,8 +151,6 @@ HEADS = ("robot", "side", "state", "yaw°", "pitch°", "roll°", "per s", "silen
 TABLE_S = 1.2
 """Time for which `--once` and `--json` collect data before they print, and the period of the tables in a pipe (s)."""
 REFRESH_S = 0.2
-EVENTS = 200
-"""Number of events kept for each robot, to count STOPs."""
 SEATS_SHOWN = 40
 """Largest number of seats in the line about seats."""
 STOPS_SHOWN = 8
@@ -166,8 +166,7 @@ class TableRow(NamedTuple):
     hz: float
     silent_s: float | None
     driver: str
-    lease: dict[str, object]
-    """holder, waiting seats, freeze and speed limit, for JSON output"""
+    status: Status | None
     problems: list[str]
 
 
@@ -182,7 +181,7 @@ def top(
     The angles are those of the head (degrees). Ctrl-C ends the table.
     """
     with Client(resolve(None, connect, who)) as client:
-        monitor = Monitor(client, events=EVENTS)
+        monitor = Monitor(client)
         seats = Seats(client)
         if once or as_json:
             time.sleep(TABLE_S)
@@ -216,7 +215,7 @@ def row_of(robot: RobotState) -> TableRow:
         hz=robot.hz,
         silent_s=silent,
         driver="" if status is None else status.holder,
-        lease={} if status is None else lease_row(status),
+        status=status,
         problems=[f"no positions for {silent:.1f} s"] if silent and lost else problems(status),
     )
 
@@ -228,17 +227,19 @@ def cells(settings: Settings, row: TableRow) -> tuple[str, ...]:
     return short(*row.place, row.state, *head, f"{row.hz:.1f}", silent, settings.shown(row.driver) or "-")
 
 
-def notes(rows: list[TableRow]) -> list[str]:
-    """Return the problems of all robots, and the robots that are not frozen while others are, a line each."""
+def notes(rows: list[TableRow], account: Account | None) -> list[str]:
+    """Return the problems of all robots, and the decisions of the teacher that some lack, a line each."""
     found = [f"{row.place[0]} ({row.place[1]}): {problem}" for row in rows for problem in row.problems]
-    return found + unfrozen_note({row.place: bool(row.lease["frozen"]) for row in rows if row.lease})
+    return found + unlike_notes({row.place: row.status for row in rows if row.status}, account)
 
 
 def messages(client: Client, rows: list[TableRow]) -> list[str]:
     """Return the lines below the table: the loss of the router, no robot, or the problems of the robots."""
     if not client.bus.connected:
         return [LOST.format(client.bus.endpoint)]
-    return notes(rows) if rows else [NO_ROBOT]
+    account = client.settings.account
+    expiring = account.renewal(today()) if account else ""
+    return [*([expiring] if expiring else []), *(notes(rows, account) if rows else [NO_ROBOT])]
 
 
 def seat_lines(settings: Settings, monitor: Monitor, seats: Seats) -> list[str]:
@@ -283,7 +284,7 @@ def as_dict(row: TableRow) -> dict[str, object]:
         "hz": round(row.hz, 2),
         "silent_s": None if row.silent_s is None else round(row.silent_s, 3),
         "driver": row.driver,
-        **row.lease,
+        **({} if row.status is None else lease_row(row.status)),
         "warnings": row.problems,
     }
 

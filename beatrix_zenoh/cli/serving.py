@@ -70,7 +70,7 @@ def router(
         say(f"ready {listen}")
         shutdown.wait()
     finally:
-        session.close()
+        zbus.close_router(session)
 
 
 def _allow_connections() -> None:

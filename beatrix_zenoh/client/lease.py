@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -11,7 +12,7 @@ from typing import Self
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.degrees import checked_number
-from beatrix_zenoh.client.request import Request
+from beatrix_zenoh.client.request import GroupRequest, Request
 from beatrix_zenoh.client.request import ask as ask_robot
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.session import Client, Place
@@ -25,6 +26,8 @@ ANSWER_S = 2.0
 """Time limit (s) of the reply of each robot."""
 ABSENT = (Reason.NODE_LOST, Reason.NO_ANSWER, Reason.NO_SUCH_ROBOT, Reason.NODE_HANGS, Reason.TIMED_OUT)
 """Reasons of a robot that is not there, but may return."""
+SEAT_S = 1.0
+"""Time limit (s) of the robot of a seat: its token may be all there is, and must not hold up the teacher."""
 AT_ONCE = 128
 """Largest number of robots that are waited for at the same time; a class has at most two for each account."""
 NO_REPLY = (
@@ -170,18 +173,25 @@ def govern(
 ) -> Iterator[tuple[Place, LeaseReply | BeatrixError]]:
     """Send a lease query to all these robots at once, and yield the reply or error of each as it arrives.
 
-    The robots of the class are the first, before those of connected seats.
+    The robots of the class are the first, before those of seats, for which `of_seat` is true.
     """
-    seats = {parts.who for parts in map(keys.parse, client.bus.tokens(keys.seat("*", "*"))) if parts}
-    ordered = sorted(places, key=lambda place: (place[0] in seats, place[1] != "hw", place))
+    ordered = sorted(places, key=lambda place: (of_seat(client, place), place[1] != "hw", place))
     with ThreadPoolExecutor(AT_ONCE, "beatrix-govern") as threads:
         asked = {threads.submit(_ask, client, place, query): place for place in ordered}
         for answered in as_completed(asked):
             yield asked[answered], answered.result()
 
 
+def of_seat(client: Client, place: Place) -> bool:
+    """Return whether this is known as the robot of a seat: in a class, to the teacher."""
+    account = client.settings.account
+    return account is not None and account.of_seat(place[0])
+
+
 def _ask(client: Client, place: Place, query: LeaseQuery) -> LeaseReply | BeatrixError:
-    """Return the reply of a robot that arrives within ANSWER_S, or the error."""
+    """Return the reply of a robot that arrives within ANSWER_S, or the error; of a seat's robot within SEAT_S."""
+    if of_seat(client, place):
+        return _ask_seats(client, place, query)
     request = Request(client, place, keys.lease(*place, client.settings.who), query, ANSWER_S)
     try:
         reply = request.reply(LeaseReply, ANSWER_S)
@@ -191,4 +201,17 @@ def _ask(client: Client, place: Place, query: LeaseQuery) -> LeaseReply | Beatri
         return error
     finally:
         request.close()
+    return _result(reply)
+
+
+def _ask_seats(client: Client, place: Place, query: LeaseQuery) -> LeaseReply | BeatrixError:
+    """Return the reply or the error of a seat's robot, without a search for the cause, which takes seconds."""
+    request = GroupRequest(client, keys.lease(*place, client.settings.who), query, LeaseReply, SEAT_S)
+    with contextlib.closing(request):
+        for _, reply in request.replies(SEAT_S):
+            return _result(reply)
+    return NoAnswer(Reason.TIMED_OUT, f"The robot of this seat did not answer within {SEAT_S:g} s.")
+
+
+def _result(reply: LeaseReply) -> LeaseReply | Refused:
     return reply if reply.result else Refused(reply.reason, reply.message, reply.detail)

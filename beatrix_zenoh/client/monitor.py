@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -20,14 +20,12 @@ from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.subscription import Wakeup
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Positions, Reason, Status
+from beatrix_zenoh.contract._generated.messages import Event, Events, Positions, Status
 
 LOST_S = 0.5
 """A robot without positions for this long (s) is lost, even with a token; positions arrive every 20 ms."""
 RATE_S = 1.0
 """Time window (s) in which a rate is measured."""
-STOP_SEATS = 64
-"""Largest number of seats whose STOPs are counted for each robot."""
 SESSIONS = 1000
 """Largest number of sessions that are recorded; further ones, for example of a faulty program, are ignored."""
 ASK_S = 1.0
@@ -66,8 +64,6 @@ class RobotState:
     """positions per second over the last second"""
     events: tuple[Event, ...]
     """oldest first"""
-    stops: tuple[tuple[str, int], ...] = ()
-    """seats that have sent STOP to this robot, empty for an unknown one, and how often, the most frequent first"""
 
     @cached_property
     def reading(self) -> Reading | None:
@@ -120,7 +116,6 @@ class EventLog:
         self._past = b""
         self._coming: deque[bytes] = deque(maxlen=self._length)
         self._read: list[Event] = []
-        self._stops: Counter[str] = Counter()
 
     def put(self, payload: bytes) -> None:
         """Store an event that has just arrived."""
@@ -133,7 +128,6 @@ class EventLog:
     def read(self) -> tuple[Event, ...]:
         """Decode the new events; return all stored events, oldest first."""
         past, self._past = self._past, b""
-        known = {(event.t_mono_ns, event.seq) for event in self._read}
         found = list(self._read)
         if past:
             events = self._client.read(Reply(self._key, past, "", error=False), Events)
@@ -144,19 +138,8 @@ class EventLog:
         # Events published during the query arrive twice, and a restarted node counts from 0 again, so that time stamp
         # and number together identify an event.
         distinct = {(event.t_mono_ns, event.seq): event for event in found}
-        for key, event in distinct.items():
-            if event.kind is EventKind.STOP and event.reason is not Reason.MUTED and key not in known:
-                self._count_stop(event)
         self._read = list(distinct.values())[-self._length :]
         return tuple(self._read)
-
-    def _count_stop(self, event: Event) -> None:
-        if event.seat in self._stops or len(self._stops) < STOP_SEATS:
-            self._stops[event.seat] += event.count
-
-    def stops(self) -> tuple[tuple[str, int], ...]:
-        """Return how often each seat has sent STOP, in the events that were read, the most frequent first."""
-        return tuple(self._stops.most_common())
 
 
 class RobotRecord:
@@ -184,7 +167,6 @@ class RobotRecord:
             positions_age_s=positions_age_s,
             hz=self.positions.rate(now),
             events=self.events.read(),
-            stops=self.events.stops(),
         )
 
     def _presence(self, age_s: float | None) -> Presence:
@@ -372,14 +354,14 @@ class SeatStops(NamedTuple):
     """empty: unknown"""
     total: int
     robots: dict[Place, int]
-    """STOPs of each robot. Its own events report them, so those of a student's simulation prove nothing."""
+    """STOPs of each robot. Its own status reports them, so those of a student's simulation prove nothing."""
 
 
 def stops_by_seat(robots: Iterable[RobotState]) -> list[SeatStops]:
-    """Return the STOPs of all seats in the events of these robots, the most frequent seat first."""
+    """Return the STOPs of all seats since the nodes of these robots started, the most frequent seat first."""
     found: dict[str, dict[Place, int]] = {}
     for robot in robots:
-        for seat, count in robot.stops:
-            found.setdefault(seat, {})[robot.robot, robot.side] = count
+        for one in () if robot.status is None else robot.status.stops:
+            found.setdefault(one.seat, {})[robot.robot, robot.side] = one.count
     stops = [SeatStops(seat, sum(counts.values()), counts) for seat, counts in found.items()]
     return sorted(stops, key=lambda one: (-one.total, one.seat))

@@ -29,12 +29,14 @@ LOG = logging.getLogger("beatrix_zenoh.client")
 M = TypeVar("M", bound=msgspec.Struct)
 Place = tuple[str, str]
 """Name and side of a robot."""
+REPORT = 200
+"""Largest number of characters of such an error: any client can cause it."""
 SENDERS = 1000
 """Largest number of reported senders; further senders are not reported."""
 
 
 class Reporter:
-    """Logs errors of messages once for each sender, or for each key if the sender is unknown."""
+    """Logs errors of messages once for each sender, or for each robot in their keys if the sender is unknown."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -42,12 +44,14 @@ class Reporter:
 
     def report(self, sender: str, key: str, what: str) -> None:
         """Log a warning; `sender` is a Zenoh session, empty if unknown."""
+        parts = keys.parse(key)
+        whose = sender or (parts.robot if parts else "") or key
         with self._lock:
-            if (sender or key) in self._reported or len(self._reported) >= SENDERS:
+            if whose in self._reported or len(self._reported) >= SENDERS:
                 return
-            self._reported.add(sender or key)
+            self._reported.add(whose)
         source = f"{key or 'error reply'}{f' from session {sender}' if sender else ''}"
-        LOG.warning("%s", printable.line(f"{source}: {what}"))
+        LOG.warning("%s: %s", printable.line(source), printable.line(what, REPORT))
 
 
 class Client(ProcessBound):

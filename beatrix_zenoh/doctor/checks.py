@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from beatrix_zenoh import hiding
+from beatrix_zenoh.account import days_left, today
 from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.client.robot import Robot
@@ -231,6 +232,10 @@ def network(settings: Settings, name: str | None = None) -> Iterator[CheckResult
 
     If no robot of the name `name` is online, one of the findings says so.
     """
+    own = settings.account
+    if own is not None and (days_left(own.expires, today()) or 0) < 0:
+        yield CheckResult("account", f"{own.name} of class {own.class_name}, expired", own.renewal(today()))
+        return
     try:
         client = Client(settings)
     except NoAnswer as error:
@@ -260,7 +265,7 @@ def accepted(client: Client) -> CheckResult:
     if refused is not None:
         return CheckResult("account", "is refused", refused.message)
     found = f"{account.name} of class {account.class_name}, accepted, valid until {account.expires}"
-    return CheckResult("account", found)
+    return CheckResult("account", found, advice=account.renewal(today()))
 
 
 def robots(client: Client, name: str | None) -> Iterator[CheckResult]:

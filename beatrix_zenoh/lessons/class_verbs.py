@@ -73,10 +73,10 @@ def report(
 ) -> None:
     """Show what each seat of the class has reached in each lesson. Requires the seat `teacher`.
 
-    passed, trying, stuck or not-measured, with the number of checks; - or silent: no check yet. Stuck: the last five
-    checks or more have found nothing that the seat has not met before. Not measured: the last check could judge nothing,
-    usually because the computer was too busy. The computer of the seat reports this, and the router of the class keeps it
-    in memory until it ends.
+    passed, trying, stuck, not-measured or impossible, with the number of checks; - or silent: no check yet. Stuck: the
+    last five checks or more have found nothing that the seat has not met before. Not measured: the last check could judge
+    nothing, usually because the computer was too busy. Impossible: no checks can have made these numbers. The computer of
+    the seat reports this itself: the router checks the seat, not the numbers, and keeps them in memory until it ends.
     """
     from beatrix_zenoh.client.session import Client
     from beatrix_zenoh.lessons import reports
@@ -109,6 +109,7 @@ def _show(rows: list[Row], seats: list[str], shown: Callable[[str], str]) -> Non
     cells = {(row.seat, row.lesson): row.words for row in rows}
     lines = [(shown(seat), *(cells.get((seat, lesson), "-") for lesson in lessons)) for seat in seats]
     say(columns(("seat", *lessons), lines))
+    note("Each row is what the computer of the seat has reported itself.")
     stuck = [row for row in rows if row.progress == reports.STUCK_AT]
     for row in stuck:
         say(

@@ -25,8 +25,10 @@ ANSWER_S: Final = 3.0
 STUCK: Final = 5
 """Checks without a new figure after which a seat counts as stuck: also one that goes back and forth between two."""
 FIELDS: Final = ("seat", "lesson", "progress", "tries", "hints", "figure")
-PASSED, TRYING, STUCK_AT, NOT_MEASURED = "passed", "trying", "stuck", "not-measured"
-SILENT: Final = "silent"
+PASSED, TRYING, STUCK_AT = "passed", "trying", "stuck"
+NOT_MEASURED, IMPOSSIBLE, SILENT = "not-measured", "impossible", "silent"
+TRIES_MAX: Final = 1000
+"""Checks of one lesson above which a report is impossible: a check takes seconds, so these are hours."""
 LONGEST_S: Final = 1.0
 """Longest time (s) that a pupil waits for a report."""
 BRACES: Final = re.compile(r"\{[^}]*\}")
@@ -80,12 +82,15 @@ class Row(NamedTuple):
 
     @property
     def progress(self) -> str:
-        """`passed`, `not-measured`, `stuck` or `trying`."""
-        if self.state.passed:
+        """`passed`, `not-measured`, `stuck`, `trying`, or `impossible`: no checks can have made this report."""
+        state = self.state
+        if max(state.passed, state.stuck) > state.tries or state.tries > TRIES_MAX:
+            return IMPOSSIBLE
+        if state.passed:
             return PASSED
-        if self.state.figure == NOT_MEASURED:
+        if state.figure == NOT_MEASURED:
             return NOT_MEASURED
-        return STUCK_AT if self.state.stuck >= STUCK else TRYING
+        return STUCK_AT if state.stuck >= STUCK else TRYING
 
     @property
     def fields(self) -> dict[str, object]:

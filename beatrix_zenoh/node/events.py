@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -23,6 +23,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Phase,
     PoseQuery,
     Reason,
+    SeatCount,
     Source,
     Vector3,
 )
@@ -33,6 +34,8 @@ KEPT: Final = 200
 BURST: Final = 10
 """Equal events per second that are published one by one; further ones are counted and published as one."""
 WINDOW_S: Final = 1.0
+STOP_SEATS: Final = 64
+"""Largest number of seats whose STOPs are counted."""
 _SEQS: Final = 2**32
 
 _PRINTED: Final = (
@@ -68,6 +71,7 @@ class NodeEvents:
         self._lock = threading.Lock()
         self._seq = 0
         self._windows: dict[tuple[object, ...], _Window] = {}
+        self._stops: Counter[str] = Counter()
         self._latest: deque[Event] = deque(maxlen=KEPT)
         self._unpublished: deque[Event] = deque(maxlen=KEPT)
 
@@ -113,6 +117,10 @@ class NodeEvents:
                 count=count,
             )
 
+        if kind is EventKind.STOP and reason is not Reason.MUTED:
+            with self._lock:
+                if name in self._stops or len(self._stops) < STOP_SEATS:
+                    self._stops[name] += 1
         self._record((kind, action, caller, phase, reason), event)
 
     def _record(self, same: tuple[object, ...], event: Callable[[int, int], Event]) -> None:
@@ -149,6 +157,11 @@ class NodeEvents:
         """Return the newest events."""
         with self._lock:
             return Events(events=list(self._latest))
+
+    def stops(self) -> list[SeatCount]:
+        """Return how often each seat has sent STOP, without those of a muted seat that were refused."""
+        with self._lock:
+            return [SeatCount(seat=seat, count=count) for seat, count in self._stops.items()]
 
     def _flush(self, window: _Window, now_s: float) -> list[Event]:
         held, window.held = window.held, None

@@ -203,15 +203,18 @@ class Planner:
     ) -> Refused:
         """Complete and return the refusal of a speed.
 
-        Name the limit of the turn or of the teacher, the lower one, if it is exceeded, and the nearest allowed speed if
-        the motion is accepted with it.
+        Name the limit of the turn or of the teacher, the lower one or both if they are equal, if it is below the robot's
+        own, and the nearest allowed speed if the motion is accepted with it.
         """
         if refusal.reason is not Reason.SPEED_LIMIT or refusal.detail is None:
             return refusal
-        names = {self.speed_limit: sentences.TEACHER_LIMIT, self._turn_speed: sentences.TURN_LIMIT}
-        limit = min((limit for limit in names if limit), default=math.inf)
-        if max(speed) > limit:
-            refusal = Refused(refusal.reason, detail=structs.replace(refusal.detail, field=names[limit]))
+        limits = {sentences.TEACHER_LIMIT: self.speed_limit, sentences.TURN_LIMIT: self._turn_speed}
+        # Rounded, because the limit of a turn has the single precision of messages.
+        limits_deg = {name: round(math.degrees(limit), 3) for name, limit in limits.items() if limit}
+        lowest = min(limits_deg.values(), default=math.inf)
+        if math.degrees(max(speed)) > lowest and lowest < self.robot.limits.speed_max:
+            field = " ".join(name for name, limit in limits_deg.items() if limit == lowest)
+            refusal = Refused(refusal.reason, detail=structs.replace(refusal.detail, field=field))
         nearest = self.limits.nearest_speed(speed)
         try:
             self._goal(query, telemetry, last, nearest)

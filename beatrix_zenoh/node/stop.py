@@ -25,12 +25,13 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Command, CommandReply, EventKind, Reason
 from beatrix_zenoh.contract._generated.serial import BoardState, FrameType
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.board_watch import BoardWatch, Observer
 from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.events import NodeEvents
-from beatrix_zenoh.node.interfaces import Component
+from beatrix_zenoh.node.interfaces import Component, StatusFields
 from beatrix_zenoh.node.planner import degrees
 from beatrix_zenoh.node.requests import RequestHandle, Requests, command_refusal, command_reply, seat_of
 
@@ -67,6 +68,8 @@ class StopHandler(Component):
         self._pressed: dict[Command, list[RequestHandle]] = {}
         self._changed = threading.Condition()
         self._closed = False
+        self._unsigned = ""
+        """Seat of a STOP whose key has none; empty: unknown."""
         self._sent: tuple[float, int] = float("-inf"), 0
         """Time (s, monotonic) of the last STOP that the board has acknowledged, and `Access.begun` before it."""
         self._puts: dict[str, tuple[float, int]] = {}
@@ -79,6 +82,10 @@ class StopHandler(Component):
 
     def start(self, sessions: Sessions) -> None:
         name, side = self._requests.name, self._requests.side
+        if sessions.control.endpoint.startswith(
+            "tls/"
+        ):  # the router of a class accepts it from the teacher only
+            self._unsigned = TEACHER
         self._thread = threads.start(self._run, "stop")
         # The watchdog checks the first key of a session, and the account of a robot may not query STOP without a seat.
         for key in (keys.stop(name, side, "*"), keys.stop_unsigned(name, side)):
@@ -87,12 +94,16 @@ class StopHandler(Component):
                 key, partial(self._put, key), lambda key: self.repeats(key, time.monotonic())
             )
 
+    def contribute(self, status: StatusFields) -> None:
+        status.values["stops"] = self._requests.events.stops()
+
     # -- 1. pressed, on Zenoh's thread or that of the puts ------------------------------------------
 
     def _query(self, served: str, incoming: Incoming) -> None:
         if is_stop(incoming.key):
             handle = self._requests.handle(incoming, served, Command.STOP.name, EventKind.STOP)
-            self.press(Command.STOP, replace(handle, events=self._events(handle.caller, "query")))
+            caller = Caller(handle.caller.seat or self._unsigned, handle.caller.session)
+            self.press(Command.STOP, replace(handle, caller=caller, events=self._events(caller, "query")))
         else:
             incoming.finish()
 
@@ -111,7 +122,7 @@ class StopHandler(Component):
         """Handle a put of STOP. Our clients send it before the query, because another queryable may take it."""
         if is_stop(received.key):
             # The seat is that of the key, which the router of a class checks; any client can forge a session id.
-            caller = Caller(seat_of(received.key, served), received.session)
+            caller = Caller(seat_of(received.key, served) or self._unsigned, received.session)
             events = self._events(caller, "put")
             self.press(Command.STOP, RequestHandle(caller, Command.STOP.name, events, kind=EventKind.STOP))
 

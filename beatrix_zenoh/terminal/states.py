@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from beatrix_zenoh.client.monitor import Monitor, Presence
+from beatrix_zenoh.account import Account
+from beatrix_zenoh.client.monitor import ASK_S, Monitor, Presence
 from beatrix_zenoh.client.request import infos as answered_infos
 from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.session import Client, Place
@@ -47,8 +49,9 @@ def look_up(client: Client) -> list[ListedRobot]:
 
 def listed(client: Client, monitor: Monitor) -> list[ListedRobot]:
     """Return the robots that a monitor reports, with their replies, in the order of `look_up`."""
+    begin_s = time.monotonic()
     infos = answered_infos(client)
-    monitor.settle()
+    monitor.settle(max(0.0, begin_s + ASK_S - time.monotonic()))
     robots = [robot for robot in monitor.robots() if robot.status or robot.presence is not Presence.ABSENT]
     return [
         ListedRobot(place, robot.status, infos.get(place))
@@ -116,17 +119,35 @@ def lease_notes(status: Status) -> list[str]:
     return notes
 
 
-def unfrozen_note(frozen: Mapping[Place, bool]) -> list[str]:
-    """Return a sentence that names the robots that are not frozen while others are, or no sentence if all are alike.
+def unlike_notes(statuses: Mapping[Place, Status], account: Account | None) -> list[str]:
+    """Return sentences about decisions of the teacher that are in force at some robots only.
 
-    A robot that was not online when the teacher froze the others was not frozen with them.
+    A robot that was not online then does not have them (decision 122). In a class only its own robots count.
     """
-    free = [title(place) for place, is_frozen in frozen.items() if not is_frozen]
-    if not free or len(free) == len(frozen):
-        return []
-    return [
-        f"Not frozen, although others are: {', '.join(free)}. The teacher freezes all with `beatrix freeze`."
-    ]
+    robots = {
+        place: status
+        for place, status in statuses.items()
+        if account is None or not account.of_seat(place[0])
+    }
+    notes = []
+    free = [title(place) for place, status in robots.items() if not status.frozen]
+    if free and len(free) < len(robots):
+        notes.append(
+            f"Not frozen, although others are: {some(free)}. The teacher freezes all with `beatrix freeze`."
+        )
+    for seat in sorted({seat for status in robots.values() for seat in status.muted})[:NAMES]:
+        free = [title(place) for place, status in robots.items() if seat not in status.muted]
+        if free:
+            notes.append(
+                f"{seat} is muted, but not at {some(free)}. The teacher mutes it at all with `beatrix mute {seat}`."
+            )
+    limits = {place: round(math.degrees(status.speed_limit), 1) for place, status in robots.items()}
+    if len({*limits.values()}) > 1:
+        words = [f"{title(place)} {f'{limit:g}°/s' if limit else 'none'}" for place, limit in limits.items()]
+        notes.append(
+            f"The teacher's speed limits differ: {some(words)}. The teacher sets all with `beatrix limit`."
+        )
+    return [printable.line(note, PROBLEM) for note in notes]
 
 
 def state_row(status: Status) -> dict[str, object]:

@@ -13,9 +13,11 @@ from class_router import CLI, ClassRouter, certified
 from robots import Process, free_endpoint
 from shell import beatrix
 
-from beatrix_zenoh import Robot
+from beatrix_zenoh import Robot, files
+from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
+from beatrix_zenoh.classroom import router_file
 from beatrix_zenoh.classroom.certificates import Authority
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
@@ -81,6 +83,56 @@ def test_an_expired_account_is_refused_before_anything_is_sent(router: ClassRout
         zbus.connect(account.connect, account=account)
 
 
+@pytest.mark.parametrize("name", ["teacher", "ana"])
+@pytest.mark.parametrize("days", [59, 60, -1])
+def test_doctor_and_top_announce_that_an_account_expires(
+    router: ClassRouter, name: str, days: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    last = accounts.today() + dt.timedelta(days=days)
+    account = msgspec.structs.replace(router.account(name), expires=last)
+    (tmp_path / "own.toml").write_text(account.text())
+    monkeypatch.setenv("BEATRIX_ACCOUNT", str(tmp_path / "own.toml"))
+    (found,) = (one for one in checks.network(resolve()) if one.what == "account")
+    assert found.state == {59: "advice", 60: "ok", -1: "todo"}[days]
+    command = "classroom init" if name == "teacher" else "join ana.toml"
+    assert (f"`beatrix {command}" in found.advice + found.todo) == (days != 60)
+    shown = beatrix("top", "--once")
+    if days == -1:
+        assert (shown.returncode, f"`beatrix {command}" in shown.stderr) == (2, True)
+    else:
+        assert (f"expire{'s' * (name == 'ana')} on {last}, in 59 days" in shown.stdout) == (days == 59)
+
+
+@pytest.mark.parametrize(
+    ("days", "when"),
+    [
+        (400, ""),
+        (60, ""),
+        (59, "expire on 2027-01-01, in 59 days."),
+        (1, "in 1 day."),
+        (0, "in 0 days."),
+        (-1, "expired on 2027-01-01."),
+    ],
+)
+def test_accounts_are_announced_as_soon_as_init_would_renew_them(days: int, when: str) -> None:
+    expires = dt.date(2027, 1, 1)
+    text = accounts.renewal("8b", expires, expires - dt.timedelta(days=days))
+    assert when in text
+    assert ("`beatrix classroom init class.toml`" in text) == bool(when)
+
+
+def test_the_router_announces_the_first_certificate_that_expires(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path) as router:
+        path = router.folder / "router.toml"
+        file = router_file.load(path)
+        assert file.expires == router.account("ana").expires
+        assert not router_file.renewal(file, accounts.today())
+        near = msgspec.structs.replace(file, expires=accounts.today() + dt.timedelta(days=5))
+        files.write_private(path, near.text())
+        router.process.expect("ready")
+        assert "in 5 days. The teacher runs `beatrix classroom init" in router.process.expect("All accounts")
+
+
 def test_the_error_without_a_router_names_the_class(tmp_path: Path, router: ClassRouter) -> None:
     account = msgspec.structs.replace(router.account("ana"), connect="tls/127.0.0.1:1")
     message = refused(account.connect, account)
@@ -88,9 +140,9 @@ def test_the_error_without_a_router_names_the_class(tmp_path: Path, router: Clas
 
 
 def test_files_with_secrets_are_for_their_owner_only(router: ClassRouter) -> None:
-    files = [path for path in router.folder.rglob("*") if path.is_file()]
-    assert {"router.toml", "router-authority.pem", "cards.html", "ana.toml"} <= {path.name for path in files}
-    for path in files:
+    found = [path for path in router.folder.rglob("*") if path.is_file()]
+    assert {"router.toml", "router-authority.pem", "cards.html", "ana.toml"} <= {path.name for path in found}
+    for path in found:
         assert stat.S_IMODE(path.stat().st_mode) == 0o600, path
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -13,15 +14,19 @@ import msgspec
 import pytest
 from cable import Cable
 from class_router import ClassRouter
+from late_tests import in_time
 from patient_connections import PATIENCE_S, patiently
 from robots import Process, until
+from shell import beatrix
 from students import PROGRAM, Seat, use_account
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.bus import Incoming, Sessions
 from beatrix_zenoh.client import Client, lease
-from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import EventKind, LeaseAction, Reason
+from beatrix_zenoh.contract.names import SIDES, TEACHER
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
@@ -78,6 +83,63 @@ def test_one_of_thirty_seats_takes_the_robot_and_refusals_name_it(router: ClassR
     finally:
         for robot in robots:
             robot.client.close()
+
+
+@pytest.mark.parametrize("form", ["put", "query", "query of all robots"])
+def test_a_stop_without_a_seat_is_the_teachers(router: ClassRouter, form: str) -> None:
+    """The router of a class lets no other account send it, for example with Zenoh's own `z_put`."""
+    robot = robot_of(router, "teacher")
+    bus, key = robot.client.bus, keys.stop_unsigned("bea1", "hw")
+    with contextlib.closing(robot.client), robot.events(timeout_s=PATIENCE_S) as events:
+        if form == "put":
+            bus.put(key, b"", "text/plain")
+        else:
+            asked = key if form == "query" else keys.stop_unsigned("*", "*")
+            assert bus.query(asked).next(PATIENCE_S) is not None
+        event = next(event for event in events if event.kind is EventKind.STOP)
+    assert event.seat == TEACHER
+
+
+@pytest.mark.measures_time
+@pytest.mark.parametrize("kind", ["tokens", "takes queries", "answers nonsense"])
+def test_a_token_without_a_robot_holds_up_no_command_of_the_teacher(
+    router: ClassRouter, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("teacher")))
+    held: list[Incoming] = []
+
+    def nonsense(incoming: Incoming) -> None:
+        incoming.reply(incoming.key, msgspec.msgpack.encode({"x": "y" * 900}), "application/msgpack")
+        incoming.finish()
+
+    with router.open("seat01") as fake:
+        for side in SIDES:
+            fake.declare_token(keys.alive("seat01", side))
+            for key in (
+                keys.lease("seat01", side, "*"),
+                keys.info("seat01", side),
+                keys.status("seat01", side),
+            ):
+                if kind != "tokens":
+                    fake.serve(key, held.append if kind == "takes queries" else nonsense)
+        began_s = time.monotonic()
+        done = beatrix("mute", "seat02")
+        muted_s = time.monotonic() - began_s
+        shown = beatrix("ls")
+        listed_s = time.monotonic() - began_s - muted_s
+        assert beatrix("unmute", "seat02").returncode == 0
+        for incoming in held:
+            incoming.finish()
+    assert (done.returncode, done.stdout.count("\n")) == (0, 1), "bea1"
+    notes = [line for line in done.stderr.splitlines() if "ignored" not in line]
+    assert notes[0].startswith("No answer from seat01 (hw), seat01 (sim): robots of seats")
+    assert notes[1].startswith("Not online: bea2.")
+    assert len(done.stderr.splitlines()) <= 3
+    assert all(len(line) < 350 for line in done.stderr.splitlines())
+    assert "muted, but not at" not in shown.stdout, "the robot of a seat"
+    assert len(shown.stderr.splitlines()) <= 1
+    in_time(muted_s, 1.8, "mute")
+    in_time(listed_s, 1.9, "ls")
 
 
 @pytest.mark.parametrize("fault", ["killed", "frozen", "unplugged"])

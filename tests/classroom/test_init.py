@@ -149,9 +149,11 @@ def test_pupils_may_have_names_in_any_alphabet_which_only_cards_and_the_teacher_
         "seat03",
     ]
     page = (folder / "cards.html").read_text(encoding="utf-8")
-    assert re.findall("<h1>(.*?)</h1>", page) == ["teacher", "Zoë Müller", "李 明", "bea1", "bea2"]
+    sheets = [re.findall("<h1>(.*?)</h1>", section) for section in page.split("<section>")[1:]]
+    assert sheets == [["teacher"], ["Zoë Müller", "李 明"], ["bea1", "bea2"]]
+    assert "section + section { break-before: page; }" in page, "each on sheets of its own"
     assert "Student zoe in class 8b" in page
     others = {name: text for name, text in files(folder).items() if name != "teacher.toml"}
     assert not any("Müller" in text for text in (*others.values(), (folder / "router.toml").read_text()))
     path.write_text(path.read_text(encoding="utf-8").replace("Müller", "Maier"), encoding="utf-8")
-    assert "names of pupils have changed" in beatrix("classroom", "init", str(path)).stderr
+    assert "names of pupils or robots have changed" in beatrix("classroom", "init", str(path)).stderr

@@ -10,7 +10,6 @@ from robots import ready, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.bus import Query
-from beatrix_zenoh.client import Monitor
 from beatrix_zenoh.client.stopping import publish_stop, stop_key
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -145,8 +144,7 @@ def test_stops_of_two_seats_at_once_are_two_events(body: Body, robot: Robot) -> 
                 break
             received += [event] if event.kind is EventKind.STOP else []
     assert sorted((event.seat, event.count) for event in received) == [("ben", 1), ("cem", 1)]
-    with Monitor(robot.client, robot.name, robot.side, events=1) as monitor:
-        until(lambda: {"ben", "cem"} <= {seat for seat, _ in monitor.robot(*robot.place).stops}, "counted")
+    until(lambda: {"ben", "cem"} <= {one.seat for one in robot.status().stops}, "counted")
     for other in (ben, cem):
         other.client.close()
 

@@ -178,6 +178,7 @@ BETWEEN = [
 ERROR, INTERRUPT, KILL, HANG_UP = (pull, 1), (interrupt, 130), (kill, 130), (close_window, 130)
 
 
+@pytest.mark.usefixtures("hangup")
 @pytest.mark.parametrize(
     ("command", "nth", "state", "runs", "fault", "code"),
     [(*at, *ERROR) for at in AT_EDGES]

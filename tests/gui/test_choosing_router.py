@@ -83,6 +83,7 @@ def test_the_sheet_shows_router_and_account() -> None:
         (LinkPhase.REFUSED, None, "it is no router, or one of a class"),
         (LinkPhase.REFUSED, ANA, "Choose the newest file of your seat"),
         (LinkPhase.REFUSED, replace(ANA, expired=True), "expired on 2027-07-31"),
+        (LinkPhase.REFUSED, replace(ANA, name="teacher", expired=True), "Run beatrix classroom init"),
     ],
 )
 def test_a_router_that_cannot_be_used_says_what_to_do(

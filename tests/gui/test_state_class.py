@@ -11,13 +11,13 @@ from gui_views import class_world
 from gui_worlds import status, world
 from msgspec import structs
 
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason, SeatCount
 from gui.console.state import intents
 from gui.console.state.actions import Govern, Outcome, SendStop, WatchCameras, WatchClass
 from gui.console.state.intents import GovernClass, Intent, LimitClass, MuteSeat, Stop, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import ClassView, Condition
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.world import LinkPhase, OwnAccount, World
 
 TEACHER = class_world()
 PLACE = ("bea2", "hw")
@@ -99,6 +99,15 @@ def test_a_seat_is_muted_on_all_robots_and_shown_as_muted() -> None:
     assert state.handle(MuteSeat("ana", on=True), world()) == [], "not the teacher's window"
 
 
+def test_a_robot_that_was_away_when_a_seat_was_muted_is_named() -> None:
+    """In a class only its own robots are named: a robot of a seat need not obey."""
+    first, *others = TEACHER.robots
+    robots = (replace(first, status=status("sim", muted=("cleo",))), *others)
+    for names, named in (((), {"bea2", "bea3", "bea4"}), (("bea1", "bea2"), {"bea2"})):
+        rows = page(opened(), replace(TEACHER, robots=robots, class_robots=names)).rows
+        assert {row.place[0] for row in rows if "not muted: cleo" in row.cells[-1]} - {"bea1"} == named
+
+
 def test_a_pupil_is_shown_by_name_and_muted_by_seat() -> None:
     now = replace(TEACHER, pupils={"cleo": "Cléo Brun (cleo)"})
     same("state class.a pupil is shown by name and muted by seat", page(opened(), now).summary)
@@ -113,7 +122,15 @@ def test_a_pupil_is_shown_by_name_and_muted_by_seat() -> None:
 
 def test_the_summary_counts_the_stops_of_each_seat() -> None:
     first, second, *others = TEACHER.robots
-    robots = (replace(first, stops=(("cem", 30), ("", 1))), replace(second, stops=(("cem", 2),)), *others)
+    assert first.status is not None
+    assert second.status is not None
+    both = [SeatCount(seat="cem", count=30), SeatCount(seat="", count=1)]
+    one = [SeatCount(seat="cem", count=2)]
+    robots = (
+        replace(first, status=structs.replace(first.status, stops=both)),
+        replace(second, status=structs.replace(second.status, stops=one)),
+        *others,
+    )
     summary = page(opened(), replace(TEACHER, robots=robots)).summary
     same("state class.the summary counts the stops of each seat 1", summary)
     free = replace(TEACHER.robots[0], status=status("sim"))
@@ -123,6 +140,21 @@ def test_the_summary_counts_the_stops_of_each_seat() -> None:
     empty = page(opened(), replace(TEACHER, robots=()))
     assert (empty.limit_now, empty.rows) == ("No speed limit.", ())
     assert empty.empty.startswith("No robot is online.")
+
+
+@pytest.mark.parametrize(
+    ("expired", "expiring", "words"),
+    [
+        (False, False, ""),
+        (False, True, "expire on 2027-07-31. Run"),
+        (True, True, "expired on 2027-07-31: no seat"),
+    ],
+)
+def test_the_summary_announces_that_the_accounts_expire(expired: bool, expiring: bool, words: str) -> None:
+    now = replace(TEACHER, account=OwnAccount("teacher", "8b", "2027-07-31", expired, expiring))
+    summary = page(opened(), now).summary
+    assert words in summary
+    assert ("beatrix classroom init class.toml" in summary) == expiring
 
 
 @pytest.mark.parametrize(

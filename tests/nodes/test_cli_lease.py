@@ -105,6 +105,27 @@ def test_a_robot_that_freeze_did_not_reach_is_named_and_shown_as_not_frozen() ->
         assert line not in shell.good("top", "--once")
 
 
+def test_a_robot_that_returns_without_a_mute_or_limit_of_the_others_is_named() -> None:
+    with Stage() as stage:
+        shell = Shell(stage.endpoint)
+        stage.node("bea1")
+        orders = ("mute", "cem"), ("limit", "20")
+        for order in orders:
+            shell.good(*order, "--who", "teacher")
+        stage.node("bea2")
+        lines = (
+            "cem is muted, but not at bea2 (hw). The teacher mutes it at all with `beatrix mute cem`.",
+            "The teacher's speed limits differ: bea1 (hw) 20°/s, bea2 (hw) none.",
+        )
+        for command in (("top", "--once"), ("ls",)):
+            shown = shell.good(*command)
+            assert [line in shown for line in lines] == [True, True]
+        for order in orders:
+            shell.good(*order, "--who", "teacher")
+        shown = shell.good("top", "--once")
+        assert [line in shown for line in lines] == [False, False]
+
+
 def test_mute_robots_do_not_hold_up_those_that_answer() -> None:
     with Stage() as stage:
         teacher = stage.client("teacher")

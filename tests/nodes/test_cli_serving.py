@@ -101,6 +101,7 @@ def test_the_ready_line_says_that_there_is_no_board(endpoint: str, temporary: Pa
             assert robot.end() == 0
 
 
+@pytest.mark.usefixtures("hangup")
 def test_up_ends_everything_with_one_signal(up: Process, temporary: Path) -> None:
     """The shell of other tests ends `up` with SIGINT, and a simulation with it."""
     started = children(up)

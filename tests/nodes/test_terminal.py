@@ -176,6 +176,7 @@ def test_the_port_of_the_board_is_refused_as_path(
     assert (tmp_path / "board").readlink() == Path("/dev/null")
 
 
+@pytest.mark.usefixtures("hangup")
 def test_sighup_ends_the_node_and_removes_its_link(tmp_path: Path) -> None:
     path = tmp_path / "COM4"
     with Stage() as stage:

@@ -152,9 +152,9 @@ PUPILS = (
 LESSONS = ("01-hello", "02-steps", "03-arms", "04-look-there", "05-inverse", "06-edge", "07-smooth")
 
 
-def lesson(seat: str, name: str, *, passed: bool = False, stuck: int = 0, tries: int = 2) -> Row:
+def lesson(seat: str, name: str, *, passed: bool = False, stuck: int = 0, tries: int | None = None) -> Row:
     """Return the report of one seat about one lesson; `stuck`: checks in a row that have ended at the figure `runs`."""
-    figure = "runs" if stuck else ""
+    figure, tries = "runs" if stuck else "", max(2, stuck) if tries is None else tries
     return Row(
         seat, name, LessonState(version=1, tries=tries, hints=0, stuck=stuck, passed=passed, figure=figure)
     )

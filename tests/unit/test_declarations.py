@@ -31,6 +31,8 @@ class FakeSession:
     def __init__(self) -> None:
         self.live: set[FakeDeclaration] = set()
         self.closed = False
+        self.hangs = False
+        """whether the router does not let it close in time"""
         self.while_undeclaring: Callable[[], None] = lambda: None
 
     def zid(self) -> str:
@@ -61,6 +63,8 @@ class FakeSession:
 
     def close(self) -> None:
         self.closed = True
+        if self.hangs:
+            raise zenoh.ZError("close operation timed out! at /home/zenoh/session.rs:1.")
         self.live.clear()
 
 
@@ -79,10 +83,12 @@ class Opened:
 
     def __init__(self) -> None:
         self.sessions: list[FakeSession] = []
+        self.hanging = False
         self.bus = Bus(self._open, "tcp/127.0.0.1:1")
 
     def _open(self) -> zenoh.Session:
         self.sessions.append(FakeSession())
+        self.sessions[-1].hangs = self.hanging
         return cast("zenoh.Session", self.sessions[-1])
 
     def live(self) -> list[str]:
@@ -132,6 +138,31 @@ def in_threads(*work: Callable[[], object]) -> None:
     assert not any(thread.is_alive() for thread in threads), "a thread waits for ever"
     if errors:
         raise errors[0]
+
+
+def test_a_router_that_does_not_let_its_session_close_is_one_warning(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """The error of Zenoh ended `beatrix router` with a traceback, also while it restarted for new accounts."""
+    session = FakeSession()
+    session.hangs = True
+    zbus.close_router(cast("zenoh.Session", session))
+    (record,) = caplog.records
+    assert record.levelname == "WARNING"
+    assert record.getMessage().startswith("The router did not close in time (close operation timed out!)")
+
+
+@pytest.mark.parametrize("act", ["renew", "close", "connection_error"])
+def test_a_session_that_does_not_close_in_time_raises_no_error(
+    act: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    """A session of a client that hangs in the router ends with the router; its watchdog must go on."""
+    opened = Opened()
+    opened.sessions[0].hangs = True
+    if act == "connection_error":
+        opened.hanging = True
+    assert getattr(opened.bus, act)() is None
+    assert not caplog.records
 
 
 def until_closed(work: Callable[[], object]) -> None:

@@ -217,19 +217,31 @@ def test_the_refusal_of_a_speed_names_the_teachers_limit_and_this_limit_is_accep
 
 
 @pytest.mark.parametrize(
-    ("turn", "teacher", "text"),
+    ("turn", "teacher", "asked", "text"),
     [
-        (40.0, 0.0, "in this turn at most 40.0°/s is allowed. Try a speed of 40.0°/s."),
-        (40.0, 60.0, "in this turn at most 40.0°/s is allowed."),
-        (40.0, 20.0, "the teacher's limit of 20.0°/s applies."),
+        (40.0, 0.0, 80.0, "in this turn at most 40.0°/s is allowed. Try a speed of 40.0°/s."),
+        (40.0, 60.0, 80.0, "in this turn at most 40.0°/s is allowed."),
+        (40.0, 20.0, 80.0, "the teacher's limit of 20.0°/s applies."),
+        (
+            31.0,
+            31.0,
+            80.0,
+            "teacher and turn both limit it to 31.0°/s. Try a speed of 31.0°/s.",
+        ),
+        (0.0, 90.0, 100.0, "°/s to 90.0°/s is allowed."),
+        (90.0, 90.0, 100.0, "°/s to 90.0°/s is allowed."),
     ],
 )
-def test_the_refusal_of_a_speed_names_the_lower_limit(turn: float, teacher: float, text: str) -> None:
+def test_the_refusal_of_a_speed_names_the_lowest_limits(
+    turn: float, teacher: float, asked: float, text: str
+) -> None:
+    """A limit that is as high as the robot's own is not named, because its end would permit nothing more."""
     planner = Planner(ROBOT)
+    (sent,) = struct.unpack("<f", struct.pack("<f", math.radians(turn)))
     planner.limit_speed(math.radians(teacher))
-    planner.limit_turn(math.radians(turn))
+    planner.limit_turn(sent)
     with pytest.raises(Refused) as refused:
-        planner.goal(PoseQuery(yaw=0.1, speed=math.radians(80)), at(0))
+        planner.goal(PoseQuery(yaw=0.1, speed=math.radians(asked)), at(0))
     assert text in refused.value.message
 
 

@@ -135,7 +135,7 @@ REFUSALS: list[BeatrixError] = [
                 field=field,
             ),
         )
-        for field in (sentences.TEACHER_LIMIT, sentences.TURN_LIMIT)
+        for field in (sentences.TEACHER_LIMIT, sentences.TURN_LIMIT, sentences.BOTH_LIMITS)
     ),
     NoAnswer(Reason.NO_ANSWER, detail=Detail(field="ana (hw)")),
     NoAnswer(Reason.NO_ANSWER, detail=Detail(field="ana (hw)", known=["ana (sim)"])),

@@ -35,6 +35,7 @@ def test_a_request_to_shut_down_is_permanent() -> None:
     shutdown.wait()
 
 
+@pytest.mark.usefixtures("hangup")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_requests_a_shutdown(signals_as_before: None, number: signal.Signals) -> None:
     shutdown = Shutdown()

@@ -1,4 +1,4 @@
-"""The number of STOPs of each seat, from events that arrive in any order and perhaps twice."""
+"""The number of STOPs of each seat since the node started, and the log of a reader of events."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.cli.listing import TableRow, cells, stop_words
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.client.monitor import STOP_SEATS, EventLog, SeatStops
+from beatrix_zenoh.client.monitor import EventLog, SeatStops
 from beatrix_zenoh.contract import codec
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Reason
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Reason, SeatCount
+from beatrix_zenoh.node.events import BURST, KEPT, STOP_SEATS, NodeEvents
 from beatrix_zenoh.settings import Settings
 
 M = TypeVar("M", bound=msgspec.Struct)
@@ -31,39 +32,43 @@ def log(length: int = 5) -> EventLog:
     return EventLog(cast("Client", Decoding()), "beatrix/bea/hw/state/events", length)
 
 
-def stop(seq: int, seat: str, count: int = 1, reason: Reason = Reason.OK) -> Event:
-    return Event(
-        seq=seq, t_mono_ns=seq, t_wall_ns=seq, kind=EventKind.STOP, seat=seat, count=count, reason=reason
+def stop(seq: int, seat: str, count: int = 1) -> Event:
+    return Event(seq=seq, t_mono_ns=seq, t_wall_ns=seq, kind=EventKind.STOP, seat=seat, count=count)
+
+
+def test_a_log_has_each_event_once_although_some_arrive_twice() -> None:
+    events = [stop(1, "ana"), stop(2, "cem", 7), stop(3, "")]
+    kept = log(length=2)
+    kept.put(codec.encode(events[2]))
+    kept.read()
+    kept.put_past(codec.encode(Events(events=events)))
+    kept.put(codec.encode(stop(4, "cem")))
+    for _ in range(2):
+        assert [event.seq for event in kept.read()] == [3, 4]
+
+
+def test_stops_are_counted_from_the_start_however_many_events_follow() -> None:
+    """A seat removed its STOPs from the counts of `top` with 200 refused requests."""
+    events = NodeEvents(lambda: 0.0)
+    for number in range(3 * BURST):
+        events.add(EventKind.STOP, action="STOP", caller=("cem", f"{number % 2}"))
+    events.add(EventKind.STOP, action="STOP", caller=("cem", ""), reason=Reason.BOARD_LOST)
+    events.add(EventKind.STOP, action="STOP", caller=("ana", ""), reason=Reason.MUTED)
+    for number in range(2 * KEPT):
+        events.add(EventKind.MOTION, caller=("cem", f"{number}"), reason=Reason.NOT_HOLDER)
+    assert not any(event.kind is EventKind.STOP for event in events.latest().events)
+    assert events.stops() == [SeatCount(seat="cem", count=3 * BURST + 1)], (
+        "not the one that the robot refused"
     )
 
 
-def test_each_stop_counts_once_although_few_events_are_kept_and_some_arrive_twice() -> None:
-    events = [stop(1, "ana"), stop(2, "cem", 7), stop(3, "")]
-    counted = log(length=2)
-    counted.put(codec.encode(events[2]))
-    counted.read()
-    counted.put_past(codec.encode(Events(events=events)))
-    counted.put(codec.encode(stop(4, "cem")))
-    for _ in range(2):
-        assert [event.seq for event in counted.read()] == [3, 4]
-        assert dict(counted.stops()) == {"cem": 8, "ana": 1, "": 1}
-
-
-def test_other_events_and_more_seats_than_the_limit_are_not_counted() -> None:
-    counted = log(length=1)
-    counted.put(codec.encode(Event(seq=1, t_mono_ns=1, t_wall_ns=1, kind=EventKind.COMMAND, seat="ana")))
+def test_no_more_seats_than_the_limit_are_counted() -> None:
+    events = NodeEvents()
     for number in range(STOP_SEATS + 5):
-        counted.put(codec.encode(stop(number, f"seat{number}")))
-        counted.read()
-    assert len(counted.stops()) == STOP_SEATS
-
-
-def test_a_refused_stop_of_a_muted_seat_is_not_counted() -> None:
-    counted = log()
-    counted.put(codec.encode(stop(1, "cem", reason=Reason.MUTED)))
-    counted.put(codec.encode(stop(2, "cem", reason=Reason.BOARD_LOST)))
-    counted.read()
-    assert counted.stops() == (("cem", 1),), "only the one that the robot did not refuse"
+        events.add(EventKind.STOP, caller=(f"seat{number}", ""))
+    events.add(EventKind.STOP, caller=("seat0", ""))
+    assert len(events.stops()) == STOP_SEATS
+    assert events.stops()[0] == SeatCount(seat="seat0", count=2)
 
 
 def test_the_teacher_sees_the_name_of_the_pupil_who_pressed_stop() -> None:
@@ -73,6 +78,6 @@ def test_the_teacher_sees_the_name_of_the_pupil_who_pressed_stop() -> None:
     teacher = Settings("bea", account.connect, "teacher", account=account)
     stops = SeatStops("zoe", 2, {("bea1", "hw"): 2})
     same("stop counts.the teacher sees the name of the pupil who pressed stop", stop_words(teacher, stops))
-    row = TableRow(("bea1", "hw"), "moving", None, 50.0, None, "zoe", {}, [])
+    row = TableRow(("bea1", "hw"), "moving", None, 50.0, None, "zoe", None, [])
     assert cells(teacher, row)[-1] == "Zoë Müller (zoe)"
     assert stop_words(Settings("bea", "", "ana"), stops).startswith("zoe 2 times")

@@ -112,7 +112,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "real_time",
         "drop",
-        "Stop at once, without a seat. On a router without accounts it is open to every client; in a class only the teacher may send it. Events show no seat.",
+        "Stop at once, without a seat. On a router without accounts it is open to every client, and events show no seat; in a class only the teacher may send it, and events show the teacher.",
     ),
     "preview": KeyRow(
         "beatrix/{robot}/sim/cmd/{who}/preview",
@@ -424,7 +424,7 @@ def stop(robot: str, side: str, who: str) -> str:
 def stop_unsigned(robot: str, side: str) -> str:
     """Return the key `beatrix/{robot}/{side}/stop`.
 
-    Stop at once, without a seat. On a router without accounts it is open to every client; in a class only the teacher may send it. Events show no seat.
+    Stop at once, without a seat. On a router without accounts it is open to every client, and events show no seat; in a class only the teacher may send it, and events show the teacher.
     """
     return f"beatrix/{robot}/{side}/stop"
 

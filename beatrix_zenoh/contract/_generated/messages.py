@@ -10,7 +10,7 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-CONTRACT: Final = "94dcebbd"
+CONTRACT: Final = "3e39ed20"
 """Hash of messages and keys."""
 
 FLOAT32_MAX: Final = 3.4028234663852886e38
@@ -484,7 +484,7 @@ class Detail(Struct, frozen=True, kw_only=True):
     leaves_arms: Vector3 | None = None
     """arm angles at that time [rad]"""
     field: Text = ""
-    """the wrong field or word of the request; speed_limit: the teacher set the limit; turn_speed: it is that of this turn; if there is no answer: the robot"""
+    """the wrong field or word of the request; speed_limit: the teacher set the limit; turn_speed: it is that of this turn; both words: the two are equal; if there is no answer: the robot"""
     known: list[Text] = []
     """values that are allowed instead, or the robots online"""
     holder: Name = ""
@@ -691,6 +691,15 @@ class MicrophonesStatus(Struct, frozen=True, kw_only=True):
     """a sentence: why there is no sound, and what to do; empty: no fault"""
 
 
+class SeatCount(Struct, frozen=True, kw_only=True):
+    """How often a seat has done something."""
+
+    seat: Name
+    """seat; empty: unknown"""
+    count: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    """how often"""
+
+
 class Status(Struct, frozen=True, kw_only=True):
     """State of the robot; published once a second, and at once when a field changes, except clocks, rates and the physics."""
 
@@ -732,6 +741,8 @@ class Status(Struct, frozen=True, kw_only=True):
     """seats that the teacher has muted"""
     teacher_latch: bool = False
     """the teacher has pressed EMERGENCY_STOP: only the teacher may send RESET"""
+    stops: list[SeatCount] = []
+    """seats that have sent STOP since the node started, and how often; the first 64 of them"""
     board: BoardStatus
     """the board"""
     following: FollowState = FollowState.OFF
@@ -1015,6 +1026,6 @@ class ProgramInfo(Struct, frozen=True, kw_only=True):
 NOT_ON_CHANGE: Final[dict[type[Struct], frozenset[str]]] = {
     CameraStatus: frozenset(["hz"]),
     MicrophonesStatus: frozenset(["dropped"]),
-    Status: frozenset(["t_mono_ns", "t_wall_ns", "turn_s", "plant"]),
+    Status: frozenset(["t_mono_ns", "t_wall_ns", "turn_s", "stops", "plant"]),
 }
 """Fields of Status and its parts whose change alone is not published: clocks, rates, physics."""

@@ -14,12 +14,14 @@ from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
 from beatrix_zenoh.contract.sentences.english import ENGLISH
 from beatrix_zenoh.contract.sentences.templates import Language, slots_of
 
-__all__ = ["TEACHER_LIMIT", "TURN_LIMIT", "case_of", "render"]
+__all__ = ["BOTH_LIMITS", "TEACHER_LIMIT", "TURN_LIMIT", "case_of", "render"]
 
 TEACHER_LIMIT: Final = "speed_limit"
 """`Detail.field` of a speed above the teacher's limit: the field of the status that shows the limit."""
 TURN_LIMIT: Final = "turn_speed"
 """`Detail.field` of a speed above the limit of a turn, which the seat itself has asked for."""
+BOTH_LIMITS: Final = f"{TEACHER_LIMIT} {TURN_LIMIT}"
+"""`Detail.field` of a speed above both, which are equal."""
 
 
 def render(reason: Reason, detail: Detail | None = None, table: Language = ENGLISH) -> str:
@@ -106,7 +108,7 @@ def _speed_case(detail: Detail) -> str:
         return ""
     if detail.value < detail.low:
         return "low"
-    return {TEACHER_LIMIT: "teacher", TURN_LIMIT: "turn"}.get(detail.field, "high")
+    return {TEACHER_LIMIT: "teacher", TURN_LIMIT: "turn", BOTH_LIMITS: "both"}.get(detail.field, "high")
 
 
 _CASES: dict[tuple[Reason, Limit | None], Callable[[Detail], str]] = {

@@ -113,6 +113,7 @@ ENGLISH: Final = Language(
         ): "A speed of {value} for the {arms} arm is too high; {low} to {high} is allowed.",
         (Reason.SPEED_LIMIT, Limit.SPEED, "teacher"): f"{_FAST}the teacher's limit of {{high}} applies.",
         (Reason.SPEED_LIMIT, Limit.SPEED, "turn"): f"{_FAST}in this turn at most {{high}} is allowed.",
+        (Reason.SPEED_LIMIT, Limit.SPEED, "both"): f"{_FAST}teacher and turn both limit it to {{high}}.",
         (Reason.NOT_HOLDER, None, ""): "Another seat drives the robot. Try again later.",
         (Reason.NOT_HOLDER, None, "taken"): (
             "{holder} has taken this robot. Wait for it with `beatrix lease take --wait 60 --name ROBOT`, "

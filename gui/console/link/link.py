@@ -135,6 +135,7 @@ class Link:
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
             seats=() if session is None else tuple(session.seats.names()),
             pupils={} if account is None else {seat: account.shown(seat) for seat in account.names},
+            class_robots=() if account is None else account.robots,
             robots=self._class.states(session, now_s),
             reports=self._lessons.rows,
             reports_failed=self._lessons.failed,

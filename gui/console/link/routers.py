@@ -10,7 +10,7 @@ from pathlib import Path
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import settings as resolved
-from beatrix_zenoh.account import Account
+from beatrix_zenoh.account import Account, days_left, today
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
@@ -103,7 +103,8 @@ class Routers(Worker):
 def own_account(account: Account) -> OwnAccount:
     """Return what a window shows of its account."""
     expired = dt.datetime.now().astimezone().date() > account.expires
-    return OwnAccount(account.name, account.class_name, account.expires.isoformat(), expired)
+    expiring = days_left(account.expires, today()) is not None
+    return OwnAccount(account.name, account.class_name, account.expires.isoformat(), expired, expiring)
 
 
 def _refusal(settings: Settings) -> BeatrixError | None:

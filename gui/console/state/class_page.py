@@ -79,6 +79,9 @@ def _summary(world: World, texts: Texts) -> str:
         text += " " + texts(
             "class.stops", stops=", ".join(_stops(one, world, texts) for one in stops[:STOPS_SHOWN])
         )
+    account = world.account
+    if account is not None and account.expiring:
+        text += " " + texts("class.expired" if account.expired else "class.expires", expires=account.expires)
     return text
 
 
@@ -163,6 +166,9 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
     named = f"{robot.robot} ({texts(f'sides.{robot.side}')})"
     frozen = status is not None and status.frozen
     remarks = _remarks(status, found, texts, limit_shown=limit_shown)
+    if status is not None and (not world.class_robots or robot.robot in world.class_robots):
+        missing = sorted(_muted(world) - {*status.muted})
+        remarks += [texts("class.not_muted", seats=_shown(world, missing))] if missing else []
     return ClassRowView(
         place=place,
         cells=(

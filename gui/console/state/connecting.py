@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import Fault
+from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state.actions import (
     Action,
@@ -140,7 +141,9 @@ def refusal(endpoint: str, account: OwnAccount | None) -> tuple[str, dict[str, s
     if account is None:
         return "connect.needs_account", slots
     slots |= {"account": account.name, "class": account.class_name, "expires": account.expires}
-    return "connect.expired" if account.expired else "connect.foreign", slots
+    if not account.expired:
+        return "connect.foreign", slots
+    return "class.expired" if account.name == TEACHER else "connect.expired", slots
 
 
 def completed(address: str) -> str:

@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import Final
 
 from beatrix_zenoh.contract.names import TEACHER
-from beatrix_zenoh.lessons.reports import NOT_MEASURED, PASSED, STUCK_AT, TRYING, Row, asked
+from beatrix_zenoh.lessons.reports import IMPOSSIBLE, NOT_MEASURED, PASSED, STUCK_AT, TRYING, Row, asked
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 
@@ -24,6 +24,8 @@ class Progress(StrEnum):
     NOT_MEASURED = NOT_MEASURED
     """the last check could judge nothing, usually because the computer was too busy"""
     PASSED = PASSED
+    IMPOSSIBLE = IMPOSSIBLE
+    """no checks can have made this report"""
 
 
 SYMBOLS: Final = {
@@ -32,6 +34,7 @@ SYMBOLS: Final = {
     Progress.STUCK: "▲",
     Progress.NOT_MEASURED: "?",
     Progress.PASSED: "✓",
+    Progress.IMPOSSIBLE: "✗",
 }
 
 
@@ -115,8 +118,8 @@ def _row(
 
 
 def _present(reports: list[Row]) -> Row | None:
-    """Return the report of the lesson that a seat works at: one it is stuck at, else open, else passed; the last of them."""
-    order = (PASSED, TRYING, NOT_MEASURED, STUCK_AT)
+    """Return the report to show of a seat: an impossible one, else one it is stuck at, else open, else passed; the last."""
+    order = (PASSED, TRYING, NOT_MEASURED, STUCK_AT, IMPOSSIBLE)
     return max(reports, key=lambda row: (order.index(row.progress), row.lesson), default=None)
 
 
@@ -128,6 +131,8 @@ def _words(row: Row, texts: Texts) -> str:
             words = texts("lessons.stuck_at", asked=sentence, count=float(state.stuck))
         case Progress.NOT_MEASURED:
             words = texts("lessons.not_measured", count=float(state.tries))
+        case Progress.IMPOSSIBLE:
+            words = texts("lessons.impossible", count=float(state.tries))
         case Progress.PASSED:
             words = texts("lessons.passed", count=float(state.tries))
         case _:

@@ -76,6 +76,8 @@ class OwnAccount:
     expires: str
     """last day of its certificate, as 2027-07-31"""
     expired: bool
+    expiring: bool = False
+    """whether `beatrix classroom init` would renew it"""
 
 
 @dataclass(frozen=True)
@@ -178,6 +180,8 @@ class World:
     """seats that are connected to the router"""
     pupils: Mapping[str, str] = field(default_factory=dict)
     """for the teacher of a class: seats that have the name of a pupil, and the texts that show it"""
+    class_robots: tuple[str, ...] = ()
+    """for the teacher of a class: the names of its robots; empty: unknown"""
     robots: tuple[RobotState, ...] = ()
     """all robots online, while the page of the class is shown"""
     reports: tuple[Row, ...] | None = None

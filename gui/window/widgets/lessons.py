@@ -27,6 +27,7 @@ ROLES = {
     Progress.STUCK: "bad",
     Progress.NOT_MEASURED: "warn",
     Progress.PASSED: "good",
+    Progress.IMPOSSIBLE: "bad",
 }
 """Colour of a `Style` for each progress; symbol and words say the same."""
 CENTRE = int(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter)
