@@ -1,16 +1,20 @@
 """Benchmark of the recorder with a simulation and a virtual robot: rows of (quantity, measured, required).
 
-`python tools/bench_record.py` prints them alone.
+`python tools/bench_record.py` prints them alone. `--minutes 60` records for an hour instead, without and with pictures,
+while both robots move every few seconds, and prints memory and file every ten minutes.
 """
 
 from __future__ import annotations
 
+import argparse
 import socket
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, gettempdir
 
+import numpy as np
 from bench_node import Row, Served, receive, regularity
 
 from beatrix_zenoh import Robot
@@ -22,15 +26,18 @@ from beatrix_zenoh.settings import Settings
 NAME = "bench-record"
 LASTS_S = 15.0
 HOUR_S = 3600.0
+EVERY_S = 600.0
+"""Period of the rows of a long recording."""
 
 
-def turning(robots: list[Robot], seconds: float) -> None:
-    """Turn the heads to and fro for a time (s)."""
+def turning(robots: list[Robot], seconds: float, rest_s: float = 0.0) -> None:
+    """Turn the heads to and fro for a time (s), and let them rest after each motion."""
     until, side = time.monotonic() + seconds, 1
     while time.monotonic() < until:
         side = -side
         for motion in [robot.look(yaw=20 * side, pitch=8 * side, wait=False) for robot in robots]:
             motion.wait()
+        time.sleep(rest_s)
 
 
 def recorded(
@@ -54,17 +61,57 @@ def recorded(
     return cpu, rss, grown
 
 
-def rows(endpoint: str) -> Iterator[Row]:
-    """Yield all measurements of the recorder."""
+@contextmanager
+def pair(endpoint: str) -> Iterator[list[Robot]]:
+    """Start a simulation and a virtual robot, ready to move."""
     nodes = [
         Served("sim_node", "--name", NAME, "--connect", endpoint, "--ready"),
         Served("hw_node", "--name", NAME, "--connect", endpoint, "--port", "virtual:"),
     ]
-    client = Client(Settings(NAME, endpoint, "ana"))
-    robots = [Robot(NAME, side, client=client) for side in ("sim", "hw")]
-    for robot in robots:
-        robot.make_ready()
-    with TemporaryDirectory() as folder:
+    try:
+        with Client(Settings(NAME, endpoint, "ana")) as client:
+            robots = [Robot(NAME, side, client=client) for side in ("sim", "hw")]
+            for robot in robots:
+                robot.make_ready()
+            yield robots
+    finally:
+        for node in nodes:
+            node.end()
+
+
+def long_rows(endpoint: str, minutes: float, folder: Path) -> Iterator[Row]:
+    """Yield memory and file of two recorders while they record, and their ends."""
+    with pair(endpoint) as robots:
+        paths = {cameras: folder / f"long-{cameras}.rrd" for cameras in ("0", "5")}
+        words = ("--connect", endpoint, "--cameras")
+        recorders = {
+            cameras: Served("beatrix_zenoh.cli", "record", str(path), *words, cameras)
+            for cameras, path in paths.items()
+        }
+        began = time.monotonic()
+        for until_s in (60.0, *np.arange(EVERY_S, minutes * 60 + 1.0, EVERY_S).tolist()):
+            turning(robots, began + until_s - time.monotonic(), rest_s=3.0)
+            for cameras, process in recorders.items():
+                size = paths[cameras].stat().st_size / 1e6
+                yield (
+                    f"record: {cameras} pictures/s, after {until_s / 60:.0f} min: RSS [MiB], file [MB]",
+                    f"{process.rss_mib():.1f}, {size:.1f}",
+                    "",
+                )
+        for cameras, process in recorders.items():
+            ended_s = process.end()
+            assert verify(paths[cameras]) == ""
+            lost = {place[1]: samples.lost for place, samples in read(paths[cameras]).robots.items()}
+            yield (
+                f"record: {cameras} pictures/s: end [s], file [MB], lost positions",
+                f"{ended_s:.1f}, {paths[cameras].stat().st_size / 1e6:.1f}, {lost}",
+                "",
+            )
+
+
+def rows(endpoint: str) -> Iterator[Row]:
+    """Yield all measurements of the recorder."""
+    with pair(endpoint) as robots, TemporaryDirectory() as folder:
         path = Path(folder)
         for title, cameras, moving in (
             ("two robots at rest, no pictures", "0", False),
@@ -99,19 +146,23 @@ def rows(endpoint: str) -> Iterator[Row]:
             "50, < 1, 0",
         )
         beside.end()
-    client.close()
-    for node in nodes:
-        node.end()
 
 
 def main() -> None:
     """Print the rows."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--minutes", type=float, default=0.0, help="record for so long, at least 10")
+    parser.add_argument(
+        "--folder", type=Path, default=Path(gettempdir()), help="where long recordings are kept"
+    )
+    words = parser.parse_args()
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         endpoint = f"tcp/127.0.0.1:{probe.getsockname()[1]}"
     router = Served("beatrix_zenoh.cli", "router", "--listen", endpoint)
     try:
-        for figure, measured, to_reach in rows(endpoint):
+        found = long_rows(endpoint, words.minutes, words.folder) if words.minutes else rows(endpoint)
+        for figure, measured, to_reach in found:
             print(f"{figure:<95} {measured:<28} {to_reach}", flush=True)
     finally:
         router.end()

@@ -69,6 +69,7 @@ class RobotRows:
         self._clock: tuple[int, float, float] | None = None
         self._written: Positions | None = None
         self._repeats = 0
+        self._repeats_row: int | None = None
 
     def clock(self, time_ns: int, offset_s: float, bound_s: float) -> Iterator[RecordingRow]:
         """Yield a measured offset of the robot's clock and its largest error (s); each new file begins with the last."""
@@ -95,7 +96,8 @@ class RobotRows:
     def positions(self, positions: Positions, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the numbers of a publication in deg and deg/s, its sequence number, and the bodies that have turned.
 
-        `repeats` is the number of publications just before that only repeated the rows before them.
+        `repeats` is the number of publications just before that only repeated the rows before them; without a row it
+        is 0, and a 0 after another number has a row.
         """
         stamp = (time_ns, positions.t_wall_ns)
         numbers = {
@@ -104,9 +106,10 @@ class RobotRows:
             "head": head_deg(positions.head),
             "velocity": arms_deg(positions.velocity),
             "seq": (float(positions.seq),),
-            "repeats": (float(self._repeats),),
         }
-        self._written, self._repeats = positions, 0
+        if self._repeats or self._repeats_row != 0:
+            numbers["repeats"] = (float(self._repeats),)
+        self._written, self._repeats_row, self._repeats = positions, self._repeats, 0
         self.angles = numbers["arms"] + numbers["head"]
         body = positions.head
         if positions.head_measured is not None:
@@ -124,7 +127,7 @@ class RobotRows:
     def begin_again(self) -> list[RecordingRow]:
         """Let the next publications repeat all bodies and the state, for a new file or viewer; return the clock again."""
         self._turns.clear()
-        self._state = None
+        self._state = self._repeats_row = None
         return [] if self._clock is None else [*self.clock(*self._clock)]
 
     def status(self, status: Status, time_ns: int) -> Iterator[RecordingRow]:

@@ -127,7 +127,7 @@ def test_pictures_are_recorded_at_the_requested_rate(lesson: Lesson) -> None:
     assert all(picture.startswith(b"\xff\xd8") for picture in pictures)
 
 
-def test_a_killed_recorder_loses_no_more_than_a_second(
+def test_a_recorder_killed_after_seconds_loses_no_more_than_one(
     stage: Stage, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "killed.rrd"

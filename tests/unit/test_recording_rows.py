@@ -66,6 +66,22 @@ def test_rows_of_arms_and_head_are_in_degrees(rows_of_robot: RobotRows) -> None:
     assert {(row.time_ns, row.robot_ns) for row in rows.values()} == {(NOW_NS, NOW_NS - 5)}
 
 
+def test_repeats_get_a_row_unless_they_are_0_again(rows_of_robot: RobotRows) -> None:
+    """The first sample of each file has one, so that a reader knows that repeats are recorded."""
+    written: list[float | None] = []
+    for seq, repeats in enumerate((0, 0, 3, 3, 0, 0)):
+        sample = msgspec.structs.replace(positions(0.0), seq=seq, t_mono_ns=seq)
+        for _ in range(repeats):
+            assert rows_of_robot.repeats(sample, stale=True)
+        rows = {row.path: row for row in rows_of_robot.positions(sample, seq) if isinstance(row, Numbers)}
+        row = rows.get("bea/hw/repeats")
+        written.append(None if row is None else row.values[0])
+    assert written == [0.0, None, 3.0, 3.0, 0.0, None]
+    rows_of_robot.begin_again()
+    again = rows_of_robot.positions(positions(0.0), NOW_NS)
+    assert "bea/hw/repeats" in {row.path for row in again}
+
+
 @pytest.mark.parametrize(
     ("fields", "state"),
     [

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from array import array
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -30,6 +31,34 @@ from beatrix_zenoh.recording.rrd.layout import layout
 from beatrix_zenoh.recording.rrd.read import ABOUT, PROPERTY, ROBOT_TIME, TIME
 
 APPLICATION = "beatrix"
+
+
+@dataclass
+class Batch:
+    """Rows of one entity, all of the same type, that become one chunk."""
+
+    times: array[int] = field(default_factory=lambda: array("q"))
+    robot: array[int] = field(default_factory=lambda: array("q"))
+    numbers: array[float] = field(default_factory=lambda: array("d"))
+    """the values of `Numbers` and `BodyTurn`: as objects they would take five times the memory"""
+    rows: list[RecordingRow] = field(default_factory=list)
+    """the newest row of `Numbers` or `BodyTurn`; all rows of other types"""
+    bytes: int = 0
+    """size of pictures and sound"""
+
+    def add(self, row: RecordingRow) -> None:
+        """Add a row."""
+        self.times.append(row.time_ns)
+        self.robot.append(row.robot_ns)
+        match row:
+            case Numbers(values=numbers) | BodyTurn(quaternion=numbers):
+                self.numbers.extend(numbers)
+                self.rows = [row]
+            case Frame(jpeg=data) | SoundRow(pcm=data):
+                self.rows.append(row)
+                self.bytes += len(data)
+            case _:
+                self.rows.append(row)
 
 
 class RowStream:
@@ -100,15 +129,22 @@ class RowStream:
 
     def send(self, rows: Sequence[RecordingRow]) -> None:
         """Send rows; the rows of each entity keep their order."""
-        entities: dict[str, list[RecordingRow]] = defaultdict(list)
+        batches: dict[str, Batch] = {}
         for row in rows:
-            entities[row.path].append(row)
-        self._show_marks(entities.get(MARK, ()))
-        for path, part in entities.items():
-            times = np.array([row.time_ns for row in part]).astype("datetime64[ns]")
-            robot = np.array([row.robot_ns for row in part]).astype("datetime64[ns]")
+            batches.setdefault(row.path, Batch()).add(row)
+        self.send_batches(batches)
+
+    def send_batches(self, batches: Mapping[str, Batch]) -> None:
+        """Send batches by the path of their entity, each as one chunk."""
+        if MARK in batches:
+            self._show_marks(batches[MARK].rows)
+        for path, batch in batches.items():
+            times, robot = (
+                np.array(column, dtype=np.int64).astype("datetime64[ns]")
+                for column in (batch.times, batch.robot)
+            )
             indexes = [rr.TimeColumn(TIME, timestamp=times), rr.TimeColumn(ROBOT_TIME, timestamp=robot)]
-            self._stream.send_columns(path, indexes, columns(part))
+            self._stream.send_columns(path, indexes, columns(batch))
 
     def _show_marks(self, rows: Sequence[RecordingRow]) -> None:
         """Give new notes their colour: the viewer would choose any, such as red."""
@@ -132,17 +168,16 @@ class RowStream:
             self._stream.disconnect()
 
 
-def columns(rows: Sequence[RecordingRow]) -> Iterable[rr.ComponentColumn]:
-    """Convert rows of one entity, which must all have the same type, to columns of Rerun."""
+def columns(batch: Batch) -> Iterable[rr.ComponentColumn]:
+    """Convert a batch to columns of Rerun."""
+    rows = batch.rows
+    flat = np.array(batch.numbers, dtype=np.float64)
     match rows[0]:
         case Numbers():
-            values = [row.values for row in rows if isinstance(row, Numbers)]
-            flat = np.array(values, dtype=np.float64)
-            return rr.Scalars.columns(scalars=flat.ravel()).partition([flat.shape[1]] * len(flat))
+            count = len(batch.times)
+            return rr.Scalars.columns(scalars=flat).partition([len(flat) // count] * count)
         case BodyTurn():
-            return rr.Transform3D.columns(
-                quaternion=np.array([row.quaternion for row in rows if isinstance(row, BodyTurn)])
-            )
+            return rr.Transform3D.columns(quaternion=flat.reshape(-1, 4))
         case Line():
             lines = [row for row in rows if isinstance(row, Line)]
             texts = rr.TextLog.columns(text=[row.text for row in lines], level=[row.level for row in lines])
