@@ -152,9 +152,11 @@ class ClassRouters:
         self._children[part] = child
         child.wait_ready()
 
-    def ready(self) -> str:
-        """Return the line that says where the routers listen."""
-        return f"ready {self.file.listen} (seats: {self.file.listen_seats})"
+    def say_ready(self) -> None:
+        """Print where the routers listen, and whether accounts expire soon."""
+        say(f"ready {self.file.listen} (seats: {self.file.listen_seats})")
+        if expiring := router_file.renewal(self.file, today()):
+            note(expiring)
 
     def tend(self) -> None:
         """Start routers that have ended again, follow changes of the accounts, and report both."""
@@ -221,7 +223,7 @@ class ClassRouters:
                 if child.file != former or child.code is not None:
                     child.close()
                     self._again(part, lambda part=part: self._start(part, former))  # type: ignore[misc]
-        say(self.ready())
+        self.say_ready()
 
     def close(self) -> None:
         """End both routers."""
@@ -264,9 +266,7 @@ def run(of_class: Path, lessons: Collection[str], shutdown: Shutdown) -> None:
     """Run the routers of a class until the shutdown; raises the errors of `ClassRouters`."""
     routers = ClassRouters(of_class, lessons)
     try:
-        say(routers.ready())
-        if expiring := router_file.renewal(routers.file, today()):
-            note(expiring)
+        routers.say_ready()
         while not shutdown.requested(POLL_S):
             routers.tend()
     finally:
