@@ -46,7 +46,7 @@ else:
             # Python would report an AttributeError as "cannot import name", without its cause.
             why = hiding.cause(error) or f"{__name__}.{name} cannot be imported: {error}"
             raise ImportError(why, name=__name__) from error
-        if why := hiding.imported():
+        if why := hiding.imported() or hiding.unfit(hiding.search_path()[0]):
             raise ImportError(why, name=__name__)
         return value
 

@@ -102,7 +102,7 @@ class Child:
         self._reported = 0
         with log.open("wb") as output:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "beatrix_zenoh.cli", "--with-parent", *arguments],
+                [sys.executable, "-P", "-m", "beatrix_zenoh.cli", "--with-parent", *arguments],
                 stdin=subprocess.PIPE,
                 stdout=output,
                 stderr=subprocess.STDOUT,

@@ -36,7 +36,7 @@ REST_DEG = "0.5"
 SETTLE_S = 0.5
 """Time at rest before and after the movement (s)."""
 NEXT = ("look --yaw 20 --on both", "top", "stop")
-CLI = (sys.executable, "-m", "beatrix_zenoh.cli")
+CLI = (sys.executable, "-P", "-m", "beatrix_zenoh.cli")
 
 
 def demo(

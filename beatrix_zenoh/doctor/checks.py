@@ -14,6 +14,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from importlib import metadata
+from importlib.machinery import PathFinder
 from pathlib import Path
 from typing import NamedTuple
 
@@ -26,11 +27,10 @@ from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CONTRACT, Fault, Info, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.requirements import DISTRIBUTION, bounds, distribution, misfits, requirements, suits
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.terminal.states import ListedRobot, listed, problems, state
 
-DISTRIBUTION = "beatrix-zenoh"
-REQUIREMENT = re.compile(r"([A-Za-z0-9._-]+)")
 ON_LINUX = re.compile(r"sys_platform\s*(==|!=)\s*['\"]linux['\"]\s*\)?\s*and")
 """Part of the marker of a requirement for Linux only, or for all other systems only."""
 EXTRA = re.compile(r"extra\s*==\s*['\"]([a-z]+)['\"]")
@@ -38,7 +38,14 @@ VIDEO_DEVICES = Path("/dev/v4l/by-path")
 SERIAL_DEVICES = ("ttyACM*", "ttyUSB*", "cu.usbmodem*", "cu.usbserial*")
 
 
-PROBE = "from sim_node.gl import backend; print(backend() or '')"
+PROBE = """
+from beatrix_zenoh import hiding
+try:
+    from sim_node.gl import backend
+except Exception as error:
+    raise SystemExit(hiding.cause(error))
+print(backend() or "")
+"""
 PROBE_S = 45.0
 """Time limit of the probe (s), which tries two drivers for at most 20 s each."""
 
@@ -80,55 +87,39 @@ def packages() -> Iterator[CheckResult]:
         )
         return
     yield CheckResult(DISTRIBUTION, metadata.version(DISTRIBUTION))
-    needs: dict[str, list[str]] = {}
+    needs: dict[str, dict[str, str]] = {}
     for line in requirements():
-        needed, only_for = REQUIREMENT.match(line), EXTRA.search(line)
-        only_on = ON_LINUX.search(line)
+        only_for, only_on = EXTRA.search(line), ON_LINUX.search(line)
         if only_on and (only_on[1] == "==") != (sys.platform == "linux"):
             continue
-        if needed and needed[1] != DISTRIBUTION:
-            needs.setdefault(only_for[1] if only_for else "", []).append(needed[1])
+        if distribution(line) != DISTRIBUTION:
+            needs.setdefault(only_for[1] if only_for else "", {})[distribution(line)] = line
     needs.pop("all", None)
-    for extra, names in needs.items():
-        found = {name: version(name) for name in names}
+    for extra, lines in needs.items():
+        found = {name: version(name) for name in lines}
         missing = [name for name, number in found.items() if number is None]
         title = f"extra {extra}" if extra else "core"
         present = ", ".join(f"{name} {number}" for name, number in found.items() if number)
+        wrong = [
+            bounds(lines[name]) for name, number in found.items() if number and not suits(number, lines[name])
+        ]
+        install = f'pip install "{f".[{extra}]" if extra else "."}" in the folder of BEATRIX'
         if missing:
-            wanted = f".[{extra}]" if extra else "."
-            yield CheckResult(
-                title,
-                f"without {', '.join(missing)}",
-                advice=f'if you need it: pip install "{wanted}" in the folder of BEATRIX',
-            )
+            yield CheckResult(title, f"without {', '.join(missing)}", advice=f"if you need it: {install}")
+        elif wrong:
+            yield CheckResult(title, present, f"it needs {', '.join(wrong)}: {install}")
         else:
             yield CheckResult(title, present)
 
 
-def requirements() -> list[str]:
-    """Return the requirements of this package and of its extras; none if it is not installed."""
-    try:
-        return metadata.requires(DISTRIBUTION) or []
-    except metadata.PackageNotFoundError:
-        return []
-
-
-def distribution(requirement: str) -> str:
-    """Return the name of the distribution in a requirement, in the form in which names are compared."""
-    name = REQUIREMENT.match(requirement)
-    return re.sub("[-_.]+", "-", name[1]).lower() if name else ""
-
-
 def version(name: str) -> str | None:
-    """Return the version of a distribution; None if it is not installed."""
-    try:
-        return metadata.version(name)
-    except metadata.PackageNotFoundError:
-        return None
+    """Return the version of a distribution; None if it is not installed. `hidden_modules` judges those in PYTHONPATH."""
+    first, later = hiding.search_path()
+    return next((one.version for one in metadata.distributions(name=name, path=[*later, *first])), None)
 
 
 def hidden_modules() -> Iterator[CheckResult]:
-    """Yield a finding about each file, in this folder or in PYTHONPATH, that hides a module that BEATRIX needs."""
+    """Yield a finding about each file or package, in this folder or in PYTHONPATH, that BEATRIX cannot use."""
     first, later = hiding.search_path()
     needed = {distribution(line) for line in requirements()}
     packages = {
@@ -136,11 +127,29 @@ def hidden_modules() -> Iterator[CheckResult]:
         for package, owners in metadata.packages_distributions().items()
         if needed.intersection(map(distribution, owners))
     }
-    found = hiding.hidden({*hiding.loaded(), *packages, *hiding.OURS}, ["", *first], later)
+    broken = {name: why for name in sorted(packages) if (why := broken_copy(name, first))}
+    first = ["", *first]
+    found = hiding.hidden({*hiding.loaded(), *packages, *hiding.OURS}, first, later)
     for name, file in sorted(found.items()):
         yield CheckResult(f"module {name}", *hiding.texts(name, file))
-    if not found:
+    unfit = misfits(first)
+    for name, texts in unfit.items():
+        yield CheckResult(f"package {name}", *texts)
+    for name in broken.keys() - found.keys() - unfit.keys():
+        yield CheckResult(f"package {name}", "cannot be imported", broken[name])
+    if not found and not unfit and not broken:
         yield CheckResult("hidden modules", "none")
+
+
+def broken_copy(name: str, first: list[str]) -> str:
+    """Return why the package of this name in one of the folders cannot be imported; empty: it can, or none has it."""
+    if PathFinder.find_spec(name, first) is None:
+        return ""
+    try:
+        importlib.import_module(name)
+    except Exception as error:  # noqa: BLE001 - a package for another Python may raise anything
+        return hiding.cause(error)
+    return ""
 
 
 @contextlib.contextmanager
@@ -155,9 +164,9 @@ def graphics_probe() -> Iterator[Callable[[], CheckResult]]:
             "graphics", "not checked: only simulations draw, and the extra sim is not installed"
         )
         return
-    command = [sys.executable, "-c", PROBE]
+    command = [sys.executable, "-P", "-c", PROBE]
     with subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as child:
         try:
             yield lambda: graphics(child)
@@ -168,12 +177,14 @@ def graphics_probe() -> Iterator[Callable[[], CheckResult]]:
 def graphics(child: subprocess.Popen[str]) -> CheckResult:
     """Return a finding about OpenGL, which draws the pictures of simulated eyes, from the output of PROBE."""
     try:
-        name = child.communicate(timeout=PROBE_S)[0].strip()
+        name, why = (text.strip() for text in child.communicate(timeout=PROBE_S))
     except subprocess.TimeoutExpired:
-        name = ""
+        name, why = "", ""
     if child.returncode not in (0, None):
         return CheckResult(
-            "graphics", "not checked: the package sim_node does not start", advice='pip install ".[sim]"'
+            "graphics",
+            "not checked: the package sim_node does not start",
+            advice=why.rpartition("\n")[2] or 'pip install ".[sim]" in the folder of BEATRIX',
         )
     if name:
         return CheckResult("graphics", f"OpenGL works ({name})")

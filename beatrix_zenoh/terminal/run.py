@@ -13,6 +13,7 @@ from typing import cast
 import typer
 from typer.core import TyperOption
 
+from beatrix_zenoh import hiding
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.output import (
@@ -147,9 +148,9 @@ EXTRAS = {"flash": "hw"}
 
 
 def missing(process: str, error: ModuleNotFoundError) -> Refused:
-    """Return the refusal for a program that needs a package that is not installed."""
+    """Return the refusal for a program that needs a package that is not installed, or that a file of the user hides."""
     text = f"`beatrix {process}` needs {error.name}, which is not installed. {install(process)}"
-    return Refused(Reason.BAD_VALUE, text)
+    return Refused(Reason.BAD_VALUE, hiding.cause(error) or text)
 
 
 def install(process: str) -> str:
