@@ -73,10 +73,12 @@ def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
             error.show()
         return USAGE
     except BeatrixError as error:
+        cause = error.__cause__  # a package that cannot be imported may be hidden, not missing
+        message = (isinstance(cause, ImportError) and hiding.cause(cause)) or error.message
         if as_json:
-            print_failure(error.reason, error.message)
+            print_failure(error.reason, message)
         else:
-            note(error.message)
+            note(message)
         return USAGE if isinstance(error, WrongUsage) else exit_code(error.reason)
     return 0
 
@@ -148,9 +150,9 @@ EXTRAS = {"flash": "hw"}
 
 
 def missing(process: str, error: ModuleNotFoundError) -> Refused:
-    """Return the refusal for a program that needs a package that is not installed, or that a file of the user hides."""
+    """Return the refusal for a program that needs a package that is not installed."""
     text = f"`beatrix {process}` needs {error.name}, which is not installed. {install(process)}"
-    return Refused(Reason.BAD_VALUE, hiding.cause(error) or text)
+    return Refused(Reason.BAD_VALUE, text)
 
 
 def install(process: str) -> str:

@@ -169,14 +169,16 @@ def test_a_second_copy_of_the_right_version_is_no_fault(tmp_path: Path) -> None:
         ("hw_node", "hw"),
         long_one("hw_node", "flash"),
         ("sim_node", "sim"),
+        ("rerun", "export x.rrd x.csv"),
+        long_one("av", "export x.rrd --video x.mp4"),
     ],
 )
-def test_a_hidden_package_of_our_own_is_never_called_not_installed(
-    name: str, verb: str, tmp_path: Path
-) -> None:
+def test_a_hidden_package_is_never_called_not_installed(name: str, verb: str, tmp_path: Path) -> None:
     (tmp_path / name).mkdir()
     (tmp_path / name / "__init__.py").touch()
-    done = python(tmp_path, "-P", "-m", "beatrix_zenoh.cli", verb, "--help", PYTHONPATH=str(tmp_path))
+    (tmp_path / "x.rrd").write_text("data", encoding="utf-8")
+    words = verb.split() if " " in verb else (verb, "--help")
+    done = python(tmp_path, "-P", "-m", "beatrix_zenoh.cli", *words, PYTHONPATH=str(tmp_path))
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
     assert done.stderr.startswith(f"{tmp_path / name} hides the package {name}, which BEATRIX needs: rename")
 
