@@ -7,6 +7,7 @@ import struct
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
+from beatrix_zenoh.output import typed
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 
 ROUTER_PROBE_S = 1.0
@@ -60,7 +61,7 @@ def _probe(endpoint: str) -> None:
         if endpoint == DEFAULT_ENDPOINT:
             start = "`beatrix up`, together with a simulation, or alone with `beatrix router`"
         elif is_local(endpoint):
-            start = f"`beatrix router --listen {endpoint}`"
+            start = f"`{typed('beatrix', 'router', '--listen', endpoint)}`"
         raise NoAnswer(
             Reason.NO_ROUTER,
             f"No router at {endpoint} ({error}). Start one with {start}; or name another with "

@@ -17,6 +17,7 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.output import typed
 
 ROUTER = "@router"
 """Common name in the certificate of the router; no account can have it."""
@@ -82,7 +83,7 @@ def load(path: Path) -> RouterFile:
                 f"{path} is not a router file of this version: {error}. Run `beatrix classroom init` again."
             ) from error
     classroom, made = read(path), place(path)
-    init = f"`beatrix classroom init {path}`"
+    init = f"`{typed('beatrix', 'classroom', 'init', path)}`"
     if not made.is_file():
         raise _wrong(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
     file = load(made)
