@@ -1,7 +1,8 @@
 """Files of a user that hide a module which BEATRIX needs, for example a program called `logging.py`.
 
 Python searches the folder of the program and PYTHONPATH first, so it imports the user's file instead of the module, or
-a package that this Python or BEATRIX cannot use. This module imports only what Python itself imports at its start, because any other module may be the hidden one.
+a package that this Python or BEATRIX cannot use. This module imports only what Python itself imports at its start,
+because any other module may be the hidden one.
 """
 
 from __future__ import annotations
@@ -101,8 +102,8 @@ def cause(error: BaseException) -> str:
 def _broken(error: BaseException, first: Sequence[str], later: Sequence[str]) -> Iterator[tuple[str, str]]:
     """Yield the texts about a package in the folders `first` that could not be imported, and that is in `later`, too."""
     for file, importing in _files_of(error):
-        for folder in first:
-            if not importing or not _is_below(folder, file):
+        for folder in first if importing else ():
+            if not _is_below(folder, file):
                 continue
             name = file[len(os.path.join(folder, "")) :].split(os.sep)[0].partition(".")[0]
             mine = next(_files(name, [folder]), "") if name not in OURS else ""
