@@ -41,13 +41,18 @@ else:
         from beatrix_zenoh import hiding  # noqa: PLC0415
 
         try:
-            value = getattr(importlib.import_module("beatrix_zenoh.client"), name)
+            client = importlib.import_module("beatrix_zenoh.client")
+            value = getattr(client, name)
         except (ImportError, AttributeError) as error:
             # Python would report an AttributeError as "cannot import name", without its cause.
-            why = hiding.cause(error) or f"{__name__}.{name} cannot be imported: {error}"
-            raise ImportError(why, name=__name__) from error
-        if why := hiding.imported():
+            if why := hiding.cause(error):
+                raise ImportError(why, name=__name__) from None
+            raise ImportError(f"{__name__}.{name} cannot be imported: {error}", name=__name__) from error
+        if why := hiding.imported() or hiding.unfit(hiding.search_path()[0]):
             raise ImportError(why, name=__name__)
+        from beatrix_zenoh.contract import tracebacks  # noqa: PLC0415
+
+        tracebacks.install(client.BeatrixError)
         return value
 
     def __dir__():

@@ -1,7 +1,8 @@
 """Files of a user that hide a module which BEATRIX needs, for example a program called `logging.py`.
 
-Python searches the folder of the program and PYTHONPATH first, so it imports the user's file instead of the module.
-This module imports only what Python itself imports at its start, because any other module may be the hidden one.
+Python searches the folder of the program and PYTHONPATH first, so it imports the user's file instead of the module, or
+a package that this Python or BEATRIX cannot use. This module imports only what Python itself imports at its start,
+because any other module may be the hidden one.
 """
 
 from __future__ import annotations
@@ -85,12 +86,69 @@ def sentence(name: str, file: str) -> str:
 
 
 def cause(error: BaseException) -> str:
-    """Return the sentence about the file that has caused an ImportError or AttributeError; empty: none has."""
-    if not isinstance(error, ImportError | AttributeError):
-        return ""
-    named = set(_named(error))
-    found = hidden(loaded() | named, *search_path())
-    return " ".join(sentence(name, found[name]) for name in sorted(found.keys() & named or found))
+    """Return the sentence about the file or package of the user that has caused this error; empty: none has."""
+    first, later = search_path()
+    folders = {folder for folder in first for file, _ in _files_of(error) if _is_below(folder, file)}
+    if isinstance(error, ImportError | AttributeError):
+        folders = set(first)
+        named = set(_named(error))
+        if found := hidden(loaded() | named, first, later):
+            return " ".join(sentence(name, found[name]) for name in sorted(found.keys() & named or found))
+    if why := unfit([folder for folder in first if folder in folders], core=False):
+        return why
+    return next((": ".join(broken) + "." for broken in _broken(error, first, later)), "")
+
+
+def _broken(error: BaseException, first: Sequence[str], later: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Yield the texts about a package in the folders `first` that could not be imported, and that is in `later`, too."""
+    for file, importing in _files_of(error):
+        for folder in first if importing else ():
+            if not _is_below(folder, file):
+                continue
+            name = file[len(os.path.join(folder, "")) :].split(os.sep)[0].partition(".")[0]
+            mine = next(_files(name, [folder]), "") if name not in OURS else ""
+            if mine and any(other != mine for other in _files(name, later)):
+                what, do = texts(name, mine)
+                version = ".".join(map(str, sys.version_info[:2]))
+                yield (
+                    f"{what}, and cannot be imported by Python {version}",
+                    f"take it out of PYTHONPATH, or {do}",
+                )
+
+
+def _files_of(error: BaseException) -> Iterator[tuple[str, bool]]:
+    """Yield the files in which an error was raised, each with whether it was being imported then."""
+    for name in ("filename",) * isinstance(error, SyntaxError) + ("path",) * isinstance(error, ImportError):
+        yield getattr(error, name) or "", True
+    trace = error.__traceback__
+    while trace is not None:
+        code = trace.tb_frame.f_code
+        yield code.co_filename, code.co_name == "<module>"
+        trace = trace.tb_next
+
+
+def _is_below(folder: str, file: str) -> bool:
+    return bool(folder) and file.startswith(os.path.join(folder, ""))
+
+
+def unfit(folders: Iterable[str], *, core: bool = True) -> str:
+    """Return the sentence about packages in these folders that BEATRIX cannot use; empty: none.
+
+    `core`: only those that every program of BEATRIX needs.
+    """
+    found = [folder for folder in folders if any(name.endswith("-info") for name in _listed(folder))]
+    if not found:
+        return ""  # the usual case, which must not delay a program
+    from beatrix_zenoh import requirements  # noqa: PLC0415 - imports modules that may be hidden
+
+    return " ".join(": ".join(both) + "." for both in requirements.misfits(found, core=core).values())
+
+
+def _listed(folder: str) -> list[str]:
+    try:
+        return os.listdir(folder or os.curdir)
+    except OSError:
+        return []
 
 
 def _named(error: BaseException) -> Iterator[str]:
@@ -99,10 +157,8 @@ def _named(error: BaseException) -> Iterator[str]:
     for name in (getattr(of, "__name__", None), getattr(error, "name", None)):
         if isinstance(name, str):
             yield name.partition(".")[0]
-    trace = error.__traceback__
-    while trace is not None:
-        yield os.path.basename(trace.tb_frame.f_code.co_filename).partition(".")[0]
-        trace = trace.tb_next
+    for file, _ in _files_of(error):
+        yield os.path.basename(file).partition(".")[0]
 
 
 def imported() -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import shlex
 import shutil
 import signal
 import subprocess
@@ -23,7 +22,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
-from beatrix_zenoh.output import CODES, FAILED, USAGE, note
+from beatrix_zenoh.output import CODES, FAILED, USAGE, note, typed
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from beatrix_zenoh.shutdown import INTERRUPTED, Shutdown, signals_ignored
 
@@ -42,8 +41,6 @@ WATCH_S = 0.2
 """Period (s) in which `watch` prints the output of the children."""
 LAST_LINES = 5
 """Number of output lines of a failed child that are shown."""
-JOIN = subprocess.list2cmdline if sys.platform == "win32" else shlex.join
-"""Returns the text of a command that a user can type."""
 NEW_GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
 """Flag of Windows that corresponds to `process_group` on other systems."""
 
@@ -102,7 +99,7 @@ class Child:
         self._reported = 0
         with log.open("wb") as output:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "beatrix_zenoh.cli", "--with-parent", *arguments],
+                [sys.executable, "-P", "-m", "beatrix_zenoh.cli", "--with-parent", *arguments],
                 stdin=subprocess.PIPE,
                 stdout=output,
                 stderr=subprocess.STDOUT,
@@ -269,7 +266,7 @@ class Supervisor:
             else:
                 return f"{cause}. It is started again, as if it had just been switched on.{output}"
         others = "; the robots continue to run" if child.role is Role.WINDOW else " and stays down"
-        return f"{cause}{others}.{output}\nTo start it again: beatrix {JOIN(child.arguments)}"
+        return f"{cause}{others}.{output}\nTo start it again: {typed('beatrix', *child.arguments)}"
 
     def new_lines(self) -> list[str]:
         """Return the lines that the children have written since the last call, each with the title of its child."""
@@ -343,11 +340,9 @@ def start_router(supervisor: Supervisor, endpoint: str, account: Account | None 
 
 def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:
     """Return a text with the commands to type next, and the folder with the output of the children."""
-    lines = [f"  beatrix {words}" for words in verbs]
-    if endpoint != DEFAULT_ENDPOINT:
-        lines.insert(0, f"  {'set' if os.name == 'nt' else 'export'} BEATRIX_CONNECT={endpoint}")
-    typed = "\n".join(lines)
-    return f"\nNow type in another terminal:\n{typed}\n\nThe output of all processes is in {logs}. Ctrl-C here ends them."
+    where = "" if endpoint == DEFAULT_ENDPOINT else " " + typed("--connect", endpoint)
+    lines = "\n".join(f"  beatrix {words}{where}" for words in verbs)
+    return f"\nNow type in another terminal:\n{lines}\n\nThe output of all processes is in {logs}. Ctrl-C here ends them."
 
 
 @contextlib.contextmanager

@@ -11,7 +11,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion import robot_file as values
 from beatrix_zenoh.node.serve import serve
-from beatrix_zenoh.output import say
+from beatrix_zenoh.output import note, say
 from beatrix_zenoh.settings import resolve
 from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, RobotFile
 from beatrix_zenoh.terminal.run import run_command
@@ -38,8 +38,13 @@ PortOption = Annotated[
 def print_ports(asked: bool) -> None:  # noqa: FBT001 - Typer calls it so
     """Print the serial ports on USB and end the program, if that was asked for."""
     if asked:
-        for line in listed():
+        lines = listed()
+        for line in lines:
             say(line)
+        if not lines:
+            note(
+                f"No serial port is on USB. Plug the board in, or start a virtual robot: beatrix hw --port {VIRTUAL}"
+            )
         raise typer.Exit
 
 

@@ -46,7 +46,7 @@ def backend() -> str | None:
 
 
 def _works(name: str) -> bool:
-    command = [sys.executable, "-c", _PROBE, name]
+    command = [sys.executable, "-P", "-c", _PROBE, name]
     try:
         probe = subprocess.run(
             command,

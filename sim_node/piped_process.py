@@ -41,7 +41,7 @@ class PipedProcess:
     def __init__(self, module: str, robot: RobotData, *words: str) -> None:
         """Start `python -m module ROBOT *words`, with the robot as JSON; `first_line` waits until it is ready."""
         self._process = subprocess.Popen(
-            [sys.executable, "-m", module, msgspec.json.encode(robot).decode(), *words],
+            [sys.executable, "-P", "-m", module, msgspec.json.encode(robot).decode(), *words],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

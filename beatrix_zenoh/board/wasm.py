@@ -9,6 +9,7 @@ from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING
 
+from beatrix_zenoh import hiding
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 
@@ -24,7 +25,8 @@ def compiled() -> tuple[Engine, Module]:
     except ImportError as error:
         raise BeatrixError(
             Reason.BOARD_LOST,
-            "A virtual board needs wasmtime, which is not installed. "
+            hiding.cause(error)
+            or "A virtual board needs wasmtime, which is not installed. "
             'Run `pip install ".[sim]"` in the folder of BEATRIX, then try again.',
         ) from error
     engine = wasmtime.Engine()

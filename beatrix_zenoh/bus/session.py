@@ -12,7 +12,7 @@ import zenoh
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import credentials, forks
 from beatrix_zenoh.bus.callbacks import direct
-from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe
+from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe, speaks_another_zenoh
 from beatrix_zenoh.bus.messages import TOKEN, WATCH, MessageSession
 from beatrix_zenoh.bus.transport import OPEN_MS, RETRY, opened
 from beatrix_zenoh.contract._generated import keys
@@ -26,6 +26,10 @@ OTHER_CAUSES = (
 """What else may be wrong if a router with TLS does not answer."""
 STAYS_S = 0.3
 """Time (s) after which a router has not closed the session of an account that it has put out."""
+OTHER_ZENOH = (
+    "The router at {} speaks another version of Zenoh's protocol, for example that of Zenoh 0.11; BEATRIX needs Zenoh 1. "
+    "End it and start `beatrix router`, or name another router with --connect or BEATRIX_CONNECT."
+)
 POLL_S = 0.02
 
 
@@ -187,6 +191,8 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
             if slow:
                 other = "" if account is None else OTHER_CAUSES
                 raise NoAnswer(Reason.NO_ROUTER, hanging_router(endpoint) + other) from error
+            if account is None and speaks_another_zenoh(endpoint):
+                raise NoAnswer(Reason.NO_ROUTER, OTHER_ZENOH.format(endpoint)) from error
             raise NoAnswer(error.reason, credentials.refusal(endpoint, account) + error.message) from error
 
     return Bus(open_session, endpoint, account)

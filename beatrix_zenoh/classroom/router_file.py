@@ -26,6 +26,7 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.output import typed
 
 ROUTER = "@router"
 """Common name in the certificate of both routers; no account can have it."""
@@ -152,7 +153,7 @@ def load(path: Path) -> RouterFile:
                 f"{path} is not a router file of this version: {error}. Run `beatrix classroom init` again."
             ) from error
     classroom, made = read(path), place(path)
-    init = f"`beatrix classroom init {path}`"
+    init = f"`{typed('beatrix', 'classroom', 'init', path)}`"
     if not made.is_file():
         raise _wrong(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
     file = load(made)

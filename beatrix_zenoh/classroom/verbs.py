@@ -15,7 +15,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.output import exit_code, note, say
+from beatrix_zenoh.output import exit_code, note, say, typed
 
 STDIN = Path("-")
 
@@ -50,7 +50,7 @@ def classroom(
     seats, robots = _counted(described.seats, "seat"), _counted(described.robots, "robot")
     say(f"Class {described.name}: {seats}, {robots}, in {folder}")
     say(f"  new accounts       {', '.join(made.new) or 'none'}")
-    router = f"beatrix router --class {file if out is None else folder / 'router.toml'}"
+    router = typed("beatrix", "router", "--class", file if out is None else folder / "router.toml")
     say(f"  start router       {router}   (one that runs restarts by itself)")
     say(
         f"  to each computer   copy its file from {folder / 'seats'} or {folder / 'robots'}; run there: beatrix join FILE"
@@ -61,9 +61,8 @@ def classroom(
             "The address of the router has changed: copy every file again, and run beatrix join on each computer."
         )
     if made.renamed:
-        note(
-            f"Seats, names of pupils or robots have changed: run beatrix join {folder / 'seats' / 'teacher.toml'} again."
-        )
+        join = typed("beatrix", "join", folder / "seats" / "teacher.toml")
+        note(f"Seats, names of pupils or robots have changed: run {join} again.")
     for path in made.left:
         note(
             f"{path}: the class has no such seat or robot, so the router refuses this account. You can delete the file."

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 
+from beatrix_zenoh import hiding
 from beatrix_zenoh.shutdown import INTERRUPTED, interrupted, process
 
 
@@ -18,12 +19,14 @@ def run(words: list[str]) -> int:
         from beatrix_zenoh.cli.verbs import application
         from beatrix_zenoh.terminal import run as runner
 
+        why = hiding.unfit(hiding.search_path()[0])
+        if why and words[:1] != ["doctor"]:  # doctor lists it with its other findings
+            sys.stderr.write(f"{why}\n")
+            return 1
         app = application(words)
     except (ImportError, AttributeError) as error:
         if interrupted(error):
             return INTERRUPTED
-        from beatrix_zenoh import hiding
-
         lacking = (
             f"needs {error.name}, which is not installed" if isinstance(error, ModuleNotFoundError) else ""
         )

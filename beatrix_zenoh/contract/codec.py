@@ -101,7 +101,7 @@ def from_words(fields: dict[str, object], kind: type[M]) -> M:
 def number(data: bytes) -> float:
     """Decode a finite number, sent as text or msgpack to a per-arm topic of 2023; raises the errors of `decode`."""
     try:
-        value = float(data.decode())
+        value = float(data.decode("utf-8-sig"))
     except (ValueError, UnicodeDecodeError):
         try:
             value = float(msgspec.msgpack.decode(data, type=float))

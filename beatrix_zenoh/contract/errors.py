@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Self
 
-from beatrix_zenoh.contract import sentences
+from beatrix_zenoh.contract import sentences, tracebacks
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
 
 QUOTED = 60
@@ -32,6 +32,10 @@ class BeatrixError(Exception):
     def __reduce__(self) -> tuple[type[Self], tuple[Reason, str, Detail | None]]:
         """Describe the error for pickle, so that one of a child process reaches its parent."""
         return type(self), (self.reason, self.message, self.detail)
+
+    def _render_traceback_(self) -> list[str]:
+        """Return the lines that IPython prints in a notebook."""
+        return tracebacks.text(self).splitlines()
 
 
 class Refused(BeatrixError):

@@ -19,8 +19,8 @@ import typer
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import new_file
-from beatrix_zenoh.output import FAILED, note, print_json, say
-from beatrix_zenoh.processes import JOIN, Role, Supervisor, advice, end_on_interrupt, watch
+from beatrix_zenoh.output import FAILED, note, print_json, say, typed
+from beatrix_zenoh.processes import Role, Supervisor, advice, end_on_interrupt, watch
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json
@@ -36,7 +36,7 @@ REST_DEG = "0.5"
 SETTLE_S = 0.5
 """Time at rest before and after the movement (s)."""
 NEXT = ("look --yaw 20 --on both", "top", "stop")
-CLI = (sys.executable, "-m", "beatrix_zenoh.cli")
+CLI = (sys.executable, "-P", "-m", "beatrix_zenoh.cli")
 
 
 def demo(
@@ -83,7 +83,7 @@ def demo(
                     note("The robots run until the window is closed.")
                 watch(supervisor, shutdown, last)
         else:
-            note(f"\nTo drive both robots yourself: {JOIN([beatrix()])} up --hw virtual: --gui")
+            note(f"\nTo drive both robots yourself: {typed(beatrix(), 'up', '--hw', 'virtual:', '--gui')}")
     if not good:
         raise typer.Exit(FAILED)
 
@@ -167,7 +167,7 @@ def compared(out: Path, *, as_json: bool) -> bool:
     """Run `beatrix compare` on the recording in a folder, and return whether both robots made the same movement."""
     plot = ("--png", str(out / PLOT)) if util.find_spec("matplotlib") is not None else ()
     words = ("compare", str(out / RECORDING), "--max-rest", REST_DEG, *plot)
-    note(f"\nbeatrix {JOIN(words)}")
+    note("\n" + typed("beatrix", *words))
     done = subprocess.run(
         [*CLI, *words, *(["--json"] if as_json else [])], stdin=subprocess.DEVNULL, check=False
     )

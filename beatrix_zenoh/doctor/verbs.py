@@ -16,7 +16,8 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
-from beatrix_zenoh.doctor.checks import CheckResult, graphics_probe, network, this_computer
+from beatrix_zenoh.doctor.checks import CheckResult, network
+from beatrix_zenoh.doctor.computer import graphics_probe, this_computer
 from beatrix_zenoh.motion.robot_file import fingerprint
 from beatrix_zenoh.output import FAILED, note, print_json, say
 from beatrix_zenoh.settings import resolve

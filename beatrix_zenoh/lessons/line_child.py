@@ -47,7 +47,7 @@ class LineChild:
     ) -> None:
         """Start Python with these arguments, additions to the environment, and working folder."""
         self._process = subprocess.Popen(
-            [sys.executable, *arguments],
+            [sys.executable, "-P", *arguments],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

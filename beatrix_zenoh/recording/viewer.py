@@ -21,6 +21,7 @@ from typing import Final, Self
 from beatrix_zenoh import processes
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused, WrongUsage
+from beatrix_zenoh.output import typed
 
 HOST: Final = "127.0.0.1"
 """The viewer accepts data and commands from every program, so other computers must not reach its port."""
@@ -114,7 +115,7 @@ def check_recording(path: Path) -> None:
     if path.suffix.lower() == ".csv":
         raise Refused(
             Reason.BAD_VALUE,
-            f"{path} is a motion file, not a recording (.rrd): use `beatrix replay {path}`.",
+            f"{path} is a motion file, not a recording (.rrd): use `{typed('beatrix', 'replay', path)}`.",
         )
     what = "is not a recording" if begin else "is empty"
     raise Refused(Reason.BAD_VALUE, f"{path} {what}. `beatrix record FILE.rrd` writes recordings.")

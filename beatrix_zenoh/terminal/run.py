@@ -13,6 +13,7 @@ from typing import cast
 import typer
 from typer.core import TyperOption
 
+from beatrix_zenoh import hiding
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.output import (
@@ -72,10 +73,12 @@ def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
             error.show()
         return USAGE
     except BeatrixError as error:
+        cause = error.__cause__  # a package that cannot be imported may be hidden, not missing
+        message = (isinstance(cause, ImportError) and hiding.cause(cause)) or error.message
         if as_json:
-            print_failure(error.reason, error.message)
+            print_failure(error.reason, message)
         else:
-            note(error.message)
+            note(message)
         return USAGE if isinstance(error, WrongUsage) else exit_code(error.reason)
     return 0
 

@@ -137,12 +137,12 @@ LINES: list[tuple[tuple[Intent, ...], str, str]] = [
     (
         (intents.MakeReady("hw"),),
         "twin.hw.make_ready()",
-        "beatrix enable --on hw && beatrix calibrate --on hw",
+        "beatrix enable --on hw; beatrix calibrate --on hw",
     ),
     (
         (BOTH, intents.PlayFile(Path("my greeting.csv"))),
         "play(twin, load('my greeting.csv'), lead_s=2)",
-        "beatrix play 'my greeting.csv' --on both --lead 2",
+        'beatrix play "my greeting.csv" --on both --lead 2',
     ),
 ]
 
@@ -218,7 +218,7 @@ def test_a_copied_stop_leaves_a_robot_out_that_is_not_online() -> None:
 
 @pytest.mark.parametrize("line", [line for _, _, line in LINES])
 def test_beatrix_parses_the_copied_command_line(line: str) -> None:
-    for part in line.split(" && "):
+    for part in line.split("; "):
         program, *words = shlex.split(part)
         assert program == "beatrix"
         assert parsed(words)

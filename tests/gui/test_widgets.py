@@ -8,10 +8,16 @@ from dataclasses import replace
 import pytest
 from gui_views import example
 from gui_windows import menu_button, reveal
-from PyQt5.QtCore import QEvent, QLocale, QPoint, QPointF, QRect, Qt
-from PyQt5.QtGui import QGuiApplication, QMouseEvent, QValidator
+from PyQt5.QtCore import QEvent, QPoint, QPointF, QRect, Qt
+from PyQt5.QtGui import QGuiApplication, QMouseEvent
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QSlider, QToolTip, QWidget
+from PyQt5.QtWidgets import (
+    QAbstractButton,
+    QAbstractSpinBox,
+    QApplication,
+    QSlider,
+    QWidget,
+)
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
 
@@ -41,10 +47,8 @@ from gui.console.state.intents import (
 )
 from gui.console.state.sequence_intents import AddPose, PlaySequence
 from gui.console.state.views import ButtonView, RecordView
-from gui.console.texts import Texts
 from gui.window.widgets.head3d_drag import EARS, SKULL, on_screen
 from gui.window.widgets.head_pad import HeadPad
-from gui.window.widgets.number_box import NumberBox
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]
@@ -256,48 +260,6 @@ def test_dragging_the_ring_changes_yaw(window: Window, intents: Taken, yaw: floa
     aims = [intent for intent in intents() if isinstance(intent, AimHead)]
     assert aims[-1].yaw == pytest.approx(yaw, abs=1.5)
     assert (aims[-1].pitch, aims[-1].roll) == (14.0, 12.0), "the disc stays where it was"
-
-
-TYPED = {
-    "1,5": (1.5, False),
-    "1.5": (1.5, False),
-    "12": (12.0, False),
-    ",5": (0.5, False),
-    "999": (90.0, True),
-    "1,234": (1.2, False),
-    "90,01": (90.0, False),
-    "0": (0.1, True),
-}
-"""Typed text, the number that is used, and whether the box says that it has changed the number."""
-
-
-@pytest.mark.parametrize("language", ["en", "de"])
-@pytest.mark.parametrize("typed", TYPED)
-def test_a_number_is_read_with_comma_and_point_in_every_language(
-    qtbot: QtBot, monkeypatch: pytest.MonkeyPatch, language: str, typed: str
-) -> None:
-    said: list[str] = []
-    monkeypatch.setattr(QToolTip, "showText", lambda _place, text, *_: said.append(text))
-    box = NumberBox(Texts(language), " °", 0.1)
-    qtbot.addWidget(box)
-    box.setLocale(QLocale(language))
-    box.setMaximum(90.0)
-    box.setValue(9.0)
-    box.show()
-    box.selectAll()
-    QTest.keyClicks(box, typed)
-    QTest.keyClick(box, Qt.Key.Key_Return)
-    number, changed = TYPED[typed]
-    assert box.value() == pytest.approx(number)
-    assert [typed in text and "90" in text for text in said] == [True] * changed
-
-
-@pytest.mark.parametrize("typed", ["1.2,3", "x", "1 2", "--1"])
-def test_what_is_no_number_is_not_typed(qtbot: QtBot, typed: str) -> None:
-    box = NumberBox(Texts("en"), " °", 0.0)
-    qtbot.addWidget(box)
-    box.setMaximum(90.0)
-    assert box.validate(typed + " °", 0)[0] == QValidator.State.Invalid
 
 
 @pytest.mark.parametrize("theme", Theme)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 import signal
+import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -271,3 +273,42 @@ def test_a_request_ends_with_the_loss_of_the_router_even_if_zenoh_does_not_end_i
         held.clear()
     assert isinstance(error, NoAnswer)
     assert error.reason is Reason.NO_ROUTER
+
+
+def accepted(server: socket.socket) -> socket.socket | None:
+    """Return the next connection; None after `shutdown`."""
+    try:
+        return server.accept()[0]
+    except OSError:
+        return None
+
+
+@pytest.mark.parametrize(
+    ("answer", "reason", "named"),
+    [
+        (
+            b"\x02\x00\x03\x02",
+            Reason.NO_ROUTER,
+            "another version of Zenoh",
+        ),  # recorded from eclipse-zenoh 0.11.0
+        (b"SSH-2.0\r\n", Reason.ACCOUNT_REFUSED, "it is no router"),
+    ],
+)
+def test_a_router_of_another_protocol_version_is_named_as_such(
+    answer: bytes, reason: Reason, named: str
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve() -> None:
+            while (connection := accepted(server)) is not None:
+                with connection, contextlib.suppress(OSError):  # a probe resets the connection
+                    if connection.recv(4096):
+                        connection.sendall(answer)
+
+        serving = threading.Thread(target=serve, name="other-router")
+        serving.start()
+        with pytest.raises(NoAnswer) as refused:
+            zbus.connect(f"tcp/127.0.0.1:{server.getsockname()[1]}")
+        server.shutdown(socket.SHUT_RDWR)
+        serving.join()
+    assert (refused.value.reason, named in refused.value.message) == (reason, True)

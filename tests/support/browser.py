@@ -5,15 +5,18 @@ from __future__ import annotations
 import asyncio
 import base64
 import json
+import shutil
 import subprocess
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
+import pytest
 from robots import START_S, until
 from tornado.websocket import websocket_connect
 
 T = TypeVar("T")
+PROGRAM = "chromium"
 OPTIONS = (
     "--headless=new",
     "--no-sandbox",  # tests may run as root
@@ -37,8 +40,10 @@ class Browser:
     """Chromium with one page."""
 
     def __init__(self, folder: Path, size: tuple[int, int] = (1366, 768)) -> None:
+        if shutil.which(PROGRAM) is None:
+            pytest.fail(f"{PROGRAM} is missing: sudo apt install {PROGRAM}", pytrace=False)
         self._process = subprocess.Popen(
-            ["chromium", *OPTIONS, f"--user-data-dir={folder}", "about:blank"],
+            [PROGRAM, *OPTIONS, f"--user-data-dir={folder}", "about:blank"],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )

@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
-from importlib import metadata
 from pathlib import Path
 
 import pytest
 
 from beatrix_zenoh import Refused
 from beatrix_zenoh.cli import serving
-from beatrix_zenoh.doctor import checks
+from beatrix_zenoh.doctor import computer
 
 
 def test_sources_that_are_not_installed_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    def unknown(name: str) -> str:
-        raise metadata.PackageNotFoundError(name)
-
-    monkeypatch.setattr("importlib.metadata.version", unknown)
-    (finding,) = checks.packages()
+    monkeypatch.setattr("importlib.metadata.distributions", lambda **_: [])
+    (finding,) = computer.packages()
     assert "pip install" in finding.todo
+
+
+def test_an_installed_version_outside_our_bounds_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(computer, "requirements", lambda: ["numpy>=99.0", "msgpack<99"])
+    (_, finding) = computer.packages()
+    assert finding.todo.startswith("it needs numpy>=99.0: pip install")
 
 
 def test_graphics_that_cannot_draw_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MUJOCO_GL", "off")
-    with checks.graphics_probe() as graphics:
+    with computer.graphics_probe() as graphics:
         found = graphics()
     assert "ray casting" in found.found
     assert found.state == "advice"
@@ -35,22 +37,22 @@ def test_a_port_without_permission_is_reported_with_a_remedy(monkeypatch: pytest
 
     monkeypatch.setattr(Path, "glob", ports)
     monkeypatch.setattr("os.access", lambda *_: False)
-    (finding,) = checks.serial_ports()
+    (finding,) = computer.serial_ports()
     assert "dialout" in finding.todo
 
 
 def test_cameras_are_listed_by_their_path(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(checks, "VIDEO_DEVICES", tmp_path)
-    assert list(checks.cameras()) == []
+    monkeypatch.setattr(computer, "VIDEO_DEVICES", tmp_path)
+    assert list(computer.cameras()) == []
     for name in ("usb-0:1:1.0-video-index0", "usb-0:1:1.0-video-index1"):  # the second delivers no pictures
         (tmp_path / name).touch()
-    (finding,) = checks.cameras()
+    (finding,) = computer.cameras()
     assert (finding.found, finding.todo) == (
         f"{tmp_path}/usb-0:1:1.0-video-index0: this user may open it",
         "",
     )
     monkeypatch.setattr("os.access", lambda *_: False)
-    (finding,) = checks.cameras()
+    (finding,) = computer.cameras()
     assert "usermod -aG video" in finding.todo
 
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from browser import Browser
 
 SUPPORT = Path(__file__).resolve().parents[1] / "support"
 CONFTEST = """
@@ -84,3 +85,11 @@ def test_three_late_tests_are_excused_and_printed_and_the_fourth_fails(
     assert (done.returncode, "1 failed, 3 skipped" in done.stdout) == (1, True), done.stdout
     figures = "1.30 s, at most 1.00 s; this computer stood still for 0.40 s"
     assert sum(f"test_late_{name}: the reply {name}: {figures}" in done.stdout for name in "abcd") == 3
+
+
+def test_a_browser_test_without_chromium_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(pytest.fail.Exception, match="chromium is missing: sudo apt install chromium"):
+        Browser(tmp_path)

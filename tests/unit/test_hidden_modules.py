@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 from _pytest.mark import ParameterSet
-from robots import free_endpoint, untraced
+from robots import free_endpoint, until, untraced
 
 from beatrix_zenoh.cli import app
+from beatrix_zenoh.processes import Supervisor
 
 PROGRAM = """
 from beatrix_zenoh import Robot
@@ -95,6 +96,103 @@ def test_doctor_lists_the_files_of_its_folder_that_hide_modules(tmp_path: Path) 
     assert findings["module gui"]["found"].startswith(f"{tmp_path / 'gui'} hides ")
     assert findings["module logging"]["todo"] == "rename it, for example to my_logging.py"
     assert "hidden modules" not in findings
+
+
+def package(folder: Path, name: str, version: str, tag: str, text: str) -> Path:
+    """Write a package as pip does with `--target folder`, and return the folder."""
+    info = folder / f"{name.replace('-', '_')}-{version}.dist-info"
+    info.mkdir(parents=True)
+    (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nTag: {tag}-linux_x86_64\n", encoding="utf-8")
+    (folder / name).mkdir()
+    (folder / name / "__init__.py").write_text(text, encoding="utf-8")
+    (folder / name / "exceptions.py").touch()  # the real package has it, too: a copy, no file that hides it
+    return folder
+
+
+OTHER = "Error importing numpy: you should not try to import numpy from its source directory"
+
+
+@pytest.mark.parametrize(
+    ("version", "tag", "named"),
+    [
+        ("1.26.4", "cp310-cp310", "numpy 1.26.4 for Python 3.10"),
+        ("1.26.4", "py3-none", "numpy 1.26.4, and BEATRIX needs numpy>=2.0"),
+        ("2.2.0", "cp310-cp310", "numpy 2.2.0 for Python 3.10"),
+    ],
+)
+def test_a_package_that_beatrix_cannot_use_is_named_with_folder_and_version(
+    version: str, tag: str, named: str, tmp_path: Path
+) -> None:
+    path = package(tmp_path / "path", "numpy", version, tag, f"raise ImportError({OTHER!r})")
+    (tmp_path / "prog.py").write_text(PROGRAM, encoding="utf-8")
+    expected = f"{path} contains {named}"
+    words, where = ("-P", "-m", "beatrix_zenoh.cli"), ("--connect", free_endpoint())
+    for verb in (("ls",), ("sim", "--name", "bea1")):
+        done = python(tmp_path, *words, *verb, *where, PYTHONPATH="path")
+        assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+        assert done.stderr.startswith(expected)
+    done = python(tmp_path, "prog.py", PYTHONPATH=str(path))
+    assert done.stderr.strip().splitlines()[-1].startswith(f"ImportError: {expected}")
+    findings = json.loads(python(tmp_path, *words, "doctor", "--json", *where, PYTHONPATH=str(path)).stdout)
+    (found,) = (row for row in findings["findings"] if row["what"] == "package numpy")
+    assert found["found"].startswith(expected)
+    assert str(path) in found["todo"]
+
+
+@pytest.mark.parametrize("text", [f"raise ImportError({OTHER!r})", "raise RuntimeError", "print 'Python 2'"])
+def test_a_copy_that_cannot_be_imported_is_named_by_doctor_and_by_the_verb_that_needs_it(
+    text: str, tmp_path: Path
+) -> None:
+    path = package(tmp_path / "path", "numpy", "2.2.0", "py3-none", text)
+    words = ("-P", "-m", "beatrix_zenoh.cli")
+    done = python(tmp_path, *words, "sim", "--name", "bea1", PYTHONPATH=str(path))
+    expected = f"{path / 'numpy'} hides the package numpy, which BEATRIX needs, and cannot be imported"
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert done.stderr.startswith(expected)
+    done = python(tmp_path, *words, "doctor", "--json", "--connect", free_endpoint(), PYTHONPATH=str(path))
+    findings = {row["what"]: row for row in json.loads(done.stdout)["findings"]}
+    assert findings["package numpy"]["todo"].startswith(expected)
+    assert findings["graphics"]["advice"].startswith(expected)
+
+
+def test_a_second_copy_of_the_right_version_is_no_fault(tmp_path: Path) -> None:
+    path = package(tmp_path / "path", "numpy", "99.0", "cp37-abi3", "")
+    (tmp_path / "prog.py").write_text("from beatrix_zenoh import Robot\n", encoding="utf-8")
+    assert python(tmp_path, "prog.py", PYTHONPATH=str(path)).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "verb"),
+    [
+        ("gui", "gui"),
+        long_one("gui", "web"),
+        ("hw_node", "hw"),
+        long_one("hw_node", "flash"),
+        ("sim_node", "sim"),
+        ("rerun", "export x.rrd x.csv"),
+        long_one("av", "export x.rrd --video x.mp4"),
+    ],
+)
+def test_a_hidden_package_is_never_called_not_installed(name: str, verb: str, tmp_path: Path) -> None:
+    (tmp_path / name).mkdir()
+    (tmp_path / name / "__init__.py").touch()
+    (tmp_path / "x.rrd").write_text("data", encoding="utf-8")
+    words = verb.split() if " " in verb else (verb, "--help")
+    done = python(tmp_path, "-P", "-m", "beatrix_zenoh.cli", *words, PYTHONPATH=str(tmp_path))
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert done.stderr.startswith(f"{tmp_path / name} hides the package {name}, which BEATRIX needs: rename")
+
+
+@pytest.mark.parametrize(("name", "verb"), [("gui", "gui"), long_one("sim_node", "sim")])
+def test_a_child_of_up_executes_no_file_of_its_folder(
+    name: str, verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / f"{name}.py").write_text("open('executed', 'w')\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    with Supervisor() as supervisor:
+        child = supervisor.start(verb, verb, "--help")
+        until(lambda: child.code is not None, "the child ends")
+        assert (child.code, (tmp_path / "executed").exists()) == (0, False), child.lines()
 
 
 @pytest.mark.parametrize(

@@ -106,3 +106,12 @@ def test_ports_on_usb_are_listed_and_boards_marked(
     assert main(["--ports"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines == ["board\t/dev/ttyACM0\tttyACM0 Mega", "other\t/dev/ttyUSB1\tFT232R"]
+
+
+def test_without_a_port_on_usb_the_list_names_the_virtual_robot(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plugged(monkeypatch, MODEM)
+    assert main(["--ports"]) == 0
+    out, text = capsys.readouterr()
+    assert (out, "beatrix hw --port virtual:" in text) == ("", True)

@@ -20,6 +20,7 @@ from beatrix_zenoh.contract._generated.messages import Event, Reason
 from beatrix_zenoh.contract.codec import decode_json
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import EYES, SIDES
+from beatrix_zenoh.output import typed
 from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.rows import NOTES, of_robot
 from beatrix_zenoh.recording.samples import (
@@ -149,7 +150,7 @@ def _opened(path: Path, *entities: str) -> Iterator[Iterable[Chunk]]:
         raise Refused(
             Reason.BAD_VALUE,
             f"{path} is damaged ({str(error).splitlines()[0].rpartition(': ')[2]}): its recorder was killed, the disk was full, or "
-            f"the file was copied only in part. `beatrix record --repair {path}` keeps all readable data.",
+            f"the file was copied only in part. `{typed('beatrix', 'record', '--repair', path)}` keeps all readable data.",
         ) from error
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.output import note, print_json, say
+from beatrix_zenoh.output import note, print_json, say, typed
 from beatrix_zenoh.recording.viewer import check_exists, complete, program, repair, verify
 
 if TYPE_CHECKING:  # importing numpy would delay every verb
@@ -48,7 +48,7 @@ def note_if_incomplete(path: Path) -> None:
     if not complete(path):
         note(
             f"The end of {path} is missing: its recorder is still running, or was killed. "
-            f"If it was killed, complete the file: `beatrix record --repair {path}`."
+            f"If it was killed, complete the file: `{typed('beatrix', 'record', '--repair', path)}`."
         )
 
 

@@ -14,7 +14,7 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.output import FAILED, exit_code, note, print_json, say
+from beatrix_zenoh.output import FAILED, exit_code, note, print_json, say, typed
 from beatrix_zenoh.recording.losses import CONTESTED, PICTURES, SOUND, Count, Stream, findings, total
 from beatrix_zenoh.recording.verbs.files import RECORDING, repair_recording
 from beatrix_zenoh.recording.verbs.view import leave, open_viewer
@@ -156,7 +156,7 @@ def not_a_recording(file: Path, *, repair: bool) -> str:
     text = f"{file} is not the name of a recording: it must end with {RECORDING}."
     if repair or file.suffix.lower() not in (MOTION_FILE, ".parquet"):
         return text
-    table = f"to get a table of a recording, record, and then `beatrix export FILE{RECORDING} {file}`"
+    table = f"to get a table of a recording, record, and then `{typed('beatrix', 'export', f'FILE{RECORDING}', file)}`"
     if file.suffix.lower() != MOTION_FILE:
         return f"{text} It is the name of a table: {table}."
     return f"{text} To write a motion file for `beatrix replay`, add --motion; {table}."
@@ -267,7 +267,7 @@ def write_motion(
             {"result": True, "file": str(file), "robot": robot.name, "side": robot.side, "points": points}
         )
     else:
-        say(f"{file}: {points} points. To replay it: beatrix replay {file}")
+        say(f"{file}: {points} points. To replay it: {typed('beatrix', 'replay', file)}")
 
 
 def summarise(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_json: bool) -> int:
@@ -296,7 +296,7 @@ def summarise(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_jso
                 note(text)
         say(
             f"{files}: {lasted_s:.1f} s of {', '.join(robots)}, {recorder.samples} positions, {missing(counts)}, "
-            f"{output.bytes / 1e6:.1f} MB. To view it: beatrix view {output.files[-1]}"
+            f"{output.bytes / 1e6:.1f} MB. To view it: {typed('beatrix', 'view', output.files[-1])}"
         )
     else:
         note("No robot was online: the recording is empty. `beatrix ls` shows the robots online.")

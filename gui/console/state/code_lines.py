@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections.abc import Sequence
 
 from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery
 from beatrix_zenoh.contract.names import SIDES
+from beatrix_zenoh.output import typed
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state.actions import POSES, Govern, Play, Ready, Send, SendCommand, SendLease, SendStop
 from gui.console.state.memory import Request
@@ -153,8 +153,8 @@ def command_line(request: Request, world: World) -> str:
         case SendCommand(command=command, value=value, sides=sides):
             words = [_verb(command, on=value), *_where(sides, world)]
         case Ready(side=side):
-            enable = shlex.join(["beatrix", "enable", *_where((side,), world)])
-            return f"{enable} && {shlex.join(['beatrix', 'calibrate', *_where((side,), world)])}"
+            verbs = ("enable", "calibrate")  # `;` and not `&&`, which Windows PowerShell does not know
+            return "; ".join(typed("beatrix", verb, *_where((side,), world)) for verb in verbs)
         case SendStop(everywhere=everywhere, emergency=emergency):
             options = ["--all"] * everywhere + ["--emergency"] * emergency
             words = ["stop", *options, *(_router(world) if everywhere else _names(world))]
@@ -166,7 +166,7 @@ def command_line(request: Request, world: World) -> str:
             words = ["play", _played(request), *_where(sides, world), *_lead(sides, lead_s)]
         case _:
             return ""
-    return shlex.join(["beatrix", *words])
+    return typed("beatrix", *words)
 
 
 def _governed(request: Govern) -> list[str]:

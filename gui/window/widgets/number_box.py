@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from PyQt5.QtCore import QSize, Qt
+from PyQt5.QtCore import QSize, Qt, QTimer
 from PyQt5.QtGui import QValidator
-from PyQt5.QtWidgets import QDoubleSpinBox, QSizePolicy, QToolTip
+from PyQt5.QtWidgets import QDoubleSpinBox, QLabel, QSizePolicy
 
 from gui.console.texts import Texts
 
@@ -24,6 +24,11 @@ class NumberBox(QDoubleSpinBox):
     def __init__(self, texts: Texts, unit: str, least: float) -> None:
         super().__init__()
         self._texts = texts
+        self.says = QLabel(self, Qt.WindowType.ToolTip)  # QToolTip hides when the focus or the pointer moves
+        self.says.setProperty("role", "tooltip")
+        self._shown = QTimer(self)
+        self._shown.setSingleShot(True)
+        self._shown.timeout.connect(self.says.hide)
         self.setDecimals(1)
         self.setMinimum(least)
         self.setSuffix(unit)
@@ -69,7 +74,11 @@ class NumberBox(QDoubleSpinBox):
                 least=f"{self.textFromValue(self.minimum())}{self.suffix()}",
                 most=f"{self.textFromValue(self.maximum())}{self.suffix()}",
             )
-            QToolTip.showText(self.mapToGlobal(self.rect().bottomLeft()), says, self, self.rect(), SHOWN_MS)
+            self.says.setText(says)
+            self.says.adjustSize()
+            self.says.move(self.mapToGlobal(self.rect().bottomLeft()))
+            self.says.show()
+            self._shown.start(SHOWN_MS)
         return nearest
 
     def _typed(self, text: str | None) -> str:

@@ -1,0 +1,199 @@
+"""The checks of `beatrix doctor` on this computer: Python, packages, hidden modules, drawing, ports, cameras."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes.util
+import importlib.util
+import os
+import platform
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from importlib import metadata
+from importlib.machinery import PathFinder
+from pathlib import Path
+
+from beatrix_zenoh import hiding
+from beatrix_zenoh.doctor.checks import CheckResult
+from beatrix_zenoh.requirements import DISTRIBUTION, bounds, distribution, misfits, requirements, suits
+
+ON_LINUX = re.compile(r"sys_platform\s*(==|!=)\s*['\"]linux['\"]\s*\)?\s*and")
+"""Part of the marker of a requirement for Linux only, or for all other systems only."""
+EXTRA = re.compile(r"extra\s*==\s*['\"]([a-z]+)['\"]")
+VIDEO_DEVICES = Path("/dev/v4l/by-path")
+SERIAL_DEVICES = ("ttyACM*", "ttyUSB*", "cu.usbmodem*", "cu.usbserial*")
+
+
+PROBE = """
+from beatrix_zenoh import hiding
+try:
+    from sim_node.gl import backend
+except Exception as error:
+    raise SystemExit(hiding.cause(error))
+print(backend() or "")
+"""
+PROBE_S = 45.0
+"""Time limit of the probe (s), which tries two drivers for at most 20 s each."""
+
+
+def this_computer() -> Iterator[CheckResult]:
+    """Yield the findings of all checks that need no network, except `graphics_probe`."""
+    yield CheckResult("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
+    yield from packages()
+    yield from hidden_modules()
+    yield from serial_ports()
+    yield from cameras()
+
+
+def packages() -> Iterator[CheckResult]:
+    """Yield findings about this package and the packages that each extra needs."""
+    if version(DISTRIBUTION) is None:
+        yield CheckResult(
+            DISTRIBUTION,
+            "runs from its sources, not installed",
+            "pip install -e . in the folder of the sources",
+        )
+        return
+    yield CheckResult(DISTRIBUTION, metadata.version(DISTRIBUTION))
+    needs: dict[str, dict[str, str]] = {}
+    for line in requirements():
+        only_for, only_on = EXTRA.search(line), ON_LINUX.search(line)
+        if only_on and (only_on[1] == "==") != (sys.platform == "linux"):
+            continue
+        if distribution(line) != DISTRIBUTION:
+            needs.setdefault(only_for[1] if only_for else "", {})[distribution(line)] = line
+    needs.pop("all", None)
+    for extra, lines in needs.items():
+        found = {name: version(name) for name in lines}
+        missing = [name for name, number in found.items() if number is None]
+        title = f"extra {extra}" if extra else "core"
+        present = ", ".join(f"{name} {number}" for name, number in found.items() if number)
+        wrong = [
+            bounds(lines[name]) for name, number in found.items() if number and not suits(number, lines[name])
+        ]
+        install = f'pip install "{f".[{extra}]" if extra else "."}" in the folder of BEATRIX'
+        if missing:
+            yield CheckResult(title, f"without {', '.join(missing)}", advice=f"if you need it: {install}")
+        elif wrong:
+            yield CheckResult(title, present, f"it needs {', '.join(wrong)}: {install}")
+        else:
+            yield CheckResult(title, present)
+
+
+def version(name: str) -> str | None:
+    """Return the version of a distribution; None if it is not installed. `hidden_modules` judges those in PYTHONPATH."""
+    first, later = hiding.search_path()
+    return next((one.version for one in metadata.distributions(name=name, path=[*later, *first])), None)
+
+
+def hidden_modules() -> Iterator[CheckResult]:
+    """Yield a finding about each file or package, in this folder or in PYTHONPATH, that BEATRIX cannot use."""
+    first, later = hiding.search_path()
+    needed = {distribution(line) for line in requirements()}
+    packages = {
+        package
+        for package, owners in metadata.packages_distributions().items()
+        if needed.intersection(map(distribution, owners))
+    }
+    broken = {name: why for name in sorted(packages) if (why := broken_copy(name, first))}
+    first = ["", *first]
+    found = hiding.hidden({*hiding.loaded(), *packages, *hiding.OURS}, first, later)
+    for name, file in sorted(found.items()):
+        yield CheckResult(f"module {name}", *hiding.texts(name, file))
+    unfit = misfits(first)
+    for name, texts in unfit.items():
+        yield CheckResult(f"package {name}", *texts)
+    for name in broken.keys() - found.keys() - unfit.keys():
+        yield CheckResult(f"package {name}", "cannot be imported", broken[name])
+    if not found and not unfit and not broken:
+        yield CheckResult("hidden modules", "none")
+
+
+def broken_copy(name: str, first: list[str]) -> str:
+    """Return why the package of this name in one of the folders cannot be imported; empty: it can, or none has it."""
+    if PathFinder.find_spec(name, first) is None:
+        return ""
+    try:
+        importlib.import_module(name)
+    except Exception as error:  # noqa: BLE001 - a package for another Python may raise anything
+        return hiding.cause(error)
+    return ""
+
+
+@contextlib.contextmanager
+def graphics_probe() -> Iterator[Callable[[], CheckResult]]:
+    """Start a subprocess that draws with OpenGL, if MuJoCo is installed; yield a function that returns the finding.
+
+    A broken driver would hang or crash this process, hence a subprocess. The other checks run during the half second
+    that the import of MuJoCo takes.
+    """
+    if importlib.util.find_spec("mujoco") is None:
+        yield lambda: CheckResult(
+            "graphics", "not checked: only simulations draw, and the extra sim is not installed"
+        )
+        return
+    command = [sys.executable, "-P", "-c", PROBE]
+    with subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as child:
+        try:
+            yield lambda: graphics(child)
+        finally:
+            child.kill()
+
+
+def graphics(child: subprocess.Popen[str]) -> CheckResult:
+    """Return a finding about OpenGL, which draws the pictures of simulated eyes, from the output of PROBE."""
+    try:
+        name, why = (text.strip() for text in child.communicate(timeout=PROBE_S))
+    except subprocess.TimeoutExpired:
+        name, why = "", ""
+    if child.returncode not in (0, None):
+        return CheckResult(
+            "graphics",
+            "not checked: the package sim_node does not start",
+            advice=why.rpartition("\n")[2] or 'pip install ".[sim]" in the folder of BEATRIX',
+        )
+    if name:
+        return CheckResult("graphics", f"OpenGL works ({name})")
+    missing = sys.platform == "linux" and not any(map(ctypes.util.find_library, ("EGL", "OSMesa")))
+    return CheckResult(
+        "graphics",
+        "OpenGL does not work: simulations draw the pictures of the eyes by ray casting, at a lower resolution",
+        advice="for full resolution: apt install libegl1 libgl1-mesa-dri"
+        if missing
+        else "for full resolution: update the graphics driver, and unset MUJOCO_GL if it is set",
+    )
+
+
+def serial_ports() -> Iterator[CheckResult]:
+    """Yield findings about serial devices, and whether this user may open them."""
+    if os.name == "nt":
+        return  # on Windows every user may open ports, and their names do not show which one is a board
+    devices = sorted(device for pattern in SERIAL_DEVICES for device in Path("/dev").glob(pattern))
+    if not devices:
+        yield CheckResult("serial ports", "no board on USB; `beatrix hw --port virtual:` needs none")
+    for device in devices:
+        if os.access(device, os.R_OK | os.W_OK):
+            yield CheckResult(f"port {device}", "this user may open it")
+        else:
+            yield CheckResult(
+                f"port {device}",
+                "this user may not open it",
+                "sudo usermod -aG dialout $USER, then log out and in again",
+            )
+
+
+def cameras() -> Iterator[CheckResult]:
+    """Yield findings about USB cameras by their permanent paths, and whether this user may open them."""
+    for device in sorted(VIDEO_DEVICES.glob("*-video-index0")):
+        if os.access(device, os.R_OK | os.W_OK):
+            yield CheckResult("camera", f"{device}: this user may open it")
+        else:
+            yield CheckResult(
+                "camera",
+                f"{device}: this user may not open it",
+                "sudo usermod -aG video $USER, then log out and in again",
+            )

@@ -1,0 +1,65 @@
+"""Boxes for numbers in the window."""
+
+from __future__ import annotations
+
+import pytest
+from PyQt5.QtCore import QLocale, Qt
+from PyQt5.QtGui import QValidator
+from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication, QHBoxLayout, QPushButton, QWidget
+from pytestqt.qtbot import QtBot
+
+from gui.console.texts import Texts
+from gui.window.widgets.number_box import NumberBox
+
+TYPED = {
+    "1,5": (1.5, False),
+    "1.5": (1.5, False),
+    "12": (12.0, False),
+    ",5": (0.5, False),
+    "999": (90.0, True),
+    "1,234": (1.2, False),
+    "90,01": (90.0, False),
+    "0": (0.1, True),
+}
+"""Typed text, the number that is used, and whether the box says that it has changed the number."""
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+@pytest.mark.parametrize("end", [Qt.Key.Key_Return, Qt.Key.Key_Tab, None], ids=["Enter", "Tab", "click"])
+@pytest.mark.parametrize("typed", TYPED)
+def test_a_number_is_read_with_comma_and_point_in_every_language(
+    qtbot: QtBot, language: str, typed: str, end: Qt.Key | None
+) -> None:
+    both = QWidget()
+    layout = QHBoxLayout(both)
+    box, other = NumberBox(Texts(language), " °", 0.1), QPushButton()
+    layout.addWidget(box)
+    layout.addWidget(other)
+    qtbot.addWidget(both)
+    box.setLocale(QLocale(language))
+    box.setMaximum(90.0)
+    box.setValue(9.0)
+    with qtbot.waitActive(both):
+        both.show()
+    box.setFocus()
+    box.selectAll()
+    QTest.keyClicks(box, typed)
+    if end is None:
+        other.setFocus()
+        QTest.mouseClick(other, Qt.MouseButton.LeftButton)
+    else:
+        QTest.keyClick(box, end)
+    QApplication.processEvents()
+    number, changed = TYPED[typed]
+    assert box.value() == pytest.approx(number)
+    assert box.says.isVisible() is changed
+    assert not changed or (typed in box.says.text() and "90" in box.says.text())
+
+
+@pytest.mark.parametrize("typed", ["1.2,3", "x", "1 2", "--1"])
+def test_what_is_no_number_is_not_typed(qtbot: QtBot, typed: str) -> None:
+    box = NumberBox(Texts("en"), " °", 0.0)
+    qtbot.addWidget(box)
+    box.setMaximum(90.0)
+    assert box.validate(typed + " °", 0)[0] == QValidator.State.Invalid
