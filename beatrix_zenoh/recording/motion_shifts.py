@@ -24,8 +24,9 @@ LOCAL_S = 0.15
 """Largest difference of the first search between the shift of a motion and that of its requests."""
 AROUND_S = 0.1
 """A motion is compared with this much rest before and after it."""
-AGREE_S = 0.03
-"""Largest difference between the shifts of two arms in one motion."""
+AGREE_S, AGREE_DEG = 0.03, 0.3
+"""Shifts of two arms in one motion agree if they differ by less than this (s), or if that is less than this angle (deg) in
+the slowest arm. A stretch must change an arm by more than this angle, too."""
 CLEAR_DEG, CLEAR = 3.0, 0.1
 """The shift of an arm is judged if it turns by more than this, and by more than this share of the arm that turns most."""
 SOONER_S = 0.5
@@ -177,7 +178,10 @@ def slower(first: Recording, second: Recording, motion: Expected, left: float) -
     """
     t = window(first, second, motion, 0.0)
     found = best_stretch(first, second, t, motion.begin_s, motion.shift_s)
-    if not found.left < min(EXPLAINED, ALIKE * left) or abs(found.ratio - 1) < STRETCH:
+    if not found.left < min(EXPLAINED, ALIKE * left):
+        return math.nan, ""
+    way = float(np.ptp(resample(first, t), axis=0).max())
+    if abs(found.ratio - 1) < STRETCH or abs(found.ratio - 1) * way < AGREE_DEG:
         return math.nan, ""
     left = min(left, best_shift(first, second, t, motion.shift_s, NEAR_S, scaled=True).left)
     if not found.left < ALIKE * left:
@@ -205,7 +209,8 @@ def by_arm(one: Recording, other: Recording, t: Floats, shift: Shift, around_s: 
     typical_s = float(np.median([each.s for each in own.values()]))
     *others, arm = sorted(own, key=lambda each: (abs(own[each].s - typical_s), own[each].s))
     late_s = own[arm].s - own[others[0]].s
-    if abs(late_s) <= AGREE_S:
+    slowest = min(ways[ARMS.index(each)] for each in own) / (len(t) * GRID_S)
+    if abs(late_s) < max(AGREE_S, AGREE_DEG / slowest):
         return math.nan, ""
     moves = f"the {arm} arm moves about {round(abs(late_s), 2) * 1e3:.0f} ms {'later' if late_s > 0 else 'earlier'} than"
     if len(others) == 1:
