@@ -2,74 +2,14 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from functools import partial
+from collections.abc import Sequence
+from dataclasses import replace
 
-import numpy as np
+from known_arm_cases import UNKNOWN, Case, hw, of_all_arms
 from known_robots import GOALS, Act, Arms, Known, acts
 
-from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.diagnosis import FULL_STEP_DEG
+from beatrix_zenoh.recording.compare import Thresholds
 from beatrix_zenoh.recording.finding import Cause
-from beatrix_zenoh.recording.series import Floats
-
-UNKNOWN = math.nan
-
-Expected = tuple[Cause, tuple[str, ...], float]
-"""Cause, arms and value of a finding; NaN: no value."""
-
-
-@dataclass(frozen=True)
-class Case:
-    """A known error and what the comparison has to find."""
-
-    name: str
-    hw: Known
-    lag_s: float = 0.0
-    """NaN: it has to say that the lag is unknown"""
-    found: tuple[Expected, ...] = ()
-    requested: tuple[Act, ...] = field(default_factory=lambda: tuple(acts()))
-    lead_s: tuple[float, ...] = ()
-    """leads of the motions whose lag is known"""
-    alike: bool = True
-    """after removal of lead and lag, the movements are the same within RMS_DEG"""
-    events: bool = True
-    all_known: bool = False
-    """the lag of no motion is unknown"""
-
-
-hw = partial(Known, "hw")
-"""Makes hardware with errors."""
-
-
-def changed(change: Callable[[Floats, Floats], Floats]) -> Known:
-    """Return hardware whose arms are not where they should be."""
-    return hw(change=change)
-
-
-def added(*arms: float, since_s: float = 0.0) -> Known:
-    """Return hardware whose arms are off by an angle (deg), from a time (s) on."""
-    return changed(lambda t, angles: angles + np.outer(t >= since_s, arms))
-
-
-def times(*factors: float) -> Known:
-    """Return hardware whose arms move by a multiple."""
-    return changed(lambda _t, angles: angles * np.array(factors))
-
-
-def stopped_from(since_s: float, arms: Sequence[int]) -> Known:
-    """Return hardware whose arms stand still from a time (s) on."""
-
-    def change(t: Floats, angles: Floats) -> Floats:
-        """Return the angles with those of the arms held."""
-        held = angles.copy()
-        held[np.ix_(t >= since_s, np.array(arms))] = angles[np.searchsorted(t, since_s), np.array(arms)]
-        return held
-
-    return changed(change)
-
 
 HOME: Arms = (0.0, 0.0, 0.0)
 JITTER_S = (0.01, 0.04, 0.025, 0.065, 0.045, 0.085, 0.07, 0.1)
@@ -105,98 +45,8 @@ def of_time() -> list[Case]:
         Case("clocks 3 s apart", hw(late_s=3.0), 3.0, ((Cause.CLOCK, (), 3.0),)),
         Case("clock 1 % fast", hw(drift=0.01), 0.09, ((Cause.DRIFT, (), 0.01),)),
         Case("each motion late by chance", hw(), 0.055, requested=with_jitter(), alike=True),
-        Case("stamps 0.9 s later than the requests say", hw(stamps_late_s=0.9), UNKNOWN, alike=False),
-    ]
-
-
-def of_arms() -> list[Case]:
-    """Return errors of the angles of arms."""
-    return [
-        Case("short 0.5° off", added(0.5, 0, 0), 0.0, ((Cause.OFFSET, ("short",), 0.5),), alike=False),
-        Case("long moves 5 % more", times(1, 1, 1.05), 0.0, ((Cause.SCALE, ("long",), 0.05),), alike=False),
-        Case("all move 4 % less", times(0.96, 0.96, 0.96), 0.0, ((Cause.SCALE, ARMS, -0.04),), alike=False),
-        Case(
-            "all move twice as far, 50 ms late",
-            replace(times(2, 2, 2), late_s=0.05),
-            0.05,
-            ((Cause.SCALE, ARMS, 1.0),),
-            alike=False,
-            all_known=True,
-        ),
-        Case(
-            "long moves half as far",
-            times(1, 1, 0.5),
-            0.0,
-            ((Cause.SCALE, ("long",), -0.5),),
-            alike=False,
-            all_known=True,
-        ),
-        Case(
-            "long misses a step at 13 s",
-            added(0, 0, -FULL_STEP_DEG, since_s=13.0),
-            0.0,
-            ((Cause.MISSED_STEPS, ("long",), -1),),
-            alike=False,
-        ),
-        Case(
-            "middle misses 4 steps at 8 s",
-            added(0, 4 * FULL_STEP_DEG, 0, since_s=8.0),
-            0.0,
-            ((Cause.MISSED_STEPS, ("middle",), 4),),
-            alike=False,
-        ),
-    ]
-
-
-def of_wiring() -> list[Case]:
-    """Return robots that do not make the same movement."""
-    return [
-        Case(
-            "short and middle exchanged",
-            changed(lambda _t, arms: arms[:, [1, 0, 2]]),
-            UNKNOWN,
-            ((Cause.EXCHANGED, ("short", "middle"), UNKNOWN),),
-            alike=False,
-        ),
-        Case(
-            "short inverted", times(-1, 1, 1), UNKNOWN, ((Cause.REVERSED, ("short",), UNKNOWN),), alike=False
-        ),
-        Case("all inverted", times(-1, -1, -1), UNKNOWN, ((Cause.REVERSED, ARMS, UNKNOWN),), alike=False),
-        Case("stood still", times(0, 0, 0), UNKNOWN, ((Cause.STOOD_STILL, (), UNKNOWN),), alike=False),
-        Case(
-            "long stood still",
-            times(1, 1, 0),
-            UNKNOWN,
-            ((Cause.STOOD_STILL, ("long",), UNKNOWN),),
-            alike=False,
-        ),
-        Case(
-            "all stand still from 8 s on",
-            stopped_from(8.0, (0, 1, 2)),
-            0.0,
-            ((Cause.STOOD_STILL, (), UNKNOWN),),
-            alike=False,
-        ),
-        Case(
-            "long stands still from 10 s on",
-            stopped_from(10.0, (2,)),
-            0.0,
-            ((Cause.STOOD_STILL, ("long",), UNKNOWN),),
-            alike=False,
-        ),
-        Case(
-            "began 12.4° apart",
-            hw(start=(0.0, 12.4, -12.0)),
-            0.0,
-            ((Cause.BEGAN_APART, ("middle", "long"), 12.4),),
-            alike=False,
-        ),
-        Case(
-            "two different movements",
-            changed(lambda t, arms: arms * 0 + np.outer(20 * np.sin(t * 1.3), (1, -1, 1))),
-            UNKNOWN,
-            alike=False,
-        ),
+        Case("stamps 0.9 s later than the requests say", hw(stamps_late_s=0.9), 0.9, all_known=True),
+        Case("stamps 1.4 s later than the requests say", hw(stamps_late_s=1.4), UNKNOWN, alike=False),
     ]
 
 
@@ -287,6 +137,147 @@ def of_ends() -> list[Case]:
     ]
 
 
+def of_one_robot() -> list[Case]:
+    """Return motions of one robot alone, after which both go to the same place on ways of different length."""
+    far: Arms = (30.0, 30.0, 30.0)
+    near: Arms = (5.0, 5.0, 5.0)
+    usual = acts()[3:]
+
+    def then(
+        name: str, *others: Act, robot: Known | None = None, lag_s: float = 0.0, motions: float = 1
+    ) -> Case:
+        """Return a case in which both turn far, one makes other motions, and both go home."""
+        return Case(
+            name,
+            robot or hw(),
+            lag_s,
+            ((Cause.NOT_ASKED, (), motions),),
+            (Act(1.0, far), *others, Act(5.4, HOME), *usual),
+            checks=((Thresholds(rms_deg=0.5, largest_deg=1.0), True),),
+        )
+
+    alone = Act(3.2, near, None, "sim")
+    return [
+        then("the simulation alone, then both home", alone),
+        then("the simulation alone, then both home, 100 ms late", alone, robot=hw(late_s=0.1), lag_s=0.1),
+        then("the hardware alone, then both home", replace(alone, on="hw")),
+        then("the simulation alone twice, then both home", alone, Act(4.3, far, None, "sim"), motions=2),
+        then("the simulation alone until both are sent home", replace(alone, t=5.2)),
+        then("the simulation alone, to almost the same place", replace(alone, goal=(28.0, 28.0, 28.0))),
+    ]
+
+
+def of_rates() -> list[Case]:
+    """Return few positions in a second."""
+    unknown = tuple(
+        (limits, False)
+        for limits in (Thresholds(lag_s=9.0), Thresholds(rms_deg=99.0), Thresholds(rest_deg=99.0))
+    )
+    few = [
+        Case(
+            f"{hz} positions in a second",
+            hw(period_s=1 / hz),
+            UNKNOWN,
+            alike=False,
+            checks=unknown,
+            said="most of it lies in gaps",
+        )
+        for hz in (8, 5, 3, 2)
+    ]
+    return [
+        *few,
+        Case("10 positions in a second, 100 ms late", hw(period_s=0.1, late_s=0.1), 0.1, alike=False),
+        Case("100 positions in a second", hw(period_s=0.01), all_known=True),
+    ]
+
+
+def of_clocks() -> list[Case]:
+    """Return clocks that jump, and leads that ended early."""
+    fails = ((Thresholds(lag_s=9.0), False),)
+    later = [replace(act, late_s=0.3 if act.t > 9 else 0.0) for act in acts()]
+
+    def jump(name: str, robot: Known, value: float, requested: Sequence[Act] = ()) -> Case:
+        """Return a case with a jump that is named."""
+        return Case(
+            name,
+            robot,
+            UNKNOWN,
+            ((Cause.JUMP, (), value),),
+            tuple(requested or acts()),
+            alike=False,
+            checks=fails,
+        )
+
+    return [
+        jump("clock jumps by 0.5 s", hw(jump=(12.7, 0.5)), 0.5),
+        jump("clock jumps back by 0.5 s", hw(jump=(12.7, -0.5)), -0.5),
+        jump("clock jumps by 0.4 s at 6 s", hw(jump=(6.1, 0.4)), 0.4),
+        jump("requests are 300 ms late from 9 s on", hw(), 0.3, later),
+        Case(
+            "hardware begins 0.9 s after the simulation, lead of 2 s",
+            hw(),
+            UNKNOWN,
+            requested=tuple(replace(act, late_s=-1.1) for act in acts(2.0, 3.5)[:6]),
+            said="Lead of 2 s, 6 motions: the hardware began 0.9",
+            checks=fails,
+        ),
+        Case("hardware 0.8 s ahead", hw(late_s=-0.8), -0.8, all_known=True),
+        Case(
+            "equal motions each second, 1.9 s late",
+            hw(late_s=1.9),
+            1.9,
+            ((Cause.CLOCK, (), 1.9),),
+            tuple(Act(1.0 + i, (15.0, 15.0, 15.0) if i % 2 else (-15.0, -15.0, -15.0)) for i in range(20)),
+            all_known=True,
+        ),
+    ]
+
+
+def of_speed() -> list[Case]:
+    """Return hardware that moves more slowly, or faster, and noise on both robots."""
+
+    def case(name: str, robot: Known, speed: float = 60.0) -> Case:
+        """Return a case of hardware that begins in time, and of a simulation with a speed (deg/s)."""
+        return Case(
+            name,
+            robot,
+            UNKNOWN,
+            alike=False,
+            sim=Known("sim", seed=7, speed=speed),
+            said="the hardware's movement lasts",
+            checks=((Thresholds(lag_s=9.0), False),),
+        )
+
+    return [
+        case("half speed", hw(speed=30.0)),
+        case("20 % slower", hw(speed=48.0)),
+        case("40 % faster", hw(speed=42.0), 30.0),
+        case("acceleration of 50 instead of 180°/s²", hw(acceleration=50.0)),
+        *(
+            Case(
+                f"noise of {noise}° on both",
+                hw(noise_deg=noise),
+                alike=False,
+                sim=Known("sim", noise_deg=noise, seed=7),
+                all_known=True,
+                checks=((Thresholds(largest_deg=8 * noise), True),),
+            )
+            for noise in (0.15, 0.3)
+        ),
+        Case("noise of 0.3° on the hardware", hw(noise_deg=0.3), alike=False, all_known=True),
+    ]
+
+
 def cases() -> list[Case]:
     """Return all known errors."""
-    return [*of_time(), *of_arms(), *of_wiring(), *of_leads(), *of_requests(), *of_ends()]
+    return [
+        *of_time(),
+        *of_all_arms(),
+        *of_leads(),
+        *of_requests(),
+        *of_one_robot(),
+        *of_ends(),
+        *of_rates(),
+        *of_clocks(),
+        *of_speed(),
+    ]

@@ -21,6 +21,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Steps,
     Vector3,
 )
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.trajectory import Trajectory, plan
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.robot_rows import RobotRows
@@ -31,7 +32,6 @@ from beatrix_zenoh.recording.verbs.compare import recorded
 
 Arms = tuple[float, float, float]
 SPEED, ACCELERATION = 60.0, 180.0
-PERIOD_S = 0.02
 BEGAN_NS = 1_763_000_000_000_000_000
 GOALS: tuple[Arms, ...] = (
     (30.0, 10.0, -20.0),
@@ -77,8 +77,17 @@ class Known:
     """positions, not requests, have stamps that are late by this"""
     drift: float = 0.0
     """share by which the clock is fast"""
+    jump: tuple[float, float] = (math.inf, 0.0)
+    """the stamps of positions, not of requests, jump at a time (s) by this (s)"""
+    period_s: float = 0.02
+    speed: float = SPEED
+    """deg/s"""
+    acceleration: float = ACCELERATION
+    """deg/s2"""
     change: Callable[[Floats, Floats], Floats] = lambda _t, arms: arms
     """returns the arms (deg) at times (s)"""
+    slip: Callable[[Floats, Floats], Floats] = lambda _t, arms: arms
+    """returns the measured arms (deg); it does not change the set points"""
     noise_deg: float = 0.0
     lost: float = 0.0
     """share of the publications that are lost"""
@@ -88,10 +97,11 @@ class Known:
     def positions(self, requested: Sequence[Act], seconds: float) -> list[Positions]:
         """Carry the motions out; return the publications that arrived, and keep the events."""
         random = np.random.default_rng(self.seed)
-        t = np.arange(0.0, seconds, PERIOD_S) + (0.007 if self.side == "hw" else 0.0)
+        t = np.arange(0.0, seconds, self.period_s) + (0.007 if self.side == "hw" else 0.0)
         commanded = self.change(t, self._set_points(requested, t))
-        stamps = (t + self.stamps_late_s) * (1 + self.drift)
-        measured = commanded + random.normal(0.0, self.noise_deg, commanded.shape)
+        jump_at, jump_s = self.jump
+        stamps = (t + self.stamps_late_s + np.where(t >= jump_at, jump_s, 0.0)) * (1 + self.drift)
+        measured = self.slip(t, commanded) + random.normal(0.0, self.noise_deg, commanded.shape)
         kept = random.random(len(t)) >= self.lost
         kept[[0, -1]] = True
         return [
@@ -120,13 +130,13 @@ class Known:
                 number = self._asked(act, at, refused) or number
             if refused:
                 continue
-            goal = act.goal or stop_at(*now)
-            way = plan(*now, goal, (SPEED,) * 3, ACCELERATION, straight=True)
+            goal = act.goal or stop_at(*now, self.acceleration)
+            way = plan(*now, goal, (self.speed,) * 3, self.acceleration, straight=True)
             begin_s = at
             if act.goal is None:
                 number = 0
             later = t >= at
-            arms[later] = [way.at(moment - at)[0] for moment in t[later]]
+            arms[later] = np.reshape([way.at(moment - at)[0] for moment in t[later]], (-1, len(ARMS)))
         if way is not None and number:
             self._end(begin_s + way.duration, number, Reason.OK)
         return arms
@@ -170,9 +180,9 @@ class Known:
         )
 
 
-def stop_at(position: Arms, velocity: Arms) -> Arms:
+def stop_at(position: Arms, velocity: Arms, acceleration: float) -> Arms:
     """Return where the arms rest after STOP (deg)."""
-    short, middle, long = (p + v * abs(v) / 2 / ACCELERATION for p, v in zip(position, velocity, strict=True))
+    short, middle, long = (p + v * abs(v) / 2 / acceleration for p, v in zip(position, velocity, strict=True))
     return short, middle, long
 
 

@@ -6,6 +6,7 @@ Motions are matched by their requests, or by their movement if the requests were
 from __future__ import annotations
 
 import bisect
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,14 +15,11 @@ import numpy as np
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.lag import EXPLAINED, FAR_S, NEAR_S, Shift, best_shift, chosen, gains, lag
+from beatrix_zenoh.recording.lag import FAR_S, NEAR_S, lag
+from beatrix_zenoh.recording.motion_shifts import AROUND_S, LOCAL_S, Expected, MovedPart, all_measured
 from beatrix_zenoh.recording.requests import NOT_ASKED, Alone, MotionRequest, Shared, alone, pairs, shared
-from beatrix_zenoh.recording.series import GRID_S, Flags, Floats, Recording, resample, resting, runs, sampled
+from beatrix_zenoh.recording.series import GRID_S, Flags, Floats, Recording, resample, resting, runs
 
-LOCAL_S = 0.15
-"""Largest difference of the first search between the shift of a motion and that of its requests."""
-AROUND_S = 0.1
-"""A motion is compared with this much rest before and after it."""
 BEFORE_S = 0.3
 """A movement may be seen this long after its request, and a request this long after the movement: clocks are read in
 slices of 20 ms, and robots begin slowly."""
@@ -30,37 +28,10 @@ BEGUN_S = 10.0
 BEGUN = "it began before the recording, so its lead is not known"
 CHANGED_S = 0.1
 """If the shift of the requests changes by more than this, a new motion begins."""
-AGREE_S = 0.05
-"""Largest difference between the shifts of two arms in one motion."""
-CLEAR_DEG = 3.0
-"""The shift of an arm is judged if it turns by more than this."""
 TOGETHER_DEG = 1.0
 """Robots at rest whose arms differ by less than this stand together again."""
-SOONER_S = 0.5
-"""A hardware that begins this much before the end of the lead was sent the motion by a click."""
 
 Interval = tuple[float, float]
-
-
-@dataclass(frozen=True)
-class MovedPart:
-    """A motion of both robots: times by the clock of the first."""
-
-    begin_s: float
-    end_s: float
-    lead_s: float | None
-    """the lead that was requested; None: no lead was requested, or the requests were not recorded"""
-    shift_s: float
-    """start of the second minus start of the first; if `lag_s` is NaN, the best estimate"""
-    lag_s: float
-    """what remains of `shift_s` without the lead; NaN: unknown"""
-    why: str = ""
-    """why the lag is unknown"""
-
-    @property
-    def measured(self) -> bool:
-        """Whether `shift_s` was measured."""
-        return not self.why
 
 
 @dataclass(frozen=True)
@@ -97,19 +68,6 @@ class Alignment:
         return flags
 
 
-@dataclass(frozen=True)
-class Expected:
-    """A motion of the first robot, and what is known about its shift before it is measured."""
-
-    begin_s: float
-    end_s: float
-    shift_s: float
-    lead_s: float | None = None
-    unknown: str = ""
-    """why the lag is unknown, whatever is measured"""
-    limits_s: tuple[float, ...] = (LOCAL_S, NEAR_S)
-
-
 def aligned(first: Recording, second: Recording) -> Alignment:
     """Match the motions of both robots and measure the shift of each."""
     ways = movements(first), movements(second)
@@ -118,51 +76,36 @@ def aligned(first: Recording, second: Recording) -> Alignment:
     followed: list[Alone] = []
     if first.requests is not None and second.requests is not None:
         asked = within(first)
-        both = pairs(asked, within(second))
+        span = float(first.t[0]), float(min(first.t[-1], second.t[-1]))
+        both = pairs(asked, within(second), *span)
         matched = shared(both)
-        for motion in alone(both, float(first.t[0])):
+        for motion in alone(both, *span):
             (followed if follows(motion, ways[0], asked) else single).append(motion)
+        ways = (
+            parted(ways[0], [each.request.t for each in single if not each.hardware]),
+            parted(ways[1], [each.request.t for each in single if each.hardware]),
+        )
     expected = [*of_requests(ways[0], matched), *of_movement(first, second, ways, matched, single)]
     expected.sort(key=lambda motion: motion.begin_s)
     expected = [replace(motion, begin_s=max(motion.begin_s, float(first.t[0]))) for motion in expected]
     parts = all_measured(first, second, expected)
-    known = [part.shift_s for part in parts if part.measured and not part.lead_s]
+    known = [part.shift_s for part in parts if not part.why and not part.lead_s]
     shift_s = float(np.median(known)) if known else 0.0
     early = tuple(motion for motion in matched if ended_early(motion))
     plain = Alignment(parts, (), tuple(single), early, tuple(followed), shift_s)
     left_out = tuple(apart(first, second, plain, ways, matched))
     kept = tuple(
-        part
-        for part in parts
-        if part.measured or not any(begin_s <= part.begin_s < end_s for begin_s, end_s in left_out)
+        part for part in parts if not any(begin_s <= part.begin_s < end_s for begin_s, end_s in left_out)
     )
     return replace(plain, parts=kept, apart=left_out)
 
 
-def all_measured(first: Recording, second: Recording, expected: Sequence[Expected]) -> tuple[MovedPart, ...]:
-    """Measure the shift of each motion; if none is found, with each arm of the second in the scale of the first."""
-    parts = tuple(measured(first, second, motion) for motion in expected)
-    if any(part.measured for part in parts):
-        return parts
-    windows = [window(first, second, part) for part in parts]
-    t = np.concatenate([np.empty(0), *windows])
-    if len(t) < 2:
-        return parts
-    one, other = (chosen(each, range(len(ARMS))) for each in (first, second))
-    shifts = np.repeat([part.shift_s for part in parts], [len(each) for each in windows])
-    factors = gains(one, other, t, t + shifts)
-    rescaled = tuple(
-        measured(first, replace(other, angles=other.angles / factors), motion) for motion in expected
-    )
-    return rescaled if any(part.measured for part in rescaled) else parts
-
-
 def within(recorded: Recording) -> list[MotionRequest]:
-    """Return the requests during a recording."""
+    """Return the requests during a recording, and those before and after it that belong to them."""
     return [
         request
         for request in recorded.requests or ()
-        if recorded.t[0] - BEGUN_S <= request.t <= recorded.t[-1]
+        if recorded.t[0] - BEGUN_S <= request.t <= recorded.t[-1] + FAR_S
     ]
 
 
@@ -189,6 +132,12 @@ def movements(recorded: Recording) -> list[Interval]:
     ]
 
 
+def parted(ways: Sequence[Interval], times: Sequence[float]) -> list[Interval]:
+    """Return movements, divided where a request to one robot alone (s) changed them."""
+    edges = [[way[0], *sorted(t for t in times if way[0] + BEFORE_S < t < way[1]), way[1]] for way in ways]
+    return [pair for each in edges for pair in itertools.pairwise(each)]
+
+
 def of_requests(ways: Sequence[Interval], matched: Sequence[Shared]) -> list[Expected]:
     """Return the motions of the first robot that both were asked for; a movement of many requests is one motion."""
     found: list[Expected] = []
@@ -208,7 +157,9 @@ def of_requests(ways: Sequence[Interval], matched: Sequence[Shared]) -> list[Exp
 def of_group(begin_s: float, end_s: float, group: Sequence[Shared]) -> Expected:
     """Return the motion of requests with almost equal shifts."""
     shift_s = float(np.median([shift(motion) for motion in group]))
-    return Expected(begin_s, end_s, shift_s, group[0].lead_s, separate(group, shift_s))
+    return Expected(
+        begin_s, end_s, shift_s, group[0].lead_s, separate(group, shift_s), single=len(group) == 1
+    )
 
 
 def separate(group: Sequence[Shared], pause_s: float) -> str:
@@ -253,6 +204,7 @@ def of_movement(
             shift_s,
             unknown=BEGUN if asked_before and way[0] < first.t[0] else "",
             limits_s=(LOCAL_S, NEAR_S, FAR_S),
+            requested=False,
         )
         for way, shift_s in zip(mine, shifts, strict=True)
     ]
@@ -277,75 +229,6 @@ def expected_shifts(mine: Sequence[Interval], theirs: Sequence[Interval], whole_
     return found
 
 
-def window(
-    first: Recording, second: Recording, motion: Expected | MovedPart, limit_s: float = LOCAL_S
-) -> Floats:
-    """Return the times of the first at which a motion is compared with the second, for shifts up to `limit_s` (s).
-
-    Times in a gap of a recording are left out; there are none if less than a quarter of the motion remains.
-
-    At the ends of the recordings up to half of the motion is left out, so that the second was recorded at each shift.
-    """
-    begin_s = max(motion.begin_s - AROUND_S, float(first.t[0]))
-    t = np.arange(begin_s, min(motion.end_s + AROUND_S, float(first.t[-1])), GRID_S)
-    seconds = t + motion.shift_s
-    inner = t[(seconds - limit_s >= second.t[0]) & (seconds + limit_s <= second.t[-1])]
-    kept = inner if 2 * len(inner) >= len(t) else t
-    seconds = kept + motion.shift_s
-    seen = kept[sampled(first, kept) & sampled(second, seconds, AGREE_S)]
-    return seen if 4 * len(seen) >= len(kept) else seen[:0]
-
-
-def measured(first: Recording, second: Recording, motion: Expected) -> MovedPart:
-    """Measure the shift of a motion; it stays unknown if no shift explains the movement of each arm."""
-    one, other = chosen(first, range(len(ARMS))), chosen(second, range(len(ARMS)))
-    found, t = Shift(math.nan, math.inf), first.t
-    for limit_s in motion.limits_s:
-        t = window(first, second, motion, limit_s)
-        found = best_shift(one, other, t, motion.shift_s, limit_s)
-        if found.left < EXPLAINED and not math.isnan(found.s):
-            break
-    gaps = "" if len(t) else "most of it lies in gaps of the recordings"
-    why = (
-        motion.unknown or gaps or unknown(found, motion.limits_s[-1]) or disagreement(one, other, t, found.s)
-    )
-    lead_s = motion.lead_s or 0.0
-    if not why and found.s < lead_s - SOONER_S:
-        return MovedPart(
-            motion.begin_s,
-            motion.end_s,
-            motion.lead_s,
-            found.s,
-            math.nan,
-            f"the hardware began {lead_s - found.s:.1f} s before the lead of {lead_s:g} s had ended",
-        )
-    shift_s = motion.shift_s if math.isnan(found.s) or (why and not motion.unknown) else found.s
-    return MovedPart(
-        motion.begin_s, motion.end_s, motion.lead_s, shift_s, math.nan if why else shift_s - lead_s, why
-    )
-
-
-def unknown(found: Shift, limit_s: float) -> str:
-    """Return why a shift is unknown; empty: it is known."""
-    if found.left == math.inf:
-        return "the recording ends before the hardware made it"
-    if found.left >= EXPLAINED:
-        return f"no shift of up to {limit_s:g} s explains more than {max(0.0, 1 - found.left):.0%} of the movement"
-    return f"the shift is longer than the {limit_s:g} s that were searched" if math.isnan(found.s) else ""
-
-
-def disagreement(one: Recording, other: Recording, t: Floats, shift_s: float) -> str:
-    """Return a sentence if arms that turn clearly have different shifts; empty if they agree."""
-    ways = np.ptp(resample(one, t), axis=0)
-    for i, arm in enumerate(ARMS):
-        if ways[i] < max(CLEAR_DEG, 0.2 * ways.max()):
-            continue
-        own = best_shift(chosen(one, [i]), chosen(other, [i]), t, shift_s, LOCAL_S)
-        if own.left >= 2 * EXPLAINED or not abs(own.s - shift_s) <= AGREE_S:
-            return f"the {arm} arm does not move as the others do"
-    return ""
-
-
 def apart(
     first: Recording,
     second: Recording,
@@ -359,23 +242,24 @@ def apart(
     a, b = resample(first, t), resample(second, seconds)
     near = np.max(np.abs(a - b)[:, : len(ARMS)], axis=1) < TOGETHER_DEG
     together = t[resting(a) & resting(b) & near]
-    ends = [
-        motion.sim.end_s + AROUND_S
+    reached = [
+        (motion, max(motion.sim.end_s, float(np.interp(motion.hw.end_s, seconds, t))) + AROUND_S)
         for motion in matched
-        if motion.sim.absolute and motion.sim.end_s is not None and motion.hw.end is Reason.OK
+        if (motion.sim.end is motion.hw.end is Reason.OK and motion.sim.absolute)
+        and (motion.sim.end_s is not None and motion.hw.end_s is not None)
     ]
     found = []
     begins = [(each.request.t, each.hardware) for each in plain.alone]
     begins += [(motion.first.t, False) for motion in plain.early]
     for begin_s, hardware in begins:
         own = ways[1] if hardware else ways[0]
-        way = next((way for way in own if contains(way, begin_s)), (begin_s, begin_s))
+        way = next((way for way in reversed(own) if contains(way, begin_s)), (begin_s, begin_s))
         start_s, rest_s = min(way[0], begin_s), way[1]
         if hardware:
             start_s, rest_s = (float(np.interp(each, seconds, t)) for each in (start_s, rest_s))
         later = together[together > rest_s + AROUND_S]
-        reached = [end_s for end_s in ends if end_s > rest_s + 2 * AROUND_S]
-        until_s = min([*later[:1].tolist(), *reached], default=float(t[-1]))
+        ends = [end_s for motion, end_s in reached if (motion.hw if hardware else motion.sim).t > begin_s]
+        until_s = min([*later[:1].tolist(), *ends], default=math.inf)
         found.append((start_s - 2 * AROUND_S, until_s))
     return found
 

@@ -11,11 +11,13 @@ import numpy as np
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.alignment import LOCAL_S, Alignment, MovedPart, aligned, window
-from beatrix_zenoh.recording.lag import EXPLAINED, best_shift, chosen
+from beatrix_zenoh.recording.alignment import Alignment, aligned
+from beatrix_zenoh.recording.lag import best_shift, chosen
+from beatrix_zenoh.recording.motion_shifts import LOCAL_S, MovedPart, jump, window
 from beatrix_zenoh.recording.requests import Alone, Shared
 from beatrix_zenoh.recording.series import (
     AXES,
+    GRID_S,
     HEAD,
     Flags,
     Floats,
@@ -32,6 +34,8 @@ from beatrix_zenoh.recording.series import (
     unbroken,
 )
 
+MOST = 2
+"""Number of reasons that a sentence gives."""
 HEADS = "head"
 """Name of the last row: the angle between both heads."""
 
@@ -63,7 +67,7 @@ class Comparison:
 
     lag_s: float
     """median lag (s) of the set points of the second robot behind those of the first, or of its positions if its set
-    points were not recorded, without the leads; NaN: unknown"""
+    points were not recorded, without the leads; NaN: unknown, or it jumps"""
     moved: tuple[MovedPart, ...]
     """the motions, each with the lead and the lag of its positions"""
     alone: tuple[Alone, ...]
@@ -87,6 +91,12 @@ class Comparison:
     same movement"""
     rest: Flags
     """at which of these times both rest"""
+    slip: Floats
+    """(n, 3) distance of the arms of the first robot from their set points (deg); NaN: not recorded"""
+    shared_s: float
+    """time (s) that the recordings share"""
+    apart_s: float
+    """part of this time (s) in which the robots were not asked for the same movement"""
     axes: tuple[AxisDifference, ...]
     """arms, head, and the angle between both heads"""
     off_set_points: tuple[float, float]
@@ -100,6 +110,11 @@ class Comparison:
     def seconds(self) -> float:
         """Duration (s) of the compared part, the longest part without a hole in either recording."""
         return float(self.t[-1] - self.t[0])
+
+    @property
+    def compared_s(self) -> float:
+        """Time (s) at which the differences were taken."""
+        return float(np.count_nonzero(self.compared)) * GRID_S
 
     @property
     def arms_at_rest(self) -> float:
@@ -124,7 +139,8 @@ def compare(first: Recording, second: Recording) -> Comparison:
     found = aligned(first, second)
     seconds = found.second_s(t)
     a, b, c = resample(first, t), resample(second, t), resample(second, seconds)
-    compared = found.comparable(t) & (seconds >= second.t[0]) & (seconds <= second.t[-1])
+    comparable = found.comparable(t)
+    compared = comparable & (seconds >= second.t[0]) & (seconds <= second.t[-1])
     compared &= sampled(first, t) & sampled(second, seconds)
     rest = resting(a) & resting(c) & compared
     before, after = differences(a, b), differences(a, c)
@@ -141,6 +157,9 @@ def compare(first: Recording, second: Recording) -> Comparison:
         asked=(asked(first), asked(second)),
         compared=compared,
         rest=rest,
+        slip=off(first, t),
+        apart_s=float(np.count_nonzero(~comparable)) * GRID_S,
+        shared_s=float(min(each.t[-1] for each in whole) - max(each.t[0] for each in whole)),
         axes=tuple(
             axis_difference(
                 (*AXES, HEADS)[i],
@@ -151,7 +170,7 @@ def compare(first: Recording, second: Recording) -> Comparison:
             )
             for i in range(len(AXES) + 1)
         ),
-        off_set_points=(off_set_points(first, t[rest]), off_set_points(second, seconds[rest])),
+        off_set_points=(largest_off(first, t[rest]), largest_off(second, seconds[rest])),
         regularity=(regularity(whole[0]), regularity(whole[1])),
         homes=(len(new_homes(whole[0])), len(new_homes(whole[1]))),
     )
@@ -169,13 +188,15 @@ def columns(row: int) -> tuple[int, ...]:
 
 def median_lag(first: Recording, second: Recording, found: Alignment, axes: tuple[int, ...]) -> float:
     """Return the median lag (s) of some axes in all motions whose lag is known; NaN if there are none."""
+    if jump(found.parts) is not None:
+        return math.nan
     one, other = chosen(first, axes), chosen(second, axes)
     lags = []
     for part in found.parts:
         if math.isnan(part.lag_s):
             continue
         shift = best_shift(one, other, window(first, second, part), part.shift_s, LOCAL_S, scaled=True)
-        if shift.left < EXPLAINED and not math.isnan(shift.s):
+        if shift.explains:
             lags.append(shift.s - (part.lead_s or 0.0))
     return float(np.median(lags)) if lags else math.nan
 
@@ -202,12 +223,16 @@ def differences(first: Floats, second: Floats) -> Floats:
     return np.column_stack([turned(second - first), heads_apart(first[:, head], second[:, head])])
 
 
-def off_set_points(recorded: Recording, t: Floats) -> float:
+def off(recorded: Recording, t: Floats) -> Floats:
+    """Return the distances (n, 3) of the arms from their set points (deg) at n times (s); NaN if unknown."""
+    if recorded.commanded is None:
+        return np.full((len(t), len(ARMS)), math.nan)
+    return np.asarray(resample(recorded, t)[:, : len(ARMS)] - resample(recorded.arms, t))
+
+
+def largest_off(recorded: Recording, t: Floats) -> float:
     """Return the largest distance of an arm from its set point (deg) at some times; NaN if unknown."""
-    if recorded.commanded is None or not len(t):
-        return math.nan
-    apart = resample(recorded, t)[:, : len(ARMS)] - resample(recorded.arms, t)
-    return float(np.max(np.abs(apart)))
+    return float(np.max(np.abs(off(recorded, t)))) if len(t) else math.nan
 
 
 @dataclass(frozen=True)
@@ -238,9 +263,11 @@ class Thresholds:
         if self.lag_s is None:
             return
         if math.isnan(found.lag_s):
+            yield f"At most {self.lag_s:g} s of lag is allowed, but the lag could not be measured: {why_no_lag(found)}"
+        elif 2 * len(unknown := [part.why for part in found.moved if part.why]) >= len(found.moved):
             yield (
-                f"At most {self.lag_s:g} s of lag is allowed, but the lag could not be measured: {why_no_lag(found)} "
-                "Move both robots during the comparison."
+                f"At most {self.lag_s:g} s of lag is allowed, but the lag of {len(unknown)} of {len(found.moved)} motions is "
+                f"unknown: {unknown[0]}."
             )
         elif abs(found.lag_s) > self.lag_s:
             lag = distinct(found.lag_s, self.lag_s, "+")
@@ -252,6 +279,14 @@ class Thresholds:
             yield f"{unknown} sample{'s' * (unknown != 1)} had angles that are no numbers, so the differences there are not known."
 
     def _axes(self, found: Comparison) -> Iterator[str]:
+        limited = any(limit is not None for limit in (self.rms_deg, self.largest_deg, self.rest_deg))
+        expected_s = max((found.shared_s - found.apart_s) / 2, found.shared_s / 4)
+        if limited and found.compared_s < expected_s:
+            yield (
+                f"Only {found.compared_s:.1f} s of {found.shared_s:.1f} s could be compared, so the differences are not "
+                "known: record both robots without gaps, and move both together."
+            )
+            return
         checks = (
             ("rms difference after removal of lead and lag", "rms_after", self.rms_deg),
             ("largest difference after removal of lead and lag", "largest_after", self.largest_deg),
@@ -262,12 +297,10 @@ class Thresholds:
                 continue
             values = {axis.axis: float(getattr(axis, field)) for axis in found.axes}
             if all(math.isnan(value) for value in values.values()):
-                why = (
-                    "the robots never rested at the same time: let both rest for a second."
-                    if field == "at_rest"
-                    else "at no time were both robots asked for the same movement and recorded."
+                yield (
+                    f"At most {allowed:g}° of {what} is allowed, but the robots never rested at the same time: let both rest "
+                    "for a second."
                 )
-                yield f"At most {allowed:g}° of {what} is allowed, but {why}"
                 continue
             above = sorted(
                 (name for name in values if not values[name] <= allowed), key=lambda name: -values[name]
@@ -300,10 +333,11 @@ def distinct(value: float, allowed: float, sign: str = "") -> str:
 def why_no_lag(found: Comparison) -> str:
     """Return the reason why no lag was measured, as the end of a sentence."""
     if not found.anything_moved:
-        return "nothing moved."
+        return "nothing moved. Move both robots during the comparison."
     if not found.moved:
-        return "no motion was made by both robots."
+        return "no motion was made by both robots. Move both during the comparison."
+    jumped = jump(found.moved)
+    if jumped is not None:
+        return f"it changes by {jumped[1] * 1e3:+.0f} ms at {jumped[0] - found.t[0]:.1f} s."
     reasons = list(dict.fromkeys(part.why for part in found.moved if part.why))
-    if not reasons:
-        return "the set points of the two robots do not agree."
-    return f"the two robots did not make the same movement ({reasons[0]})."
+    return f"{'; '.join(reasons[:MOST]) or 'the set points of the two robots do not agree'}."

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import itertools
-import math
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
-from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.names import ARMS
+from beatrix_zenoh.recording.arm_causes import (
+    CLEAR_DEG,
+    SCALE,
+    STILL_DEG,
+    ComparedSamples,
+    causes_of,
+    rests,
+    scale,
+)
 from beatrix_zenoh.recording.compare import Comparison
 from beatrix_zenoh.recording.finding import (
     Cause,
     Finding,
     clocks,
-    count,
     following,
     listed,
     lost_samples,
@@ -23,43 +29,19 @@ from beatrix_zenoh.recording.finding import (
     not_asked,
     stopped,
 )
-from beatrix_zenoh.recording.series import Flags, Floats, runs
 
-FULL_STEP_DEG: Final = 360 / ROBOT.drive.full_steps * ROBOT.drive.gear_pinion / ROBOT.drive.gear_ring
-APART_DEG: Final = 0.25
-"""A smaller difference of an arm has no cause that is worth a sentence: noise, and motors that behave like springs."""
 BEGAN_DEG: Final = 1.0
 """Robots that begin further apart began in different poses."""
-CLEAR_DEG: Final = 3.0
-"""An arm is judged if it turns by more than this."""
-STILL_DEG: Final = 1.0
-"""An arm that turns by less than this stands still."""
 UNLIKE: Final = 0.05
 """Arms are exchanged or reversed if the movement as it is leaves more than this share of the variance."""
 BETTER: Final = 0.2
 """A cause explains the differences if it leaves less than this share of them."""
-SCALE: Final = 0.01
-"""Smallest error of scale that is reported."""
-SCALES: Final = -0.6, 1.5
-"""Errors of scale that are reported: beyond them the robots make different movements."""
 AFTER_S: Final = 1.0
 """The other robot must move later than this (s) after an arm stood still."""
 MOTIONS: Final = 2
 """Number of motions during which an arm must stand still: a single one may be late."""
-REST_S: Final = 0.2
-"""Rests that are shorter than this (s) are not looked at."""
-
 Mapped = tuple[tuple[int, ...], tuple[int, ...]]
 """For each arm of the first robot the index of an arm of the second, and its sign."""
-
-
-class ComparedSamples(NamedTuple):
-    """Samples of both robots at times that can be compared: n rows, arms in deg."""
-
-    t: Floats
-    first: Floats
-    second: Floats
-    rest: Flags
 
 
 def findings(found: Comparison) -> list[Finding]:
@@ -67,14 +49,14 @@ def findings(found: Comparison) -> list[Finding]:
     result = [*lost_samples(found), *new_homes(found), *following(found)]
     result += [*not_asked(found), *stopped(found)]
     seen = samples(found)
-    if not len(seen.t) or not found.anything_moved:
+    if len(seen.t) < 2 or not found.anything_moved:
         return result
     if still := stood_still(found, seen) or stopped_moving(found, seen):
         return [*result, *still]
     began = began_apart(found, seen)
     if began is not None:
         result.append(began)
-        seen = after(seen, began.t)
+        seen = seen.where(seen.t > began.t)
         if len(seen.t) < 2:
             return result
     swapped = exchanged(seen)
@@ -93,13 +75,8 @@ def samples(found: Comparison) -> ComparedSamples:
         found.first[kept, arms],
         found.second_after[kept, arms],
         found.rest[kept],
+        found.slip[kept],
     )
-
-
-def after(seen: ComparedSamples, t: float) -> ComparedSamples:
-    """Return the samples after a time (s)."""
-    kept = seen.t > t
-    return ComparedSamples(seen.t[kept], seen.first[kept], seen.second[kept], seen.rest[kept])
 
 
 def stood_still(found: Comparison, seen: ComparedSamples) -> list[Finding]:
@@ -121,7 +98,7 @@ def stopped_moving(found: Comparison, seen: ComparedSamples) -> list[Finding]:
         if not len(away):
             continue
         t = float(seen.t[away[-1]])
-        later = [part for part in found.moved if part.begin_s - found.t[0] > t and not part.measured]
+        later = [part for part in found.moved if part.begin_s - found.t[0] > t and part.why]
         way = seen.first[seen.t > t + AFTER_S, i]
         if len(later) >= MOTIONS and len(way) and np.ptp(way) > CLEAR_DEG:
             since[arm] = t
@@ -148,7 +125,8 @@ def began_apart(found: Comparison, seen: ComparedSamples) -> Finding | None:
     means = [np.mean(seen.second[a:b] - seen.first[a:b], axis=0) for a, b in spans]
     first = means[0]
     gone = [i for i in range(len(ARMS)) if abs(first[i]) > BEGAN_DEG]
-    together = [k for k, each in enumerate(means) if all(abs(each[i]) < abs(first[i]) / 2 for i in gone)]
+    near = [all(abs(each[i]) < abs(first[i]) / 2 for i in gone) for each in means]
+    together = [k for k in range(len(near)) if all(near[k:])]
     if not gone or not together or seen.t[spans[0][0]] > found.moved[0].begin_s - found.t[0]:
         return None
     largest = max((float(first[i]) for i in gone), key=abs)
@@ -160,11 +138,6 @@ def began_apart(found: Comparison, seen: ComparedSamples) -> Finding | None:
         largest,
         float(seen.t[spans[together[0]][0]]),
     )
-
-
-def rests(seen: ComparedSamples) -> list[tuple[int, int]]:
-    """Return begin and end (exclusive) of each rest of both robots, without short ones."""
-    return [(a, b) for a, b in runs(seen.rest) if seen.t[b - 1] - seen.t[a] > REST_S]
 
 
 def exchanged(seen: ComparedSamples) -> list[Finding]:
@@ -210,90 +183,10 @@ def exchanged(seen: ComparedSamples) -> list[Finding]:
 
 
 def arm_by_arm(seen: ComparedSamples) -> list[Finding]:
-    """Return the cause of the differences of each arm; a scale that all arms share is one finding."""
-    each = [cause_of(seen, i) for i in range(len(ARMS))]
-    result = [finding for finding in each if finding is not None]
+    """Return the causes of the differences of each arm; a scale that all arms share is one finding."""
+    result = [finding for i in range(len(ARMS)) for finding in causes_of(seen, i)]
     scales = [finding for finding in result if finding.cause is Cause.SCALE]
     if len(scales) == len(ARMS) and np.ptp([finding.value for finding in scales]) < SCALE:
-        return [scale(ARMS, float(np.mean([finding.value for finding in scales])))]
+        shared = scale(ARMS, float(np.mean([finding.value for finding in scales])))
+        return [shared, *(finding for finding in result if finding not in scales)]
     return result
-
-
-def cause_of(seen: ComparedSamples, arm: int) -> Finding | None:
-    """Return why one arm differs: it stands still, has an offset, moves too far, or has missed steps; None: unknown."""
-    name = ARMS[arm]
-    mine, other = seen.first[:, arm], seen.second[:, arm]
-    if np.ptp(mine) > CLEAR_DEG and np.ptp(other) < STILL_DEG:
-        return Finding(
-            Cause.STOOD_STILL, f"{name.capitalize()} stood still on the hardware: check its motor.", (name,)
-        )
-    apart = other - mine
-    constant = float(np.mean(apart[seen.rest])) if seen.rest.any() else float(np.mean(apart))
-    around = apart - apart.mean()
-    spread = float(np.sum(around**2))
-    slope, left_scale = scaled(mine, around)
-    step, at, left_step = stepped(seen, apart)
-    if (
-        abs(slope) > SCALE
-        and SCALES[0] <= slope <= SCALES[1]
-        and abs(slope) * float(np.ptp(mine)) > 2 * APART_DEG
-        and left_scale < min(2 * BETTER * spread, left_step)
-    ):
-        return scale((name,), slope)
-    steps = round(step / FULL_STEP_DEG)
-    spans = rests(seen)
-    around_step = any(seen.t[b - 1] <= at for _, b in spans) and any(seen.t[a] >= at for a, _ in spans)
-    if (
-        steps
-        and around_step
-        and left_step < 2 * BETTER * spread
-        and abs(step - steps * FULL_STEP_DEG) < APART_DEG
-    ):
-        missed = count(abs(steps), "full step")
-        return Finding(
-            Cause.MISSED_STEPS,
-            f"{name.capitalize()} is {step:+.2f}° off from {at:.1f} s on, {missed}: it missed steps. Move home and calibrate.",
-            (name,),
-            float(steps),
-            at,
-        )
-    varies = float(np.std(apart[seen.rest])) if seen.rest.any() else math.inf
-    if len(spans) > 1 and abs(constant) > max(APART_DEG, 2 * varies):
-        return Finding(
-            Cause.OFFSET,
-            f"{name.capitalize()} is {constant:+.2f}° off at rest, always: calibrate both robots at home.",
-            (name,),
-            constant,
-        )
-    return None
-
-
-def scaled(mine: Floats, around: Floats) -> tuple[float, float]:
-    """Return the error of scale of an arm, and the sum of squares that it leaves."""
-    way = mine - mine.mean()
-    power = float(way @ way)
-    slope = float(way @ around) / power if power else 0.0
-    return slope, float(np.sum((around - slope * way) ** 2))
-
-
-def stepped(seen: ComparedSamples, apart: Floats) -> tuple[float, float, float]:
-    """Return the height (deg) and the time (s) of the step that explains the differences best, and what it leaves."""
-    n, sums = len(apart), np.cumsum(apart)
-    before = np.arange(1, n)
-    means = sums[:-1] / before, (sums[-1] - sums[:-1]) / (n - before)
-    left = float(np.sum(apart**2)) - before * means[0] ** 2 - (n - before) * means[1] ** 2
-    best = int(np.argmin(left))
-    return float(means[1][best] - means[0][best]), float(seen.t[best + 1]), float(left[best])
-
-
-def scale(arms: tuple[str, ...], value: float) -> Finding:
-    """Return the finding that arms move too far, or not far enough."""
-    more = "more" if value > 0 else "less"
-    verb = "moves" if len(arms) == 1 else "move"
-    name = "All arms" if len(arms) == len(ARMS) else listed(arms).capitalize()
-    return Finding(
-        Cause.SCALE,
-        f"{name} {verb} {abs(value):.1%} {more} on the hardware: check gears, microsteps and the robot file.",
-        arms,
-        value,
-    )

@@ -12,6 +12,7 @@ import numpy as np
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.recording.compare import Comparison
+from beatrix_zenoh.recording.motion_shifts import EQUAL_S, FEWEST, jump
 
 
 class Cause(StrEnum):
@@ -26,8 +27,10 @@ class Cause(StrEnum):
     SCALE = "scale"
     OFFSET = "offset"
     MISSED_STEPS = "missed steps"
+    CREEP = "creep"
     DRIFT = "drift"
     CLOCK = "clock"
+    JUMP = "jump"
     LOSS = "loss"
     NEW_HOME = "new home"
     FOLLOWED = "followed"
@@ -41,8 +44,8 @@ class Finding:
     sentence: str
     arms: tuple[str, ...] = ()
     value: float = math.nan
-    """deg of BEGAN_APART and OFFSET, full steps of MISSED_STEPS, hardware / simulation - 1 of SCALE, s per s of DRIFT,
-    s of CLOCK, share of LOSS, number of motions of NOT_ASKED"""
+    """deg of BEGAN_APART, OFFSET and CREEP, full steps of MISSED_STEPS at the end, hardware / simulation - 1 of SCALE, s per s
+    of DRIFT, s of CLOCK and JUMP, share of LOSS, number of motions of NOT_ASKED"""
     t: float = math.nan
     """time since the begin of the comparison (s), if the cause has one"""
 
@@ -63,10 +66,6 @@ CLOCK_S: Final = 1.0
 """All motions late by more than this: clocks that differ, or a lead that no request says."""
 SURE: Final = 12.0
 """A drift is so many times its standard error: lags that only jitter show that in less than 1 of 700 recordings."""
-FEWEST: Final = 5
-"""Number of motions from which a drift can be told from chance."""
-EQUAL_S: Final = 0.05
-"""Lags that differ by less than this (s) are equal."""
 
 
 def lost_samples(found: Comparison) -> Iterator[Finding]:
@@ -146,7 +145,19 @@ def stopped(found: Comparison) -> Iterator[Finding]:
 
 
 def clocks(found: Comparison) -> Iterator[Finding]:
-    """Yield a finding if the lags grow steadily, or are all so large that clocks must differ."""
+    """Yield a finding if the lags change once, grow steadily, or are all so large that clocks must differ."""
+    jumped = jump(found.moved)
+    if jumped is not None:
+        t, value = jumped[0] - float(found.t[0]), jumped[1]
+        side = "later" if value > 0 else "earlier"
+        yield Finding(
+            Cause.JUMP,
+            f"From {t:.1f} s on the hardware is {abs(value):.2f} s {side} than before: its clock was set, or its requests came "
+            f"{side}.",
+            value=value,
+            t=t,
+        )
+        return
     known = [part for part in found.moved if not math.isnan(part.lag_s)]
     if not known:
         return

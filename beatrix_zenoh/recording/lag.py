@@ -22,6 +22,12 @@ GAINS = 0.4, 2.5
 """An arm of the second recording may turn less or more than that of the first by a factor between these: a wrong scale
 hides no lag."""
 STEP_FINE_S = 0.001
+RATIOS = 1.0, 1.4, 2.0, 0.7
+"""The search of a stretch begins at each of these."""
+STRETCHED = 3.0
+"""Largest stretch, and with its inverse the smallest, that is searched."""
+ROUNDS = 6
+"""Number of steps of Newton's method (Gauss-Newton) that find a stretch."""
 TINY = 1e-9
 """Avoids a division by 0."""
 MOST = 20_000
@@ -35,6 +41,19 @@ class Shift(NamedTuple):
     """NaN: the first rests, or the best shift is the longest or shortest of the search, so that it may be another"""
     left: float
     """inf: the first rests, or the second was not recorded"""
+
+    @property
+    def explains(self) -> bool:
+        """Whether the shift is known and explains the second recording."""
+        return self.left < EXPLAINED and not math.isnan(self.s)
+
+
+class Stretch(NamedTuple):
+    """A shift (s) of the begin of a movement, how many times as long it lasts, and the share of the variance left."""
+
+    s: float
+    ratio: float
+    left: float
 
 
 NO_SHIFT = Shift(math.nan, math.inf)
@@ -56,7 +75,7 @@ def lag(first: Recording, second: Recording, columns: Sequence[int] = tuple(rang
         found = min(found, best_shift(one, other, inner, 0.0, limit_s), key=lambda shift: shift.left)
         if found.left < EXPLAINED:
             break
-    return found.s if found.left < EXPLAINED else math.nan
+    return found.s if found.explains else math.nan
 
 
 def chosen(recorded: Recording, columns: Sequence[int]) -> Recording:
@@ -110,3 +129,31 @@ def best_shift(
     curvature = before - 2 * at + after
     vertex = (before - after) / (2 * curvature) if curvature > 0 else 0.0
     return Shift(float(fine[best]) + STEP_FINE_S * min(0.5, max(-0.5, vertex)), left)
+
+
+def best_stretch(first: Recording, second: Recording, t: Floats, begin_s: float, around_s: float) -> Stretch:
+    """Return the shift near `around_s` (s) and the stretch with which a movement at times t (s) explains that of the second.
+
+    The second makes at `begin_s + shift + ratio * (t - begin_s)` (s) what the first makes at t.
+    """
+    t = t[:: 1 + len(t) // MOST]
+    best = Stretch(math.nan, 1.0, math.inf)
+    if len(t) < 2:
+        return best
+    still = resample(first, t)
+    still -= still.mean(axis=0)
+    power = max(float(np.sum(still**2)), TINY)
+    for start in RATIOS:
+        found = np.array([around_s, start])
+        for _ in range(ROUNDS):
+            seconds = begin_s + found[0] + found[1] * (t - begin_s)
+            moved = resample(second, seconds)
+            slope = (resample(second, seconds + GRID_S) - resample(second, seconds - GRID_S)) / (2 * GRID_S)
+            moved -= moved.mean(axis=0)
+            left = float(np.sum((moved - still) ** 2)) / power
+            best = min(best, Stretch(float(found[0]), float(found[1]), left), key=lambda each: each.left)
+            columns = np.stack([slope, slope * (t - begin_s)[:, None]])
+            columns -= columns.mean(axis=1, keepdims=True)
+            step, *_ = np.linalg.lstsq(columns.reshape(2, -1).T, (still - moved).ravel(), rcond=None)
+            found = np.clip(found + step, (around_s - NEAR_S, 1 / STRETCHED), (around_s + NEAR_S, STRETCHED))
+    return best

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
@@ -106,29 +107,55 @@ class Pair(NamedTuple):
     hw: MotionRequest | None
 
 
-def pairs(sim: Sequence[MotionRequest], hw: Sequence[MotionRequest]) -> list[Pair]:
+def pairs(
+    sim: Sequence[MotionRequest],
+    hw: Sequence[MotionRequest],
+    begin_s: float = -math.inf,
+    end_s: float = math.inf,
+) -> list[Pair]:
     """Match the requests of both robots by content, seat and order; unmatched ones are pairs with None.
 
-    A request to the hardware belongs to the request to the simulation whose lead explains its time best.
+    A request to the hardware belongs to the request to the simulation whose lead explains its time best. If the same
+    motions are repeated and the hardware is late, the lead alone matches each with a later one, and leaves some without a
+    partner; so the least lateness that leaves the fewest of those is assumed.
+
+    Args:
+        sim: requests to the simulation in order of time.
+        hw: requests to the hardware in order of time.
+        begin_s: begin of the recording (s); a request whose partner would be outside may have none.
+        end_s: its end (s).
     """
+
+    def left(late: float) -> int:
+        """Return the number of requests without a partner that should have been recorded."""
+        alone = [pair for pair in matched(sim, hw, late) if None in pair]
+        times = [one.t + (one.lead_s or 0.0) + late for one, _ in alone if one is not None]
+        times += [other.t - (other.lead_s or 0.0) - late for _, other in alone if other is not None]
+        return sum(begin_s <= t <= end_s for t in times)
+
+    lates = {late_s(one, other) for other in (*hw[:1], *hw[-1:]) for one in sim if fits(one, other)}
+    best = min((0.0, *sorted(lates, key=abs)), key=left) if left(0.0) else 0.0
+    return sorted(matched(sim, hw, best), key=first_s)
+
+
+def matched(sim: Sequence[MotionRequest], hw: Sequence[MotionRequest], late: float) -> list[Pair]:
+    """Match requests as `pairs` does, if the hardware is late by `late` (s)."""
     partner: dict[int, int] = {}
     first = 0
     for j, later in enumerate(hw):
-        fitting = [
-            i
-            for i in range(first, len(sim))
-            if (sim[i].content, sim[i].seat) == (later.content, later.seat) and plausible(sim[i], later)
-        ]
-        if fitting:
-            best = min(fitting, key=lambda i: (abs(late_s(sim[i], later)), i))
+        fitting = [i for i in range(first, len(sim)) if fits(sim[i], later)]
+        if not fitting:
+            continue
+        best = min(fitting, key=lambda i: (abs(late_s(sim[i], later) - late), i))
+        next_one = next((other for other in hw[j + 1 :] if fits(sim[best], other)), later)
+        if abs(late_s(sim[best], next_one) - late) >= abs(late_s(sim[best], later) - late):
             partner[j], first = best, best + 1
-    matched = set(partner.values())
+    found = set(partner.values())
     both = [Pair(sim[partner[j]] if j in partner else None, later) for j, later in enumerate(hw)]
-    alone = [Pair(earlier, None) for i, earlier in enumerate(sim) if i not in matched]
-    return sorted([*both, *alone], key=begin_s)
+    return [*both, *(Pair(one, None) for i, one in enumerate(sim) if i not in found)]
 
 
-def begin_s(pair: Pair) -> float:
+def first_s(pair: Pair) -> float:
     """Return the time (s) at which the first of both robots received the request."""
     return min(request.t for request in pair if request is not None)
 
@@ -138,12 +165,13 @@ def late_s(sim: MotionRequest, hw: MotionRequest) -> float:
     return hw.t - sim.t - (sim.lead_s or 0.0)
 
 
-def plausible(sim: MotionRequest, hw: MotionRequest) -> bool:
+def fits(sim: MotionRequest, hw: MotionRequest) -> bool:
     """Return whether a request to the hardware may be the same as one to the simulation.
 
     A lead can be ended at any time, so the hardware may begin before its end.
     """
-    return hw.t - sim.t >= -FAR_S and late_s(sim, hw) <= FAR_S
+    same = (sim.content, sim.seat, sim.lead_s is None) == (hw.content, hw.seat, hw.lead_s is None)
+    return same and hw.t - sim.t >= -FAR_S and late_s(sim, hw) <= FAR_S
 
 
 class Shared(NamedTuple):
@@ -198,8 +226,8 @@ class Alone(NamedTuple):
     why: str
 
 
-def alone(matched: Sequence[Pair], begin_s: float) -> Iterator[Alone]:
-    """Yield the motions that only one robot made; `begin_s` is the begin (s) of the recording."""
+def alone(matched: Sequence[Pair], begin_s: float, end_s: float) -> Iterator[Alone]:
+    """Yield the motions that only one robot made between begin and end (s) of the recording."""
     made = {id(request) for motion in shared(matched) for request in motion.replaced}
     streams = sorted(
         request.t for pair in matched for request in pair if request is not None and request.count > 1
@@ -207,8 +235,10 @@ def alone(matched: Sequence[Pair], begin_s: float) -> Iterator[Alone]:
     for sim, hw in matched:
         if any(request is not None and near(request.t, streams) for request in (sim, hw)):
             continue
+        if first_s(Pair(sim, hw)) > end_s:
+            continue
         if sim is not None and (hw is None or hw.refused) and not sim.refused and id(sim) not in made:
-            yield Alone(sim, hardware=False, why=why_alone(sim, hw))
+            yield Alone(sim, hardware=False, why=why_alone(sim, hw, end_s))
         elif hw is not None and (sim is None or sim.refused) and not hw.refused:
             if sim is not None:
                 why = f"the simulation refused it ({sim.refused.rstrip('.')})"
@@ -228,12 +258,14 @@ def near(t: float, streams: Sequence[float]) -> bool:
     return any(abs(other - t) < STREAM_S for other in streams[max(0, i - 1) : i + 1])
 
 
-def why_alone(sim: MotionRequest, hw: MotionRequest | None) -> str:
-    """Return the reason why only the simulation made a motion."""
+def why_alone(sim: MotionRequest, hw: MotionRequest | None, end_s: float = math.inf) -> str:
+    """Return the reason why only the simulation made a motion; `end_s` is the end (s) of the recording."""
     if hw is not None:
         return f"the hardware refused it ({hw.refused.rstrip('.')})"
     if sim.lead_s is None:
         return "the hardware was not asked"
+    if sim.end in (None, Reason.OK) and sim.t + sim.lead_s > end_s:
+        return "the recording ended first"
     if sim.end is Reason.REPLACED:
         return "another motion replaced it before the hardware was asked"
     if sim.end not in (None, Reason.OK):

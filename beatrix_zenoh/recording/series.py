@@ -27,10 +27,14 @@ SHARED_S = 1.0
 REST_S = 0.1
 """A robot is at rest if no arm turns by more than REST_DEG within this time (s) before and after."""
 REST_DEG = 0.3
+NOISY = 5.0
+"""A robot whose angles are noisy is at rest if no arm turns by more than this many times the noise."""
 BEFORE_HOME_S, AFTER_HOME_S = 0.5, 0.1
 """CALIBRATE is sent to a robot at rest, and reported up to this long (s) after it has acted."""
 HOME_DEG = 0.5
 """A smaller change of home is none: a microstep is 0.09 deg."""
+NORMAL = 1.48
+"""Standard deviation of normal errors, divided by the median of their amounts."""
 SMOOTH_S = 0.04
 """Angles are averaged over this time (s) before and after, so that noise of 0.1 deg is no movement."""
 HOLE_S = 1.0
@@ -220,10 +224,10 @@ def resample(recorded: Recording, t: Floats) -> Floats:
 
 def sampled(recorded: Recording, t: Floats, around_s: float = 0.0) -> Flags:
     """Return which of the times `t` (s) are in no gap of a recording, nor within `around_s` (s) of one."""
-    flags = np.ones(len(t), dtype=np.bool_)
-    for i in np.flatnonzero(np.diff(recorded.t) > GAP_S + 1e-6):
-        flags &= (t <= recorded.t[i] - around_s) | (t >= recorded.t[i + 1] + around_s)
-    return flags
+    gaps = np.flatnonzero(np.diff(recorded.t) > GAP_S + 1e-6)
+    begun = np.searchsorted(recorded.t[gaps] - around_s, t, side="left")
+    ended = np.searchsorted(recorded.t[gaps + 1] + around_s, t, side="right")
+    return np.asarray(begun == ended, dtype=np.bool_)
 
 
 def resting(angles: Floats) -> Flags:
@@ -231,9 +235,10 @@ def resting(angles: Floats) -> Flags:
     window, half = int(REST_S / GRID_S), int(SMOOTH_S / GRID_S)
     wide = np.pad(angles[:, : len(ARMS)], ((half, half), (0, 0)), mode="edge")
     smooth = np.lib.stride_tricks.sliding_window_view(wide, 2 * half + 1, axis=0).mean(axis=-1)
+    noise = np.median(np.abs(angles[:, : len(ARMS)] - smooth), axis=0) * NORMAL
     padded = np.pad(smooth, ((window, window), (0, 0)), mode="edge")
     views = np.lib.stride_tricks.sliding_window_view(padded, 2 * window + 1, axis=0)
-    return np.asarray(np.max(np.ptp(views, axis=-1), axis=-1) < REST_DEG, dtype=np.bool_)
+    return np.asarray(np.all(np.ptp(views, axis=-1) < np.maximum(REST_DEG, NOISY * noise), axis=-1))
 
 
 def runs(flags: Flags) -> list[tuple[int, int]]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from beatrix_zenoh.output import columns
-from beatrix_zenoh.recording.compare import AxisDifference, Comparison, why_no_lag
+from beatrix_zenoh.recording.compare import MOST, AxisDifference, Comparison, why_no_lag
 from beatrix_zenoh.recording.diagnosis import findings
 from beatrix_zenoh.recording.finding import count
 from beatrix_zenoh.recording.record_robots import LiveRecording
@@ -50,10 +50,10 @@ def text(found: Comparison, sim: LiveRecording, hw: LiveRecording, exceeded: Seq
         "",
         columns(SAMPLE_HEADS, [sample_row(found, 0, sim), sample_row(found, 1, hw)]),
         "",
+        compared_sentence(found),
         *lead_sentences(found),
         lag_sentence(found),
         *(finding.sentence for finding in findings(found)),
-        *gap_sentences(found, sim, hw),
         *clock_sentences(sim, hw),
         *exceeded,
     ])  # fmt: skip
@@ -123,7 +123,8 @@ def lag_sentence(found: Comparison) -> str:
     if lags_ms:
         sentence += f" In {count(len(lags_ms), 'motion')} the positions lag by {span(lags_ms, 1)} ms."
     if unknown := [part.why for part in found.moved if math.isnan(part.lag_s)]:
-        sentence += f" In {count(len(unknown), 'motion')} the lag is unknown: {unknown[0]}."
+        reasons = "; ".join(list(dict.fromkeys(unknown))[:MOST])
+        sentence += f" In {count(len(unknown), 'motion')} the lag is unknown: {reasons}."
     return sentence
 
 
@@ -133,18 +134,12 @@ def span(ordered: Sequence[float], digits: int) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def gap_sentences(found: Comparison, sim: LiveRecording, hw: LiveRecording) -> list[str]:
-    """Return a sentence with the compared part of the shared time; no sentence if all of it was compared."""
-    times = sim.recording.t, hw.recording.t
-    shared_s = min(t[-1] for t in times) - max(t[0] for t in times)
-    if shared_s - found.seconds < HOLE_S:
-        return []
-    return [
-        (
-            f"{found.seconds:.1f} s of {shared_s:.1f} s were compared: the longest part in which both robots published "
-            f"without a gap of more than {HOLE_S:g} s."
-        )
-    ]
+def compared_sentence(found: Comparison) -> str:
+    """Return a sentence with the compared part of the shared time."""
+    sentence = f"{found.compared_s:.1f} s of {found.shared_s:.1f} s were compared"
+    if found.shared_s - found.seconds >= HOLE_S:
+        sentence += f", in the longest part ({found.seconds:.1f} s) in which both robots published without a gap of more than {HOLE_S:g} s"
+    return f"{sentence}."
 
 
 def clock_sentences(sim: LiveRecording, hw: LiveRecording) -> list[str]:
@@ -171,7 +166,8 @@ def as_document(
         "robot": sim.robot,
         "moved": found.anything_moved,
         "lag_s": found.lag_s,
-        "compared_s": found.seconds,
+        "compared_s": found.compared_s,
+        "shared_s": found.shared_s,
         "clocks_known_to_s": sim.clock_s + hw.clock_s,
         "motions": msgspec.to_builtins(found.moved),
         "leads": lead_sentences(found),
