@@ -43,6 +43,15 @@ LONGEST = "■ 888:88"
 """The widest duration of a recording."""
 
 
+class Names(QComboBox):
+    """The names of the robots."""
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        return (
+            self.sizeHint()
+        )  # Qt's own remains that of longer names, or of another type, which were shown before
+
+
 class RecordButton(IntentButton):
     """Begins and ends a recording and shows its duration; always as wide, so that it stays under the mouse."""
 
@@ -177,7 +186,7 @@ class Header(QWidget):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._robots: tuple[str, ...] = ()
-        self.robots = QComboBox()
+        self.robots = Names()
         self._tip = texts("tip.robot")
         self.robots.setToolTip(self._tip)
         self.robots.setAccessibleName(texts("label.robot"))
