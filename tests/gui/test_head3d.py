@@ -21,7 +21,15 @@ from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client.degrees import HeadAngles
 from beatrix_zenoh.recording.figure import Figure
-from gui.console.state.intents import AimHead, Intent, LiveHead, ReleaseHead, SetLive, SetSendOnRelease
+from gui.console.state.intents import (
+    AimHead,
+    Intent,
+    LiveHead,
+    ReleaseHead,
+    SetDestination,
+    SetLive,
+    SetSendOnRelease,
+)
 from gui.console.state.state import State
 from gui.console.state.views import HeadOrientation
 from gui.console.state.world import World
@@ -289,6 +297,30 @@ def test_the_picture_is_drawn_anew_only_when_a_robot_moves(
     window.show()
     window.panel.grab()
     assert len(drawn) == first + 1
+
+
+@pytest.mark.parametrize(
+    ("checked", "solid"), [(("sim",), "sim"), (("hw",), "hw"), (("sim", "hw"), "hw"), ((), "hw")]
+)
+def test_the_checked_robot_is_solid_and_the_other_one_a_ghost(
+    shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch, checked: tuple[str, ...], solid: str
+) -> None:
+    drawn = dict[str, object]()
+    for name in ("paint_robot", "paint_ghost"):
+        place = f"gui.window.widgets.head3d.{name}"
+        monkeypatch.setattr(place, lambda _image, head, *_, name=name: drawn.update({name: head}))
+    window = shown(ready())
+    for side in ("sim", "hw"):
+        window.handle(SetDestination(side, checked=side in checked))
+    window.panel.grab()
+    heads = {side: getattr(window.state.view(window.now).head, side) for side in ("sim", "hw")}
+    assert drawn == {"paint_robot": heads.pop(solid), "paint_ghost": heads.popitem()[1]}
+
+
+def test_a_robot_that_is_alone_is_solid(shown: Callable[..., Shown]) -> None:
+    for side in ("sim", "hw"):
+        window = shown(world(**{side: getattr(NOWHERE, side)}))
+        assert window.state.view(window.now).head.solid != side
 
 
 @pytest.mark.parametrize("code", LANGUAGES)

@@ -33,6 +33,7 @@ def head(memory: Memory, world: World) -> HeadView:
         target=target(memory, world),
         sim=_head(world, "sim"),
         hw=_head(world, "hw"),
+        solid=_solid(memory, world),
         tilt_max=tilt_max,
         yaw_max=yaw_max,
         path=() if path is None else tuple(orientation(head) for head in path.head),
@@ -45,6 +46,12 @@ def head(memory: Memory, world: World) -> HeadView:
 def _head(world: World, side: str) -> HeadOrientation | None:
     found = reading(world, side)
     return None if found is None else orientation(found.head)
+
+
+def _solid(memory: Memory, world: World) -> str:
+    """Return the side that is drawn solid: the checked one, of both the hardware; the other one if it is alone."""
+    order = ("sim", "hw") if memory.choices.sides == ("sim",) else ("hw", "sim")
+    return next((side for side in order if _head(world, side) is not None), order[0])
 
 
 def target(memory: Memory, world: World) -> HeadOrientation:

@@ -123,6 +123,8 @@ class HeadView:
     target: HeadOrientation
     sim: HeadOrientation | None
     hw: HeadOrientation | None
+    solid: str
+    """`sim` or `hw`: the robot that is drawn solid, and the other one as a ghost"""
     tilt_max: float
     """limit (deg)"""
     yaw_max: float
@@ -132,6 +134,10 @@ class HeadView:
     drag: DragView
     send: ButtonView
     refusal: RefusalView | None = None
+
+    def side(self, side: str) -> HeadOrientation | None:
+        """Return the head of `sim` or `hw`."""
+        return self.sim if side == "sim" else self.hw
 
 
 @dataclass(frozen=True)

@@ -225,19 +225,17 @@ class Head3d(QWidget):
             painter.end()  # Qt aborts if a painter stays active after an error
 
     def _paint_robots(self, painter: QPainter, view: HeadView) -> None:
-        """Draw the hardware, and the simulation as a translucent ghost; the simulation alone is solid.
-
-        Each picture is kept while its robot rests.
-        """
+        """Draw one robot solid, and the other one as a translucent ghost; each picture is kept while its robot rests."""
         screen, style = self.screen3d, self._style
-        solid = view.sim if view.hw is None else view.hw
+        other = "hw" if view.solid == "sim" else "sim"
+        solid, ghost = view.side(view.solid), view.side(other)
         painter.drawImage(
             QPoint(0, 0),
             self._picture("solid", solid, lambda image: paint_robot(image, solid, screen, style)),
         )
-        ghost = view.sim
-        if ghost is not None and view.hw is not None and apart(ghost, view.hw):
-            image = self._picture("ghost", ghost, lambda image: paint_ghost(image, ghost, screen, style))
+        if ghost is not None and apart(ghost, solid):
+            tint = style.side(other)
+            image = self._picture(other, ghost, lambda image: paint_ghost(image, ghost, screen, tint))
             painter.setOpacity(GHOST)
             painter.drawImage(QPoint(0, 0), image)
             painter.setOpacity(1.0)

@@ -23,7 +23,7 @@ from gui.window.widgets.head3d_scene import HeadDrawing, Screen, draw, hull
 from gui.window.widgets.head3d_shape import BASE, HEAD, Floats, meshes, turns
 
 GHOST: Final = 0.42
-"""Opacity of the simulation beside the hardware."""
+"""Opacity of the ghost."""
 TINT: Final = 0.4
 """Share of the robot's colour in each colour of the ghost."""
 NEAR_DEG: Final = 0.35
@@ -56,6 +56,7 @@ def same(one: HeadView, other: HeadView) -> bool:
         heads = (view.target, view.sim, view.hw)
         return (
             *(at and at.tenths for at in heads),
+            view.solid,
             view.tilt_max,
             view.yaw_max,
             view.drag.refused,
@@ -97,13 +98,13 @@ def paint_robot(image: QImage, head: HeadOrientation | None, screen: Screen, sty
         painter.end()
 
 
-def paint_ghost(image: QImage, head: HeadOrientation, screen: Screen, style: Style) -> None:
-    """Draw head and arms in the colour of the simulation on a transparent picture."""
+def paint_ghost(image: QImage, head: HeadOrientation, screen: Screen, tint: str) -> None:
+    """Draw head and arms, tinted with a colour, on a transparent picture."""
     image.fill(Qt.GlobalColor.transparent)
     painter = QPainter(image)
     try:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        _paint(painter, _tinted(_drawing(head, screen, base=False), QColor(style.sim)))
+        _paint(painter, _tinted(_drawing(head, screen, base=False), QColor(tint)))
     finally:
         painter.end()
 
@@ -181,7 +182,7 @@ class Marks:
 def paint_marks(painter: QPainter, marks: Marks, texts: Texts, *, focused: bool) -> None:
     """Draw the border, the outline of the target and the handles."""
     view = marks.view
-    shown = view.sim if view.hw is None else view.hw
+    shown = view.side(view.solid)
     aims = marks.dragged or apart(shown, view.target)
     if shown is None:
         _paint_nothing(painter, marks, texts)
