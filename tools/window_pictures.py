@@ -62,7 +62,7 @@ def draw(view: View, size: tuple[int, int] | None, file: Path, part: str) -> Non
     panels.show_view(view)
     panels.refusal.place()
     QApplication.processEvents()
-    hint = panels.scroll.widget().minimumSizeHint()
+    hint = panels.area.widget().minimumSizeHint()
     print(
         file.name, f"{window.width()}x{window.height()}", f"needs {hint.width()}x{hint.height()} above STOP"
     )

@@ -90,7 +90,7 @@ class Panels(QWidget):
         self.body, self.class_page = QWidget(), ClassPage(texts)
         self.class_page.hide()
         self.projector = ProjectorScreen()
-        self.pages, self.scroll = QWidget(), Scroll()
+        self.pages, self.area = QWidget(), Scroll()
         self._lay_out()
         self.refusal, self.trouble = (
             RefusalNotice(texts, self.pages, self._picture),
@@ -119,14 +119,14 @@ class Panels(QWidget):
         pages.addWidget(self.class_page)
         inner.addWidget(self.pages, 1)
         inner.addWidget(self.projector, 1)
-        self.scroll.setFrameShape(QFrame.Shape.NoFrame)
+        self.area.setFrameShape(QFrame.Shape.NoFrame)
         content = QWidget()
         content.setLayout(inner)
-        self.scroll.setWidget(content)
+        self.area.setWidget(content)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
-        layout.addWidget(self.scroll, 1)
+        layout.addWidget(self.area, 1)
         bottom = QHBoxLayout()
         bottom.setSpacing(0)
         bottom.addWidget(self.stop_bar, 3)
@@ -193,7 +193,7 @@ class Panels(QWidget):
         sequence moves there, too, if the low area has no room for its cards.
         """
         colours = style_of(self._theme)
-        self.scroll.widget().setMinimumSize(colours.px(LEAST_PX[0]), LEAST_PX[1])
+        self.area.widget().setMinimumSize(colours.px(LEAST_PX[0]), LEAST_PX[1])
         low = self.height() < colours.px(LOW_PX)
         lower = next(lower for least, lower in LOWER_PX.items() if self.height() >= colours.px(least))
         self.low_area.setFixedHeight(colours.px(lower))

@@ -27,6 +27,7 @@ from gui.console.state.intents import (
     LiveHead,
     ReleaseHead,
     SetDestination,
+    SetLanguage,
     SetLive,
     SetSendOnRelease,
 )
@@ -285,7 +286,7 @@ def test_the_picture_is_drawn_anew_only_when_a_robot_moves(
     shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn: list[object] = []
-    monkeypatch.setattr("gui.window.widgets.head3d.paint_robot", lambda *parts: drawn.append(parts))
+    monkeypatch.setattr("gui.window.widgets.head3d.paint_robot", lambda *parts, **_: drawn.append(parts))
     window = shown()
     window.panel.grab()
     first = len(drawn)
@@ -308,13 +309,37 @@ def test_the_checked_robot_is_solid_and_the_other_one_a_ghost(
     drawn = dict[str, object]()
     for name in ("paint_robot", "paint_ghost"):
         place = f"gui.window.widgets.head3d.{name}"
-        monkeypatch.setattr(place, lambda _image, head, *_, name=name: drawn.update({name: head}))
+        monkeypatch.setattr(place, lambda _image, head, *_, name=name, **__: drawn.update({name: head}))
     window = shown(ready())
     for side in ("sim", "hw"):
         window.handle(SetDestination(side, checked=side in checked))
     window.panel.grab()
     heads = {side: getattr(window.state.view(window.now).head, side) for side in ("sim", "hw")}
     assert drawn == {"paint_robot": heads.pop(solid), "paint_ghost": heads.popitem()[1]}
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_gap_in_the_positions_greys_the_head_where_it_was(
+    shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch, language: str
+) -> None:
+    drawn = list[tuple[object, bool]]()
+    place = "gui.window.widgets.head3d.paint_robot"
+    monkeypatch.setattr(place, lambda _, head, *__, grey: drawn.append((head, grey)))
+    window = shown(ready())
+    window.handle(SetLanguage(language))
+    window.panel.grab()
+    here = window.state.view(window.now).head
+    for side in ("sim", "hw"):
+        gap = replace(getattr(window.now, side), positions_age_s=0.6)
+        window.now = replace(window.now, **{side: gap})
+    window.show()
+    window.panel.grab()
+    assert drawn == [(here.shown, False), (here.shown, True)]
+    assert window.target == here.target, "it does not jump to the middle"
+    assert window.panel.views["front"].isVisible()
+    window.now = NOWHERE
+    window.show()
+    assert window.state.view(window.now).head.shown is None
 
 
 def test_a_robot_that_is_alone_is_solid(shown: Callable[..., Shown]) -> None:

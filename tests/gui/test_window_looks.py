@@ -134,7 +134,7 @@ def faults(window: Window, size: tuple[int, int], name: str) -> Iterator[str]:
     for _ in range(3):  # a layout that changes asks its parent for a new layout
         QApplication.processEvents()
     assert (window.width(), window.height()) == size
-    if size in SIZES and (needed := window.panels.scroll.widget().size()) != window.panels.scroll.size():
+    if size in SIZES and (needed := window.panels.area.widget().size()) != window.panels.area.size():
         yield f"{size} {name}: needs {needed.width()}x{needed.height()} above STOP, so it scrolls"
     for widget in window.findChildren(QWidget):
         if widget.isVisible() and widget.window() is window and (text := cut(widget)):

@@ -125,6 +125,10 @@ class HeadView:
     hw: HeadOrientation | None
     solid: str
     """`sim` or `hw`: the robot that is drawn solid, and the other one as a ghost"""
+    shown: HeadOrientation | None
+    """its newest head, even an old one; None: it is not online"""
+    silent: bool
+    """whether `shown` is old or None"""
     tilt_max: float
     """limit (deg)"""
     yaw_max: float

@@ -228,12 +228,14 @@ class Head3d(QWidget):
         """Draw one robot solid, and the other one as a translucent ghost; each picture is kept while its robot rests."""
         screen, style = self.screen3d, self._style
         other = "hw" if view.solid == "sim" else "sim"
-        solid, ghost = view.side(view.solid), view.side(other)
-        painter.drawImage(
-            QPoint(0, 0),
-            self._picture("solid", solid, lambda image: paint_robot(image, solid, screen, style)),
+        ghost, grey = view.side(other), view.silent
+        solid = self._picture(
+            "grey" if grey else "solid",
+            view.shown,
+            lambda image: paint_robot(image, view.shown, screen, style, grey=grey),
         )
-        if ghost is not None and apart(ghost, solid):
+        painter.drawImage(QPoint(0, 0), solid)
+        if ghost is not None and apart(ghost, view.shown):
             tint = style.side(other)
             image = self._picture(other, ghost, lambda image: paint_ghost(image, ghost, screen, tint))
             painter.setOpacity(GHOST)
@@ -301,7 +303,7 @@ class Head3dPanel(QWidget):
         """Show the robots and the choices."""
         self.head.show_view(view)
         for button in self.views.values():
-            button.setVisible(view.sim is not None or view.hw is not None)
+            button.setVisible(view.shown is not None)
         self.live.setChecked(view.drag.live)
         self.send.setChecked(view.drag.send_on_release)
 
