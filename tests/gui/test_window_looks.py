@@ -8,8 +8,10 @@ from dataclasses import replace
 import pytest
 from contrast import contrast, luminance
 from gui_views import STATES, example
+from gui_windows import menu_button, reveal
 from PyQt5.QtCore import QRect, QSize, Qt
 from PyQt5.QtGui import QTextDocumentFragment
+from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
@@ -82,6 +84,33 @@ def test_the_colours_of_both_robots_differ_for_the_colour_blind(theme: Theme) ->
     red_hw, blue_hw = int(colours.hw[1:3], 16), int(colours.hw[5:7], 16)
     assert blue_sim - red_sim > 100
     assert red_hw - blue_hw > 100
+
+
+@pytest.mark.qt_log_ignore("plugin does not support", extend=True)
+@pytest.mark.parametrize("theme", Theme)
+def test_an_armed_emergency_stop_is_framed_on_its_menu_and_unlike_a_focused_one(
+    qtbot: QtBot, theme: Theme
+) -> None:
+    window = Window(RecordingLink(), ShownState(example("well", theme, "en")))
+    qtbot.add_widget(window)
+    window.show()
+    button = menu_button(window, "sim", "EMERGENCY STOP")
+    reveal(button)
+
+    def colours() -> tuple[str, str]:
+        """Return those of the frame and of the inside."""
+        QApplication.processEvents()
+        image, middle = button.grab().toImage(), button.height() // 2
+        return image.pixelColor(1, middle).name(), image.pixelColor(12, middle).name()
+
+    button.setFocus()
+    focused = colours()
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    armed = colours()
+    assert max(contrast(colour, style_of(theme).panel) for colour in armed) >= LEGIBLE
+    assert contrast(*armed) >= READABLE
+    assert contrast(armed[1], focused[1]) >= READABLE
+    button.window().close()
 
 
 def cut(widget: QWidget) -> str:
