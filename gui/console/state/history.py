@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from datetime import datetime
 
+from beatrix_zenoh.client import Presence
 from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery, Reason
 from gui.console.state import code_lines, other_seats
@@ -22,7 +23,7 @@ from gui.console.state.actions import (
     WriteFile,
 )
 from gui.console.state.memory import HistoryCache, Memory, Request, RequestRow
-from gui.console.state.presence import troubles
+from gui.console.state.presence import SERVING, troubles
 from gui.console.state.refusals import sentence, side_of
 from gui.console.state.views import HistoryRowView
 from gui.console.state.world import Trouble, World
@@ -102,9 +103,17 @@ def last_detail(memory: Memory, world: World) -> str:
 
 
 def _trouble(memory: Memory, world: World) -> tuple[str, Trouble] | None:
-    """Return the first failure that is new since the newest request, and the key of its text; None if there is none."""
+    """Return the first failure that is new since the newest request, and the key of its text; None if there is none.
+
+    A simulation that could not be started is none while another program, such as `beatrix up`, has started it.
+    """
+    serves = world.sim.presence is Presence.ONLINE
     for key, trouble in troubles(world).items():
-        if trouble is not None and trouble != memory.troubles.get(key):
+        if (
+            trouble is not None
+            and trouble != memory.troubles.get(key)
+            and not (serves and trouble.key in SERVING)
+        ):
             return key, trouble
     return None
 

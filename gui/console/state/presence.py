@@ -15,6 +15,9 @@ APART_DEG = 1.0
 STALE_S = 0.4
 """A robot whose newest positions are older than this (s) is silent; robots publish positions every 20 ms."""
 
+SERVING = ("trouble.router", "trouble.simulation")
+"""Failures that are over when a simulation is online."""
+
 
 def online(world: World, side: str) -> bool:
     """Return whether a request can reach a robot: there is a router, and the robot's token."""
