@@ -299,6 +299,14 @@ def test_a_stream_of_motions_is_one_row() -> None:
     assert rows(*stream, *ends, last) == [("ana", "look (20 times)", "done, 1.2 s", True)]
 
 
+def test_a_slow_stream_to_both_robots_is_one_row() -> None:
+    stream = [
+        [event(10 + apart + 1.5 * number, motion=number) for number in range(1, 11)] for apart in (0.0, 0.3)
+    ]
+    ((_, what, _, _),) = rows(*stream[0], hw=tuple(stream[1]), wall_s=26.0)
+    assert what == "look (10 times)"
+
+
 def test_different_requests_have_rows_of_their_own_newest_first() -> None:
     found = rows(
         event(10, "motion"),
