@@ -11,7 +11,7 @@ from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.intents import SetMicrophones
 from gui.console.state.views import SoundView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import Check
+from gui.window.widgets.controls import Check, ElidedLabel
 
 STEPS: Final = 100
 BAR_PX: Final = 8
@@ -29,7 +29,7 @@ class LevelsPanel(QWidget):
         self.box.asked.connect(lambda on: self.intent.emit(SetMicrophones(on)))
         self.bars = {(side, ear): QProgressBar() for side in SIDES for ear in (0, 1)}
         self.titles = {side: QLabel() for side in SIDES}
-        self.texts = {side: QLabel() for side in SIDES}
+        self.texts = {side: ElidedLabel() for side in SIDES}
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
         grid.setSpacing(4)
@@ -60,7 +60,6 @@ class LevelsPanel(QWidget):
         for level in view.levels:
             self.titles[level.side].setText(level.title)
             self.texts[level.side].setText(level.text)
-            self.texts[level.side].setToolTip(level.text)
             for ear, share in enumerate((level.left, level.right)):
                 bar = self.bars[level.side, ear]
                 bar.setVisible(view.on)
