@@ -89,6 +89,7 @@ function showRefusal(id, refusal) {
   const close = { text: "✕", tooltip: text("label.dismiss"), intent: { do: "DismissRefusal" }, enabled: true };
   box.replaceChildren(make("p", refusal.text), bind(make("button"), close));
   if (refusal.alternative) box.append(bind(make("button", "", "main alternative"), refusal.alternative));
+  box.scrollIntoView({ block: "nearest" }); // above STOP, and below the header
 }
 
 // -- the parts of the view ----------------------------------------------------------------------------
