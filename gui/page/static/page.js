@@ -147,7 +147,7 @@ function showTexts() {
   for (const button of document.querySelectorAll("[data-part]")) {
     const { part, sign } = button.dataset;
     if (part in ROTATIONS) set(button, text(`page.${button.id}`));
-    button.ariaLabel = part in ROTATIONS ? text(`page.${button.id}`) : `${part} ${sign > 0 ? "+" : "−"}`;
+    button.ariaLabel = part in ROTATIONS ? text(`page.${button.id}`) : `${text(`arm.${part}`)} ${sign > 0 ? "+" : "−"}`;
   }
   document.querySelector("#class thead").replaceChildren(...COLUMNS.map((name) => make("th", text(`label.class_${name}`))));
 }
