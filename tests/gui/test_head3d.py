@@ -21,16 +21,8 @@ from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client.degrees import HeadAngles
 from beatrix_zenoh.recording.figure import Figure
-from gui.console.state.intents import (
-    AimHead,
-    Intent,
-    LiveHead,
-    ReleaseHead,
-    SetDestination,
-    SetLanguage,
-    SetLive,
-    SetSendOnRelease,
-)
+from gui.console.state import intents
+from gui.console.state.intents import AimHead, Intent, LiveHead, ReleaseHead, SetLive, SetSendOnRelease
 from gui.console.state.state import State
 from gui.console.state.views import HeadOrientation
 from gui.console.state.world import World
@@ -312,7 +304,7 @@ def test_the_checked_robot_is_solid_and_the_other_one_a_ghost(
         monkeypatch.setattr(place, lambda _image, head, *_, name=name, **__: drawn.update({name: head}))
     window = shown(ready())
     for side in ("sim", "hw"):
-        window.handle(SetDestination(side, checked=side in checked))
+        window.handle(intents.SetDestination(side, checked=side in checked))
     window.panel.grab()
     heads = {side: getattr(window.state.view(window.now).head, side) for side in ("sim", "hw")}
     assert drawn == {"paint_robot": heads.pop(solid), "paint_ghost": heads.popitem()[1]}
@@ -326,7 +318,7 @@ def test_a_gap_in_the_positions_greys_the_head_where_it_was(
     place = "gui.window.widgets.head3d.paint_robot"
     monkeypatch.setattr(place, lambda _, head, *__, grey: drawn.append((head, grey)))
     window = shown(ready())
-    window.handle(SetLanguage(language))
+    window.handle(intents.SetLanguage(language))
     window.panel.grab()
     here = window.state.view(window.now).head
     for side in ("sim", "hw"):

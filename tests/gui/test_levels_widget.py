@@ -36,6 +36,7 @@ def test_a_long_reason_is_shortened_and_in_the_tooltip(qtbot: QtBot) -> None:
     qtbot.addWidget(panel)
     panel.show_view(SoundView(True, (LOUD, long)))
     panel.resize(300, 60)
+    panel.show()
     panel.grab()
     assert panel.texts["hw"].toolTip() == long.text
     assert isinstance(panel.texts["hw"], ElidedLabel)

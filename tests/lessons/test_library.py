@@ -57,11 +57,11 @@ def test_texts_are_complete(lesson: Lesson, language: str) -> None:
         (
             Unmet(
                 "uncaught",
-                error="Refused: The head would lean 40.0° (nod and tilt together); at most 35.0° is allowed. Try a speed of 9.5°/s.",
+                error="Refused: The head would lean 40.0°; at most 35.0° is allowed. Try a speed of 9.5°/s.",
                 where=" (cell 2, line 4)",
             ),
             (
-                "Refused: Der Kopf hätte 40,0° Schräglage (Nicken und Neigen zusammen); höchstens 35,0° sind erlaubt. "
+                "Refused: Der Kopf hätte 40,0° Schräglage; höchstens 35,0° sind erlaubt. "
                 "Versuche es mit der Geschwindigkeit 9,5°/s. (Zelle 2, Zeile 4)"
             ),
         ),

@@ -68,16 +68,8 @@ ENGLISH: Final = Language(
             "Home is not known. If the head is upright, {needs}; otherwise disable, set it upright, enable and calibrate."
         ),
         (Reason.OUT_OF_REACH, None, ""): "The head cannot take this pose. Choose one that leans less.",
-        (
-            Reason.OUT_OF_REACH,
-            Limit.TILT,
-            "goal",
-        ): f"The head would lean {{value}} (nod and tilt together); {_LEAN}",
-        (
-            Reason.OUT_OF_REACH,
-            Limit.TILT,
-            "path",
-        ): f"{_WAY}the head would lean {{value}} (nod and tilt together); {_LEAN}",
+        (Reason.OUT_OF_REACH, Limit.TILT, "goal"): f"The head would lean {{value}}; {_LEAN}",
+        (Reason.OUT_OF_REACH, Limit.TILT, "path"): f"{_WAY}the head would lean {{value}}; {_LEAN}",
         (
             Reason.OUT_OF_REACH,
             Limit.TILT,

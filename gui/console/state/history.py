@@ -35,11 +35,7 @@ BY_STOP = "STOP"
 """part of the message of every motion that STOP has ended"""
 BY_STOP_HERE = "result.stop_pressed"
 STOP_UNREACHED = {
-    Reason.NO_ANSWER,
-    Reason.NO_SUCH_ROBOT,
-    Reason.NODE_LOST,
-    Reason.NO_ROUTER,
-    Reason.ACCESS_DENIED,
+    *(Reason.NO_ANSWER, Reason.NO_SUCH_ROBOT, Reason.NODE_LOST, Reason.NO_ROUTER, Reason.ACCESS_DENIED)
 }
 """Reasons for which STOP or EMERGENCY_STOP has reached no robot; otherwise the robot did not confirm it. No robot refuses it."""
 STOPS = {Command.STOP.name, Command.EMERGENCY_STOP.name}
