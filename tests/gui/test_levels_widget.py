@@ -31,11 +31,11 @@ def test_bars_are_there_only_while_the_box_is_checked(qtbot: QtBot) -> None:
 def test_a_long_reason_is_shortened_and_in_the_tooltip(qtbot: QtBot) -> None:
     panel, long = (
         LevelsPanel(Texts("en")),
-        replace(ABSENT, text="no microphones: start the robot with --mics"),
+        replace(ABSENT, text="no microphones: start the robot with --mics " * 4),
     )
     qtbot.addWidget(panel)
     panel.show_view(SoundView(True, (LOUD, long)))
-    panel.resize(300, 60)
+    panel.resize(600, 60)
     panel.show()
     panel.grab()
     assert panel.texts["hw"].toolTip() == long.text

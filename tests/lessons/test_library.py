@@ -61,7 +61,7 @@ def test_texts_are_complete(lesson: Lesson, language: str) -> None:
                 where=" (cell 2, line 4)",
             ),
             (
-                "Refused: Der Kopf hätte 40,0° Schräglage; höchstens 35,0° sind erlaubt. "
+                "Refused: Der Kopf stünde 40,0° schräg; höchstens 35,0° sind erlaubt. "
                 "Versuche es mit der Geschwindigkeit 9,5°/s. (Zelle 2, Zeile 4)"
             ),
         ),

@@ -60,6 +60,7 @@ class LevelsPanel(QWidget):
         for level in view.levels:
             self.titles[level.side].setText(level.title)
             self.texts[level.side].setText(level.text)
+            self.texts[level.side].setToolTip(level.text)
             for ear, share in enumerate((level.left, level.right)):
                 bar = self.bars[level.side, ear]
                 bar.setVisible(view.on)
