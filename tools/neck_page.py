@@ -77,7 +77,7 @@ def tilt(arms: Sequence[float]) -> float:
 def speeds_table() -> str:
     """Return a table of `uneven_path`: arms, head and tilt at some times."""
     path = uneven_path()
-    rows = ["| time | short | middle, long | yaw | pitch | roll | tilt |", "|---|---|---|---|---|---|---|"]
+    rows = ["| time | short | middle, long | yaw | pitch | roll | lean |", "|---|---|---|---|---|---|---|"]
     for step in range(0, STEPS + 1, STEPS // ROWS):
         arms = path.arms[step]
         shown = (arms.short, arms.middle, *path.head[step], tilt([math.radians(arm) for arm in arms]))

@@ -36,14 +36,13 @@ PARTS = {"class-full": ("robots", "lessons", "projector")}
 
 
 def draw(view: View, size: tuple[int, int] | None, file: Path, part: str) -> None:
-    """Save a picture of the window that shows a view, and print the present and the smallest size of the window.
+    """Save a picture of the window that shows a view, and print the size of the window and the smallest one without scroll bars.
 
     size: of the window; None: the window has the size that it chooses, and the picture is that of the screen.
     """
     window = QMainWindow()
     panels = Panels(Texts(view.language))
     window.setCentralWidget(panels)
-    window.setMinimumSize(1024, 560)
     apply_theme(window, style_of(view.theme))
     screen = QApplication.primaryScreen()
     if size is None:
@@ -63,8 +62,10 @@ def draw(view: View, size: tuple[int, int] | None, file: Path, part: str) -> Non
     panels.show_view(view)
     panels.refusal.place()
     QApplication.processEvents()
-    hint = window.minimumSizeHint()
-    print(file.name, f"{window.width()}x{window.height()}", f"needs {hint.width()}x{hint.height()}")
+    hint = panels.area.widget().minimumSizeHint()
+    print(
+        file.name, f"{window.width()}x{window.height()}", f"needs {hint.width()}x{hint.height()} above STOP"
+    )
     (window.grab() if size is not None else screen.grabWindow(sip.voidptr(0))).save(str(file))
     window.close()
 

@@ -16,6 +16,7 @@ from beatrix_zenoh import Robot
 
 GAIN = 3.0  # 1/s: how fast the head turns, for each degree that is missing
 FASTEST = 28.0  # deg/s
+LEAST = 0.5  # deg: the robots get no request for a smaller turn
 REACH_YAW, REACH_PITCH = 60.0, 18.0  # deg: the head turns no further
 VIEW = 60.0  # deg from the top to the bottom of a picture
 LOST = 2.0  # s without a person, after which the head looks straight ahead
@@ -86,7 +87,7 @@ def follow(robots):
         readings = deque([positions.next()], maxlen=200)
         last = seen_at = readings[0].t
         yaw, pitch, _ = readings[0].head
-        goal = yaw, pitch
+        goal = sent = yaw, pitch
         for image in pictures:
             readings.extend(positions.take())
             t = image.t_mono_ns / 1e9
@@ -102,8 +103,10 @@ def follow(robots):
                 goal = 0.0, 0.0
             yaw += step(goal[0] - yaw, dt)
             pitch += step(goal[1] - pitch, dt)
-            for robot in robots:
-                robot.look(yaw=yaw, pitch=pitch, wait=False)
+            if max(abs(yaw - sent[0]), abs(pitch - sent[1])) >= LEAST:
+                sent = yaw, pitch
+                for robot in robots:
+                    robot.look(yaw=yaw, pitch=pitch, wait=False)
 
 
 if __name__ == "__main__":

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QLocale, QPoint, QRect, QSignalBlocker, pyqtSignal
+from PyQt5.QtCore import QEvent, QLocale, QObject, QPoint, QRect, QSignalBlocker, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
-from PyQt5.QtWidgets import QHBoxLayout, QTabWidget, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QTabWidget, QVBoxLayout, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import ARMS
@@ -35,9 +35,33 @@ LOW_PX = 680
 """Window height at scale 1 below which the tabs of the right column are tabs of the middle, and less room is reserved."""
 LOWER_PX = {540: 150, 0: 84}
 """Height of the low area in the middle, with its tabs, by the least height of the window, both at scale 1."""
+LEAST_PX = 818, 502
+"""Width at scale 1, and height, of the room above STOP that texts need: Qt counts neither wrapped nor shortened ones."""
 
 PAGES = ("head3d", "eyes", "plots", "history", "code", "gestures", "sequence")
 """Names of the widgets that are pages of tabs."""
+
+
+class Scroll(QScrollArea):
+    """Scrolls its widget where the window is smaller than the widget's least size.
+
+    Qt would compare with the preferred height instead, which the pictures of the cameras make very large.
+    """
+
+    def fit(self) -> None:
+        """Give the widget all room, and never less than its least size."""
+        content = self.widget()
+        least = content.minimumSizeHint().expandedTo(content.minimumSize())
+        content.resize(self.viewport().size().expandedTo(least))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        super().resizeEvent(event)
+        self.fit()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
+        if event.type() == QEvent.Type.LayoutRequest:
+            self.fit()
+        return super().eventFilter(watched, event)
 
 
 class Panels(QWidget):
@@ -66,7 +90,7 @@ class Panels(QWidget):
         self.body, self.class_page = QWidget(), ClassPage(texts)
         self.class_page.hide()
         self.projector = ProjectorScreen()
-        self.pages = QWidget()
+        self.pages, self.area = QWidget(), Scroll()
         self._lay_out()
         self.refusal, self.trouble = (
             RefusalNotice(texts, self.pages, self._picture),
@@ -95,10 +119,14 @@ class Panels(QWidget):
         pages.addWidget(self.class_page)
         inner.addWidget(self.pages, 1)
         inner.addWidget(self.projector, 1)
+        self.area.setFrameShape(QFrame.Shape.NoFrame)
+        content = QWidget()
+        content.setLayout(inner)
+        self.area.setWidget(content)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
-        layout.addLayout(inner, 1)
+        layout.addWidget(self.area, 1)
         bottom = QHBoxLayout()
         bottom.setSpacing(0)
         bottom.addWidget(self.stop_bar, 3)
@@ -165,6 +193,7 @@ class Panels(QWidget):
         sequence moves there, too, if the low area has no room for its cards.
         """
         colours = style_of(self._theme)
+        self.area.widget().setMinimumSize(colours.px(LEAST_PX[0]), LEAST_PX[1])
         low = self.height() < colours.px(LOW_PX)
         lower = next(lower for least, lower in LOWER_PX.items() if self.height() >= colours.px(least))
         self.low_area.setFixedHeight(colours.px(lower))

@@ -42,7 +42,6 @@ YIELD_S = 0.0003
 """Pause in which the link's threads send, before the window draws: Python runs one thread at a time."""
 TABBED = (Qt.FocusPolicy.TabFocus, Qt.FocusPolicy.StrongFocus, Qt.FocusPolicy.WheelFocus)
 """Policies of controls that Tab reaches."""
-LEAST_WIDTH, LEAST_HEIGHT = 1024, 560
 
 
 class Window(QMainWindow):
@@ -56,7 +55,6 @@ class Window(QMainWindow):
         self._view: View | None = None
         self._world = link.world()
         self.panels: Panels
-        self.setMinimumSize(LEAST_WIDTH, LEAST_HEIGHT)
         self._show(self._state.view(self._world))
         self.keys = Keys(lambda: self.panels.stop_bar)
         self.keys.stop.connect(lambda: self.handle(Stop()))

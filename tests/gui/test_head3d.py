@@ -21,6 +21,7 @@ from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client.degrees import HeadAngles
 from beatrix_zenoh.recording.figure import Figure
+from gui.console.state import intents
 from gui.console.state.intents import AimHead, Intent, LiveHead, ReleaseHead, SetLive, SetSendOnRelease
 from gui.console.state.state import State
 from gui.console.state.views import HeadOrientation
@@ -277,7 +278,7 @@ def test_the_picture_is_drawn_anew_only_when_a_robot_moves(
     shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn: list[object] = []
-    monkeypatch.setattr("gui.window.widgets.head3d.paint_robot", lambda *parts: drawn.append(parts))
+    monkeypatch.setattr("gui.window.widgets.head3d.paint_robot", lambda *parts, **_: drawn.append(parts))
     window = shown()
     window.panel.grab()
     first = len(drawn)
@@ -289,6 +290,54 @@ def test_the_picture_is_drawn_anew_only_when_a_robot_moves(
     window.show()
     window.panel.grab()
     assert len(drawn) == first + 1
+
+
+@pytest.mark.parametrize(
+    ("checked", "solid"), [(("sim",), "sim"), (("hw",), "hw"), (("sim", "hw"), "hw"), ((), "hw")]
+)
+def test_the_checked_robot_is_solid_and_the_other_one_a_ghost(
+    shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch, checked: tuple[str, ...], solid: str
+) -> None:
+    drawn = dict[str, object]()
+    for name in ("paint_robot", "paint_ghost"):
+        place = f"gui.window.widgets.head3d.{name}"
+        monkeypatch.setattr(place, lambda _image, head, *_, name=name, **__: drawn.update({name: head}))
+    window = shown(ready())
+    for side in ("sim", "hw"):
+        window.handle(intents.SetDestination(side, checked=side in checked))
+    window.panel.grab()
+    heads = {side: getattr(window.state.view(window.now).head, side) for side in ("sim", "hw")}
+    assert drawn == {"paint_robot": heads.pop(solid), "paint_ghost": heads.popitem()[1]}
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_gap_in_the_positions_greys_the_head_where_it_was(
+    shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch, language: str
+) -> None:
+    drawn = list[tuple[object, bool]]()
+    place = "gui.window.widgets.head3d.paint_robot"
+    monkeypatch.setattr(place, lambda _, head, *__, grey: drawn.append((head, grey)))
+    window = shown(ready())
+    window.handle(intents.SetLanguage(language))
+    window.panel.grab()
+    here = window.state.view(window.now).head
+    for side in ("sim", "hw"):
+        gap = replace(getattr(window.now, side), positions_age_s=0.6)
+        window.now = replace(window.now, **{side: gap})
+    window.show()
+    window.panel.grab()
+    assert drawn == [(here.shown, False), (here.shown, True)]
+    assert window.target == here.target, "it does not jump to the middle"
+    assert window.panel.views["front"].isVisible()
+    window.now = NOWHERE
+    window.show()
+    assert window.state.view(window.now).head.shown is None
+
+
+def test_a_robot_that_is_alone_is_solid(shown: Callable[..., Shown]) -> None:
+    for side in ("sim", "hw"):
+        window = shown(world(**{side: getattr(NOWHERE, side)}))
+        assert window.state.view(window.now).head.solid != side
 
 
 @pytest.mark.parametrize("code", LANGUAGES)

@@ -73,8 +73,9 @@ def test_a_motion_that_did_not_happen_is_a_comment(reason: Reason, accepted: boo
 
 def test_a_relative_motion_after_one_that_did_not_end_counts_from_where_the_arms_were() -> None:
     state = state_after(Jog("short", 1))
-    state.handle(Jog("short", 1), world(robot("sim", arms=(3.2, 0.0, 0.0))))
     ended(state, 1, Reason.REPLACED)
+    state.handle(Jog("short", 1), world(robot("sim", arms=(3.2, 0.0, 0.0))))
+    ended(state, 2, Reason.OK)
     state.handle(Jog("short", 1), world(robot("sim", arms=(8.2, 0.0, 0.0))))
     assert code(state)[-2:] == ["twin.sim.move(8.2, 0, 0, speed=30)", JOG]
 

@@ -243,6 +243,17 @@ def test_the_output_of_a_child_program_is_a_detail(code: str) -> None:
     assert view.last_detail == LOST_ROUTER.detail
 
 
+def test_a_simulation_that_another_program_started_first_is_no_failure() -> None:
+    """`beatrix up` starts a crashed simulation again, so the one of the window is refused: its name is taken."""
+    second = Trouble("trouble.simulation", "1", "Its output: ...")
+    state, here = State(), replace(world(), child_trouble=second)
+    state.handle(intents.StartSimulation(), world(absent("sim")))
+    state.follow(here)
+    assert state.view(here).last == "No command yet."
+    gone = replace(world(absent("sim")), child_trouble=second)
+    assert "The simulation has ended" in state.view(gone).last
+
+
 def test_the_failure_of_a_simulation_goes_when_one_is_online_again() -> None:
     state, gone = State(), replace(world(absent("sim")), child_trouble=LOST_ROUTER)
     here = replace(world(), child_trouble=LOST_ROUTER)
@@ -250,7 +261,7 @@ def test_the_failure_of_a_simulation_goes_when_one_is_online_again() -> None:
     for now in (here, gone, here):  # at first the window has not seen the loss
         state.follow(now)
         shown.append("SIGKILL" in state.view(now).last)
-    assert shown == [True, True, False]
+    assert shown == [False, True, False]
 
 
 def test_a_recording_is_begun_ended_and_opened() -> None:

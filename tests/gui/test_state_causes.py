@@ -10,9 +10,12 @@ from gui_worlds import absent, refused, robot, state_after, status, world
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import Fault, Reason
 from beatrix_zenoh.contract.refusals import taken_by
+from gui.console.state import intents
+from gui.console.state.actions import Outcome
 from gui.console.state.intents import Jog
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, World
+from gui.console.texts import LANGUAGES
 
 WELL = world(seat="ben")
 
@@ -43,6 +46,18 @@ def test_a_refusal_goes_with_its_cause(reason: Reason) -> None:
         state.follow(now)
         assert (state.view(now).arms.refusal is not None) is shown
     assert "its cause has gone" in state.view(WELL).last
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_stop_that_did_not_arrive_is_not_called_refused_when_the_router_is_back(language: str) -> None:
+    lost = CAUSES[Reason.NO_ROUTER]
+    state = state_after(intents.SetLanguage(language), intents.Stop(), now=lost)
+    state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.NO_ROUTER, message="No router."))
+    told = state.view(lost).last
+    for now in (lost, WELL):
+        state.follow(now)
+        assert state.view(now).last == told
+    assert not any(word in told for word in ("refused", "abgelehnt"))
 
 
 @pytest.mark.parametrize(

@@ -79,11 +79,13 @@ def test_a_motion_is_sent_again_to_the_robots_that_are_checked_now() -> None:
         (Reason.NO_ANSWER, "did not reach Hardware: It is off."),
         (Reason.NODE_LOST, "did not reach Hardware: It is off."),
         (Reason.TIMED_OUT, "not confirmed by Hardware: It is off."),
-        (Reason.ACCESS_DENIED, "refused: Hardware: It is off."),
+        (Reason.ACCESS_DENIED, "did not reach Hardware: It is off."),
+        (Reason.BOARD_LOST, "not confirmed by Hardware: It is off."),
+        (Reason.MUTED, "not confirmed by Hardware: It is off."),
     ],
 )
 @pytest.mark.parametrize("intent", [intents.Stop(), intents.EmergencyStop()])
-def test_a_stop_without_a_reply_of_one_side_is_not_called_refused(
+def test_a_stop_that_one_side_has_not_carried_out_is_not_called_refused(
     intent: Intent, reason: Reason, result: str
 ) -> None:
     state = State()
@@ -297,6 +299,14 @@ def test_a_stream_of_motions_is_one_row() -> None:
     assert rows(*stream, *ends, last) == [("ana", "look (20 times)", "done, 1.2 s", True)]
 
 
+def test_a_slow_stream_to_both_robots_is_one_row() -> None:
+    stream = [
+        [event(10 + apart + 1.5 * number, motion=number) for number in range(1, 11)] for apart in (0.0, 0.3)
+    ]
+    ((_, what, _, _),) = rows(*stream[0], hw=tuple(stream[1]), wall_s=26.0)
+    assert what == "look (10 times)"
+
+
 def test_different_requests_have_rows_of_their_own_newest_first() -> None:
     found = rows(
         event(10, "motion"),
@@ -312,6 +322,12 @@ def test_different_requests_have_rows_of_their_own_newest_first() -> None:
         ("ana", "move"),
     ]
     same("state history.different requests have rows of their own newest first", found[1][2])
+
+
+def test_a_stop_of_another_seat_is_not_called_refused() -> None:
+    lost = event(10, "STOP", kind=EventKind.STOP, phase=None, motion=0, seat="cem", reason=Reason.BOARD_LOST)
+    ((_, _, result, good),) = rows(lost)
+    assert (result.startswith("not confirmed by Simulation: "), good) == (True, False)
 
 
 def test_own_requests_are_not_shown_twice() -> None:

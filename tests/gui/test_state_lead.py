@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 from golden import same
-from gui_worlds import BOTH, arms_of, plan, robot, sent, state_after, status, world
+from gui_worlds import BOTH, NOT_SIM, accept, arms_of, plan, robot, sent, state_after, status, world
 
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.client.degrees import Path as MotionPath
@@ -112,6 +112,31 @@ def test_plus_during_the_lead_adds_to_the_goal_of_both_robots() -> None:
     third = sent(state.handle(Jog("all", -1), leading))
     assert arms_of(third) == pytest.approx((0.0, -5.0, 0.0))
     assert third.query.absolute, "robots at different places move to one place"
+
+
+@pytest.mark.parametrize("side", ["sim", "hw"])
+def test_quick_presses_of_one_robot_add_up(side: str) -> None:
+    state = state_after(SetDestination(side, checked=True), *(() if side == "sim" else (NOT_SIM,)))
+    turning = world(robot("sim", arms=(2, 0, 0)), robot("hw", arms=(2, 0, 0)))
+    first = sent(state.handle(Jog("short", 1), world()))
+    assert (first.query.absolute, arms_of(first)) == (False, (5, 0, 0))
+    assert [arms_of(sent(state.handle(Jog("short", 1), turning))) for _ in range(2)] == [
+        (10, 0, 0),
+        (15, 0, 0),
+    ]
+    for row in (1, 2):
+        state.report(Outcome(row, side, accepted=False, done=True, reason=Reason.REPLACED))
+    accept(state, 3)
+    plus = state.view(turning).arms.rows[0].plus
+    assert "20" in plus.tooltip
+    state.report(Outcome(3, side, accepted=True, done=True))
+    assert not sent(state.handle(Jog("short", 1), world(robot("sim", arms=(15, 0, 0))))).query.absolute
+
+
+def test_a_press_after_stop_counts_from_where_the_arm_rests() -> None:
+    state = state_after(Jog("short", 1), intents.Stop())
+    again = sent(state.handle(Jog("short", 1), world(robot("sim", arms=(2, 0, 0)))))
+    assert (again.query.absolute, arms_of(again)) == (False, (5, 0, 0))
 
 
 @pytest.mark.parametrize(("increment", "times"), [(0.1, 30), (0.3, 10), (1.0, 5)])

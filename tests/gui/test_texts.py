@@ -141,6 +141,12 @@ def test_no_refusal_names_a_command_to_type(code: str) -> None:
     } == set()
 
 
+def test_german_refusals_call_the_emergency_stop_as_its_buttons_do() -> None:
+    _, refusals = load("de")
+    texts = (*refusals.refusals.values(), *refusals.commands.values())
+    assert {text for text in texts if re.search(r"EMERGENCY|RESET|^zurücksetzen$", text)} == set()
+
+
 def test_a_missing_text_is_an_error() -> None:
     with pytest.raises(KeyError):
         Texts("en")("no.such")

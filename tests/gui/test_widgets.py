@@ -280,6 +280,14 @@ def test_record_stays_where_it_was_pressed(window: Window, shown: ShownState, th
     assert [widget.geometry() for widget in watched] == before
 
 
+def test_the_buttons_of_a_pill_name_its_robot_for_screen_readers(window: Window) -> None:
+    pills = window.panels.header.pills.values()
+    shown = [button for pill in pills for button in (pill.more, pill.next_step, pill.lease)]
+    names = [button.accessibleName() for button in shown if not button.isHidden()]
+    assert len(names) > 2
+    assert all(name.startswith(("Simulation: ", "Hardware: ")) for name in names), names
+
+
 @pytest.mark.parametrize("size", [(1366, 768), (1024, 560)])
 @pytest.mark.parametrize("control", ["head", "short", "commands", "gestures"])
 def test_a_refusal_covers_neither_a_control_nor_a_head(

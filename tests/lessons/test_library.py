@@ -57,11 +57,11 @@ def test_texts_are_complete(lesson: Lesson, language: str) -> None:
         (
             Unmet(
                 "uncaught",
-                error="Refused: The head would tilt 40.0°; at most 35.0° is allowed. Try a speed of 9.5°/s.",
+                error="Refused: The head would lean 40.0°; at most 35.0° is allowed. Try a speed of 9.5°/s.",
                 where=" (cell 2, line 4)",
             ),
             (
-                "Refused: Der Kopf würde sich um 40,0° neigen; höchstens 35,0° sind erlaubt. "
+                "Refused: Der Kopf stünde 40,0° schräg; höchstens 35,0° sind erlaubt. "
                 "Versuche es mit der Geschwindigkeit 9,5°/s. (Zelle 2, Zeile 4)"
             ),
         ),

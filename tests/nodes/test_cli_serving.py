@@ -190,7 +190,7 @@ def test_a_log_file_contains_requests_stops_and_the_loss_of_the_board(endpoint: 
         r"ana command ENABLE, from Python: The motors are on",
         r"ana command CALIBRATE, from Python",
         r"ana asked look yaw 5\.0°, pitch 0\.0°, roll 0\.0° at 60°/s, from Python: Accepted",
-        r"ana asked look .*, from Python, refused OUT_OF_REACH: The head would tilt",
+        r"ana asked look .*, from Python, refused OUT_OF_REACH: The head would lean",
         r"ana motion pose \d+ done: Arrived",
         r"stop STOP.*: Nothing moves",
         rf"WARNING .*{board.path} is not there: plug the board in",

@@ -154,7 +154,7 @@ def test_a_recorded_motion_file_is_replayed(stage: Stage, twin: Twin, tmp_path: 
 
 def test_a_refused_path_moves_no_robot(twin: Twin) -> None:
     before = steps(twin.sim), steps(twin.hw)
-    with pytest.raises(Refused, match=r"nod\.csv, line 5 \(t = 2\.00 s\): The head would tilt 40"):
+    with pytest.raises(Refused, match=r"nod\.csv, line 5 \(t = 2\.00 s\): The head would lean 40"):
         replay(twin, following(NOD.replace("15,-5,0", "15,-40,0")))
     twin.hw.disable()
     with pytest.raises(Refused, match="hw"):

@@ -66,6 +66,12 @@ def aim(browser: Browser, **angles: float) -> None:
     browser.click("#send")
 
 
+def edge(browser: Browser, selector: str, name: str) -> float:
+    """Return the place of an edge of an element on the screen (px)."""
+    place: float = browser.run(f"document.querySelector('{selector}').getBoundingClientRect().{name}")
+    return place
+
+
 def drive(browser: Browser) -> None:
     """Take both robots and make them ready."""
     browser.click("#yaw-plus")
@@ -124,9 +130,15 @@ def test_a_refusal_and_its_alternative_in_german(browser: Browser, robot: Robot)
     browser.run("document.querySelector('#language').value = 'de'")
     browser.run("document.querySelector('#language').dispatchEvent(new Event('change'))")
     browser.wait(lambda: browser.text("#drive") == "Zurückgeben", "German")
-    aim(browser, yaw=0, pitch=30, roll=30)
+    browser.resize(360, 740)
+    browser.run("document.querySelector('#aim-pitch').value = document.querySelector('#aim-roll').value = 30")
+    for part in ("pitch", "roll"):
+        browser.run(f"document.querySelector('#aim-{part}').dispatchEvent(new Event('input'))")
+    browser.run(f"window.scrollBy(0, {edge(browser, '#send', 'bottom') - edge(browser, '#stop', 'top')})")
+    browser.run("document.querySelector('#send').click()")  # where it is, just above STOP
     browser.wait(lambda: "35,0°" in browser.text("#refusal-head p"), "a refusal beside the sliders")
     assert browser.text("#refusal-head .alternative").startswith("Blick auf ")
+    assert edge(browser, "#refusal-head .alternative", "bottom") <= edge(browser, "#stop", "top")
     browser.click("#refusal-head .alternative")
     until(lambda: robot.positions().head.pitch > 10.0, "the alternative is accepted")
     assert browser.run("document.querySelector('#refusal-head').hidden")

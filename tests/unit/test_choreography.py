@@ -168,8 +168,8 @@ COLUMNS = "t_s,yaw_deg,pitch_deg,roll_deg,short_deg,middle_deg,long_deg,speed_de
 @pytest.mark.parametrize(
     ("text", "where", "reason"),
     [
-        ("0,0,60,0,,,,40\n", r"line 2 \(t = 0\.00 s\): The head would tilt", Reason.OUT_OF_REACH),
-        ("0,0,5,0,,,,40\n1,0,60,0\n", r"line 3 \(t = 1\.00 s\): The head would tilt", Reason.OUT_OF_REACH),
+        ("0,0,60,0,,,,40\n", r"line 2 \(t = 0\.00 s\): The head would lean", Reason.OUT_OF_REACH),
+        ("0,0,5,0,,,,40\n1,0,60,0\n", r"line 3 \(t = 1\.00 s\): The head would lean", Reason.OUT_OF_REACH),
         ("0,0,5,0,,,,40\n\n1,190,0,0\n", r"line 4 \(t = 1\.00 s\): The head would", Reason.YAW_LIMIT),
         ("0,0,5,0,,,,40\n1,,,,0,0,300\n", r"line 3 \(t = 1\.00 s\): ", None),
         ("0,0,5,0,,,,40\n1,0,0,0,,,,500\n", r"line 3 \(t = 1\.00 s\): ", Reason.SPEED_LIMIT),

@@ -113,7 +113,7 @@ def test_a_path_that_is_too_long_is_refused_before_it_is_planned() -> None:
         *(
             (
                 f"0,0,0,0\n1,0,{-tilt},0\n",
-                f"mine.csv, line 4 (t = 1.00 s): The head would tilt {tilt}.0°; at most 35.0° is allowed.",
+                f"mine.csv, line 4 (t = 1.00 s): The head would lean {tilt}.0°; at most 35.0° is allowed.",
             )
             for tilt in (36, 44, 46, 60, 89, 120)
         ),

@@ -148,7 +148,7 @@ def test_a_jump_of_the_set_point_is_reached_on_a_checked_path_at_the_default_spe
 def test_a_refused_path_is_reported_and_planned_again_later(follower: Follower) -> None:
     follower.hear(sample(10.02, 40.0))
     assert follower.step(10.02, SetPoint(REST, REST), LIMITS) is not None
-    follower.refused(10.02, "The head would tilt 40.0°.")
+    follower.refused(10.02, "The head would lean 40.0°.")
     assert follower.state(10.02) is FollowState.WAITING
     assert "40.0°" in follower.warnings(10.02)[0]
     follower.hear(sample(10.2, 40.0))

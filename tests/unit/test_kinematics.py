@@ -158,7 +158,7 @@ def tuple3(values: list[float]) -> Arms:
 
 
 def test_the_refusal_of_a_pose_out_of_reach_names_the_reach() -> None:
-    with pytest.raises(Refused, match=r"would tilt 50\.0°; at most 45\.0°") as caught:
+    with pytest.raises(Refused, match=r"would lean 50\.0°; at most 45\.0°") as caught:
         SHIPPED.inverse(0, math.radians(50), 0)
     assert caught.value.reason == Reason.OUT_OF_REACH
 

@@ -218,7 +218,10 @@ def test_sentences_are_those_of_the_golden_file(language: str) -> None:
 
 PUPILS = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT, Reason.NOT_AT_REST)
 """Reasons that the program of a pupil meets in the check of a lesson."""
-WORDS = {"\N{MINUS SIGN}": "-", " Drehen ": " yaw ", " Nicken ": " pitch ", " Neigen ": " roll "}
+WORDS = {"\N{MINUS SIGN}": "-"} | {
+    rf" {word} (?=[-\d])": f" {angle} "
+    for word, angle in {"Drehen": "yaw", "Nicken": "pitch", "Neigen": "roll"}.items()
+}
 """What the window writes for a person, and Python for a program."""
 
 
@@ -229,7 +232,7 @@ def test_german_lessons_say_what_the_german_window_says() -> None:
     for refusal in (*said, refusals.coming_to_rest()):
         shown = texts.Texts("de").refusal(refusal.reason, refusal.detail)
         for in_window, in_program in WORDS.items():
-            shown = shown.replace(in_window, in_program)
+            shown = re.sub(in_window, in_program, shown)
         assert german.phrase(refusal.message) == shown
 
 

@@ -15,7 +15,7 @@ _PAUSE = (
 _LONG_PAUSE = (
     "Send no motion for {wait_s}, then try again; each earlier try, also of a new program, restarts the wait."
 )
-_TILT = "at most {high} is allowed."
+_LEAN = "at most {high} is allowed."
 _GAP = "at least {low} is required."
 _YAW = "{low} to {high} is allowed."
 _PASSED = "The {arms} arms would pass each other; a gap of at least {low} is required."
@@ -67,19 +67,19 @@ ENGLISH: Final = Language(
         (Reason.NOT_CALIBRATED, None, "upright"): (
             "Home is not known. If the head is upright, {needs}; otherwise disable, set it upright, enable and calibrate."
         ),
-        (Reason.OUT_OF_REACH, None, ""): "The head cannot take this pose. Choose one that tilts less.",
-        (Reason.OUT_OF_REACH, Limit.TILT, "goal"): f"The head would tilt {{value}}; {_TILT}",
-        (Reason.OUT_OF_REACH, Limit.TILT, "path"): f"{_WAY}the head would tilt {{value}}; {_TILT}",
+        (Reason.OUT_OF_REACH, None, ""): "The head cannot take this pose. Choose one that leans less.",
+        (Reason.OUT_OF_REACH, Limit.TILT, "goal"): f"The head would lean {{value}}; {_LEAN}",
+        (Reason.OUT_OF_REACH, Limit.TILT, "path"): f"{_WAY}the head would lean {{value}}; {_LEAN}",
         (
             Reason.OUT_OF_REACH,
             Limit.TILT,
             "goal unfit",
-        ): "No orientation of the head is possible with the arms at the goal; a tilt of " + _TILT,
+        ): "No orientation of the head is possible with the arms at the goal; a lean of " + _LEAN,
         (
             Reason.OUT_OF_REACH,
             Limit.TILT,
             "path unfit",
-        ): f"{_WAY}no orientation of the head is possible; a tilt of {_TILT}",
+        ): f"{_WAY}no orientation of the head is possible; a lean of {_LEAN}",
         (Reason.OUT_OF_REACH, Limit.TILT, "start"): (
             "No orientation of the head is possible with the arms at {leaves_arms}: the counted positions are wrong, or the "
             "neck has snapped through. Switch the motors off, set the head upright, switch them on and calibrate."

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -12,7 +13,8 @@ from typing import Final
 
 import msgspec
 
-from beatrix_zenoh.contract._generated.messages import Detail, Reason
+from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetReply
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from beatrix_zenoh.settings import Settings
@@ -29,6 +31,9 @@ END_S = 1.0
 WAIT_S = 2.0
 """Longest time (s) that a newer motion waits for the end of the program."""
 
+STILL_S = 0.3
+"""Time (s) after which a person at the same place stands still."""
+
 
 class Failure(msgspec.Struct, frozen=True):
     """The last line of a program that an error of the SDK has ended, as `beatrix` prints it."""
@@ -43,7 +48,7 @@ class FaceJob:
     """One run of the program, from the request to its end."""
 
     action: FollowFace
-    environment: Mapping[str, str]
+    settings: Settings
     ending: BeatrixError | None = None
     """why the program must end; None: it may go on"""
     unwanted: bool = False
@@ -72,14 +77,7 @@ class FaceProgram(Worker):
 
     def begin(self, action: FollowFace, settings: Settings, clear: Callable[[], None]) -> None:
         """Start the program for the robot of the settings; `clear` ends other motions, on the program's thread."""
-        environment = {
-            "BEATRIX_ROBOT": settings.robot,
-            "BEATRIX_CONNECT": settings.connect,
-            "BEATRIX_WHO": settings.who,
-            "PYTHONUNBUFFERED": "1",
-            "PYTHONIOENCODING": "utf-8",
-        }
-        job = FaceJob(action, environment)
+        job = FaceJob(action, settings)
         self._newest.begin(job)
         self.put(lambda: self._run(job, clear))
 
@@ -133,14 +131,23 @@ class FaceProgram(Worker):
 
     def _perform(self, job: FaceJob) -> None:
         """Run the program until its end; raises the reason why it must end, or its failure."""
-        children = Supervisor(job.environment)
-        try:
-            if not job.ends:
-                child = children.start("program", "--program", str(self._file), *job.action.sides)
-                self._report(accepted(job.action.row, "", "Started.", 0.0))
-                self._watch(job, child)
-        finally:
-            children.end()
+        settings = job.settings
+        environment = {
+            "BEATRIX_ROBOT": settings.robot,
+            "BEATRIX_CONNECT": settings.connect,
+            "BEATRIX_WHO": settings.who,
+            "PYTHONUNBUFFERED": "1",
+            "PYTHONIOENCODING": "utf-8",
+        }
+        children = Supervisor(environment)
+        with walking(settings) if job.action.sides[0] == "sim" else contextlib.nullcontext():
+            try:
+                if not job.ends:
+                    child = children.start("program", "--program", str(self._file), *job.action.sides)
+                    self._report(accepted(job.action.row, "", "Started.", 0.0))
+                    self._watch(job, child)
+            finally:
+                children.end()
         if job.ending is not None:
             raise job.ending
 
@@ -161,6 +168,28 @@ class FaceProgram(Worker):
         """End the program and the thread; returns at once."""
         self.end(closed())
         super().close()
+
+
+@contextlib.contextmanager
+def walking(settings: Settings) -> Iterator[None]:
+    """Let the simulated person sway during the block if it stands still, so that the head has something to follow."""
+    with contextlib.ExitStack() as ends:
+        with contextlib.suppress(BeatrixError):  # the program follows without it, too
+            name, connect, who = settings.robot, settings.connect, settings.who
+            # In a session of its own: that of the window closes before this program has ended.
+            robot = ends.enter_context(Robot(name, side="sim", connect=connect, who=who))
+            stood = robot.target()
+            time.sleep(STILL_S)
+            if robot.target() == stood:
+                robot.walk_target("sway")
+                ends.callback(put_back, robot, stood)
+        yield
+
+
+def put_back(robot: Robot, place: TargetReply) -> None:
+    """Let the simulated person stand where it stood, unless the simulation has gone."""
+    with contextlib.suppress(BeatrixError):
+        robot.move_target(place.x, place.y, place.z)
 
 
 def program_failed() -> WindowError:

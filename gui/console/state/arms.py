@@ -7,14 +7,14 @@ from typing import Final
 
 from beatrix_zenoh.client.degrees import ArmAngles, arm_angles
 from beatrix_zenoh.client.twin_motion import furthest
-from beatrix_zenoh.contract._generated.messages import MotionQuery
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.names import ARMS, SIDES
 from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import refusals
 from gui.console.state.actions import Action, Send
 from gui.console.state.intents import ALL_ARMS, Jog
-from gui.console.state.memory import Memory
+from gui.console.state.memory import Memory, RequestRow
 from gui.console.state.motions import send_arms
 from gui.console.state.presence import commanded, reading, unreachable
 from gui.console.state.views import ArmRowView, ArmsView, ButtonView
@@ -92,7 +92,7 @@ def jog(memory: Memory, world: World, intent: Jog) -> list[Action]:
     choices = memory.choices
     by = intent.sign * choices.increment
     chosen = ARMS if intent.arm == ALL_ARMS else (intent.arm,)
-    if choices.relative and len(choices.sides) < 2:
+    if choices.relative and len(choices.sides) < 2 and _going(memory, world) is None:
         by_arms = _moved(ArmAngles(0.0, 0.0, 0.0), chosen, by, relative=True)
         return send_arms(memory, world, by_arms, intent.arm, relative=True)
     if unreachable(memory, world, choices.sides, intent.arm):
@@ -108,28 +108,46 @@ def jog(memory: Memory, world: World, intent: Jog) -> list[Action]:
 def _start(memory: Memory, world: World) -> ArmAngles | None:
     """Return the angles that + or - start from; None if they are unknown.
 
-    They are the set point, or the goal of the motion that simulation and hardware are making. Both robots get one goal,
-    so that robots that stand apart, as after STOP or during the lead, come together. If they stand at the last goal, it
-    is the exact one and not its microsteps, as for relative motions of one robot.
+    They are the goal of the motion that the checked robots are making, or else the set point: so three quick presses
+    turn an arm three times as far, and robots that stand apart, as after STOP, come together. If both robots stand at
+    the last goal, it is the exact one and not its microsteps, as for relative motions of one robot.
     """
-    choices, newest = memory.choices, memory.rows[-1] if memory.rows else None
+    choices = memory.choices
     here = commanded(world, choices.sides)
-    if (
-        not choices.relative
-        or len(choices.sides) < 2
-        or newest is None
-        or not isinstance(newest.request, Send)
-    ):
+    if not choices.relative:
         return here
-    query = newest.request.query
-    if isinstance(query, MotionQuery) and query.absolute and len(newest.sides) > 1:
+    if (going := _going(memory, world)) is not None:
+        return going
+    query = None if (newest := _newest(memory)) is None else newest[1]
+    if isinstance(query, MotionQuery) and query.absolute and len(choices.sides) > 1 and here is not None:
         goal = arm_angles(query.position)
-        under_way = world.plan is not None and not newest.ended
-        if under_way or (here is not None and furthest(goal, here) <= HALF_STEP_DEG):
-            return goal
-    if world.plan is not None and world.plan.path is not None and world.plan.path.arms:
-        return world.plan.path.arms[-1]
+        return goal if furthest(goal, here) <= HALF_STEP_DEG else here
     return here
+
+
+def _newest(memory: Memory) -> tuple[RequestRow, MotionQuery | PoseQuery] | None:
+    """Return the newest request if it is a motion of just the checked robots, and not that of a held button."""
+    row = memory.rows[-1] if memory.rows else None
+    if row is None or row.sides != memory.choices.sides or row.number == memory.open_hold:
+        return None
+    return (row, row.request.query) if isinstance(row.request, Send) else None
+
+
+def _going(memory: Memory, world: World) -> ArmAngles | None:
+    """Return the goal of the motion that the checked robots are making; None if there is none, or it is unknown."""
+    if (newest := _newest(memory)) is None or newest[0].ended:
+        return None
+    row, query = newest
+    if len(row.sides) > 1 and world.plan is None:
+        return None
+    if isinstance(query, PoseQuery):
+        path = None if world.plan is None else world.plan.path
+        return path.arms[-1] if path is not None and path.arms else None
+    goal = arm_angles(query.position)
+    if query.absolute:
+        return goal
+    start = row.before.get(row.sides[0])
+    return None if start is None else ArmAngles(*map(sum, zip(start, goal, strict=True)))
 
 
 def _moved(start: ArmAngles, chosen: tuple[str, ...], by: float, *, relative: bool) -> ArmAngles:

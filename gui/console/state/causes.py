@@ -10,7 +10,7 @@ from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import Fault, Reason, Status
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.memory import Memory, Refusal
-from gui.console.state.presence import apart, online
+from gui.console.state.presence import SERVING, apart, online
 from gui.console.state.refusals import LEFT, sides_of
 from gui.console.state.world import LinkPhase, World
 
@@ -32,8 +32,6 @@ IN_WORLD: Final[Mapping[str, Callable[[World], bool]]] = {
     LEFT: apart,
 }
 """Whether the cause of a refusal of the window itself lasts, by the key of its text."""
-SERVING: Final = ("trouble.router", "trouble.simulation")
-"""Failures that are over when a simulation is online."""
 NOT_ONLINE: Final = (Reason.NO_SUCH_ROBOT, Reason.NODE_LOST, Reason.NODE_HANGS)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from datetime import datetime
 
+from beatrix_zenoh.client import Presence
 from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery, Reason
 from gui.console.state import code_lines, other_seats
@@ -22,7 +23,7 @@ from gui.console.state.actions import (
     WriteFile,
 )
 from gui.console.state.memory import HistoryCache, Memory, Request, RequestRow
-from gui.console.state.presence import troubles
+from gui.console.state.presence import SERVING, troubles
 from gui.console.state.refusals import sentence, side_of
 from gui.console.state.views import HistoryRowView
 from gui.console.state.world import Trouble, World
@@ -33,15 +34,11 @@ SHOWN = 100
 BY_STOP = "STOP"
 """part of the message of every motion that STOP has ended"""
 BY_STOP_HERE = "result.stop_pressed"
-STOP_MISSED = {
-    Reason.NO_ANSWER: "result.stop_unreached",
-    Reason.NO_SUCH_ROBOT: "result.stop_unreached",
-    Reason.NODE_LOST: "result.stop_unreached",
-    Reason.NO_ROUTER: "result.stop_unreached",
-    Reason.NODE_HANGS: "result.stop_unconfirmed",
-    Reason.TIMED_OUT: "result.stop_unconfirmed",
+STOP_UNREACHED = {
+    *(Reason.NO_ANSWER, Reason.NO_SUCH_ROBOT, Reason.NODE_LOST, Reason.NO_ROUTER, Reason.ACCESS_DENIED)
 }
-"""texts of a STOP or EMERGENCY_STOP without a reply: no robot has refused it"""
+"""Reasons for which STOP or EMERGENCY_STOP has reached no robot; otherwise the robot did not confirm it. No robot refuses it."""
+STOPS = {Command.STOP.name, Command.EMERGENCY_STOP.name}
 GOOD, BAD, OPEN, REPLACED = "✓", "✕", "…", "–"
 
 
@@ -85,7 +82,7 @@ def last(memory: Memory, world: World) -> str:
     if not memory.rows:
         return memory.notice or texts("last.none")
     row = memory.rows[-1]
-    if row.number == memory.solved:
+    if row.number == memory.solved and not isinstance(row.request, SendStop):
         return texts("last.solved", what=what(row, texts))
     text, _ = result(row, texts)
     first, _, _ = text.partition(". ")  # the first sentence; other places also show the advice
@@ -102,9 +99,17 @@ def last_detail(memory: Memory, world: World) -> str:
 
 
 def _trouble(memory: Memory, world: World) -> tuple[str, Trouble] | None:
-    """Return the first failure that is new since the newest request, and the key of its text; None if there is none."""
+    """Return the first failure that is new since the newest request, and the key of its text; None if there is none.
+
+    A simulation that could not be started is none while another program, such as `beatrix up`, has started it.
+    """
+    serves = world.sim.presence is Presence.ONLINE
     for key, trouble in troubles(world).items():
-        if trouble is not None and trouble != memory.troubles.get(key):
+        if (
+            trouble is not None
+            and trouble != memory.troubles.get(key)
+            and not (serves and trouble.key in SERVING)
+        ):
             return key, trouble
     return None
 
@@ -163,6 +168,8 @@ def _foreign_result(group: other_seats.Group, now_s: float, texts: Texts) -> tup
             return texts("result.done_in", seconds=float(group.duration_s)), True
         return texts("result.done"), True
     text = sentence(group.reason, group.detail, group.message, texts)
+    if group.action in STOPS:
+        return _stop_missed(group.reason, [texts(f"side.{side}") for side in group.motions], text, texts)
     return failure(group.reason, text, texts, began=group.ended)
 
 
@@ -223,10 +230,10 @@ def _bad(row: RequestRow, bad: list[Outcome], texts: Texts) -> tuple[str, bool |
         robots = ", ".join(worst.failed)
         slots = {"done": float(done), "count": float(worst.robots)}
         return texts("result.done_partly", robots=robots, text=text, **slots), False
-    if isinstance(row.request, SendStop) and worst.reason in STOP_MISSED:
+    if isinstance(row.request, SendStop):
         missed = {side_of(outcome) for outcome in bad} - {""} or {"sim", "hw"}
         sides = [texts(f"side.{name}") for name in ("sim", "hw") if name in missed]
-        return texts(STOP_MISSED[worst.reason], robots=", ".join(worst.failed or sides), text=text), False
+        return _stop_missed(worst.reason, [*worst.failed] or sides, text, texts)
     if worst.failed:
         text = texts("of.robots", robots=", ".join(worst.failed), text=text)
     elif side and len(row.sides) > 1:
@@ -243,6 +250,12 @@ def _bad(row: RequestRow, bad: list[Outcome], texts: Texts) -> tuple[str, bool |
         # This window has ended the motion, and the message contains the reason.
         return texts("result.ended", text=text), False
     return failure(worst.reason, text, texts, began=began)
+
+
+def _stop_missed(reason: Reason, robots: list[str], text: str, texts: Texts) -> tuple[str, bool | None]:
+    """Return the result, and False, of a STOP that some robots have not carried out."""
+    key = "result.stop_unreached" if reason in STOP_UNREACHED else "result.stop_unconfirmed"
+    return texts(key, robots=", ".join(robots), text=text), False
 
 
 def _ended_on_purpose(row: RequestRow) -> bool:

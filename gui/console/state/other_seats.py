@@ -41,7 +41,7 @@ WHATS: Final = {
     LeaseAction.UNMUTE.value: "what.unmute",
 }
 """Text key of each action in events."""
-STREAM_S: Final = 1.0
+STREAM_S: Final = 3.0
 """Equal requests to one robot, each within this time after the previous one, form one row."""
 UNSEEN_S: Final = 5.0
 """Time after the expected end of a motion, in which its event should have arrived."""

@@ -15,6 +15,9 @@ APART_DEG = 1.0
 STALE_S = 0.4
 """A robot whose newest positions are older than this (s) is silent; robots publish positions every 20 ms."""
 
+SERVING = ("trouble.router", "trouble.simulation")
+"""Failures that are over when a simulation is online."""
+
 
 def online(world: World, side: str) -> bool:
     """Return whether a request can reach a robot: there is a router, and the robot's token."""
@@ -27,12 +30,16 @@ def silent(robot: RobotState) -> bool:
     return robot.status is None or robot.positions is None or age_s is None or age_s > STALE_S
 
 
-def reading(world: World, side: str) -> Reading | None:
-    """Return the angles of a robot in degrees; None if they are unknown or too old."""
-    robot = world.side(side)
-    found = robot.reading if online(world, side) and not silent(robot) else None
+def kept(world: World, side: str) -> Reading | None:
+    """Return the last angles (deg) of a robot that is online, even if they are old; None if they are unknown."""
+    found = world.side(side).reading if online(world, side) else None
     angles = () if found is None else (*found.arms, *found.commanded, *found.head)
     return found if all(abs(angle) < FURTHEST_DEG for angle in angles) else None
+
+
+def reading(world: World, side: str) -> Reading | None:
+    """Return the angles of a robot in degrees; None if they are unknown or too old."""
+    return None if silent(world.side(side)) else kept(world, side)
 
 
 def commanded(world: World, sides: tuple[str, ...]) -> ArmAngles | None:

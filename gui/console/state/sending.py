@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 from beatrix_zenoh.client.degrees import Path as MotionPath
-from beatrix_zenoh.client.degrees import head_angles
+from beatrix_zenoh.client.degrees import Reading, head_angles
 from beatrix_zenoh.contract._generated.messages import Head, PoseQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from gui.console.state import dragging, gestures, refusals
 from gui.console.state.actions import AbortPlan, Action, Send, SendPlanNow
 from gui.console.state.intents import Abort, Change, Intent, SendHead, SendNow, SetDestination
 from gui.console.state.memory import Memory, Refusal
-from gui.console.state.presence import apart, orientation, reading
+from gui.console.state.presence import apart, kept, orientation, reading, silent
 from gui.console.state.views import ButtonView, HeadOrientation, HeadView, SendingView
 from gui.console.state.world import PlanPhase, PlanProgress, World
 from gui.console.texts import Texts
@@ -29,10 +30,14 @@ def head(memory: Memory, world: World) -> HeadView:
         tilt_max, yaw_max = math.degrees(world.limits.tilt_max), math.degrees(world.limits.yaw_max)
     gap_min = ROBOT.limits.gap_min if world.limits is None else math.degrees(world.limits.gap_min)
     path = world.plan.path if world.plan is not None else None
+    solid = _solid(memory, world)
     return HeadView(
         target=target(memory, world),
         sim=_head(world, "sim"),
         hw=_head(world, "hw"),
+        solid=solid,
+        shown=_head(world, solid, kept),
+        silent=silent(world.side(solid)),
         tilt_max=tilt_max,
         yaw_max=yaw_max,
         path=() if path is None else tuple(orientation(head) for head in path.head),
@@ -42,16 +47,24 @@ def head(memory: Memory, world: World) -> HeadView:
     )
 
 
-def _head(world: World, side: str) -> HeadOrientation | None:
-    found = reading(world, side)
+def _head(
+    world: World, side: str, read: Callable[[World, str], Reading | None] = reading
+) -> HeadOrientation | None:
+    found = read(world, side)
     return None if found is None else orientation(found.head)
+
+
+def _solid(memory: Memory, world: World) -> str:
+    """Return the side that is drawn solid: the checked one, of both the hardware; the other one if it is alone."""
+    order = ("sim", "hw") if memory.choices.sides == ("sim",) else ("hw", "sim")
+    return next((side for side in order if kept(world, side) is not None), order[0])
 
 
 def target(memory: Memory, world: World) -> HeadOrientation:
     """Return the target of the user, else the head's orientation, so that Send moves nothing, else upright."""
     if memory.choices.target is not None:
         return memory.choices.target
-    here = _head(world, (memory.choices.sides or ("sim",))[0]) or UPRIGHT
+    here = _head(world, (memory.choices.sides or ("sim",))[0], kept) or UPRIGHT
     return HeadOrientation(*(round(angle, 1) + 0.0 for angle in (here.yaw, here.pitch, here.roll)))
 
 

@@ -123,6 +123,12 @@ class HeadView:
     target: HeadOrientation
     sim: HeadOrientation | None
     hw: HeadOrientation | None
+    solid: str
+    """`sim` or `hw`: the robot that is drawn solid, and the other one as a ghost"""
+    shown: HeadOrientation | None
+    """its newest head, even an old one; None: it is not online"""
+    silent: bool
+    """whether `shown` is old or None"""
     tilt_max: float
     """limit (deg)"""
     yaw_max: float
@@ -132,6 +138,10 @@ class HeadView:
     drag: DragView
     send: ButtonView
     refusal: RefusalView | None = None
+
+    def side(self, side: str) -> HeadOrientation | None:
+        """Return the head of `sim` or `hw`."""
+        return self.sim if side == "sim" else self.hw
 
 
 @dataclass(frozen=True)

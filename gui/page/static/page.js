@@ -89,6 +89,7 @@ function showRefusal(id, refusal) {
   const close = { text: "✕", tooltip: text("label.dismiss"), intent: { do: "DismissRefusal" }, enabled: true };
   box.replaceChildren(make("p", refusal.text), bind(make("button"), close));
   if (refusal.alternative) box.append(bind(make("button", "", "main alternative"), refusal.alternative));
+  box.scrollIntoView({ block: "nearest" }); // above STOP, and below the header
 }
 
 // -- the parts of the view ----------------------------------------------------------------------------
@@ -146,7 +147,7 @@ function showTexts() {
   for (const button of document.querySelectorAll("[data-part]")) {
     const { part, sign } = button.dataset;
     if (part in ROTATIONS) set(button, text(`page.${button.id}`));
-    button.ariaLabel = part in ROTATIONS ? text(`page.${button.id}`) : `${part} ${sign > 0 ? "+" : "−"}`;
+    button.ariaLabel = part in ROTATIONS ? text(`page.${button.id}`) : `${text(`arm.${part}`)} ${sign > 0 ? "+" : "−"}`;
   }
   document.querySelector("#class thead").replaceChildren(...COLUMNS.map((name) => make("th", text(`label.class_${name}`))));
 }

@@ -67,6 +67,9 @@ class StopBar(QPushButton):
         self.last.setFixedHeight(HEIGHT_PX)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(20, 2, 12, 2)
+        layout.setSizeConstraint(
+            QHBoxLayout.SizeConstraint.SetMinimumSize
+        )  # a button alone would not count these
         layout.addWidget(self.word)
         layout.addSpacing(12)
         layout.addWidget(self.keys)

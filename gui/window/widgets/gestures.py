@@ -21,7 +21,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.views import GesturesView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import IntentButton, label, set_role, set_text
+from gui.window.widgets.controls import ElidedLabel, IntentButton, set_role, set_text
 from gui.window.widgets.gesture_icons import FOLLOW, PROGRAM, paint
 
 PICTURE_PX, SMALL_PX = 44, 26
@@ -121,7 +121,7 @@ class GesturesPanel(QWidget):
         self._room: Room | None = None
         self.buttons = {name: PictureButton(name) for name in GESTURES}
         self.follow, self.open = PictureButton(FOLLOW), PictureButton(PROGRAM)
-        self.note = label(role="dim")
+        self.note = ElidedLabel("dim")
         self.setAccessibleName(texts("label.gestures"))
         self._all = (*self.buttons.values(), self.follow, self.open)
         for button in self._all:

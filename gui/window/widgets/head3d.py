@@ -225,19 +225,19 @@ class Head3d(QWidget):
             painter.end()  # Qt aborts if a painter stays active after an error
 
     def _paint_robots(self, painter: QPainter, view: HeadView) -> None:
-        """Draw the hardware, and the simulation as a translucent ghost; the simulation alone is solid.
-
-        Each picture is kept while its robot rests.
-        """
+        """Draw one robot solid, and the other one as a translucent ghost; each picture is kept while its robot rests."""
         screen, style = self.screen3d, self._style
-        solid = view.sim if view.hw is None else view.hw
-        painter.drawImage(
-            QPoint(0, 0),
-            self._picture("solid", solid, lambda image: paint_robot(image, solid, screen, style)),
+        other = "hw" if view.solid == "sim" else "sim"
+        ghost, grey = view.side(other), view.silent
+        solid = self._picture(
+            "grey" if grey else "solid",
+            view.shown,
+            lambda image: paint_robot(image, view.shown, screen, style, grey=grey),
         )
-        ghost = view.sim
-        if ghost is not None and view.hw is not None and apart(ghost, view.hw):
-            image = self._picture("ghost", ghost, lambda image: paint_ghost(image, ghost, screen, style))
+        painter.drawImage(QPoint(0, 0), solid)
+        if ghost is not None and apart(ghost, view.shown):
+            tint = style.side(other)
+            image = self._picture(other, ghost, lambda image: paint_ghost(image, ghost, screen, tint))
             painter.setOpacity(GHOST)
             painter.drawImage(QPoint(0, 0), image)
             painter.setOpacity(1.0)
@@ -303,7 +303,7 @@ class Head3dPanel(QWidget):
         """Show the robots and the choices."""
         self.head.show_view(view)
         for button in self.views.values():
-            button.setVisible(view.sim is not None or view.hw is not None)
+            button.setVisible(view.shown is not None)
         self.live.setChecked(view.drag.live)
         self.send.setChecked(view.drag.send_on_release)
 

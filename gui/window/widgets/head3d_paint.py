@@ -23,9 +23,11 @@ from gui.window.widgets.head3d_scene import HeadDrawing, Screen, draw, hull
 from gui.window.widgets.head3d_shape import BASE, HEAD, Floats, meshes, turns
 
 GHOST: Final = 0.42
-"""Opacity of the simulation beside the hardware."""
+"""Opacity of the ghost."""
 TINT: Final = 0.4
 """Share of the robot's colour in each colour of the ghost."""
+GREY: Final = 0.7
+"""Share of grey in each colour of a robot that is silent."""
 NEAR_DEG: Final = 0.35
 """Difference of two heads that are drawn as one."""
 GLOW: Final = 0.85
@@ -53,9 +55,11 @@ def same(one: HeadView, other: HeadView) -> bool:
     """Return whether two views make the same picture, to a tenth of a degree."""
 
     def drawn(view: HeadView) -> tuple[object, ...]:
-        heads = (view.target, view.sim, view.hw)
+        heads = (view.target, view.sim, view.hw, view.shown)
         return (
             *(at and at.tenths for at in heads),
+            view.solid,
+            view.silent,
             view.tilt_max,
             view.yaw_max,
             view.drag.refused,
@@ -75,8 +79,10 @@ def apart(one: HeadOrientation | None, other: HeadOrientation | None) -> bool:
 # -- the robots -------------------------------------------------------------------------------------
 
 
-def paint_robot(image: QImage, head: HeadOrientation | None, screen: Screen, style: Style) -> None:
-    """Draw the ring under the robot with an arrow ahead, and the robot; nothing without a robot."""
+def paint_robot(
+    image: QImage, head: HeadOrientation | None, screen: Screen, style: Style, *, grey: bool
+) -> None:
+    """Draw the ring under the robot with an arrow ahead, and the robot, grey if it is silent; nothing without a robot."""
     image.fill(QColor(style.field))
     if head is None:
         return
@@ -92,18 +98,19 @@ def paint_robot(image: QImage, head: HeadOrientation | None, screen: Screen, sty
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(style.edge))
         painter.drawPolygon(_polygon(screen.place(np.column_stack((ahead, np.full(3, FLOOR))))[:, :2]))
-        _paint(painter, _drawing(head, screen))
+        drawing = _drawing(head, screen)
+        _paint(painter, _tinted(drawing, style.disabled, GREY) if grey else drawing)
     finally:
         painter.end()
 
 
-def paint_ghost(image: QImage, head: HeadOrientation, screen: Screen, style: Style) -> None:
-    """Draw head and arms in the colour of the simulation on a transparent picture."""
+def paint_ghost(image: QImage, head: HeadOrientation, screen: Screen, tint: str) -> None:
+    """Draw head and arms, tinted with a colour, on a transparent picture."""
     image.fill(Qt.GlobalColor.transparent)
     painter = QPainter(image)
     try:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        _paint(painter, _tinted(_drawing(head, screen, base=False), QColor(style.sim)))
+        _paint(painter, _tinted(_drawing(head, screen, base=False), tint, TINT))
     finally:
         painter.end()
 
@@ -120,9 +127,9 @@ def _drawing(head: HeadOrientation, screen: Screen, *, base: bool = True) -> Hea
     return draw(tuple(shown), turns(_figure(), arms, rows), screen)
 
 
-def _tinted(drawing: HeadDrawing, tint: QColor) -> HeadDrawing:
+def _tinted(drawing: HeadDrawing, tint: str, share: float) -> HeadDrawing:
     parts = np.stack([drawing.colours >> shift & 255 for shift in (16, 8, 0)], axis=1)
-    mixed = parts * (1 - TINT) + np.array([tint.red(), tint.green(), tint.blue()]) * TINT
+    mixed = parts * (1 - share) + np.array(QColor(tint).getRgb()[:3]) * share
     red, green, blue = (mixed.astype(np.int64) & 0xF8).T  # few colours, so that brushes are found again
     return HeadDrawing(drawing.corners, (red << 16) | (green << 8) | blue)
 
@@ -181,7 +188,7 @@ class Marks:
 def paint_marks(painter: QPainter, marks: Marks, texts: Texts, *, focused: bool) -> None:
     """Draw the border, the outline of the target and the handles."""
     view = marks.view
-    shown = view.sim if view.hw is None else view.hw
+    shown = view.shown
     aims = marks.dragged or apart(shown, view.target)
     if shown is None:
         _paint_nothing(painter, marks, texts)
@@ -288,12 +295,15 @@ def _paint_letters(painter: QPainter, marks: Marks, texts: Texts) -> None:
     font = painter.font()
     font.setPixelSize(style.px(12))
     painter.setFont(font)
-    names = [("■", "hw", style.hw)] * (view.hw is not None) + [("+", "sim", style.sim)] * (
-        view.sim is not None
-    )
+    names = [
+        (f"{symbol} {texts(f'side.{side}')}", style.side(side))
+        for symbol, side in (("■", "hw"), ("+", "sim"))
+        if view.side(side) is not None
+    ]
+    if view.silent:
+        names.append((f"◌ {texts(f'side.{view.solid}')}: {texts('condition.silent')}", style.bad))
     x = style.px(10)
-    for symbol, side, colour in names:
-        text = f"{symbol} {texts(f'side.{side}')}"
+    for text, colour in names:
         painter.setPen(QColor(colour))
         painter.drawText(QPointF(x, style.px(18)), text)
         x += painter.fontMetrics().horizontalAdvance(text) + style.px(14)

@@ -43,6 +43,15 @@ LONGEST = "■ 888:88"
 """The widest duration of a recording."""
 
 
+class Names(QComboBox):
+    """The names of the robots."""
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        return (
+            self.sizeHint()
+        )  # Qt's own remains that of longer names, or of another type, which were shown before
+
+
 class RecordButton(IntentButton):
     """Begins and ends a recording and shows its duration; always as wide, so that it stays under the mouse."""
 
@@ -136,7 +145,7 @@ class Pill(QFrame):
         self.more.setProperty("jog", True)  # noqa: FBT003
         self.more.setAutoDefault(False)
         self.more.setToolTip(texts("tip.robot_menu"))
-        self.more.setAccessibleName(texts("label.robot_menu"))
+        self._menu_name = texts("label.robot_menu")
         self.more.setFixedWidth(MORE_PX)
         self.more.clicked.connect(lambda: self.menu.open(self.more))
         self.menu.intent.connect(self.intent)
@@ -149,6 +158,7 @@ class Pill(QFrame):
         self._view, self._emergency = view, emergency
         self.menu.show_view(view.menu if emergency is None else (*view.menu, emergency))
         set_text(self.title, view.title)
+        self.more.setAccessibleName(f"{view.title}: {self._menu_name}")
         set_role(self.state, "role", CONDITION_ROLES[view.condition])
         set_text(self.state, f"{view.symbol} {view.text}")
         self.notes.show_parts(tuple(part for part in (*view.notes, view.latency) if part))
@@ -164,6 +174,7 @@ class Pill(QFrame):
         for button, shown in buttons:
             if shown is not None:
                 button.show_view(shown)
+                button.setAccessibleName(f"{view.title}: {shown.text}")
                 button.show()
 
 
@@ -177,7 +188,7 @@ class Header(QWidget):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._robots: tuple[str, ...] = ()
-        self.robots = QComboBox()
+        self.robots = Names()
         self._tip = texts("tip.robot")
         self.robots.setToolTip(self._tip)
         self.robots.setAccessibleName(texts("label.robot"))

@@ -11,7 +11,7 @@ from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.intents import SetMicrophones
 from gui.console.state.views import SoundView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import Check
+from gui.window.widgets.controls import Check, ElidedLabel
 
 STEPS: Final = 100
 BAR_PX: Final = 8
@@ -29,7 +29,7 @@ class LevelsPanel(QWidget):
         self.box.asked.connect(lambda on: self.intent.emit(SetMicrophones(on)))
         self.bars = {(side, ear): QProgressBar() for side in SIDES for ear in (0, 1)}
         self.titles = {side: QLabel() for side in SIDES}
-        self.texts = {side: QLabel() for side in SIDES}
+        self.texts = {side: ElidedLabel() for side in SIDES}
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
         grid.setSpacing(4)

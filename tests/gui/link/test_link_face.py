@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from gui_links import Linked, at_home, look, short
-from robots import END_S, Stage
+from robots import END_S, Stage, until
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from gui.console.link.face_program import SHIPPED
@@ -85,6 +85,26 @@ def test_the_program_is_copied_once_and_then_it_is_the_one_that_runs(linked: Lin
         lambda world: world.sim.status is not None and not world.sim.status.moving, "the head rests"
     )
     assert not world.face.running
+
+
+def test_the_person_sways_while_the_program_runs_and_then_stands_where_it_stood(
+    stage: Stage, linked: Linked, own: Path
+) -> None:
+    room = stage.robot("bea", "sim")
+    stood = room.move_target(1.2, 0.1, 0.2)
+    write(own, TURNS)
+    turning(linked, 1)
+    until(lambda: room.target() != stood, "the person sways")
+    linked.do(EndFollowing())
+    assert linked.end_of(1).accepted
+    assert room.target() == stood
+    room.walk_target("circle")
+    turning(linked, 2)
+    linked.do(EndFollowing())
+    assert linked.end_of(2).accepted
+    here = room.target()
+    until(lambda: room.target() != here, "its own walk goes on")
+    room.walk_target("still")
 
 
 def test_a_program_that_cannot_be_copied_is_reported(linked: Linked, tmp_path: Path) -> None:
