@@ -14,7 +14,9 @@ The first figure that is not met ends the check. `hints.toml` says what each fig
 from __future__ import annotations
 
 import re
+import subprocess
 import time
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -28,9 +30,11 @@ from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import bench
 from beatrix_zenoh.lessons.bench import Bench, Course
 from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER
+from beatrix_zenoh.lessons.guarded import Guarded
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
+from beatrix_zenoh.lessons.sandbox import Sandbox
 from beatrix_zenoh.lessons.scratch import scratch
 from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, Seen, Stage
 from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
@@ -78,7 +82,9 @@ class Attempt:
         """part of a core that the last observed program has used; 0 if the system does not tell"""
 
     def __enter__(self) -> Self:
-        self._file = self._program.file(self._open.enter_context(scratch()))
+        temporary = self._open.enter_context(scratch())
+        self._file = self._program.file(temporary)
+        self._sandbox = Sandbox(self._program.path.parent, temporary)
         return self
 
     def __exit__(self, *_error: object) -> None:
@@ -101,6 +107,18 @@ class Attempt:
         """End the check with this figure of hints.toml unless it is met; `values` fill its sentences."""
         if not met:
             raise Unmet(figure, **values)
+
+    def compile(self) -> None:
+        """Raise Unmet (`runs`) if Python cannot compile the program, before anything is started."""
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                compile(self._program.text, str(self._file), "exec", dont_inherit=True)
+        except SyntaxError as error:
+            where = self._where({"line": error.lineno})
+            raise Unmet("runs", error=f"{type(error).__name__}: {error.msg}", where=where) from None
+        except (ValueError, MemoryError, RecursionError):
+            return  # of a text that only Python itself explains
 
     # -- function -------------------------------------------------------------------------------
 
@@ -165,8 +183,14 @@ class Attempt:
         """Return the child process that has imported the pupil's file."""
         if self._functions is None:
             words = ("-m", "beatrix_zenoh.lessons.function_child", str(self._file), str(IMPORT_S))
-            environment = {"BEATRIX_CONNECT": NO_ROUTER, "BEATRIX_ACCOUNT": "", "MPLBACKEND": "Agg"}
-            child = LineChild(words, environment, folder=self._program.path.parent)
+            guarded = Guarded(
+                self._sandbox,
+                list(words),
+                {"BEATRIX_CONNECT": NO_ROUTER},
+                requests=True,
+                stderr=subprocess.DEVNULL,
+            )
+            child = LineChild(guarded.process, guarded.requests, guarded.end)
             self._open.callback(child.close)
             what, began_s = "Your file, when it is imported,", time.monotonic()
             try:
@@ -285,7 +309,7 @@ class Attempt:
                 "BEATRIX_ROBOT": robots[0],
                 "BEATRIX_WHO": PUPIL,
             }
-            run = Run(self._file, self._program, environment)
+            run = Run(self._file, self._program, self._sandbox, environment)
             running.callback(self._close, run)
             if during is not None:
                 self._let(during, run, stage)

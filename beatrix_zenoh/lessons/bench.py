@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import metadata
@@ -9,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from beatrix_zenoh import processes
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
@@ -69,11 +72,26 @@ def start(speed: float | None) -> LineChild:
     """Start the process of the bench; raises Refused if the simulation is not installed."""
     found = [entry for entry in metadata.entry_points(group="beatrix.processes") if entry.name == "bench"]
     module = found[0].module if found else "sim_node.bench"
-    child = LineChild(("-m", module))
+    process = subprocess.Popen(
+        [sys.executable, "-m", module],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        process_group=None if sys.platform == "win32" else 0,
+        creationflags=processes.NEW_GROUP,
+    )
+
+    def end() -> None:
+        process.kill()
+        process.wait()
+
+    child = LineChild(process, process.stdin, end)
     try:
         child.ask({"speed": speed}, ANSWER_S)
-    except NoReply:
+    except NoReply as error:
         child.close()
+        if error.code is None:
+            raise busy("The bench did not answer.") from None
         raise Refused(
             Reason.BAD_VALUE,
             'The bench did not start. Run `pip install ".[sim]"` in the folder of BEATRIX, and check again.',

@@ -60,6 +60,7 @@ def check(
     attempt = Attempt(program, limit_s=lesson.about.limit_s, stage=stage, keep=keep)
     try:
         with attempt:
+            attempt.compile()
             lesson.check()(attempt)
     except Unmet as unmet:
         if attempt.doubt:

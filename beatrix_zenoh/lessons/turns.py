@@ -7,7 +7,6 @@ import math
 import time
 from typing import Final
 
-from beatrix_zenoh import files
 from beatrix_zenoh.client.lease import Lease
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
@@ -16,6 +15,7 @@ from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason,
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
+from beatrix_zenoh.lessons.sandbox import Sandbox, refuse_teacher
 from beatrix_zenoh.lessons.scratch import scratch
 from beatrix_zenoh.lessons.unmet import Unmet
 from beatrix_zenoh.output import note, say
@@ -44,6 +44,7 @@ def take_turn(
             is home.
         NoAnswer: the robot was lost; it stops by itself.
     """
+    refuse_teacher(settings.account)
     with Client(settings) as client:
         robot = Robot(settings.robot, side, client=client)
         status = robot.status()
@@ -133,18 +134,21 @@ def _run(program: Program, robot: Robot, lease: Lease, *, endless: bool) -> None
         events = ending.enter_context(robot.events())
         statuses = ending.enter_context(robot.status_stream())
         folder = ending.enter_context(scratch())
+        connect = settings.connect
+        if settings.account is not None:
+            from beatrix_zenoh.bus.tunnel import Tunnel  # noqa: PLC0415 - asyncio would delay every verb
+
+            connect = ending.enter_context(Tunnel(connect, settings.account)).endpoint
         environment = {
             "BEATRIX_ROBOT": robot.name,
-            "BEATRIX_CONNECT": settings.connect,
+            "BEATRIX_CONNECT": connect,
             "BEATRIX_WHO": settings.who,
             "BEATRIX_SIDE": robot.side,
             "BEATRIX_LEASE": str(lease.number),
         }
-        if settings.account is not None:
-            account = folder / "account.toml"
-            files.write_private(account, settings.account.text())
-            environment["BEATRIX_ACCOUNT"] = str(account)
-        running = ending.enter_context(contextlib.closing(Run(program.file(folder), program, environment)))
+        sandbox = Sandbox(program.path.parent, folder)
+        run = Run(program.file(folder), program, sandbox, environment)
+        running = ending.enter_context(contextlib.closing(run))
         try:
             ended = _watch(running, events, statuses, lease.number, settings.who)
         finally:

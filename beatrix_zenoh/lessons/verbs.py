@@ -217,8 +217,11 @@ def check(
     """
     from beatrix_zenoh.lessons import checking, reports
     from beatrix_zenoh.lessons import program as programs
+    from beatrix_zenoh.lessons.sandbox import refuse_teacher
+    from beatrix_zenoh.settings import resolve_valid
     from beatrix_zenoh.shutdown import signals_interrupt
 
+    refuse_teacher(resolve_valid()[0].account)
     workspace = _workspace()
     found, path = _program(number, workspace)
     program = programs.read(path)
