@@ -11,8 +11,9 @@ from beatrix_zenoh.client.lease import Lease
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason, Status
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
 from beatrix_zenoh.lessons.sandbox import Sandbox, refuse_teacher
@@ -26,6 +27,8 @@ HOME_S: Final = 15.0
 """Part of the turn that is kept for the way home (s)."""
 FASTEST_DEG_S: Final = 40.0
 POLL_S: Final = 0.1
+ENDS: Final = (LeaseAction.GIVE_BACK, LeaseAction.TAKE, LeaseAction.MUTE)
+"""Requests of the teacher that end a lease."""
 TRACEBACK: Final = "Traceback (most recent call last):"
 
 
@@ -169,7 +172,7 @@ def _watch(
 ) -> bool:
     """Return True when the program has ended, False when its time is over; raise the other errors of `take_turn`."""
     end_s = time.monotonic() + LONGEST_S - HOME_S
-    heard_s = time.monotonic()
+    heard_s, teacher = time.monotonic(), False
     while True:
         ended = not running.running
         if ended:
@@ -181,10 +184,13 @@ def _watch(
                     f"{event.seat or 'A seat'} has pressed STOP: your turn is over, and the head stays where it is. Look at "
                     "the robot before you take another turn.",
                 )
+            teacher |= _by_teacher(event)
         for status in statuses.take():
             heard_s = time.monotonic()
             if status.lease != number:
-                raise Refused(Reason.NOT_HOLDER, _ended_early(status, seat))
+                time.sleep(POLL_S)  # the event of the teacher's request may still arrive
+                teacher |= any(map(_by_teacher, events.take()))
+                raise Refused(Reason.NOT_HOLDER, _ended_early(status, seat, teacher=teacher))
         if ended:
             return True
         now_s = time.monotonic()
@@ -196,6 +202,11 @@ def _watch(
         if now_s > end_s:
             return False
         time.sleep(POLL_S)
+
+
+def _by_teacher(event: Event) -> bool:
+    """Return whether the teacher has asked for something that ends a lease."""
+    return event.seat == TEACHER and event.kind is EventKind.LEASE and event.action in ENDS
 
 
 LOST_S: Final = 4.0
@@ -219,8 +230,12 @@ def _check(running: Run) -> None:
         ) from unmet
 
 
-def _ended_early(status: Status, seat: str) -> str:
-    """Return a sentence about a lease that is no longer that of the turn."""
+def _ended_early(status: Status, seat: str, *, teacher: bool) -> str:
+    """Return a sentence about a lease that is no longer that of the turn; `teacher`: the teacher has ended it."""
+    if teacher:
+        return (
+            "The teacher has ended your turn. Wait until the teacher lets you drive, then take another turn."
+        )
     if status.holder in ("", seat):
         return (
             "Your turn has ended early: your program has given the robot back, or you in another window. Take another turn "
