@@ -18,7 +18,7 @@ from sim_node.renderer import encode
 from sim_node.scene import eye_scene
 
 FOLDER: Final = (
-    Path(__file__).resolve().parents[1] / "beatrix_zenoh/lessons/library/09-follow-the-face/pictures"
+    Path(__file__).resolve().parents[1] / "beatrix_zenoh/lessons/library/09-follow-the-face/files"
 )
 WIDTH: Final = 160
 HEIGHT: Final = 120

@@ -16,7 +16,6 @@ from __future__ import annotations
 import re
 import subprocess
 import time
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -37,6 +36,7 @@ from beatrix_zenoh.lessons.run import Run
 from beatrix_zenoh.lessons.sandbox import Sandbox
 from beatrix_zenoh.lessons.scratch import scratch
 from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, Seen, Stage
+from beatrix_zenoh.lessons.still import Still, Tell
 from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
 
 __all__ = ["Attempt", "NotMeasurable", "Seen", "Stage", "Unmet"]
@@ -49,6 +49,7 @@ PATIENCE = 15.0
 """After this many times its limit without an answer, it is the computer that is slow."""
 OWN_ERROR = re.compile(r"(\w*Error|WrongUsage)\b")
 """Errors that no busy computer causes: those of Python, such as NameError, and values that no robot was asked for."""
+WATCHES = "Your program runs, and the check watches the simulated robot: at most {:.0f} s."
 TAIL_S = 0.4
 """Time (s) that is observed after the end of the program."""
 NO_ROUTER = "tcp/127.0.0.1:1"
@@ -59,7 +60,13 @@ class Attempt:
     """One check of one program. Use it in a `with` block, which ends all processes that it has started."""
 
     def __init__(
-        self, program: Program, *, limit_s: float, stage: Stage | None = None, keep: Path | None = None
+        self,
+        program: Program,
+        *,
+        limit_s: float,
+        stage: Stage | None = None,
+        keep: Path | None = None,
+        tell: Tell = lambda _: None,
     ) -> None:
         """Prepare a check.
 
@@ -68,8 +75,10 @@ class Attempt:
             limit_s: longest time of the program with a robot (s).
             stage: a stage that runs already, to use where it fits; None: each run starts its own.
             keep: record the robots of a run to this file, which is overwritten; None: record nothing.
+            tell: is called with sentences about a check that takes long.
         """
         self._program, self._limit_s, self._given, self._keep = program, limit_s, stage, keep
+        self._tell = tell
         self._shared: Stage | None = None
         self._open = ExitStack()
         self._functions: LineChild | None = None
@@ -93,7 +102,7 @@ class Attempt:
     @contextmanager
     def on_stage(self, *robots: str) -> Iterator[None]:
         """Observe on one stage during a block, as each run leaves it, because its start takes seconds."""
-        with Stage(robots) as self._shared:
+        with Stage(robots, tell=self._tell) as self._shared:
             yield
         self._shared = None
 
@@ -107,18 +116,6 @@ class Attempt:
         """End the check with this figure of hints.toml unless it is met; `values` fill its sentences."""
         if not met:
             raise Unmet(figure, **values)
-
-    def compile(self) -> None:
-        """Raise Unmet (`runs`) if Python cannot compile the program, before anything is started."""
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                compile(self._program.text, str(self._file), "exec", dont_inherit=True)
-        except SyntaxError as error:
-            where = self._where({"line": error.lineno})
-            raise Unmet("runs", error=f"{type(error).__name__}: {error.msg}", where=where) from None
-        except (ValueError, MemoryError, RecursionError):
-            return  # of a text that only Python itself explains
 
     # -- function -------------------------------------------------------------------------------
 
@@ -242,7 +239,7 @@ class Attempt:
             drive = bench.TargetFunction(
                 lambda *arguments: self.value(function, *arguments), function, result
             )
-            return bench.run(plant, drive, seconds, course, delay_s)
+            return bench.run(plant, drive, seconds, course, delay_s, self._tell)
         finally:
             plant.close()
 
@@ -311,9 +308,10 @@ class Attempt:
             }
             run = Run(self._file, self._program, self._sandbox, environment)
             running.callback(self._close, run)
+            limit_s = self._limit_s if seconds is None else seconds
+            self._tell(WATCHES.format(limit_s))
             if during is not None:
                 self._let(during, run, stage)
-            limit_s = self._limit_s if seconds is None else seconds
             if within_s is not None:
                 limit_s = run.seconds + within_s
             self._finish(run, stage, limit_s, ends=seconds is None)
@@ -332,7 +330,7 @@ class Attempt:
                 if stage is self._given:
                     stage.tidy()
                 return stage
-        return running.enter_context(Stage(robots, path, robot_file))
+        return running.enter_context(Stage(robots, path, robot_file, self._tell))
 
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
         """Return what the robots did, and set `doubt`; raises NotMeasurable."""
@@ -376,14 +374,15 @@ class Attempt:
             limit = f"{self._limit_s:.0f} s"
             raise NotMeasurable(f"{why} (It did not end within {limit}: is there a `while True`?)") from None
 
-    @staticmethod
-    def _wait(run: Run, stage: Stage, limit_s: float, *, ends: bool) -> None:
+    def _wait(self, run: Run, stage: Stage, limit_s: float, *, ends: bool) -> None:
         """Wait for the end of the program, and keep what the robots publish meanwhile.
 
         Raises Unmet, `ends`, if the program must end (`ends`) and still runs `limit_s` (s) after its start.
         """
+        still = Still(self._tell, "Your program still runs: at most {:.0f} s more.", limit_s - run.seconds)
         while run.running and run.seconds < limit_s:
             _watch(stage, POLL_S)
+            still.look()
         if run.running:
             if ends:
                 raise Unmet("ends", what="Your program", name="", limit=limit_s)

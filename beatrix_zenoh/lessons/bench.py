@@ -16,6 +16,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
+from beatrix_zenoh.lessons.still import Still, Tell
 from beatrix_zenoh.lessons.unmet import Unmet, busy
 
 TICK_S = 0.02
@@ -103,14 +104,21 @@ def start(speed: float | None) -> LineChild:
 
 
 def run(
-    plant: LineChild, drive: TargetFunction, seconds: float, course: Course | None, delay_s: float
+    plant: LineChild,
+    drive: TargetFunction,
+    seconds: float,
+    course: Course | None,
+    delay_s: float,
+    tell: Tell,
 ) -> Bench:
     """Drive the bench for some time (s); see `Attempt.bench`."""
+    still = Still(tell, f"The bench is at {{:.0f}} of {seconds:.0f} s.")
     ticks, late = round(seconds / TICK_S), round(delay_s / TICK_S)
     states: list[dict[str, list[float]]] = []
     asked: list[list[float]] = []
     for tick in range(ticks):
         t = tick * TICK_S
+        still.look(t)
         if course is None:
             target = drive.target(t)
         else:

@@ -24,6 +24,7 @@ from beatrix_zenoh.contract._generated.messages import Event, EventKind, Positio
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import scratch
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
+from beatrix_zenoh.lessons.still import Still, Tell
 from beatrix_zenoh.lessons.unmet import busy
 from beatrix_zenoh.processes import Child, Supervisor
 from beatrix_zenoh.settings import Settings
@@ -157,9 +158,17 @@ class Stage:
     """A router, simulations that are ready, and a client that watches them; a `with` block ends them."""
 
     def __init__(
-        self, robots: Sequence[str] = ("bea",), path: str = "still", robot_file: Path | None = None
+        self,
+        robots: Sequence[str] = ("bea",),
+        path: str = "still",
+        robot_file: Path | None = None,
+        tell: Tell = lambda _: None,
     ) -> None:
-        """Describe the stage: names of its robots, path of the person in front of them, values of other robots."""
+        """Describe the stage: names of its robots, path of the person in front of them, values of other robots.
+
+        `tell` is called with sentences about a start that takes long.
+        """
+        self._tell = tell
         self.names, self.path, self.robot_file = tuple(robots), path, robot_file
         with socket.create_server(("127.0.0.1", 0)) as free:
             self.endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
@@ -193,10 +202,12 @@ class Stage:
     def _wait(self, child: Child, robots: int = 1) -> None:
         """Wait until a child is ready with its robots; raises NotMeasurable after START_S, Refused if it has ended."""
         deadline_s = time.monotonic() + START_S
+        still = Still(self._tell, "The simulation still starts: at most {:.0f} s more.", START_S)
         while sum(line.startswith("ready ") for line in child.lines()) < robots:
             self._supervisor.check()
             if time.monotonic() > deadline_s:
                 raise busy(f"The simulation was not ready within {START_S:.0f} s.")
+            still.look()
             time.sleep(POLL_S)
 
     def robot(self, name: str = "", who: str = SEAT) -> Robot:

@@ -228,7 +228,7 @@ def check(
     note(f"Checking {_shown(path)} …")
     recording = path.with_name("check.rrd")
     with signals_interrupt():
-        verdict = checking.check(found, program, keep=recording if keep else None)
+        verdict = checking.check(found, program, keep=recording if keep else None, tell=note)
     if keep and not recording.exists():
         note("This check used no simulated robot that runs in real time: there is nothing to record.")
     workspace = _workspace()  # another check may have ended meanwhile

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from access_callers import ANA, ANA_AGAIN, BEN, BOSS, begin_motion, refusal
 
@@ -117,7 +119,7 @@ def test_a_refusal_says_whether_the_teacher_has_ended_a_lease(
     access: Access, enders: str, presser: str
 ) -> None:
     number = access.lease.take(ANA, 0)
-    ways = {
+    ways: dict[str, Callable[[], object]] = {
         "end_turn": lambda: end_turn(access, 1),
         "take": lambda: access.lease.take(BOSS, 1),
         "give_back": lambda: give_back(access, ANA),
