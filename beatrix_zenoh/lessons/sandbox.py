@@ -6,6 +6,7 @@ Without it, the program can read and write all that the user can who checks it.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import site
@@ -109,16 +110,18 @@ def bubblewrap_works() -> bool:
 
 
 def refuse_teacher(own: Account | None) -> None:
-    """Raise Refused (BAD_VALUE) if an account is the teacher's, or the one that this user has stored is.
+    """Raise Refused (BAD_VALUE) if the account in use is the teacher's: a pupil's program could read or use it.
 
-    A pupil's program could read or use it.
+    Without one it is refused if the account that `beatrix join` has stored is the teacher's, and can be read.
     """
     stored = account.joined()
-    accounts = [own, account.load(stored) if stored.is_file() else None]
-    if any(one is not None and one.role == "teacher" for one in accounts):
+    if own is None and stored.is_file() and not bubblewrap_works():
+        with contextlib.suppress(BeatrixError):  # an invalid file is no account
+            own = account.load(stored)
+    if own is not None and own.role == "teacher":
         raise Refused(
             Reason.BAD_VALUE,
             "The account of this user is the teacher's, and a pupil's program could read it: it runs with the rights of the "
-            "user who checks it. Check programs as another user of this computer who has not joined the class as the "
-            "teacher, or on a seat's computer.",
+            "user who checks it. Check programs as another user of this computer, or on a seat's computer. On Linux with "
+            "bubblewrap, `BEATRIX_ACCOUNT= beatrix lesson check` hides all accounts from the program.",
         )

@@ -75,7 +75,7 @@ def _seat_case(detail: Detail) -> str:
     if detail.field == "lease":
         if detail.value is None:
             return "taken"
-        return "ended by teacher" if detail.presser else "ended"
+        return "skipped" if detail.presser else "ended"
     if not detail.holder:
         return ""
     return "moving" if detail.wait_s is None else "wait"
