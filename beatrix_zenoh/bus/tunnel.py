@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import threading
+import socket
 from typing import Self
 
 from beatrix_zenoh import threads
@@ -27,18 +27,17 @@ class Tunnel:
     """
 
     def __init__(self, router: str, account: Account) -> None:
-        """Describe a tunnel to the router at an endpoint, or at one of several separated by commas."""
+        """Listen, for a tunnel to the router at an endpoint, or at one of several separated by commas."""
         self._routers = [parse_endpoint(one) for one in endpoints(router)]
         self._context = credentials.client_context(credentials.identity(account))
-        self._listening = threading.Event()
         self._connections: set[asyncio.Task[None]] = set()
-        self.endpoint = ""
+        self._socket = socket.create_server((HERE, 0))
+        self.endpoint = f"tcp/{HERE}:{self._socket.getsockname()[1]}"
 
     def __enter__(self) -> Self:
         self._loop = asyncio.new_event_loop()
         self._ended = asyncio.Event()
         self._thread = threads.start(self._run, "tunnel")
-        self._listening.wait()
         return self
 
     def __exit__(self, *_error: object) -> None:
@@ -50,9 +49,7 @@ class Tunnel:
             self._loop.run_until_complete(self._serve())
 
     async def _serve(self) -> None:
-        server = await asyncio.start_server(self._accept, HERE, 0)
-        self.endpoint = f"tcp/{HERE}:{server.sockets[0].getsockname()[1]}"
-        self._listening.set()
+        server = await asyncio.start_server(self._accept, sock=self._socket)
         await self._ended.wait()
         server.close()
         for connection in self._connections:
