@@ -26,7 +26,7 @@ from beatrix_zenoh.lessons.guard import USED
 
 GUARD: Final = Path(__file__).with_name("guard.py")
 KEPT: Final = (
-    *("PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "LANG", "LANGUAGE", "TZ"),
+    *("PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "LANG", "LANGUAGE", "TZ", "USER", "LOGNAME", "USERNAME"),
     *("SYSTEMROOT", "SYSTEMDRIVE", "WINDIR", "COMSPEC", "PATHEXT", "TEMP", "TMP", "NUMBER_OF_PROCESSORS"),
 )
 """Variables of the environment that the program keeps, besides those that begin with LC_."""

@@ -36,9 +36,9 @@ GAP_S = 0.1
 """Longest gap between two positions (s) of a run that can fail."""
 LONGEST_GAP_S = 0.3
 """Longest gap of a run that can pass: what happened in a gap of 0.1 s was hardly more than what was seen around it."""
-PAUSE_S, PAUSE_DEG = 0.3, 2.0
-"""If a simulation stood still for longer (s), its time continues from then (STALL_S of sim_node/body.py), so that the
-set points of its arms have moved by less (deg): such a gap hides no motion."""
+PAUSE_S, PAUSE_DEG = 0.3, 9.0
+"""If a simulation stood still for longer (s), its time continues from then (STALL_S of sim_node/body.py). If the set
+points of its arms have moved by less (deg) meanwhile, the gap hides no more motion than LONGEST_GAP_S at 30 deg/s."""
 SLOWEST = 0.9
 """Smallest real-time factor of a run that can fail."""
 POLL_S = 0.02

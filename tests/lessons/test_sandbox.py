@@ -158,6 +158,7 @@ def test_a_syntax_error_is_found_before_anything_is_started(
         ([0, 0.02, 0.04], [7, 8, 9], [0, 0.6, 1.2], 0.02),
         ([0, 0.02, 0.22], [7, 8, 9], [0, 0.6, 6.0], 0.2),  # it was busy, and made the steps later
         ([0, 0.02, 2.02], [7, 8, 9], [0, 0.6, 1.2], 0.02),  # it stood still
+        ([0, 0.02, 2.02], [7, 8, 9], [0, 0.6, 6.6], 0.02),  # and then was late by 0.2 s
         ([0, 0.02, 2.02], [7, 8, 20], [0, 0.6, 1.2], 2.0),  # positions were lost on the way
         ([0, 0.02, 2.02], [7, 8, 9], [0, 0.6, 30.0], 2.0),  # it moved unseen
     ],
