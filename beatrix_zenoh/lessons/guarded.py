@@ -43,7 +43,7 @@ class Guarded:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=stderr,
-            cwd=sandbox.folder,
+            cwd=sandbox.working,
             env=sandbox.environment(environment),
             pass_fds=() if read < 0 else (read,),
             process_group=None if sys.platform == "win32" else 0,

@@ -43,10 +43,12 @@ TRIAL_S: Final = 10.0
 
 
 class Sandbox:
-    """The surroundings of one program: its folder, and a temporary folder with its home."""
+    """The surroundings of one program: its folder, a temporary folder with its home, and its working folder."""
 
-    def __init__(self, folder: Path, temporary: Path) -> None:
-        self.folder, self._temporary = folder, temporary
+    def __init__(self, folder: Path, temporary: Path, working: Path | None = None) -> None:
+        """`working`: None: its folder."""
+        self.working = working or folder
+        self._folder, self._temporary = folder, temporary
         self._home = temporary / "home"
         self._home.mkdir(exist_ok=True)
 
@@ -76,8 +78,11 @@ class Sandbox:
         return [*self._bubblewrap(), *guarded] if bubblewrap_works() else guarded
 
     def _bubblewrap(self) -> list[str]:
-        own = [word for path in (self.folder, self._temporary) for word in ("--bind", str(path), str(path))]
-        return [*bubblewrap(), *own, "--chdir", str(self.folder)]
+        private = files.user_folder()
+        own = {self._folder, self._temporary, self.working}
+        shown = sorted(str(path) for path in own if not private.is_relative_to(path))
+        binds = [word for path in shown for word in ("--bind", path, path)]
+        return [*bubblewrap(), *binds, "--dir", str(self.working), "--chdir", str(self.working)]
 
 
 def bubblewrap() -> list[str]:
