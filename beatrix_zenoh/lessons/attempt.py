@@ -179,7 +179,7 @@ class Attempt:
     def _child(self) -> LineChild:
         """Return the child process that has imported the pupil's file."""
         if self._functions is None:
-            words = ("-m", "beatrix_zenoh.lessons.function_child", str(self._file), str(IMPORT_S))
+            words = ("-P", "-m", "beatrix_zenoh.lessons.function_child", str(self._file), str(IMPORT_S))
             guarded = Guarded(
                 self._sandbox,
                 list(words),

@@ -74,7 +74,7 @@ def start(speed: float | None) -> LineChild:
     found = [entry for entry in metadata.entry_points(group="beatrix.processes") if entry.name == "bench"]
     module = found[0].module if found else "sim_node.bench"
     process = subprocess.Popen(
-        [sys.executable, "-m", module],
+        [sys.executable, "-P", "-m", module],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
