@@ -35,7 +35,7 @@ from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
 from beatrix_zenoh.lessons.sandbox import Sandbox
 from beatrix_zenoh.lessons.scratch import scratch
-from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, Seen, Stage
+from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, Seen, Stage, pace
 from beatrix_zenoh.lessons.still import Still, Tell
 from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
 
@@ -356,7 +356,7 @@ class Attempt:
             self._wait(run, stage, limit_s, ends=ends)
         except Unmet as unmet:
             if unmet.figure == "ends":
-                unmet.values |= _pace(self._judge_endless(stage, run))
+                unmet.values |= pace(self._judge_endless(stage, run))
                 self.doubt = ""  # short gaps do not make a program endless
             elif unmet.figure in ("runs", "uncaught") and not OWN_ERROR.match(str(unmet.values["error"])):
                 self._judge(stage, run)  # the robot may have stopped because this computer was busy
@@ -395,20 +395,6 @@ def _watch(stage: Stage, seconds: float) -> None:
     time.sleep(seconds)
     for watch in stage.watches.values():
         watch.take()
-
-
-def _pace(seen: dict[str, Seen]) -> dict[str, object]:
-    """Return how many motions a program has asked for, and how much time (s) was between two of them."""
-    asked = [
-        (at_s, event.count)
-        for one in seen.values()
-        for at_s, event in one.motions
-        if event.phase == "accepted"
-    ]
-    count = sum(number for _, number in asked)
-    times = [at_s for at_s, _ in asked]
-    every_s = (max(times) - min(times)) / (count - 1) if count > 1 else 0.0
-    return {"count": count, "every": every_s}
 
 
 def _without_reply(

@@ -88,6 +88,20 @@ def hidden_s(t: Curve, seq: npt.NDArray[np.int64], commanded: Curve) -> float:
     return float(gaps[~paused].max(initial=0.0))
 
 
+def pace(seen: dict[str, Seen]) -> dict[str, object]:
+    """Return how many motions a program has asked for, and how much time (s) was between two of them."""
+    asked = [
+        (at_s, event.count)
+        for one in seen.values()
+        for at_s, event in one.motions
+        if event.phase == "accepted"
+    ]
+    count = sum(number for _, number in asked)
+    times = [at_s for at_s, _ in asked]
+    every_s = (max(times) - min(times)) / (count - 1) if count > 1 else 0.0
+    return {"count": count, "every": every_s}
+
+
 class RobotWatch:
     """Everything that one robot publishes, from now on."""
 
