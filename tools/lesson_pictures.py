@@ -17,9 +17,7 @@ from sim_node.plant import Plant
 from sim_node.renderer import encode
 from sim_node.scene import eye_scene
 
-FOLDER: Final = (
-    Path(__file__).resolve().parents[1] / "beatrix_zenoh/lessons/library/09-follow-the-face/pictures"
-)
+FOLDER: Final = Path(__file__).resolve().parents[1] / "beatrix_zenoh/lessons/library/09-follow-the-face/files"
 WIDTH: Final = 160
 HEIGHT: Final = 120
 NOBODY: Final = (-1.5, 0.0, 0.1)

@@ -124,13 +124,19 @@ def _refused(endpoint: str, account: Account, cause: str) -> str:
     )
 
 
+def client_context(own: Identity) -> ssl.SSLContext:
+    """Return a context for connections to the router with an identity; raises ssl.SSLError if it is invalid."""
+    context = ssl.create_default_context(cadata=own.authority)
+    with private_file(own.certificate + own.key) as path:
+        context.load_cert_chain(path)
+    return context
+
+
 def _certificate_error(endpoint: str, own: Identity) -> str:
     """Return the cause of a failed TLS handshake; empty if it succeeds or the cause is unknown."""
     _, host, port = parse_endpoint(endpoint)
-    context = ssl.create_default_context(cadata=own.authority)
     try:
-        with private_file(own.certificate + own.key) as path:
-            context.load_cert_chain(path)
+        context = client_context(own)
         with (
             socket.create_connection((host, port), PROBE_S) as connection,
             context.wrap_socket(connection, server_hostname=host) as wrapped,

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from beatrix_zenoh.contract._generated.messages import Command, Detail, Limit, Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.contract.names import ARMS
+from beatrix_zenoh.contract.names import ARMS, TEACHER
 
 LINGER_S = 2.0
 """Time (s) for which the seat of a motion keeps the robot after the motion."""
@@ -38,6 +38,14 @@ def driven_by(holder: str, wait_s: float | None = None) -> Refused:
 def taken_by(holder: str) -> Refused:
     """Return a NOT_HOLDER refusal: another seat has taken the robot."""
     return Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease"))
+
+
+def lease_ended(number: int, holder: str, *, by_teacher: bool) -> Refused:
+    """Return a NOT_HOLDER refusal: the lease of the request has ended; `holder`: seat that holds the robot now."""
+    presser = TEACHER if by_teacher else ""
+    return Refused(
+        Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease", value=float(number), presser=presser)
+    )
 
 
 def muted(seat: str, *, stop: bool = False) -> Refused:

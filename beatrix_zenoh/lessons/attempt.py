@@ -14,6 +14,7 @@ figures of every lesson; `slips` recognises some of them.
 from __future__ import annotations
 
 import re
+import subprocess
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -28,11 +29,14 @@ from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import bench, slips
 from beatrix_zenoh.lessons.bench import Bench, Course
 from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER
+from beatrix_zenoh.lessons.guarded import Guarded
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
+from beatrix_zenoh.lessons.sandbox import Sandbox
 from beatrix_zenoh.lessons.scratch import scratch
-from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage
+from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage, pace
+from beatrix_zenoh.lessons.still import Still, Tell
 from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
 
 __all__ = ["Attempt", "NotMeasurable", "Seen", "Stage", "Unmet"]
@@ -45,6 +49,7 @@ PATIENCE = 15.0
 """After this many times its limit without an answer, it is the computer that is slow."""
 OWN_ERROR = re.compile(r"(\w*Error|WrongUsage)\b")
 """Errors that no busy computer causes: those of Python, such as NameError, and values that no robot was asked for."""
+WATCHES = "Your program runs, and the check watches the simulated robot: at most {:.0f} s."
 TAIL_S = 0.4
 """Time (s) that is observed after the end of the program."""
 NO_ROUTER = "tcp/127.0.0.1:1"
@@ -55,7 +60,13 @@ class Attempt:
     """One check of one program. Use it in a `with` block, which ends all processes that it has started."""
 
     def __init__(
-        self, program: Program, *, limit_s: float, stage: Stage | None = None, keep: Path | None = None
+        self,
+        program: Program,
+        *,
+        limit_s: float,
+        stage: Stage | None = None,
+        keep: Path | None = None,
+        tell: Tell = lambda _: None,
     ) -> None:
         """Prepare a check.
 
@@ -64,8 +75,10 @@ class Attempt:
             limit_s: longest time of the program with a robot (s).
             stage: a stage that runs already, to use where it fits; None: each run starts its own.
             keep: record the robots of a run to this file, which is overwritten; None: record nothing.
+            tell: is called with sentences about a check that takes long.
         """
         self._program, self._limit_s, self._given, self._keep = program, limit_s, stage, keep
+        self._tell = tell
         self._shared: Stage | None = None
         self._open = ExitStack()
         self._functions: LineChild | None = None
@@ -78,7 +91,9 @@ class Attempt:
         """part of a core that the last observed program has used; 0 if the system does not tell"""
 
     def __enter__(self) -> Self:
-        self._file = self._program.file(self._open.enter_context(scratch()))
+        temporary = self._open.enter_context(scratch())
+        self._file = self._program.file(temporary)
+        self._sandbox = Sandbox.of(self._program, temporary)
         return self
 
     def __exit__(self, *_error: object) -> None:
@@ -87,7 +102,7 @@ class Attempt:
     @contextmanager
     def on_stage(self, *robots: str) -> Iterator[None]:
         """Observe on one stage during a block, as each run leaves it, because its start takes seconds."""
-        with Stage(robots) as self._shared:
+        with Stage(robots, tell=self._tell) as self._shared:
             yield
         self._shared = None
 
@@ -165,8 +180,14 @@ class Attempt:
         """Return the child process that has imported the pupil's file."""
         if self._functions is None:
             words = ("-P", "-m", "beatrix_zenoh.lessons.function_child", str(self._file), str(IMPORT_S))
-            environment = {"BEATRIX_CONNECT": NO_ROUTER, "BEATRIX_ACCOUNT": "", "MPLBACKEND": "Agg"}
-            child = LineChild(words, environment, folder=self._program.folder)
+            guarded = Guarded(
+                self._sandbox,
+                list(words),
+                {"BEATRIX_CONNECT": NO_ROUTER},
+                requests=True,
+                stderr=subprocess.DEVNULL,
+            )
+            child = LineChild(guarded.process, guarded.requests, guarded.end)
             self._open.callback(child.close)
             what, began_s = "Your file, when it is imported,", time.monotonic()
             try:
@@ -218,7 +239,7 @@ class Attempt:
             drive = bench.TargetFunction(
                 lambda *arguments: self.value(function, *arguments), function, result
             )
-            return bench.run(plant, drive, seconds, course, delay_s)
+            return bench.run(plant, drive, seconds, course, delay_s, self._tell)
         finally:
             plant.close()
 
@@ -287,11 +308,12 @@ class Attempt:
                 "BEATRIX_ROBOT": robots[0],
                 "BEATRIX_WHO": PUPIL,
             }
-            run = Run(self._file, self._program, environment)
+            run = Run(self._file, self._program, self._sandbox, environment)
             running.callback(self._close, run)
+            limit_s = self._limit_s if seconds is None else seconds
+            self._tell(WATCHES.format(limit_s))
             if during is not None:
                 self._let(during, run, stage)
-            limit_s = self._limit_s if seconds is None else seconds
             if within_s is not None:
                 limit_s = run.seconds + within_s
             self._finish(run, stage, limit_s, ends=seconds is None)
@@ -310,7 +332,7 @@ class Attempt:
                 if stage is self._given:
                     stage.tidy()
                 return stage
-        return running.enter_context(Stage(robots, path, robot_file))
+        return running.enter_context(Stage(robots, path, robot_file, self._tell))
 
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
         """Return what the robots did, and set `doubt`; raises NotMeasurable."""
@@ -336,7 +358,7 @@ class Attempt:
             self._wait(run, stage, limit_s, ends=ends)
         except Unmet as unmet:
             if unmet.figure == "ends":
-                unmet.values |= _pace(self._judge_endless(stage, run))
+                unmet.values |= pace(self._judge_endless(stage, run))
                 self.doubt = ""  # short gaps do not make a program endless
             elif unmet.figure in ("runs", "uncaught", "other_robot") and not OWN_ERROR.match(
                 str(unmet.values["error"])
@@ -356,14 +378,15 @@ class Attempt:
             limit = f"{self._limit_s:.0f} s"
             raise NotMeasurable(f"{why} (It did not end within {limit}: is there a `while True`?)") from None
 
-    @staticmethod
-    def _wait(run: Run, stage: Stage, limit_s: float, *, ends: bool) -> None:
+    def _wait(self, run: Run, stage: Stage, limit_s: float, *, ends: bool) -> None:
         """Wait for the end of the program, and keep what the robots publish meanwhile.
 
         Raises Unmet, `ends`, if the program must end (`ends`) and still runs `limit_s` (s) after its start.
         """
+        still = Still(self._tell, "Your program still runs: at most {:.0f} s more.", limit_s - run.seconds)
         while run.running and run.seconds < limit_s:
             _watch(stage, POLL_S)
+            still.look()
         if run.running:
             if ends:
                 raise Unmet("ends", what="Your program", name="", limit=limit_s)
@@ -376,20 +399,6 @@ def _watch(stage: Stage, seconds: float) -> None:
     time.sleep(seconds)
     for watch in stage.watches.values():
         watch.take()
-
-
-def _pace(seen: dict[str, Seen]) -> dict[str, object]:
-    """Return how many motions a program has asked for, and how much time (s) was between two of them."""
-    asked = [
-        (at_s, event.count)
-        for one in seen.values()
-        for at_s, event in one.motions
-        if event.phase == "accepted"
-    ]
-    count = sum(number for _, number in asked)
-    times = [at_s for at_s, _ in asked]
-    every_s = (max(times) - min(times)) / (count - 1) if count > 1 else 0.0
-    return {"count": count, "every": every_s}
 
 
 def _without_reply(

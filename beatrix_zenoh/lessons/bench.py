@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import metadata
@@ -14,6 +16,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
+from beatrix_zenoh.lessons.still import Still, Tell
 from beatrix_zenoh.lessons.unmet import Unmet, busy
 
 TICK_S = 0.02
@@ -70,7 +73,20 @@ def start(speed: float | None) -> LineChild:
     """Start the process of the bench; raises Refused if it ends at once, NotMeasurable if it does not answer."""
     found = [entry for entry in metadata.entry_points(group="beatrix.processes") if entry.name == "bench"]
     module = found[0].module if found else "sim_node.bench"
-    child = LineChild(("-m", module))
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-m", module],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        process_group=None if sys.platform == "win32" else 0,
+        creationflags=processes.NEW_GROUP,
+    )
+
+    def end() -> None:
+        process.kill()
+        process.wait()
+
+    child = LineChild(process, process.stdin, end)
     try:
         child.ask({"speed": speed}, ANSWER_S)
     except NoReply as error:
@@ -89,14 +105,21 @@ def start(speed: float | None) -> LineChild:
 
 
 def run(
-    plant: LineChild, drive: TargetFunction, seconds: float, course: Course | None, delay_s: float
+    plant: LineChild,
+    drive: TargetFunction,
+    seconds: float,
+    course: Course | None,
+    delay_s: float,
+    tell: Tell,
 ) -> Bench:
     """Drive the bench for some time (s); see `Attempt.bench`."""
+    still = Still(tell, f"The bench is at {{:.0f}} of {seconds:.0f} s.")
     ticks, late = round(seconds / TICK_S), round(delay_s / TICK_S)
     states: list[dict[str, list[float]]] = []
     asked: list[list[float]] = []
     for tick in range(ticks):
         t = tick * TICK_S
+        still.look(t)
         if course is None:
             target = drive.target(t)
         else:

@@ -12,6 +12,7 @@ from beatrix_zenoh.lessons.lesson import Lesson
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.lessons.stage import Stage
+from beatrix_zenoh.lessons.still import Tell
 from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
 
 CHANGED = "{file} was saved while it was checked, so it is not known which program has run. Check it again."
@@ -47,7 +48,12 @@ class Verdict:
 
 
 def check(
-    lesson: Lesson, program: Program, *, stage: Stage | None = None, keep: Path | None = None
+    lesson: Lesson,
+    program: Program,
+    *,
+    stage: Stage | None = None,
+    keep: Path | None = None,
+    tell: Tell = lambda _: None,
 ) -> Verdict:
     """Check a program.
 
@@ -56,10 +62,18 @@ def check(
         program: the pupil's program.
         stage: a stage that runs already, to use where it fits.
         keep: record the robots of an observed run to this file, which is overwritten.
+        tell: is called with sentences about a check that takes long, in the language of the lesson.
     """
-    attempt = Attempt(program, limit_s=lesson.about.limit_s, stage=stage, keep=keep)
+    attempt = Attempt(
+        program,
+        limit_s=lesson.about.limit_s,
+        stage=stage,
+        keep=keep,
+        tell=lambda text: tell(lesson.phrase(text)),
+    )
     try:
         with attempt:
+            program.compile()
             lesson.check()(attempt)
     except Unmet as unmet:
         if attempt.doubt:
@@ -99,12 +113,17 @@ def count(record: Record, verdict: Verdict, entry: str) -> None:
         record.passed = [one for one in record.passed if one != entry] + [entry]
 
 
+def _shown(value: object) -> object:
+    """Return a value for sentences; `lesson start` has copied a file of the lesson, so that its name is enough."""
+    if isinstance(value, Path):
+        return value.name
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
 def verdict(lesson: Lesson, unmet: Unmet) -> Verdict:
     """Return what to say about a figure that is not met."""
     figure = lesson.figure(unmet.figure)
-    values = {
-        name: value.tolist() if hasattr(value, "tolist") else value for name, value in unmet.values.items()
-    }
+    values = {name: _shown(value) for name, value in unmet.values.items()}
     said = {name: lesson.phrase(value) if isinstance(value, str) else value for name, value in values.items()}
     return Verdict(
         Result.NOT_YET,

@@ -1,7 +1,10 @@
-"""Kill a pupil's program when the process that has started both has ended: `python guard.py PID`.
+"""Run a pupil's program, and kill all that it has started: `python -I -S guard.py STDIN COMMAND...`.
 
-Standard input is a pipe from that process; reading from it returns when the process has ended, even if it was killed. A
-process of its own, because the program runs as it would without a check, and may let no other thread run.
+The program's standard input is the file descriptor STDIN, or nothing if that is -1. Standard input of the guard is a
+pipe from the process that checks the program: each byte interrupts the program as Ctrl-C does, and its end, also if that
+process was killed, kills the program. The exit code is that of the program, 128 and the number of a signal that ended it.
+The file USED in the home folder gets the processor time (s) of the program and of what it has started.
+A process of its own, because a program may let no other thread run.
 """
 
 from __future__ import annotations
@@ -9,21 +12,70 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
+import subprocess
 import sys
+import threading
+import time
+from pathlib import Path
 
-STDIN = 0
+SUBREAPER = 36
+"""PR_SET_CHILD_SUBREAPER of Linux: processes whose parent has ended become children of this process."""
+USED = "used_s"
+KILL_S = 2.0
+"""Longest time (s) of killing: a program may start processes all the time."""
+POLL_S = 0.005
 
 
-def main(pid: int) -> None:
-    """Wait for the end of the parent; then kill the process, which leads a group, with this group."""
-    while os.read(STDIN, 1):
-        pass
-    with contextlib.suppress(OSError):  # it has ended, too
-        if sys.platform == "win32":
-            os.kill(pid, signal.SIGTERM)
-        else:
-            os.killpg(pid, signal.SIGKILL)
+def main(stdin: int, command: list[str]) -> int:
+    """Run the program to its end, then kill the processes that it has left."""
+    adopt_orphans()
+    signal.signal(signal.SIGINT, lambda *_: None)  # not ignored: the program would inherit that
+    program = subprocess.Popen(command, stdin=subprocess.DEVNULL if stdin < 0 else stdin)
+    if stdin >= 0:
+        os.close(stdin)
+    threading.Thread(target=obey, args=[program], daemon=True).start()
+    code = program.wait()
+    kill_children()
+    times = os.times()
+    with contextlib.suppress(OSError):  # the program has deleted its home
+        Path.home().joinpath(USED).write_text(str(times.children_user + times.children_system))
+    return code if code >= 0 else 128 - code
+
+
+def adopt_orphans() -> None:
+    """Become the parent of processes that the program has started and whose parent has ended (Linux)."""
+    if sys.platform == "linux":
+        import ctypes  # noqa: PLC0415 - only Linux needs it
+
+        ctypes.CDLL(None).prctl(SUBREAPER, 1, 0, 0, 0)
+
+
+def obey(program: subprocess.Popen[bytes]) -> None:
+    """Interrupt and kill the program as the process says that checks it."""
+    while os.read(0, 1):
+        if sys.platform != "win32":
+            program.send_signal(signal.SIGINT)
+    program.kill()
+
+
+def kill_children() -> None:
+    """Kill all children of this process; their own children are then its children, too."""
+    end_s = time.monotonic() + KILL_S
+    while (children := own_children()) and time.monotonic() < end_s:
+        for child in children:
+            with contextlib.suppress(OSError):
+                os.kill(child, signal.SIGKILL)
+        with contextlib.suppress(ChildProcessError):
+            while os.waitpid(-1, os.WNOHANG)[0]:
+                pass
+        time.sleep(POLL_S)
+
+
+def own_children() -> list[int]:
+    """Return the children of this process; none where there is no /proc."""
+    lists = Path("/proc/self/task").glob("*/children")
+    return [int(number) for path in lists for number in path.read_text().split()]
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]))
+    sys.exit(main(int(sys.argv[1]), sys.argv[2:]))

@@ -4,28 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
 import queue
-import signal
 import subprocess
-import sys
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Callable, Mapping
+from typing import IO
 
-from beatrix_zenoh import processes, threads
+from beatrix_zenoh import threads
+from beatrix_zenoh.lessons.guarded import exit_code
 
 Reply = dict[str, object]
-
-
-def kill_group(process: subprocess.Popen[bytes]) -> None:
-    """Kill a process that leads a group, and all that it has started."""
-    if sys.platform == "win32":
-        process.kill()
-        return
-    with contextlib.suppress(
-        ProcessLookupError, PermissionError
-    ):  # PermissionError: macOS, if all have ended
-        os.killpg(process.pid, signal.SIGKILL)
 
 
 class NoReply(Exception):
@@ -37,25 +24,14 @@ class NoReply(Exception):
 
 
 class LineChild:
-    """A child process, started at once and ended by `close`, or with its parent: its standard input is a pipe."""
+    """A child process that runs, ended by `close`."""
 
     def __init__(
-        self,
-        arguments: Sequence[str],
-        environment: Mapping[str, str] | None = None,
-        folder: Path | None = None,
+        self, process: subprocess.Popen[bytes], requests: IO[bytes] | None, end: Callable[[], None]
     ) -> None:
-        """Start Python with these arguments, additions to the environment, and working folder."""
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", *arguments],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            cwd=folder,
-            env=os.environ | dict(environment or {}),
-            process_group=None if sys.platform == "win32" else 0,
-            creationflags=processes.NEW_GROUP,
-        )
+        """Talk to a process through a pipe to its standard input; `end` ends it."""
+        assert requests is not None
+        self._process, self._requests, self._end = process, requests, end
         self._lines: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
         self._reader = threads.start(self._read, "lines-of-child")
 
@@ -68,12 +44,11 @@ class LineChild:
 
     def ask(self, request: Mapping[str, object], timeout_s: float) -> Reply:
         """Return the answer to a request; raises NoReply after `timeout_s` (s), and if the child has ended."""
-        assert self._process.stdin is not None
         try:
-            self._process.stdin.write(json.dumps(request).encode() + b"\n")
-            self._process.stdin.flush()
+            self._requests.write(json.dumps(request).encode() + b"\n")
+            self._requests.flush()
         except OSError as error:
-            raise NoReply(self._process.wait()) from error
+            raise NoReply(exit_code(self._process)) from error
         return self.reply(timeout_s)
 
     def reply(self, timeout_s: float) -> Reply:
@@ -83,16 +58,15 @@ class LineChild:
         except queue.Empty:
             raise NoReply from None
         if line is None:
-            raise NoReply(self._process.wait())
+            raise NoReply(exit_code(self._process))
         found: Reply = json.loads(line)
         return found
 
     def close(self) -> None:
-        """Kill the child, which holds nothing that it would have to save."""
-        kill_group(self._process)
-        self._process.wait()
+        """End the child, which holds nothing that it would have to save."""
+        self._end()
         self._reader.join()
-        for pipe in (self._process.stdin, self._process.stdout):
+        for pipe in (self._requests, self._process.stdout):
             if pipe is not None:
                 with contextlib.suppress(OSError):  # what was not yet written has no reader
                     pipe.close()

@@ -6,12 +6,14 @@ import ast
 import hashlib
 import json
 import re
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lessons.unmet import Unmet
 
 FORMAT = {"nbformat": 4, "nbformat_minor": 5}
 KERNEL = {
@@ -55,6 +57,18 @@ class Program:
     def changed(self) -> bool:
         """Return whether the file is no longer the program that runs; a notebook runs as it was read."""
         return self.path.suffix != ".ipynb" and read(self.path).text != self.text
+
+    def compile(self) -> None:
+        """Raise Unmet (`runs`) if Python cannot compile the program: a check says so before it starts anything."""
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                compile(self.text, str(self.path), "exec", dont_inherit=True)
+        except SyntaxError as error:
+            where = f" ({self.place(error.lineno)})" if error.lineno else ""
+            raise Unmet("runs", error=f"{type(error).__name__}: {error.msg}", where=where) from None
+        except (ValueError, MemoryError, RecursionError):
+            return  # a text that only Python itself can explain
 
     def place(self, line: int) -> str:
         """Return where a line of the program is, for the pupil: `line 12`, or `cell 3, line 2`."""

@@ -13,13 +13,12 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 
-from beatrix_zenoh import processes, threads
-from beatrix_zenoh.lessons.line_child import kill_group
+from beatrix_zenoh import threads
+from beatrix_zenoh.lessons.guarded import Guarded, exit_code
 from beatrix_zenoh.lessons.program import Program
+from beatrix_zenoh.lessons.sandbox import Sandbox
 from beatrix_zenoh.lessons.unmet import Unmet
 
-GUARD = Path(__file__).with_name("guard.py")
-"""The program that kills the pupil's program if this process is killed."""
 LINES = 200
 """Number of last output lines that are kept: a program may print without end."""
 END_S = 2.0
@@ -40,41 +39,19 @@ PREFIX = re.compile(r"^[\w.]+\.(?=\w+(:|$))")
 class Run:
     """A program that runs; its output is read all the time, so that it never waits for a reader."""
 
-    def __init__(self, file: Path, program: Program, environment: Mapping[str, str]) -> None:
+    def __init__(
+        self, file: Path, program: Program, sandbox: Sandbox, environment: Mapping[str, str]
+    ) -> None:
         """Start it; `file` is what Python runs, `program` what the pupil has written."""
-        self._file, self._program = file, program
+        self._file, self._program, self._sandbox = file, program, sandbox
         self._output: collections.deque[str] = collections.deque(maxlen=LINES)
-        self._process = subprocess.Popen(
-            [sys.executable, str(file)],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            cwd=program.folder,
-            env=os.environ
-            | {
-                "PYTHONUNBUFFERED": "1",
-                "PYTHONIOENCODING": "utf-8",
-                "PYTHONPATH": os.pathsep.join(  # the program of a notebook is in another folder
-                    filter(None, (str(program.path.parent), os.environ.get("PYTHONPATH")))
-                ),
-                "MPLBACKEND": "Agg",  # `plt.show()` would wait for a window
-                "BEATRIX_ACCOUNT": "",  # the router of a check has no accounts
-            }
-            | dict(environment),
-            process_group=None if sys.platform == "win32" else 0,
-            creationflags=processes.NEW_GROUP,
-        )
-        self._used_before_s = used_s()
+        paths = (str(program.path.parent), os.environ.get("PYTHONPATH"))
+        # The program of a notebook is in another folder.
+        more = {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
+        self._child = Guarded(sandbox, [str(file)], more | dict(environment))
+        self._process = self._child.process
         self.cores = 0.0
         """Part of a core that the program has used, known after `close`; 0 on Windows, which does not tell."""
-        self._guard = subprocess.Popen(
-            [sys.executable, "-I", "-S", str(GUARD), str(self._process.pid)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            process_group=None if sys.platform == "win32" else 0,  # Ctrl-C must not end it
-            creationflags=processes.NEW_GROUP,
-        )
         self._reader = threads.start(self._read, "output-of-program")
         self.began_ns = time.monotonic_ns()
 
@@ -113,7 +90,7 @@ class Run:
 
     def _error(self, lines: list[str]) -> str:
         """Return the last line of the traceback, or how the program has ended without one."""
-        code = self._process.returncode
+        code = exit_code(self._process)
         if code < 0:
             return f"the program was ended by the signal {signal.Signals(-code).name}, as after a crash"
         return PREFIX.sub("", lines[-1])[:LONGEST_ERROR] if lines else f"exit code {code}"
@@ -127,26 +104,14 @@ class Run:
     def close(self) -> None:
         """End the program, first as Ctrl-C does, so that it can bring its robot to rest."""
         if self.running and sys.platform != "win32":
-            self._process.send_signal(signal.SIGINT)
+            self._child.interrupt()
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(END_S)
-        kill_group(self._process)
+        self._child.end()
         if not self.cores:
-            self._process.wait()
-            self.cores = (used_s() - self._used_before_s) / self.seconds
-        self._guard.kill()  # before another process can get the number of the program
-        self._process.wait()
-        self._guard.wait()
-        if self._guard.stdin is not None:
-            self._guard.stdin.close()
+            self.cores = self._sandbox.used_s() / self.seconds
         self._reader.join(END_S)
         if (
             self._process.stdout is not None and not self._reader.is_alive()
         ):  # else closing would wait for the reader
             self._process.stdout.close()
-
-
-def used_s() -> float:
-    """Return the processor time (s) of all child processes that have ended."""
-    times = os.times()
-    return times.children_user + times.children_system

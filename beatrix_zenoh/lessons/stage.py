@@ -12,7 +12,9 @@ from types import TracebackType
 from typing import Self
 
 import numpy as np
+import numpy.typing as npt
 
+from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.client.robot import Robot
@@ -22,8 +24,9 @@ from beatrix_zenoh.contract._generated.messages import Event, EventKind, Positio
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import scratch
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
+from beatrix_zenoh.lessons.still import Still, Tell
 from beatrix_zenoh.lessons.unmet import busy
-from beatrix_zenoh.processes import Supervisor
+from beatrix_zenoh.processes import Child, Supervisor
 from beatrix_zenoh.settings import Settings
 
 START_S = 90.0
@@ -33,6 +36,9 @@ GAP_S = 0.1
 """Longest gap between two positions (s) of a run that can fail."""
 LONGEST_GAP_S = 0.3
 """Longest gap of a run that can pass: what happened in a gap of 0.1 s was hardly more than what was seen around it."""
+PAUSE_S, PAUSE_DEG = 0.3, 9.0
+"""If a simulation stood still for longer (s), its time continues from then (STALL_S of sim_node/body.py). If the set
+points of its arms have moved by less (deg) meanwhile, the gap hides no more motion than LONGEST_GAP_S at 30 deg/s."""
 SLOWEST = 0.9
 """Smallest real-time factor of a run that can fail."""
 POLL_S = 0.02
@@ -69,6 +75,33 @@ class Seen(HeadCurves):
             for time, event in zip(self.event_times, self.events, strict=True)
             if event.kind is EventKind.MOTION and event.seat not in ("", SEAT)
         ]
+
+
+def hidden_s(t: Curve, seq: npt.NDArray[np.int64], commanded: Curve) -> float:
+    """Return the longest time (s) between two positions in which the robot may have moved without being seen.
+
+    Args:
+        t: times of the positions (s).
+        seq: their sequence numbers: a missing one was published, and lost on the way.
+        commanded: set points of the arms (deg), shape (n, 3).
+    """
+    gaps, moved = np.diff(t), np.abs(np.diff(commanded, axis=0)).max(axis=1)
+    paused = (gaps > PAUSE_S) & (moved < PAUSE_DEG) & (np.diff(seq) == 1)
+    return float(gaps[~paused].max(initial=0.0))
+
+
+def pace(seen: dict[str, Seen]) -> dict[str, object]:
+    """Return how many motions a program has asked for, and how much time (s) was between two of them."""
+    asked = [
+        (at_s, event.count)
+        for one in seen.values()
+        for at_s, event in one.motions
+        if event.phase == "accepted"
+    ]
+    count = sum(number for _, number in asked)
+    times = [at_s for at_s, _ in asked]
+    every_s = (max(times) - min(times)) / (count - 1) if count > 1 else 0.0
+    return {"count": count, "every": every_s}
 
 
 class RobotWatch:
@@ -113,21 +146,22 @@ class RobotWatch:
         t = (np.array([positions.t_mono_ns for positions in seen], dtype=float) - began_ns) / 1e9
         if len(t) < 2:
             raise busy("The simulation has published no positions.")
+        readings = [reading(positions) for positions in seen]
+        commanded = np.array([one.commanded for one in readings])
         gap, factor = float(np.diff(t).max()), min(self._factors, default=1.0)
         doubt = ""
         if gap > GAP_S:
             doubt = f"For {gap * 1000:.0f} ms there was no position; {GAP_S * 1000:.0f} ms are allowed."
         elif factor < SLOWEST:
             doubt = f"The simulation ran at {factor:.2f} times the speed of reality."
-        if gap > LONGEST_GAP_S:
+        if hidden_s(t, np.array([positions.seq for positions in seen]), commanded) > LONGEST_GAP_S:
             raise busy(doubt)
-        readings = [reading(positions) for positions in seen]
         happened = [event for event in self._happened if event.t_mono_ns >= began_ns]
         return Seen(
             t,
             head=np.array([one.head for one in readings]),
             arms=np.array([one.arms for one in readings]),
-            commanded=np.array([one.commanded for one in readings]),
+            commanded=commanded,
             speed=np.array([one.velocity for one in readings]),
             events=happened,
             event_times=(np.array([event.t_mono_ns for event in happened], dtype=float) - began_ns) / 1e9,
@@ -140,9 +174,17 @@ class Stage:
     """A router, simulations that are ready, and a client that watches them; a `with` block ends them."""
 
     def __init__(
-        self, robots: Sequence[str] = (ROBOT,), path: str = "still", robot_file: Path | None = None
+        self,
+        robots: Sequence[str] = (ROBOT,),
+        path: str = "still",
+        robot_file: Path | None = None,
+        tell: Tell = lambda _: None,
     ) -> None:
-        """Describe the stage: names of its robots, path of the person in front of them, values of other robots."""
+        """Describe the stage: names of its robots, path of the person in front of them, values of other robots.
+
+        `tell` is called with sentences about a start that takes long.
+        """
+        self._tell = tell
         self.names, self.path, self.robot_file = tuple(robots), path, robot_file
         with socket.create_server(("127.0.0.1", 0)) as free:
             self.endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
@@ -155,14 +197,12 @@ class Stage:
 
     def __enter__(self) -> Self:
         with ExitStack() as starting:
+            starting.callback(zbus.open_router(self.endpoint).close)
             supervisor = starting.enter_context(self._supervisor)
-            supervisor.start("router", "router", "--listen", self.endpoint)
-            self._wait(supervisor)
-            for name in self.names:
-                words = ("--name", name, "--connect", self.endpoint, "--ready", "--target", self.path)
-                values = ("--robot-file", str(self.robot_file)) if self.robot_file else ()
-                supervisor.start(name, "sim", *words, *values)
-            self._wait(supervisor)
+            robots = [word for name in self.names for word in ("--name", name)]
+            values = ("--robot-file", str(self.robot_file)) if self.robot_file else ()
+            words = ("--connect", self.endpoint, "--ready", "--target", self.path, *values)
+            self._wait(supervisor.start("simulation", "sim", *robots, *words), len(self.names))
             client = starting.enter_context(Client(Settings(self.names[0], self.endpoint, SEAT)))
             self.watches = {name: RobotWatch(client, name) for name in self.names}
             person = self.watches[self.names[0]].robot.target()
@@ -175,14 +215,15 @@ class Stage:
     ) -> None:
         self._running.__exit__(kind, error, trace)
 
-    @staticmethod
-    def _wait(supervisor: Supervisor) -> None:
-        """Wait until all are ready; raises NotMeasurable after START_S, and Refused if one of them has ended."""
+    def _wait(self, child: Child, robots: int = 1) -> None:
+        """Wait until a child is ready with its robots; raises NotMeasurable after START_S, Refused if it has ended."""
         deadline_s = time.monotonic() + START_S
-        while not all(child.ready for child in supervisor.children):
-            supervisor.check()
+        still = Still(self._tell, "The simulation still starts: at most {:.0f} s more.", START_S)
+        while sum(line.startswith("ready ") for line in child.lines()) < robots:
+            self._supervisor.check()
             if time.monotonic() > deadline_s:
                 raise busy(f"The simulation was not ready within {START_S:.0f} s.")
+            still.look()
             time.sleep(POLL_S)
 
     def robot(self, name: str = "", who: str = SEAT) -> Robot:
@@ -205,7 +246,7 @@ class Stage:
         """Record the robots to a file during a block; an older file is deleted."""
         path.unlink(missing_ok=True)
         recorder = self._supervisor.start("recorder", "record", str(path), "--connect", self.endpoint)
-        self._wait(self._supervisor)
+        self._wait(recorder)
         try:
             yield
         finally:

@@ -7,15 +7,16 @@ import math
 import time
 from typing import Final
 
-from beatrix_zenoh import files
 from beatrix_zenoh.client.lease import Lease
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason, Status
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
+from beatrix_zenoh.lessons.sandbox import Sandbox, refuse_teacher
 from beatrix_zenoh.lessons.scratch import scratch
 from beatrix_zenoh.lessons.unmet import Unmet
 from beatrix_zenoh.output import note, say
@@ -26,6 +27,8 @@ HOME_S: Final = 15.0
 """Part of the turn that is kept for the way home (s)."""
 FASTEST_DEG_S: Final = 40.0
 POLL_S: Final = 0.1
+ENDS: Final = (LeaseAction.GIVE_BACK, LeaseAction.TAKE, LeaseAction.MUTE)
+"""Requests of the teacher that end a lease."""
 TRACEBACK: Final = "Traceback (most recent call last):"
 
 
@@ -44,6 +47,7 @@ def take_turn(
             is home.
         NoAnswer: the robot was lost; it stops by itself.
     """
+    refuse_teacher(settings.account)
     with Client(settings) as client:
         robot = Robot(settings.robot, side, client=client)
         status = robot.status()
@@ -133,18 +137,21 @@ def _run(program: Program, robot: Robot, lease: Lease, *, endless: bool) -> None
         events = ending.enter_context(robot.events())
         statuses = ending.enter_context(robot.status_stream())
         folder = ending.enter_context(scratch())
+        connect = settings.connect
+        if settings.account is not None:
+            from beatrix_zenoh.bus.tunnel import Tunnel  # noqa: PLC0415 - asyncio would delay every verb
+
+            connect = ending.enter_context(Tunnel(connect, settings.account)).endpoint
         environment = {
             "BEATRIX_ROBOT": robot.name,
-            "BEATRIX_CONNECT": settings.connect,
+            "BEATRIX_CONNECT": connect,
             "BEATRIX_WHO": settings.who,
             "BEATRIX_SIDE": robot.side,
             "BEATRIX_LEASE": str(lease.number),
         }
-        if settings.account is not None:
-            account = folder / "account.toml"
-            files.write_private(account, settings.account.text())
-            environment["BEATRIX_ACCOUNT"] = str(account)
-        running = ending.enter_context(contextlib.closing(Run(program.file(folder), program, environment)))
+        sandbox = Sandbox.of(program, folder)
+        run = Run(program.file(folder), program, sandbox, environment)
+        running = ending.enter_context(contextlib.closing(run))
         try:
             ended = _watch(running, events, statuses, lease.number, settings.who)
         finally:
@@ -165,7 +172,7 @@ def _watch(
 ) -> bool:
     """Return True when the program has ended, False when its time is over; raise the other errors of `take_turn`."""
     end_s = time.monotonic() + LONGEST_S - HOME_S
-    heard_s = time.monotonic()
+    heard_s, teacher = time.monotonic(), False
     while True:
         ended = not running.running
         if ended:
@@ -177,10 +184,13 @@ def _watch(
                     f"{event.seat or 'A seat'} has pressed STOP: your turn is over, and the head stays where it is. Look at "
                     "the robot before you take another turn.",
                 )
+            teacher |= _by_teacher(event)
         for status in statuses.take():
             heard_s = time.monotonic()
             if status.lease != number:
-                raise Refused(Reason.NOT_HOLDER, _ended_early(status, seat))
+                time.sleep(POLL_S)  # the event of the teacher's request may still arrive
+                teacher |= any(map(_by_teacher, events.take()))
+                raise Refused(Reason.NOT_HOLDER, _ended_early(status, seat, teacher=teacher))
         if ended:
             return True
         now_s = time.monotonic()
@@ -192,6 +202,11 @@ def _watch(
         if now_s > end_s:
             return False
         time.sleep(POLL_S)
+
+
+def _by_teacher(event: Event) -> bool:
+    """Return whether the teacher has asked for something that ends a lease."""
+    return event.seat == TEACHER and event.kind is EventKind.LEASE and event.action in ENDS
 
 
 LOST_S: Final = 4.0
@@ -215,8 +230,12 @@ def _check(running: Run) -> None:
         ) from unmet
 
 
-def _ended_early(status: Status, seat: str) -> str:
-    """Return a sentence about a lease that is no longer that of the turn."""
+def _ended_early(status: Status, seat: str, *, teacher: bool) -> str:
+    """Return a sentence about a lease that is no longer that of the turn; `teacher`: the teacher has ended it."""
+    if teacher:
+        return (
+            "The teacher has ended your turn. Wait until the teacher lets you drive, then take another turn."
+        )
     if status.holder in ("", seat):
         return (
             "Your turn has ended early: your program has given the robot back, or you in another window. Take another turn "

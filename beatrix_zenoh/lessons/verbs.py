@@ -222,15 +222,18 @@ def check(
     """
     from beatrix_zenoh.lessons import checking, progress, reports
     from beatrix_zenoh.lessons import program as programs
+    from beatrix_zenoh.lessons.sandbox import refuse_teacher
+    from beatrix_zenoh.settings import resolve_valid
     from beatrix_zenoh.shutdown import signals_interrupt
 
+    refuse_teacher(resolve_valid()[0].account)
     workspace = _workspace()
     found, path = _program(number, workspace)
     program = programs.read(path)
     note(f"Checking {_shown(path)} …")
     recording = path.with_name("check.rrd")
     with signals_interrupt():
-        verdict = checking.check(found, program, keep=recording if keep else None)
+        verdict = checking.check(found, program, keep=recording if keep else None, tell=note)
     if keep and not recording.exists():
         note("This check used no simulated robot that runs in real time: there is nothing to record.")
     workspace = _workspace()  # another check may have ended meanwhile

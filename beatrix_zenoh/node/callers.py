@@ -22,7 +22,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from beatrix_zenoh.contract import refusals
-from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import OLD_PROGRAMS, TEACHER
 from beatrix_zenoh.contract.refusals import LINGER_S
@@ -186,6 +185,8 @@ class RobotLease:
         self._used_s = 0.0
         """Time of the last request of the taker (s)."""
         self._number = 0
+        self.ended_by_teacher = 0
+        """Number of the last lease that the teacher has ended; 0: none."""
         self._waiting: dict[str, Waiting] = {}
 
     def holder(self, now_s: float) -> str:
@@ -223,7 +224,7 @@ class RobotLease:
         """
         holder = self.holder(now_s)
         if number and (number != self._number or not self._taker.seat):
-            raise Refused(Reason.NOT_HOLDER, detail=Detail(holder=holder, field="lease", value=float(number)))
+            raise refusals.lease_ended(number, holder, by_teacher=number == self.ended_by_teacher)
         if holder not in ("", caller.seat) and caller.seat != TEACHER:
             if self._taker.seat:
                 raise refusals.taken_by(holder)
@@ -237,6 +238,8 @@ class RobotLease:
         A session that takes the robot again keeps its lease; another session of the same seat gets a new one, with the
         stricter of both terms. Neither begins a new turn.
         """
+        if caller.seat == TEACHER and self._taker.seat not in ("", TEACHER):
+            self.ended_by_teacher = self._number
         if caller != self._taker:
             self._grant(Waiting(caller, terms), now_s)
         self._used_s = now_s

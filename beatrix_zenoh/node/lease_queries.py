@@ -103,6 +103,7 @@ def unmute(access: Access, seat: str) -> None:
 def end_turn(access: Access, now_s: float) -> str:
     """End the lease of the holder, also that by its motion; return the seat that holds the robot now."""
     with access.lock:
+        access.lease.ended_by_teacher = access.lease.number(now_s)
         access.lease.end(access.lease.holder(now_s))
         access.lease.motion.release(now_s)
         return access.lease.holder(now_s)

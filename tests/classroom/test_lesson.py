@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from class_router import ClassRouter, start_node
@@ -14,7 +15,22 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated.messages import Fault, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
+from beatrix_zenoh.lessons import program, turns
 from beatrix_zenoh.settings import Settings
+
+LOOKS_FOR_ACCOUNT = """
+import os, sys
+from pathlib import Path
+from beatrix_zenoh import Robot
+from beatrix_zenoh.account import joined
+with Robot() as robot:
+    robot.look(yaw=10)
+    print("reached", round(robot.positions().head.yaw), robot.client.settings.who)
+print("account", robot.client.settings.account, repr(os.environ["BEATRIX_ACCOUNT"]), joined().exists())
+own = Path.home().parent
+found = own.rglob("*") if own.name.startswith("beatrix-lesson-") else []
+print("files", [path for path in found if path.is_file() and b"PRIVATE" in path.read_bytes()])
+"""
 
 
 @pytest.fixture(scope="module")
@@ -107,3 +123,26 @@ def test_only_the_teacher_sees_the_names_of_the_pupils(
     for name, shown in (("teacher", "Ána Ruiz (ana)"), ("ben", "seats: ana, ben")):
         monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path(name)))
         assert shown in beatrix("top", "--once").stdout
+
+
+def test_a_turn_lends_the_program_a_session_and_no_account(
+    router: ClassRouter, clients: dict[str, Client], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    robot = ready(Robot("bea1", "hw", client=clients["teacher"]))
+    until(lambda: not robot.status().holder, "no seat drives")
+    path = tmp_path / "start.py"
+    path.write_text(LOOKS_FOR_ACCOUNT)
+    account = router.account("ana")
+    turns.take_turn(program.read(path), Settings("bea1", account.connect, "ana", account=account), "hw", 20.0)
+    printed = [line.strip() for line in capsys.readouterr().out.splitlines()]
+    assert printed[-3:] == ["reached 10 ana", "account None '' False", "files []"]
+
+
+def test_a_turn_with_the_account_of_the_teacher_is_refused(router: ClassRouter, tmp_path: Path) -> None:
+    path = tmp_path / "start.py"
+    path.write_text(LOOKS_FOR_ACCOUNT)
+    account = router.account("teacher")
+    with pytest.raises(Refused, match="as another user of this computer"):
+        turns.take_turn(
+            program.read(path), Settings("bea1", account.connect, "teacher", account=account), "hw", 0.0
+        )

@@ -156,12 +156,9 @@ def test_shakes_that_a_refusal_has_skipped_are_told_from_small_ones() -> None:
 def test_a_bench_without_an_answer_is_not_called_missing(
     code: int | None, error: type[Exception], words: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    class Silent:
-        def __init__(self, *_arguments: object) -> None: ...
-        def close(self) -> None: ...
-        def ask(self, *_arguments: object) -> None:
-            raise NoReply(code)
+    def ask(*_arguments: object) -> None:
+        raise NoReply(code)
 
-    monkeypatch.setattr(bench, "LineChild", Silent)
+    monkeypatch.setattr(bench.LineChild, "ask", ask)
     with pytest.raises(error, match=words):
         bench.start(None)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import json
 import shutil
 import subprocess
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Literal
 
 import pytest
 from shell import beatrix
 
+from beatrix_zenoh import account
+from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import LessonState
-from beatrix_zenoh.lessons import lesson, program, progress, reports
+from beatrix_zenoh.lessons import lesson, program, progress, reports, sandbox
 from beatrix_zenoh.lessons.checking import Result, Verdict, count
 from beatrix_zenoh.lessons.program import notebook
 
@@ -352,3 +356,35 @@ def test_a_broken_progress_file_is_refused_with_advice() -> None:
     good("start", "1")
     Path("lessons/progress.json").write_text("{")
     assert "Delete it; your programs stay." in refused("list")
+
+
+@pytest.mark.parametrize(
+    ("in_use", "fence", "allowed"),
+    [
+        ("teacher", False, False),
+        ("teacher", True, False),
+        ("", False, False),  # a program could read what `beatrix join` has stored
+        ("", True, True),
+        ("ana", False, True),
+    ],
+)
+def test_a_check_with_the_account_of_the_teacher_is_refused(
+    pupil: Path, monkeypatch: pytest.MonkeyPatch, in_use: str, fence: bool, allowed: bool
+) -> None:
+    def file(name: str, role: Literal["student", "teacher"]) -> Path:
+        made = Account("8b", name, role, "tls/127.0.0.1:1", dt.date.max, "", "", "")
+        (pupil / f"{name}.toml").write_text(made.text())
+        return pupil / f"{name}.toml"
+
+    good("start", "1")
+    START.write_text(FILES["solution.py"])
+    files = {"teacher": str(file("teacher", "teacher")), "ana": str(file("ana", "student")), "": ""}
+    monkeypatch.setattr(account, "joined", lambda: pupil / "teacher.toml")
+    monkeypatch.setattr(sandbox, "bubblewrap_works", lambda: fence)
+    monkeypatch.setattr(sandbox.Sandbox, "_bubblewrap", lambda _: [])
+    monkeypatch.setattr(reports, "report", lambda *_, measured=True: None)  # noqa: ARG005
+    monkeypatch.setenv("BEATRIX_ACCOUNT", files[in_use])
+    if allowed:
+        good("check", "1")
+    else:
+        assert "Check programs as another user of this computer" in refused("check", "1")

@@ -29,6 +29,7 @@ from beatrix_zenoh.lessons.checking import Verdict, verdict
 from beatrix_zenoh.lessons.lesson import find
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
+from beatrix_zenoh.lessons.sandbox import Sandbox
 from beatrix_zenoh.lessons.stage import SEAT
 
 Change = Callable[[npt.NDArray[np.float64]], npt.NDArray[np.float64]]
@@ -221,7 +222,8 @@ def test_a_program_finds_its_files_as_by_hand(
     (folder / "start.py").write_text(text)
     (tmp_path / "scene.csv" if name == "start.py" else folder / "scene.csv").write_text("")
     monkeypatch.chdir(tmp_path)
-    with contextlib.closing(Run(folder / "start.py", Program(folder / name, text), {})) as run:
+    made = Program(folder / name, text)
+    with contextlib.closing(Run(folder / "start.py", made, Sandbox.of(made, tmp_path), {})) as run:
         until(lambda: not run.running, "the program has ended")
         run.check()
 
@@ -230,6 +232,7 @@ def test_a_program_for_another_robot_is_told_to_name_none(tmp_path: Path) -> Non
     text = "from beatrix_zenoh import NoAnswer\nraise NoAnswer('NO_ANSWER', 'ada (sim) is not online. Online: bea1.')"
     path = tmp_path / "start.py"
     path.write_text(text)
-    with contextlib.closing(Run(path, Program(path, text), {})) as run:
+    made = Program(path, text)
+    with contextlib.closing(Run(path, made, Sandbox.of(made, tmp_path), {})) as run:
         until(lambda: not run.running, "the program has ended")
         assert figure_of(run.check) == "other_robot"

@@ -14,8 +14,10 @@ from robots import until
 from shell import CLI, NAME, Shell, wait_until_free
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.client import lease
+from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.lessons import program, progress, turns
 from beatrix_zenoh.settings import Settings
@@ -199,6 +201,21 @@ def test_stop_of_another_seat_ends_the_turn_and_the_head_stays(free: Shell, tmp_
         assert refused.value.reason is Reason.STOPPED
         assert not home(robot)
         assert robot.status().lease == 0
+
+
+def test_a_turn_that_the_teacher_ends_tells_the_pupil_to_wait(free: Shell, tmp_path: Path) -> None:
+    with free.robot("hw") as robot, Robot(NAME, "hw", connect=free.endpoint, who=TEACHER) as teacher:
+
+        def end() -> None:
+            until(lambda: robot.status().moving, "the program moves the robot", 20.0)
+            lease.ask(teacher, LeaseAction.GIVE_BACK)
+
+        ending = threading.Thread(target=end)
+        ending.start()
+        with pytest.raises(Refused, match="Wait until the teacher lets you drive"):
+            take(free, written(tmp_path, TURNS))
+        ending.join()
+        until(lambda: robot.status().holder == "", "the robot is free")
 
 
 def test_a_program_that_has_not_passed_gets_no_turn(free: Shell, tmp_path: Path) -> None:

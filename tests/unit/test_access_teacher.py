@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from access_callers import ANA, ANA_AGAIN, BEN, BOSS, begin_motion, refusal
 
@@ -9,7 +11,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.lease_queries import end_turn, mute, unmute
+from beatrix_zenoh.node.lease_queries import end_turn, give_back, mute, unmute
 
 
 @pytest.fixture
@@ -107,3 +109,25 @@ def test_the_end_of_a_turn_gives_the_robot_to_the_next_seat_although_the_last_on
     end_turn(access, 1)
     assert access.lease.holder(1) == "ben"
     assert refusal(access, ANA, 1.1) is Reason.NOT_HOLDER
+
+
+@pytest.mark.parametrize(
+    ("enders", "presser"),
+    [("end_turn", "teacher"), ("take", "teacher"), ("give_back", ""), ("give_back take", "")],
+)
+def test_a_refusal_says_whether_the_teacher_has_ended_a_lease(
+    access: Access, enders: str, presser: str
+) -> None:
+    number = access.lease.take(ANA, 0)
+    ways: dict[str, Callable[[], object]] = {
+        "end_turn": lambda: end_turn(access, 1),
+        "take": lambda: access.lease.take(BOSS, 1),
+        "give_back": lambda: give_back(access, ANA),
+    }
+    for way in enders.split():
+        ways[way]()
+    with pytest.raises(Refused) as refused:
+        access.authorize(Operation.MOVE, ANA, 2, lease=number)
+    assert refused.value.reason is Reason.NOT_HOLDER
+    assert refused.value.detail is not None
+    assert (refused.value.detail.value, refused.value.detail.presser) == (number, presser)

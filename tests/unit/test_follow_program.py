@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from beatrix_zenoh.client.degrees import HeadAngles
 
 ROOT = Path(__file__).resolve().parents[2] / "beatrix_zenoh"
-PICTURES = ROOT / "lessons/library/09-follow-the-face/pictures"
+PICTURES = ROOT / "lessons/library/09-follow-the-face/files"
 BEARINGS = tomllib.loads((PICTURES / "bearings.toml").read_text(encoding="utf-8"))
 
 

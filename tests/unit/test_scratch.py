@@ -40,7 +40,7 @@ def test_folders_that_a_killed_check_has_left_are_removed(
 def test_the_folder_of_a_killed_turn_is_removed_by_the_next_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It may contain the account of a seat; the folder of a turn that still runs stays, whatever its age."""
+    """It contains the home of a program; the folder of a turn that still runs stays, whatever its age."""
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     program = "from beatrix_zenoh.lessons.scratch import scratch\nwith scratch() as path: print(path, flush=True); input()"
     environment = os.environ | {"TMPDIR": str(tmp_path), "TEMP": str(tmp_path)}
@@ -49,7 +49,7 @@ def test_the_folder_of_a_killed_turn_is_removed_by_the_next_one(
     ) as turn:
         assert turn.stdout is not None
         left = Path(turn.stdout.readline().decode().strip())
-        (left / "account.toml").touch()
+        (left / "program.py").touch()
         for seconds in (FRESH_S + 5, OLD_S + 60):
             os.utime(left, (time.time() - seconds,) * 2)
             with scratch():

@@ -490,7 +490,7 @@ class Detail(Struct, frozen=True, kw_only=True):
     holder: Name = ""
     """seat that holds the robot; if the reason is ACCESS_DENIED, the account that the router refuses; if the robot is not online, the account that may not start it"""
     presser: Name = ""
-    """seat that has pressed STOP; empty: unknown, or the reason is not STOPPED"""
+    """seat that has pressed STOP, or the teacher's who has ended the lease; empty: unknown, or another reason"""
     wait_s: Float32 | None = None
     """time after which the same request may succeed [s]"""
     needs: list[Label] = []

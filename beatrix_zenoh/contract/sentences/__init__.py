@@ -75,7 +75,9 @@ def _advice(detail: Detail, table: Language, slots: dict[str, str]) -> str:
 
 def _seat_case(detail: Detail) -> str:
     if detail.field == "lease":
-        return "taken" if detail.value is None else "ended"
+        if detail.value is None:
+            return "taken"
+        return "skipped" if detail.presser else "ended"
     if not detail.holder:
         return ""
     return "moving" if detail.wait_s is None else "wait"

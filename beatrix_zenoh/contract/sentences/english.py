@@ -120,6 +120,7 @@ ENGLISH: Final = Language(
             "where ROBOT is its name; STOP is open to every seat."
         ),
         (Reason.NOT_HOLDER, None, "ended"): "Lease {value} has ended. Take the robot again, then move it.",
+        (Reason.NOT_HOLDER, None, "skipped"): "The teacher has ended lease {value}. Wait for the teacher.",
         (Reason.FROZEN, None, ""): "The teacher has frozen this robot. Wait until the teacher unfreezes it.",
         (Reason.FOLLOWING, None, ""): (
             "The simulation follows the hardware and takes no motions of its own. Move the hardware (--on hw), or end this "

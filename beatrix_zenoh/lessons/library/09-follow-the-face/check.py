@@ -16,7 +16,7 @@ from beatrix_zenoh.lessons.measures import at, rms
 from beatrix_zenoh.lessons.checking import BUSY_CORES
 from beatrix_zenoh.lessons.unmet import NotMeasurable, busy
 
-PICTURES = Path(__file__).parent / "pictures"
+PICTURES = Path(__file__).parent / "files"
 NOBODY = "nobody"
 FOCUS = 60 / math.tan(math.radians(30))
 """Of the pictures, which are 120 pixels high and show 60 deg (pixels)."""

@@ -1,0 +1,138 @@
+"""Where a pupil's program runs: with a home, settings and environment of its own, on Linux also behind bubblewrap.
+
+bubblewrap (`bwrap`) shows it the system and Python read-only, its own folder, its temporary home, and nothing else.
+Without it, the program can read and write all that the user can who checks it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import site
+import subprocess
+import sys
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Final, Self
+
+import beatrix_zenoh
+from beatrix_zenoh import account, files
+from beatrix_zenoh.account import Account
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.lessons.guard import USED
+from beatrix_zenoh.lessons.program import Program
+
+GUARD: Final = Path(__file__).with_name("guard.py")
+KEPT: Final = (
+    *("PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "LANG", "LANGUAGE", "TZ", "USER", "LOGNAME", "USERNAME"),
+    *("SYSTEMROOT", "SYSTEMDRIVE", "WINDIR", "COMSPEC", "PATHEXT", "TEMP", "TMP", "NUMBER_OF_PROCESSORS"),
+)
+"""Variables of the environment that the program keeps, besides those that begin with LC_."""
+HOMES: Final = ("HOME", "USERPROFILE", "APPDATA", "LOCALAPPDATA")
+"""Variables that name the folder of a user on Linux, macOS and Windows."""
+SYSTEM: Final = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/etc", "/opt", "/nix", "/sys")
+"""Folders that the program can read."""
+LONGEST: Final = 100
+"""Largest size (bytes) of the file that the guard writes."""
+TRIAL: Final = (
+    "from importlib.util import find_spec; exit(not (find_spec('beatrix_zenoh') and find_spec('numpy')))"
+)
+TRIAL_S: Final = 10.0
+
+
+class Sandbox:
+    """The surroundings of one program: its folder, a temporary folder with its home, and its working folder."""
+
+    def __init__(self, folder: Path, temporary: Path, working: Path | None = None) -> None:
+        """`working`: None: its folder."""
+        self.working = working or folder
+        self._folder, self._temporary = folder, temporary
+        self._home = temporary / "home"
+        self._home.mkdir(exist_ok=True)
+
+    @classmethod
+    def of(cls, program: Program, temporary: Path) -> Self:
+        """Return the surroundings of a program that finds its files as when the user runs it by hand."""
+        return cls(program.path.parent, temporary, program.folder or Path.cwd())
+
+    def environment(self, more: Mapping[str, str]) -> dict[str, str]:
+        """Return the variables of the program's environment, with some more."""
+        kept = {key: text for key, text in os.environ.items() if key in KEPT or key.startswith("LC_")}
+        own = {
+            **dict.fromkeys(HOMES, str(self._home)),
+            "PYTHONUSERBASE": site.getuserbase(),  # packages of `pip install --user` would be in the home
+            "PYTHONUNBUFFERED": "1",
+            "PYTHONIOENCODING": "utf-8",
+            "MPLBACKEND": "Agg",  # `plt.show()` would wait for a window
+            "BEATRIX_ACCOUNT": "",
+        }
+        return kept | own | dict(more)
+
+    def used_s(self) -> float:
+        """Return the processor time (s) of the last program that has ended; 0 if it is not known, as on Windows."""
+        try:
+            return float(files.text(self._home / USED, LONGEST, "text"))
+        except (OSError, ValueError, BeatrixError):
+            return 0.0
+
+    def guarded(self, words: list[str], stdin: int = -1) -> list[str]:
+        """Return the command that runs Python with these arguments under a guard; `stdin` as for guard.py."""
+        guarded = [sys.executable, "-I", "-S", str(GUARD), str(stdin), sys.executable, *words]
+        return [*self._bubblewrap(), *guarded] if bubblewrap_works() else guarded
+
+    def _bubblewrap(self) -> list[str]:
+        private = files.user_folder()
+        own = {self._folder, self._temporary, self.working}
+        shown = sorted(str(path) for path in own if not private.is_relative_to(path))
+        binds = [word for path in shown for word in ("--bind", path, path)]
+        return [*bubblewrap(), *binds, "--dir", str(self.working), "--chdir", str(self.working)]
+
+
+def bubblewrap() -> list[str]:
+    """Return the command before that of a program that sees system and Python read-only, and no file of the user."""
+    system = [word for path in SYSTEM for word in ("--ro-bind-try", path, path)]
+    python = [word for path in _python() for word in ("--ro-bind-try", path, path)]
+    ends = ("--unshare-pid", "--unshare-ipc", "--die-with-parent", "--new-session")
+    return ["bwrap", *ends, *system, "--proc", "/proc", "--dev", "/dev", "--tmpfs", "/tmp", *python]  # noqa: S108 - in the sandbox
+
+
+def _python() -> list[str]:
+    """Return the folders of Python and its packages; not the working folder, and none with the user's settings."""
+    base, package = Path(sys.base_prefix), Path(beatrix_zenoh.__file__).parent.parent
+    packages = [path for path in map(Path, sys.path) if path.is_absolute() and path != Path.cwd()]
+    private = files.user_folder()
+    found = {Path(sys.prefix), base, base.resolve(), package, *packages}
+    return sorted(str(path) for path in found if path.exists() and not private.is_relative_to(path))
+
+
+@cache
+def bubblewrap_works() -> bool:
+    """Return whether bubblewrap is installed and may make its namespaces, which some systems and containers forbid."""
+    if sys.platform != "linux" or shutil.which("bwrap") is None:
+        return False
+    command = [*bubblewrap(), sys.executable, "-c", TRIAL]
+    try:
+        return subprocess.run(command, capture_output=True, timeout=TRIAL_S, check=False).returncode == 0
+    except subprocess.TimeoutExpired:
+        return False
+
+
+def refuse_teacher(own: Account | None) -> None:
+    """Raise Refused (BAD_VALUE) if the account in use is the teacher's: a pupil's program could read or use it.
+
+    Without one it is refused if the account that `beatrix join` has stored is the teacher's, and can be read.
+    """
+    stored = account.joined()
+    if own is None and stored.is_file() and not bubblewrap_works():
+        with contextlib.suppress(BeatrixError):  # an invalid file is no account
+            own = account.load(stored)
+    if own is not None and own.role == "teacher":
+        raise Refused(
+            Reason.BAD_VALUE,
+            "The account of this user is the teacher's, and a pupil's program could read it: it runs with the rights of the "
+            "user who checks it. Check programs as another user of this computer, or on a seat's computer. On Linux with "
+            "bubblewrap, `BEATRIX_ACCOUNT= beatrix lesson check` hides all accounts from the program.",
+        )

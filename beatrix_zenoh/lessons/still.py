@@ -1,0 +1,26 @@
+"""Sentences about a check that takes long, every few seconds."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+EVERY_S = 10.0
+
+Tell = Callable[[str], None]
+
+
+class Still:
+    """Says every EVERY_S what is going on; `text` has a place for the seconds that are left, or that the caller gives."""
+
+    def __init__(self, tell: Tell, text: str, limit_s: float = 0.0) -> None:
+        self._tell, self._text = tell, text
+        self._next_s = time.monotonic() + EVERY_S
+        self._end_s = time.monotonic() + limit_s
+
+    def look(self, seconds: float | None = None) -> None:
+        """Say it if it is due; None: with the seconds that are left of the limit."""
+        now_s = time.monotonic()
+        if now_s >= self._next_s:
+            self._next_s = now_s + EVERY_S
+            self._tell(self._text.format(self._end_s - now_s if seconds is None else seconds))

@@ -1,0 +1,195 @@
+"""Where a pupil's program runs: what it can read, and what it leaves behind when its check has ended."""
+
+from __future__ import annotations
+
+import socket
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from robots import EVENT_S, PATIENCE_S, until
+
+from beatrix_zenoh import account
+from beatrix_zenoh.lessons import attempt, checking, program, sandbox, still
+from beatrix_zenoh.lessons.attempt import Attempt, Unmet
+from beatrix_zenoh.lessons.lesson import Lesson, find
+from beatrix_zenoh.lessons.run import Run
+from beatrix_zenoh.lessons.sandbox import Sandbox
+from beatrix_zenoh.lessons.stage import PAUSE_S, hidden_s
+from sim_node.body import STALL_S
+
+READS = """
+import os
+from pathlib import Path
+from beatrix_zenoh.account import joined
+def found(path):
+    try:
+        text = Path(path).read_text()
+    except OSError:
+        text = ""
+    return [joined().exists(), os.environ.get("BEATRIX_ACCOUNT"), os.environ.get("SECRET"), Path.home().name, text]
+"""
+FORKS = """
+import os, socket, time
+def leave(port):
+    there, begun = os.pipe()
+    for _ in range(20):
+        if os.fork() == 0:
+            os.setsid()
+            if os.fork() == 0:
+                connection = socket.create_connection(("127.0.0.1", port))
+                os.write(begun, b".")
+                time.sleep(600)
+            os._exit(0)
+        os.read(there, 1)
+"""
+FORKED = 20
+LEAVES = {
+    "function": FORKS,
+    "program": FORKS + "\nleave(int(os.environ['PORT']))",
+    "program that ends Python": FORKS + "\nleave(int(os.environ['PORT']))\nos._exit(0)",
+    "program without an end": FORKS + "\nleave(int(os.environ['PORT']))\nwhile True:\n    pass",
+}
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no fork and no groups")
+
+
+@pytest.fixture(params=[False, True], ids=["without bubblewrap", "bubblewrap"])
+def fence(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
+    """Whether programs run behind bubblewrap."""
+    if request.param and not sandbox.bubblewrap_works():
+        pytest.skip("bubblewrap is not installed, or must not make namespaces here")
+    monkeypatch.setattr(sandbox, "bubblewrap_works", lambda: request.param)
+    return bool(request.param)
+
+
+def written(folder: Path, text: str) -> program.Program:
+    own = folder / "own"
+    own.mkdir(exist_ok=True)
+    path = own / "start.py"
+    path.write_text(text)
+    return program.read(path)
+
+
+@contextmanager
+def running(folder: Path, text: str, **environment: str) -> Iterator[Run]:
+    """Run a program as an observed check does, without a robot."""
+    made, temporary = written(folder, text), folder / "temporary"
+    temporary.mkdir()
+    with closing(Run(made.path, made, Sandbox(made.path.parent, temporary), environment)) as run:
+        yield run
+
+
+def test_a_program_has_no_account_and_behind_bubblewrap_sees_no_file_of_the_user(
+    fence: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    private = account.joined()
+    private.parent.mkdir(parents=True, exist_ok=True)
+    private.write_text("private")
+    monkeypatch.setenv("BEATRIX_ACCOUNT", str(private))
+    monkeypatch.setenv("SECRET", "1")
+    try:
+        with Attempt(written(tmp_path, READS), limit_s=5) as tried:
+            found = tried.value("found", str(private))
+    finally:
+        private.unlink()
+    assert found == [False, "", None, "home", "" if fence else "private"]
+
+
+@pytest.mark.parametrize("kind", LEAVES)
+def test_processes_that_a_program_leaves_in_other_sessions_end_with_the_check(
+    fence: bool, tmp_path: Path, kind: str
+) -> None:
+    with ExitStack() as open_until_end, socket.create_server(("127.0.0.1", 0), backlog=FORKED) as server:
+        server.settimeout(EVENT_S)
+        port = server.getsockname()[1]
+        if kind == "function":
+            with Attempt(written(tmp_path, LEAVES[kind]), limit_s=5) as tried:
+                tried.value("leave", port)
+                left = [open_until_end.enter_context(server.accept()[0]) for _ in range(FORKED)]
+        else:
+            with running(tmp_path, LEAVES[kind], PORT=str(port)):
+                left = [open_until_end.enter_context(server.accept()[0]) for _ in range(FORKED)]
+        for connection in left:
+            connection.settimeout(PATIENCE_S)
+            assert connection.recv(1) == b"", "its process has ended"
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("import os\nos._exit(3)", "exit code 3"),
+        ("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)", "the signal SIGSEGV"),
+        ("import os\nos.kill(os.getppid(), 9)\nwhile True:\n    pass", "the signal SIGKILL"),
+        ("1 / 0", "ZeroDivisionError"),
+    ],
+    ids=["ends Python", "crash", "kills its guard", "error"],
+)
+def test_the_end_of_a_program_is_told(fence: bool, tmp_path: Path, text: str, error: str) -> None:
+    with running(tmp_path, text) as run:
+        until(lambda: not run.running, "its end")
+        with pytest.raises(Unmet) as unmet:
+            run.check()
+    assert error in str(unmet.value.values["error"])
+
+
+def test_a_program_that_is_ended_may_bring_its_robot_to_rest_first(fence: bool, tmp_path: Path) -> None:
+    text = "try:\n    sum(range(10**7))\n    print('there')\n    while True:\n        pass\nexcept KeyboardInterrupt:\n    print('rests')\n"
+    with running(tmp_path, text) as run:
+        until(lambda: run.output == ["there"], "it runs")
+    assert run.output == ["there", "rests"]
+    assert run.cores > 0
+
+
+def test_a_syntax_error_is_found_before_anything_is_started(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(attempt, "Stage")
+    verdict = checking.check(find(1), written(tmp_path, "x = 1\nif x\n    pass\n"))
+    assert (verdict.figure, verdict.found) == ("runs", "SyntaxError: expected ':' (line 2)")
+
+
+@pytest.mark.parametrize(
+    ("t", "seq", "commanded", "hidden"),
+    [
+        ([0, 0.02, 0.04], [7, 8, 9], [0, 0.6, 1.2], 0.02),
+        ([0, 0.02, 0.22], [7, 8, 9], [0, 0.6, 6.0], 0.2),  # it was busy, and made the steps later
+        ([0, 0.02, 2.02], [7, 8, 9], [0, 0.6, 1.2], 0.02),  # it stood still
+        ([0, 0.02, 2.02], [7, 8, 9], [0, 0.6, 6.6], 0.02),  # and then was late by 0.2 s
+        ([0, 0.02, 2.02], [7, 8, 20], [0, 0.6, 1.2], 2.0),  # positions were lost on the way
+        ([0, 0.02, 2.02], [7, 8, 9], [0, 0.6, 30.0], 2.0),  # it moved unseen
+    ],
+)
+def test_a_pause_of_the_simulation_hides_no_motion(
+    t: list[float], seq: list[int], commanded: list[float], hidden: float
+) -> None:
+    arms = np.column_stack([commanded] * 3)
+    assert hidden_s(np.array(t), np.array(seq), arms) == pytest.approx(hidden)
+    assert PAUSE_S == STALL_S
+
+
+def test_a_long_check_says_how_long_it_still_takes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(still, "EVERY_S", 0.0)
+    said: list[str] = []
+    still.Still(said.append, "at most {:.0f} s more", 40).look()
+    still.Still(said.append, "at {:.0f} of 24 s").look(12)
+    assert said == ["at most 40 s more", "at 12 of 24 s"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        attempt.WATCHES.format(40),
+        "Your program still runs: at most 30 s more.",
+        "The simulation still starts: at most 80 s more.",
+        "The bench is at 12 of 24 s.",
+    ],
+)
+def test_what_a_long_check_says_is_translated(text: str) -> None:
+    german = Lesson(find(1).folder, "de").phrase(text)
+    assert not any(word in german.split() for word in ("program", "simulation", "bench", "at", "more.")), (
+        german
+    )
