@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import shutil
-import textwrap
 from collections.abc import Iterator
 from enum import StrEnum
 from pathlib import Path
@@ -19,32 +18,16 @@ from beatrix_zenoh.output import columns, note, print_json, say
 from beatrix_zenoh.terminal.options import Json
 
 if TYPE_CHECKING:
-    from beatrix_zenoh.lessons.checking import Verdict
     from beatrix_zenoh.lessons.lesson import Lesson
     from beatrix_zenoh.lessons.progress import Record, Workspace
 
-FURTHER = "Next: the last part of the page; how we did it: `beatrix lesson solution {number}`."
 START = {
     "en": ("Lesson {number}: {title} ({minutes} minutes)", "folder", "read", "change", "check"),
     "de": ("Lektion {number}: {title} ({minutes} Minuten)", "Ordner", "lesen", "ändern", "prüfen"),
 }
 """What `start` prints: the head, and the labels of the lines below it."""
-LABELS = {
-    "en": ("Passed: {title}.", "Not yet: {title} (try {tries}).", "asked", "found", "Hint", FURTHER),
-    "de": (
-        "Bestanden: {title}.",
-        "Noch nicht: {title} (Versuch {tries}).",
-        "verlangt",
-        "gefunden",
-        "Hinweis",
-        "Weiter: der letzte Teil der Seite; so haben wir es gelöst: `beatrix lesson solution {number}`.",
-    ),
-}
 HEADS = ("lesson", "title", "minutes", "level", "needs", "state")
 LESSON = "`beatrix lesson"
-WIDTH = 100
-"""Longest line of a hint or an explanation (characters)."""
-
 lesson = typer.Typer(
     name="lesson",
     help="Learn with the robot. Begin with `beatrix lesson list`.",
@@ -68,14 +51,6 @@ LatestNumber = Annotated[
         metavar="[N]", min=1, help="Number of the lesson; default: the one whose program was saved last."
     ),
 ]
-
-
-def _filled(text: str, indent: str = "") -> str:
-    """Return a text in lines that fit into the terminal, each after `indent`."""
-    width = min(WIDTH, shutil.get_terminal_size().columns)
-    return textwrap.fill(
-        " ".join(text.split()), width, initial_indent=indent, subsequent_indent=indent, break_long_words=False
-    )
 
 
 def _shown(path: Path) -> Path:
@@ -220,7 +195,7 @@ def check(
 
     Exit codes: 0 passed, 1 not yet, 4 this computer was too busy to measure.
     """
-    from beatrix_zenoh.lessons import checking, progress, reports
+    from beatrix_zenoh.lessons import checking, progress, reports, verdict_text
     from beatrix_zenoh.lessons import program as programs
     from beatrix_zenoh.lessons.sandbox import refuse_teacher
     from beatrix_zenoh.settings import resolve_valid
@@ -240,9 +215,9 @@ def check(
     record = workspace.record(found.name)
     checking.count(record, verdict, progress.sealed(found.name, program.sha256))
     if as_json:
-        print_json(_document(found, verdict, record))
+        print_json(verdict_text.document(found, verdict, record))
     else:
-        _print(found, verdict, record)
+        verdict_text.show(found, verdict, record)
     workspace.save()
     reports.report(found.name, record, measured=verdict.result is not checking.Result.NOT_MEASURABLE)
     if verdict.result.value:
@@ -274,50 +249,11 @@ def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:
     return found, path
 
 
-def _document(found: Lesson, verdict: Verdict, record: Record) -> dict[str, object]:
-    from beatrix_zenoh.lessons.checking import Result
-
-    return {
-        "result": verdict.result is Result.PASSED,
-        "lesson": found.name,
-        "outcome": verdict.result.name.lower(),
-        "figure": verdict.figure,
-        "asked": verdict.asked,
-        "found": verdict.found,
-        "message": verdict.means,
-        "hint": verdict.hint,
-        "values": {
-            name: value if isinstance(value, int | float | str | None) else str(value)
-            for name, value in verdict.values.items()
-        },
-        "tries": record.tries,
-    }
-
-
-def _print(found: Lesson, verdict: Verdict, record: Record) -> None:
-    from beatrix_zenoh.lessons.checking import Result
-
-    passed, not_yet, asked, wrong, hint, further = LABELS[found.language]
-    if verdict.result is Result.PASSED:
-        say(passed.format(title=found.title))
-        say(further.format(number=found.number))
-        return
-    if verdict.result is Result.NOT_MEASURABLE:
-        say(_filled(verdict.means))
-        return
-    say(not_yet.format(title=found.title, tries=record.tries))
-    width = max(len(asked), len(wrong))
-    say(f"  {asked:<{width}}  {verdict.asked}")
-    say(f"  {wrong:<{width}}  {verdict.found}")
-    say(_filled(verdict.means, "  "))
-    if verdict.hint:
-        say(f"  {hint}: beatrix lesson hint {found.number}")
-
-
 @lesson.command()
 def hint(number: LatestNumber = None) -> None:
     """Print a hint: the one that helps with what the last check has found, then the others."""
     from beatrix_zenoh.lessons import reports
+    from beatrix_zenoh.lessons.verdict_text import LABELS, filled
 
     workspace = _workspace()
     found, _ = _program(number, workspace)
@@ -333,7 +269,7 @@ def hint(number: LatestNumber = None) -> None:
         workspace.save()
         reports.report(found.name, record)
     text = f"{LABELS[found.language][4]} {chosen}/{len(found.hints)}: {found.hints[chosen - 1]}"
-    say(_filled(text))
+    say(filled(text))
 
 
 @lesson.command()

@@ -14,6 +14,7 @@ from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, FollowState, Info, Status
+from beatrix_zenoh.output import typed
 
 CELL, PROBLEM = 60, 400
 """Largest number of characters of a cell and of a line about a problem: any program may send a status."""
@@ -139,7 +140,7 @@ def unlike_notes(statuses: Mapping[Place, Status], account: Account | None) -> l
         free = [title(place) for place, status in robots.items() if seat not in status.muted]
         if free:
             notes.append(
-                f"{seat} is muted, but not at {some(free)}. The teacher mutes it at all with `beatrix mute {seat}`."
+                f"{seat} is muted, but not at {some(free)}. The teacher mutes it at all with `{typed('beatrix', 'mute', seat)}`."
             )
     limits = {place: round(math.degrees(status.speed_limit), 1) for place, status in robots.items()}
     if len({*limits.values()}) > 1:

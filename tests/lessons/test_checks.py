@@ -16,7 +16,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons import attempt, bench
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
 from beatrix_zenoh.lessons.lesson import find
-from beatrix_zenoh.lessons.line_child import NoReply
+from beatrix_zenoh.lessons.line_child import LineChild, NoReply
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.stage import ROBOT, SEAT, Stage
 from beatrix_zenoh.lessons.unmet import NotMeasurable, busy
@@ -159,6 +159,6 @@ def test_a_bench_without_an_answer_is_not_called_missing(
     def ask(*_arguments: object) -> None:
         raise NoReply(code)
 
-    monkeypatch.setattr(bench.LineChild, "ask", ask)
+    monkeypatch.setattr(LineChild, "ask", ask)
     with pytest.raises(error, match=words):
         bench.start(None)

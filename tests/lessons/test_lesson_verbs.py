@@ -17,7 +17,6 @@ from beatrix_zenoh import account
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import LessonState
 from beatrix_zenoh.lessons import lesson, program, progress, reports, sandbox
-from beatrix_zenoh.lessons.checking import Result, Verdict, count
 from beatrix_zenoh.lessons.program import notebook
 
 FILES = {
@@ -230,15 +229,6 @@ def test_a_place_that_cannot_be_written_is_named(pupil: Path) -> None:
     assert "lessons/01-double cannot be written" in refused("start", "1")
 
 
-def test_lines_of_python_that_look_like_magic_stay_as_they_are() -> None:
-    def cells(text: str) -> str:
-        return program.cells(json.dumps({"cells": [{"cell_type": "code", "source": [text]}]}))
-
-    text = 'rest = (7\n   % 3)\nsaid = """\n%d\n!"""\n'
-    assert text in cells(text)
-    assert "pass  # matplotlib inline\n" + text in cells("%matplotlib inline\n" + text)
-
-
 @pytest.mark.parametrize(
     "function",
     [
@@ -281,22 +271,6 @@ def test_tries_at_one_figure_are_counted() -> None:
         checked("1")
     record = progress.workspace(Path.cwd()).record("01-double")
     assert (record.tries, record.figure, record.stuck) == (3, "six", 3)
-
-
-@pytest.mark.parametrize(
-    ("figures", "stuck"),
-    [("aaaaa", 5), ("aab", 1), ("ababa", 4), ("abcab", 3), ("abcabd", 1), ("aa-", 0), ("aa-a", 1)],
-    ids=["the same", "progress", "back and forth", "in a circle", "out of it", "passed", "again"],
-)
-def test_a_seat_is_stuck_while_checks_find_nothing_new(tmp_path: Path, figures: str, stuck: int) -> None:
-    (tmp_path / "start.py").write_text("")
-    checked_program = program.read(tmp_path / "start.py")
-    record = progress.Record()
-    for figure in figures:
-        passed = figure == "-"
-        verdict = Verdict(Result.PASSED) if passed else Verdict(Result.NOT_YET, figure)
-        count(record, verdict, checked_program.sha256)
-    assert (record.tries, record.stuck) == (len(figures), stuck)
 
 
 def test_the_folder_is_found_from_inside(monkeypatch: pytest.MonkeyPatch) -> None:

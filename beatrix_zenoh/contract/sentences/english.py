@@ -42,11 +42,9 @@ ENGLISH: Final = Language(
             "'{field}' matches several robots or requests. Send this to one key, for example {known}; wildcards are "
             "allowed only for STOP."
         ),
-        (
-            Reason.BAD_VALUE,
-            Limit.TILT,
-            "",
-        ): "'{field}' is {value}; with these rods at most {high} is possible.",
+        (Reason.BAD_VALUE, Limit.TILT, ""): (
+            "'{field}' is {value}; with these rods at most {high} is possible."
+        ),
         (Reason.BAD_VALUE, Limit.TRAVEL, "start"): (
             "The board counts the {arms} arm at {value} from home; at most {high} is possible. Set the head upright and "
             "calibrate."

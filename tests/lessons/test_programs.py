@@ -1,0 +1,36 @@
+"""A pupil's program as it is read, and what a record counts: no check, no robot."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from beatrix_zenoh.lessons import program, progress
+from beatrix_zenoh.lessons.checking import Result, Verdict, count
+
+
+def test_lines_of_python_that_look_like_magic_stay_as_they_are() -> None:
+    def cells(text: str) -> str:
+        return program.cells(json.dumps({"cells": [{"cell_type": "code", "source": [text]}]}))
+
+    text = 'rest = (7\n   % 3)\nsaid = """\n%d\n!"""\n'
+    assert text in cells(text)
+    assert "pass  # matplotlib inline\n" + text in cells("%matplotlib inline\n" + text)
+
+
+@pytest.mark.parametrize(
+    ("figures", "stuck"),
+    [("aaaaa", 5), ("aab", 1), ("ababa", 4), ("abcab", 3), ("abcabd", 1), ("aa-", 0), ("aa-a", 1)],
+    ids=["the same", "progress", "back and forth", "in a circle", "out of it", "passed", "again"],
+)
+def test_a_seat_is_stuck_while_checks_find_nothing_new(tmp_path: Path, figures: str, stuck: int) -> None:
+    (tmp_path / "start.py").write_text("")
+    checked_program = program.read(tmp_path / "start.py")
+    record = progress.Record()
+    for figure in figures:
+        passed = figure == "-"
+        verdict = Verdict(Result.PASSED) if passed else Verdict(Result.NOT_YET, figure)
+        count(record, verdict, checked_program.sha256)
+    assert (record.tries, record.stuck) == (len(figures), stuck)
