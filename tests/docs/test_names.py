@@ -60,7 +60,6 @@ def test_threads_of_a_node_have_the_names_of_the_table() -> None:
 def test_unreleased_changes_are_one_line_each() -> None:
     unreleased = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split("\n## ")[1]
     lines = unreleased.splitlines()[1:]
-    assert len(lines) <= 40
     assert [line for line in lines if len(line) > 200 or not re.match(r"- |### |$", line)] == []
 
 
