@@ -88,9 +88,12 @@ class Sound:
 
     @property
     def level(self) -> tuple[float, float]:
-        """Loudness of the left and the right ear, dB: 0 is a square wave at full scale, -120 is silence."""
-        squares = (
-            np.mean(np.square(self.samples, dtype=np.float64), axis=0) if len(self.samples) else (0.0, 0.0)
+        """Loudness of the left and the right ear, dB: 0 is a square wave at full scale, -120 is silence.
+
+        Frames that were lost do not count.
+        """
+        squares = np.square(self.samples, dtype=np.float64).sum(axis=0) / max(
+            1, len(self.samples) - self.lost
         )
         left, right = (20 * np.log10(max(_QUIETEST, float(square) ** 0.5)) for square in squares)
         return float(left), float(right)
