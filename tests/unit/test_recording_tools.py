@@ -210,10 +210,10 @@ def blueprint(_lesson: Path, folder: Path) -> Path:
     return folder / "new.rrd"
 
 
-def about(**fields: object) -> Callable[[Path, Path], Path]:
+def about(text: str) -> Callable[[Path, Path], Path]:
     def write(stream: rr.RecordingStream) -> None:
         robot(stream)
-        stream.send_property("beatrix", rr.AnyValues(**fields))
+        stream.send_property("beatrix", rr.AnyValues(about=text))
 
     return other(write)
 
@@ -249,7 +249,7 @@ REFUSED: dict[str, tuple[str, Callable[[Path, Path], Path]]] = {
     "a note that is none": (FOREIGN, with_robot("/_recorder/notes", *TEXTS, *rr.AnyValues.columns(event=["x", "y"]))),
     "a clock of one number": (FOREIGN, with_robot("/x/sim/clock", *rr.Scalars.columns(scalars=[1.0, 2.0]))),
     "a difference of one number": (FOREIGN, with_robot("/x/difference/arms", *rr.Scalars.columns(scalars=[1.0, 2.0]))),
-    "a description that is none": (FOREIGN, about(about="x")),
+    "a description that is none": (FOREIGN, about("x")),
 }  # fmt: skip
 
 
