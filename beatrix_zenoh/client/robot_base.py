@@ -283,7 +283,7 @@ class RobotWithRoom(RobotBase):
         """Play a sound in the simulated room, in place of the last one; returns at once.
 
         Args:
-            sound: `clap` (one a second), `voice`, `noise`, `silence`, or the path of a WAV file of 16 bits.
+            sound: `clap` (one a second), `voice`, `noise`, `silence`, or the path of a WAV file.
             seconds: how long (s, at most 60); a shorter sound is repeated. By default 3 s, and a file once.
 
         Raises:

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from beatrix_zenoh import wav
 from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.client.degrees import checked_number
 from beatrix_zenoh.client.session import Client
@@ -32,7 +33,6 @@ ANEW_NS: Final = 500_000_000
 """Time (ns) without a block in order after which a block begins a new sequence."""
 AHEAD_NS: Final = 1_000_000_000
 """A block may be ahead by this time (ns): a network may hold blocks back, and then deliver them at once."""
-_SAMPLE: Final = 2
 _FRAME: Final = 4
 """Bytes of a frame: two int16."""
 _SEQS: Final = 2**32
@@ -88,9 +88,12 @@ class Sound:
 
     @property
     def level(self) -> tuple[float, float]:
-        """Loudness of the left and the right ear, dB: 0 is a square wave at full scale, -120 is silence."""
-        squares = (
-            np.mean(np.square(self.samples, dtype=np.float64), axis=0) if len(self.samples) else (0.0, 0.0)
+        """Loudness of the left and the right ear, dB: 0 is a square wave at full scale, -120 is silence.
+
+        Frames that were lost do not count.
+        """
+        squares = np.square(self.samples, dtype=np.float64).sum(axis=0) / max(
+            1, len(self.samples) - self.lost
         )
         left, right = (20 * np.log10(max(_QUIETEST, float(square) ** 0.5)) for square in squares)
         return float(left), float(right)
@@ -251,32 +254,17 @@ def mono(path: Path) -> bytes:
         WrongUsage: BAD_VALUE, the file cannot be read, has another format, or is too long.
     """
     try:
-        with wave.open(str(path)) as file:
-            channels, width, rate, frames = file.getparams()[:4]
-            data = file.readframes(frames)
-    except (
-        OSError,
-        EOFError,
-        wave.Error,
-        RuntimeError,
-    ) as error:  # RuntimeError: a chunk longer than the file
-        own = error.strerror if isinstance(error, OSError) else ""
-        raise _unusable(path, own or "it is no WAV file, or its header is damaged") from error
-    if not frames:
-        raise _unusable(path, "it contains no sound")
-    if len(data) != frames * channels * width:
-        raise _unusable(path, "it ends before its sound does")
-    if rate < 1 or width != _SAMPLE or frames > SENT_S * rate:
-        lasts = f" and lasts {frames / rate:.1f} s" if rate > 0 else ""
-        raise _unusable(path, f"it has {8 * width} bits at {rate} Hz{lasts}")
-    one = np.frombuffer(data, "<i2").reshape(-1, channels).mean(axis=1)
-    at = np.arange(round(frames * SENT_HZ / rate)) * (rate / SENT_HZ)
-    samples: npt.NDArray[np.int16] = np.rint(np.interp(at, np.arange(frames), one)).astype("<i2")
+        frames, rate = wav.read(path, SENT_S)
+    except (OSError, ValueError) as error:
+        raise _unusable(path, getattr(error, "strerror", None) or str(error)) from error
+    at = np.arange(round(len(frames) * SENT_HZ / rate)) * (rate / SENT_HZ)
+    heard = np.interp(at, np.arange(len(frames)), frames.mean(axis=1))
+    samples: npt.NDArray[np.int16] = np.rint(heard).astype("<i2")
     return samples.tobytes()
 
 
 def _unusable(path: Path, why: str) -> WrongUsage:
-    text = f"{path} cannot be played: {why}. Give a WAV file of 16 bits, at most {SENT_S:g} s long."
+    text = f"{path} cannot be played: {why}. Give a WAV file of {wav.READABLE}, at most {SENT_S:g} s long."
     return WrongUsage(Reason.BAD_VALUE, text)
 
 

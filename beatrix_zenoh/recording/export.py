@@ -5,7 +5,6 @@ Tables are made in blocks of rows, so that a long recording of a class needs lit
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,17 +21,17 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.difference import GAP_NS, GRID_NS
+from beatrix_zenoh.recording.parts import joined, measured, numbers, spans_of, union
 from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Note, Recorded, Samples
 from beatrix_zenoh.recording.series import HEAD
 
 BLOCK: Final = 3000
 """Rows of a block: one minute of the grid."""
+DAY_NS: Final = 86_400_000_000_000
+LONGEST_NS: Final = 7 * DAY_NS
+"""Longest table, of 30 million rows: wrong times in a file must not fill the disk."""
 DECIMALS: Final = 6
 """Decimals of interpolated values: finer than the float32 of a robot's message, and still short as text."""
-APART_NS: Final = 3_600_000_000_000
-"""Files further apart than this are not parts of one recording: a table would have 180 000 empty rows for each hour."""
-OVERLAP_NS: Final = 1_000_000_000
-"""Files of one recording may overlap by samples that arrived late; more than this is another recording."""
 FORMULA: Final = ("=", "+", "-", "@", "\t")
 """Beginnings of formulas in a spreadsheet."""
 
@@ -130,7 +129,7 @@ def table(parts: Sequence[Recorded], span: Span, names: Sequence[str] = ()) -> T
     """Return the table of a recording, whose files are `parts`, for robots of these names; all robots if there is none.
 
     Raises:
-        Refused: BAD_VALUE, no such robot, parts that overlap, or no sample in this span.
+        Refused: BAD_VALUE, no such robot, parts that overlap, no sample in this span, or a span of weeks.
     """
     robots = joined(parts)
     chosen = {place: samples for place, samples in robots.items() if not names or place[0] in names}
@@ -152,6 +151,11 @@ def table(parts: Sequence[Recorded], span: Span, names: Sequence[str] = ()) -> T
     to_s = min(span.to_s, lasts_s)
     from_ns = max(first_ns, start_ns + round(span.from_s * 1e9))
     to_ns = min(last_ns, start_ns + round(to_s * 1e9))
+    if to_ns - from_ns > LONGEST_NS:
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"The recording lasts {lasts_s / 86400:.0f} days: choose at most {LONGEST_NS // DAY_NS} with --from and --to.",
+        )
     notes = [
         note
         for part in parts
@@ -163,86 +167,20 @@ def table(parts: Sequence[Recorded], span: Span, names: Sequence[str] = ()) -> T
         start_ns,
         from_ns,
         to_ns,
-        tuple(sorted(notes, key=lambda note: note.time_ns)),
+        # Files of `rerun rrd split` contain the last note before the cut again.
+        tuple(sorted(dict.fromkeys(notes), key=lambda note: note.time_ns)),
         tuple(pauses(parts, start_ns, from_ns, to_ns)),
     )
 
 
 def pauses(parts: Sequence[Recorded], start_ns: int, from_ns: int, to_ns: int) -> Iterator[Pause]:
     """Yield the pauses between the files of a recording, within a part of it."""
-    spans = sorted(_span(part) for part in parts)
+    spans = sorted(union(spans_of(part).values()) for part in parts)
     end_ns = spans[0][1]
     for begin_ns, last_ns in spans:
         if begin_ns - end_ns > GAP_NS and begin_ns > from_ns and end_ns < to_ns:
             yield Pause(round((end_ns - start_ns) / 1e9, 3), round((begin_ns - end_ns) / 1e9, 3))
         end_ns = max(end_ns, last_ns)
-
-
-def joined(parts: Sequence[Recorded]) -> dict[Place, Samples]:
-    """Return the samples of all robots in the order of time, from the files of one recording in any order.
-
-    Raises:
-        Refused: BAD_VALUE, two files contain the same time of one robot, or are far apart, so they are not parts of one
-            recording.
-    """
-    spans = sorted(_span(part) for part in parts)
-    end_ns = spans[0][1]
-    for begin_ns, last_ns in spans:
-        if begin_ns - end_ns > APART_NS:
-            raise Refused(
-                Reason.BAD_VALUE,
-                f"Two of the files are {(begin_ns - end_ns) / 3.6e12:.1f} h apart: they are not parts of one recording "
-                "(`beatrix record --rotate`). Export them one by one.",
-            )
-        end_ns = max(end_ns, last_ns)
-    places = sorted({place for part in parts for place in part.robots})
-    return {
-        place: concatenated(place, [part.robots[place] for part in parts if place in part.robots])
-        for place in places
-    }
-
-
-def _span(part: Recorded) -> tuple[int, int]:
-    """Return the times (ns since 1970) of the first and the last sample of a file."""
-    robots = part.robots.values()
-    return min(int(each.time_ns[0]) for each in robots), max(int(each.time_ns[-1]) for each in robots)
-
-
-def concatenated(place: Place, parts: list[Samples]) -> Samples:
-    """Return the samples of one robot from several files."""
-    parts = sorted(parts, key=lambda samples: int(samples.time_ns[0]))
-    for before, after in itertools.pairwise(parts):
-        if before.time_ns[-1] - after.time_ns[0] > OVERLAP_NS:
-            raise Refused(
-                Reason.BAD_VALUE,
-                f"Two of the files contain the same time of {place[0]} ({place[1]}): they are not parts of one recording "
-                "(`beatrix record --rotate`). Export them one by one.",
-            )
-    time_ns = np.concatenate([part.time_ns for part in parts])
-    order = np.argsort(time_ns, kind="stable")
-    return Samples(
-        time_ns[order],
-        np.concatenate([part.robot_ns for part in parts])[order],
-        np.concatenate([part.arms for part in parts])[order],
-        np.concatenate([part.commanded for part in parts])[order],
-        np.concatenate([part.head for part in parts])[order],
-        None
-        if all(part.head_measured is None for part in parts)
-        else np.concatenate([measured(part) for part in parts])[order],
-        np.concatenate([part.velocity for part in parts])[order],
-        np.concatenate([numbers(part.seq, len(part.time_ns)) for part in parts])[order],
-        np.concatenate([numbers(part.repeats, len(part.time_ns)) for part in parts])[order],
-    )  # fmt: skip
-
-
-def numbers(values: Nanoseconds | None, count: int) -> Nanoseconds:
-    """Return whole numbers (n,); -1: not recorded."""
-    return np.full(count, -1, np.int64) if values is None else values
-
-
-def measured(samples: Samples) -> Floats:
-    """Return the measured orientation of the head (n, 3; deg); NaN: not measured."""
-    return np.full_like(samples.head, np.nan) if samples.head_measured is None else samples.head_measured
 
 
 def quantities(samples: Samples, robot: str = "") -> Iterator[tuple[str, Floats]]:
@@ -324,7 +262,7 @@ def record_batch(block: Block) -> pa.RecordBatch:
         if isinstance(values, list):
             columns[name] = pa.array(values, pa.string())
         else:
-            missing = values < 0 if name in ("seq", "repeats") else np.isnan(values)
+            missing = values < 0 if name in ("seq", "repeats", "robot_time_ns") else np.isnan(values)
             # Adding 0 turns -0.0, which would be "-0" in a cell, into 0.
             columns[name] = pa.array(values + values.dtype.type(0), mask=missing)
     return pa.RecordBatch.from_pydict(columns)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Final
 
 from beatrix_zenoh.client.session import Place
@@ -12,7 +12,7 @@ from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
-from beatrix_zenoh.contract.publishers import NUMBERS, Publishers, goes_back
+from beatrix_zenoh.contract.publishers import Order, Publishers
 from beatrix_zenoh.recording.rows import RECORDER, Line, Numbers, RecordingRow, Say
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix record --help`
@@ -69,10 +69,8 @@ class Count:
 class _Tally:
     """The changing counts of one stream."""
 
-    last: int | None = None
-    """newest sequence number; None: none yet, or the node was restarted"""
+    order: Order = field(default_factory=Order)
     received: int = 0
-    missing: int = 0
     overflowed: int = 0
     impossible: int = 0
     late: int = 0
@@ -99,19 +97,11 @@ class Losses:
             return
         if stream[1] == POSITIONS and self._publishers[stream[0]].several(seq):
             self._contested.add(stream[0])
-        if tally.last is not None:
-            if goes_back(tally.last, seq):
-                self._restart(stream)
-            elif seq != tally.last:
-                tally.missing += (seq - tally.last) % NUMBERS - 1
-        tally.last = seq
-
-    def _restart(self, stream: Stream) -> None:
-        """Begin again with all numbers of a robot whose node was restarted, which its positions show first."""
-        if stream[1] == POSITIONS:
-            for (place, _), tally in self._tallies.items():
-                if place == stream[0]:
-                    tally.last = None
+        if tally.order.goes_back(seq) and stream[1] == POSITIONS:
+            # The node was restarted: its positions show it first, and all its numbers begin again.
+            for (place, kind), other in self._tallies.items():
+                if place == stream[0] and kind != POSITIONS:
+                    other.order.restart()
 
     def overflowed(self, stream: Stream) -> None:
         """Count a received publication that was dropped while the robot's clock offset was unknown."""
@@ -145,7 +135,7 @@ def count(tally: _Tally, dropped: int, *, contested: bool) -> Count:
     """Return the counts of a stream; what the subscription has dropped was not lost on the way."""
     return Count(
         tally.received - tally.overflowed,
-        0 if contested else max(0, tally.missing - dropped),
+        0 if contested else max(0, tally.order.missing - dropped),
         dropped + tally.overflowed,
         tally.impossible,
         tally.late,

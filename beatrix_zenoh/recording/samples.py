@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Event
-from beatrix_zenoh.contract.publishers import NUMBERS, TIMES, WITHIN
+from beatrix_zenoh.contract.publishers import NUMBERS, TIMES, WITHIN, Order
 from beatrix_zenoh.recording.about import About
 
 Floats = npt.NDArray[np.float64]
@@ -33,10 +33,18 @@ def lost(numbers: Sequence[int] | Nanoseconds, repeats: Nanoseconds | None = Non
     counted = np.array(numbers, dtype=np.int64)
     if np.any(counted < 0):
         return None
+    if np.any(np.diff(counted) % NUMBERS >= NUMBERS // 2):
+        order = Order()
+        back = np.array([order.goes_back(number) for number in counted.tolist()])
+        places = np.flatnonzero(back)
+        if np.any(places[TIMES - 1 :] - places[: 1 - TIMES] < WITHIN):
+            return None
+        # Put publications that others have overtaken in their place.
+        node = np.cumsum(back)
+        since = (counted - counted[np.concatenate(([0], places))[node]]) % NUMBERS
+        ordered = np.lexsort((since, node))
+        counted, repeats = counted[ordered], None if repeats is None else repeats[ordered]
     steps = np.diff(counted) % NUMBERS
-    back = np.flatnonzero(steps >= NUMBERS // 2)
-    if np.any(back[TIMES - 1 :] - back[: 1 - TIMES] < WITHIN):
-        return None
     steps -= 0 if repeats is None else repeats[1:]
     return int(np.sum(steps[(steps > 1) & (steps < NUMBERS // 2)] - 1))
 

@@ -6,14 +6,13 @@ A test tone or a WAV file can stand in for the microphones.
 from __future__ import annotations
 
 import threading
-import wave
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh import threads
+from beatrix_zenoh import threads, wav
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
@@ -109,7 +108,7 @@ class Tone:
 
 
 class SoundFile:
-    """A WAV file of 16 bits at 48 kHz, repeated; one channel is heard by both ears."""
+    """A WAV file at 48 kHz, repeated; one channel is heard by both ears."""
 
     name: Final = "file"
 
@@ -126,10 +125,8 @@ class SoundFile:
         """Read the file, and begin with its first block."""
         try:
             self._samples = read(self._path)
-        except (OSError, EOFError, wave.Error, ValueError, RuntimeError) as error:
-            own = isinstance(error, ValueError | OSError) and str(error)
-            why = own or "it is no WAV file, or its header is damaged"
-            text = f"{self._path} cannot be played: {why}. Give a WAV file of 16 bits at {RATE} Hz, mono or stereo."
+        except (OSError, ValueError) as error:
+            text = f"{self._path} cannot be played: {error}. Give a WAV file at {RATE} Hz, mono or stereo, of {wav.READABLE}."
             raise NoAnswer(Reason.BAD_VALUE, text) from error
         self._at = 0
         self._clock.restart()
@@ -149,19 +146,9 @@ class SoundFile:
 
 
 def read(path: Path) -> npt.NDArray[np.int16]:
-    """Return the frames of a WAV file, shape (frames, 2); raises OSError, EOFError, wave.Error, ValueError or RuntimeError."""
-    with wave.open(str(path)) as file:
-        channels, width, rate, frames = file.getparams()[:4]
-        if channels not in (1, 2) or width != 2 or rate != RATE:
-            raise ValueError(
-                f"it has {8 * width} bits, {rate} Hz and {channels} channel{'s' * (channels != 1)}"
-            )
-        if not frames:
-            raise ValueError("it contains no sound")
-        if frames * channels * width > path.stat().st_size:
-            raise ValueError("it ends before its sound does")
-        data = file.readframes(frames)
-        if len(data) != frames * channels * width:
-            raise ValueError("it ends before its sound does")
-        samples = np.frombuffer(data, "<i2").reshape(-1, channels)
-    return np.broadcast_to(samples, (len(samples), 2)) if channels == 1 else samples
+    """Return the frames of a WAV file, shape (frames, 2); raises OSError or ValueError."""
+    samples, rate = wav.read(path)
+    channels = samples.shape[1]
+    if channels > 2 or rate != RATE:
+        raise ValueError(f"it has {rate} Hz and {channels} channel{'s' * (channels != 1)}")
+    return np.broadcast_to(samples, (len(samples), 2))

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from beatrix_zenoh.client.session import Place
+from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rows import Numbers, RecordingRow, RobotSet, of_robot
 from beatrix_zenoh.recording.rrd.stream import RowStream
@@ -17,10 +18,14 @@ STEP_NS = 20_000_000
 
 
 def write_lesson(
-    path: Path, places: Sequence[Place], rows: int = 300, more: Sequence[RecordingRow] = ()
+    path: Path,
+    places: Sequence[Place],
+    rows: int = 300,
+    more: Sequence[RecordingRow] = (),
+    about: About | None = None,
 ) -> None:
     """Write a recording of robots with random angles, which are float32 in rad as in their messages, every 20 ms."""
-    stream = RowStream("one", path.stem)
+    stream = RowStream(f"one {path.stem}", path.stem)
     stream.to_file(path)
     stream.show(RobotSet({place: Figure() for place in places}))
     angles = np.random.default_rng(1).normal(0.0, 0.5, (rows, 3)).astype(np.float32)
@@ -32,6 +37,8 @@ def write_lesson(
             ])  # fmt: skip
     for row in more:
         stream.send([row])
+    if about is not None:
+        stream.describe(about)
     assert stream.flush(5.0)
     stream.close()
 

@@ -61,14 +61,15 @@ def test_a_file_is_repeated_without_a_gap(tmp_path: Path, channels: int) -> None
     assert (frames[:, 1] == wanted + (10_000 if channels == 2 else 0)).all()
 
 
-@pytest.mark.parametrize(("rate", "width"), [(44_100, 2), (RATE, 4), (RATE, 1)])
+@pytest.mark.parametrize(
+    ("rate", "width", "format_"),
+    [(44_100, 2, "44100 Hz and 2 channels"), (RATE, 1, "whole numbers of 8 bits")],
+)
 def test_a_file_in_another_format_is_refused_with_the_right_one(
-    tmp_path: Path, rate: int, width: int
+    tmp_path: Path, rate: int, width: int, format_: str
 ) -> None:
     source = SoundFile(written(tmp_path / "x.wav", [[1, 2], [3, 4]], rate=rate, width=width))
-    with pytest.raises(
-        NoAnswer, match=rf"it has {8 * width} bits, {rate} Hz .*\. Give a WAV file of 16 bits at 48000 Hz"
-    ):
+    with pytest.raises(NoAnswer, match=rf"it has {format_}\. Give a WAV file at 48000 Hz"):
         source.open()
 
 

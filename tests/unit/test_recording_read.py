@@ -166,5 +166,5 @@ def test_an_empty_recording_cannot_be_repaired(tmp_path: Path, capsys: pytest.Ca
     path = tmp_path / "empty.rrd"
     path.touch()
     assert app.run(["record", "--repair", str(path)]) == 1
-    assert "cannot be repaired: it contains no positions" in capsys.readouterr().err
+    assert "empty.rrd is empty" in capsys.readouterr().err
     assert path.read_bytes() == b""

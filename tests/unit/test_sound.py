@@ -149,6 +149,17 @@ def test_the_level_is_that_of_full_scale_in_db() -> None:
     assert (round(left, 3), right) == (-20.0, -120.0)
 
 
+def test_lost_frames_are_not_silence_in_the_level() -> None:
+    blocks = [block(number) for number in range(1, 11)]
+    whole, half = (joined(some, 10 * BLOCK) for some in (blocks, [blocks[0], *blocks[4:]]))
+    assert half.lost == 3 * BLOCK
+    there = np.vstack([one.samples for one in [blocks[0], *blocks[4:]]])
+    for level, ear in zip(half.level, there.T, strict=True):
+        assert level == pytest.approx(20 * np.log10(np.sqrt(np.mean(np.square(ear)))), abs=1e-4)
+    assert whole.lost == 0
+    assert Sound(np.zeros((5, 2), np.float32), RATE, 0, 0, 1, "test", 0, lost=5).level == (-120.0, -120.0)
+
+
 def test_a_sound_is_saved_and_shown_as_wav(tmp_path: Path) -> None:
     sound = block(5)
     sound.save(tmp_path / "x.wav")
@@ -167,5 +178,5 @@ def test_a_damaged_wav_file_is_rejected(tmp_path: Path, cut: tuple[int, bytes]) 
         file.writeframes(bytes(8))
     data = path.read_bytes()
     path.write_bytes(data[:at] + zeros + (data[at + len(zeros) :] if zeros else b""))
-    with pytest.raises(WrongUsage, match=r"cannot be played: .* Give a WAV file of 16 bits"):
+    with pytest.raises(WrongUsage, match=r"cannot be played: .* Give a WAV file of whole numbers"):
         mono(path)

@@ -12,7 +12,7 @@ from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.colours import STYLES
 from beatrix_zenoh.contract.names import SIDE_TITLES
 from beatrix_zenoh.recording.rows import RobotSet, of_difference, of_robot
-from beatrix_zenoh.recording.rrd.read import TIME
+from beatrix_zenoh.recording.rrd.columns import TIME
 from beatrix_zenoh.recording.rrd.scene import MECHANISM, solids_of
 
 WINDOW_S: Final = 20.0

@@ -2,27 +2,41 @@
 
 from __future__ import annotations
 
-import contextlib
-import itertools
-import warnings
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Final, TypeVar
 
+import msgspec
 import numpy as np
-import numpy.typing as npt
-from rerun.chunk import Chunk, RrdReader
-from rerun.error_utils import RerunWarning
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Event, Reason
 from beatrix_zenoh.contract.codec import decode_json
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.contract.names import EYES, SIDES
-from beatrix_zenoh.output import typed
 from beatrix_zenoh.recording.about import About
+from beatrix_zenoh.recording.parts import Span, check_parts, union
 from beatrix_zenoh.recording.rows import NOTES, of_robot
+from beatrix_zenoh.recording.rrd.columns import (
+    ABOUT,
+    ABOUT_ENTITY,
+    BLOB,
+    EVENT,
+    NUMBER,
+    PCM,
+    RATE,
+    SCALARS,
+    STATE,
+    TEXT,
+    TIME,
+    Column,
+    Columns,
+    Components,
+    foreign,
+    joined,
+    rows,
+)
 from beatrix_zenoh.recording.samples import (
     ClockOffset,
     EyePicture,
@@ -36,48 +50,47 @@ from beatrix_zenoh.recording.samples import (
     TimedTexts,
 )
 from beatrix_zenoh.recording.sound import RecordedBlock
-from beatrix_zenoh.recording.viewer import check_recording
 
-TIME, ROBOT_TIME = "time", "robot_time"
-SCALARS, TEXT, STATE = "Scalars:scalars", "TextLog:text", "StateChange:state"
-EVENT = "event"
-"""Component with the events as JSON."""
-PROPERTY, ABOUT = "beatrix", "about"
-"""Property of a recording, and its component with `About` as JSON."""
-ABOUT_ENTITY = f"/__properties/{PROPERTY}"
-
-
-class Column(NamedTuple):
-    """All rows of one component of one entity: times (n,) and values, (n, k) numbers or (n,) texts."""
-
-    time_ns: Nanoseconds
-    robot_ns: Nanoseconds
-    values: npt.NDArray[np.float64] | npt.NDArray[np.object_]
-
-
-Columns = dict[tuple[str, str], Column]
-"""Columns by entity and component."""
+ANGLES: Final[Components] = {SCALARS: 3}
+OF_ROBOT: Final[Mapping[str, Components]] = {
+    **dict.fromkeys(("arms", "commanded", "head", "head_measured", "velocity"), ANGLES),
+    "seq": {SCALARS: 1},
+    "repeats": {SCALARS: 1},
+    "clock": {SCALARS: 2},
+    "events": {TEXT: 1, EVENT: 1},
+    "state": {STATE: 1},
+}
+"""Components of the entities of a robot."""
+NONE: Final[Components] = {}
+SOUND: Final = (PCM, RATE, NUMBER)
+RATE_MAX: Final = 384_000
+"""Frames per second; no sound card is faster."""
 SoundBlocks = dict[Place, list[RecordedBlock]]
+M = TypeVar("M", bound=msgspec.Struct)
 
 
 def read(path: Path) -> Recorded:
-    """Read a recording, even if its recorder was killed.
+    """Read a recording, even if its recorder was killed, or Rerun's own program has split, filtered or merged it.
 
     Raises:
         WrongUsage: there is no such file.
-        Refused: BAD_VALUE, the file is damaged or not a recording of BEATRIX.
+        Refused: BAD_VALUE, the file is damaged or not one recording of BEATRIX.
     """
     columns = _columns(path)
     robots: dict[Place, Samples] = {}
-    for name, side, what in [_parts(entity) for entity, component in columns if component == SCALARS]:
+    for name, side, what in [_parts(entity) for entity, _ in columns]:
         root = f"/{name}/{side}"
         # A recorder that was killed just after its start may have written only some of these columns.
-        whole = all((f"{root}/{other}", SCALARS) in columns for other in ("commanded", "head"))
-        if side in SIDES and what == "arms" and whole:
-            robots[name, side] = _samples(columns, root)
+        complete = all((f"{root}/{other}", SCALARS) in columns for other in ("commanded", "head"))
+        if side in SIDES and what == "arms" and complete:
+            samples = _samples(columns, root)
+            if len(samples.time_ns):
+                robots[name, side] = samples
     if not robots:
         raise Refused(
-            Reason.BAD_VALUE, f"{path} contains no positions of a robot. `beatrix record` writes recordings."
+            Reason.BAD_VALUE,
+            f"{path} contains no positions of a robot on the timeline `{TIME}`. `beatrix record` writes recordings; if "
+            "another program has changed one, use the original file.",
         )
     names = sorted({name for name, _ in robots})
     return Recorded(
@@ -85,18 +98,17 @@ def read(path: Path) -> Recorded:
         {name: found for name in names if (found := _difference(columns, name)) is not None},
         {place: _texts(columns, "/{}/{}/events".format(*place), TEXT) for place in robots},
         {place: _texts(columns, "/{}/{}/state".format(*place), STATE) for place in robots},
-        {place: _events(columns, "/{}/{}/events".format(*place)) for place in robots},
+        {place: _events(path, columns, "/{}/{}/events".format(*place)) for place in robots},
         {place: _clocks(columns, "/{}/{}/clock".format(*place)) for place in robots},
-        _notes(columns),
-        _about(columns),
+        tuple(note for _, note in _decoded(path, columns, f"/{NOTES}", EVENT, Note)),
+        _about(path, columns),
     )
 
 
 def read_about(path: Path) -> About | None:
     """Return what a recording says of itself, without reading its data; raises the errors of `read`."""
-    with _opened(path, ABOUT_ENTITY) as chunks:
-        parts = [_static(chunk) for chunk in chunks if chunk.is_static]
-    return _latest(max(parts, key=lambda column: int(column.time_ns[-1]))) if parts else None
+    parts = rows(path, _components, [ABOUT_ENTITY])
+    return _about(path, joined((key, column) for _, key, column in parts))
 
 
 def holds_samples(path: Path) -> bool:
@@ -107,51 +119,30 @@ def holds_samples(path: Path) -> bool:
         return False
 
 
+def _components(entity: str) -> Components:
+    """Return the components of an entity that `read` reads."""
+    _, side, what = _parts(entity)
+    if entity == ABOUT_ENTITY:
+        return {ABOUT: 1}
+    if entity == f"/{NOTES}":
+        return {EVENT: 1}
+    if side == "difference":
+        return ANGLES if what in ("arms", "head") else NONE
+    return OF_ROBOT.get(what, NONE) if side in SIDES else NONE
+
+
 def _columns(path: Path) -> Columns:
-    found: dict[tuple[str, str], list[Column]] = defaultdict(list)
-    for entity, component, column in _chunks(path):
-        found[entity, component].append(column)
-    joined = {}
-    for key, parts in found.items():
-        times, robot, values = (np.concatenate(pieces) for pieces in zip(*parts, strict=True))
-        order = np.argsort(times, kind="stable")
-        joined[key] = Column(times[order], robot[order], values[order])
-    return joined
-
-
-def _chunks(path: Path) -> Iterator[tuple[str, str, Column]]:
-    """Yield entity, component and rows of each column of each chunk that has times, and of the description."""
-    with _opened(path) as chunks:
-        for chunk in chunks:
-            if chunk.is_static and chunk.entity_path == ABOUT_ENTITY:
-                yield ABOUT_ENTITY, ABOUT, _static(chunk)
-            if chunk.is_static or TIME not in chunk.timeline_names:
-                continue
-            batch = chunk.to_record_batch()
-            times, robot = (
-                batch.column(name).cast("int64").to_numpy(zero_copy_only=False) for name in (TIME, ROBOT_TIME)
-            )
-            for component in {SCALARS, TEXT, STATE, EVENT}.intersection(batch.schema.names):
-                flat = batch.column(component).flatten().to_numpy(zero_copy_only=False)
-                values = flat.reshape(len(times), -1) if component == SCALARS else flat
-                yield chunk.entity_path, component, Column(times, robot, values)
-
-
-@contextlib.contextmanager
-def _opened(path: Path, *entities: str) -> Iterator[Iterable[Chunk]]:
-    """Open the chunks of a recording, or those of some entities; raises the errors of `read` also while they are read."""
-    check_recording(path)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RerunWarning)  # a killed recorder leaves a file without its end
-            chunks = RrdReader(path).stream()
-        yield chunks.filter(content=list(entities)) if entities else chunks
-    except (ValueError, OSError, RuntimeError) as error:
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"{path} is damaged ({str(error).splitlines()[0].rpartition(': ')[2]}): its recorder was killed, the disk was full, or "
-            f"the file was copied only in part. `{typed('beatrix', 'record', '--repair', path)}` keeps all readable data.",
-        ) from error
+    """Return all columns of a file; raises the errors of `read`."""
+    found = []
+    spans: dict[int, dict[Place, Span]] = defaultdict(dict)
+    for number, key, column in rows(path, _components):
+        found.append((key, column))
+        name, side, what = _parts(key[0])
+        if side in SIDES and what == "arms":
+            span = int(column.time_ns.min()), int(column.time_ns.max())
+            spans[number][name, side] = union([span, spans[number].get((name, side), span)])
+    check_parts(spans.values(), f"Two of the recordings in {path}", "Use the files that were merged into it.")
+    return joined(found)
 
 
 def _samples(columns: Columns, root: str) -> Samples:
@@ -179,15 +170,10 @@ def _samples(columns: Columns, root: str) -> Samples:
 
 
 def _at(column: Column, other: Column) -> Floats:
-    """Return the column's values at the times of another column; NaN where it has no row of the same times."""
-    rows = {
-        stamp: row
-        for row, stamp in enumerate(zip(column.time_ns.tolist(), column.robot_ns.tolist(), strict=True))
-    }
-    stamps = zip(other.time_ns.tolist(), other.robot_ns.tolist(), strict=True)
-    found = np.array([rows.get(stamp, -1) for stamp in stamps], dtype=np.int64)
+    """Return the column's values at the times of another column; NaN where it has no row of the same time."""
+    found = np.searchsorted(column.time_ns, other.time_ns, side="right") - 1
     values = column.values.astype(np.float64)[found]
-    values[found < 0] = np.nan
+    values[column.time_ns[found] != other.time_ns] = np.nan
     return values
 
 
@@ -203,48 +189,40 @@ def _texts(columns: Columns, entity: str, component: str) -> TimedTexts:
     if column is None:
         none = np.empty(0, np.int64)
         return TimedTexts(none, none, ())
-    return TimedTexts(column.time_ns, column.robot_ns, tuple(str(text) for text in column.values))
+    return TimedTexts(column.time_ns, column.robot_ns, tuple(column.values[:, 0]))
 
 
-def _events(columns: Columns, entity: str) -> tuple[TimedEvent, ...]:
-    column = columns.get((entity, EVENT))
-    if column is None:
-        return ()
-    return tuple(
-        TimedEvent(time_ns, decode_json(str(text).encode(), Event))
-        for time_ns, text in zip(column.time_ns.tolist(), column.values, strict=True)
-        if text
-    )
+def _events(path: Path, columns: Columns, entity: str) -> tuple[TimedEvent, ...]:
+    return tuple(TimedEvent(*row) for row in _decoded(path, columns, entity, EVENT, Event))
 
 
 def _clocks(columns: Columns, entity: str) -> tuple[ClockOffset, ...]:
     column = columns.get((entity, SCALARS))
     if column is None:
         return ()
-    rows = zip(column.time_ns.tolist(), column.values.tolist(), strict=True)
-    return tuple(ClockOffset(time_ns, *values) for time_ns, values in rows)
+    measured = zip(column.time_ns.tolist(), column.values.tolist(), strict=True)
+    return tuple(ClockOffset(time_ns, *values) for time_ns, values in measured)
 
 
-def _notes(columns: Columns) -> tuple[Note, ...]:
-    column = columns.get((f"/{NOTES}", EVENT))
-    return () if column is None else tuple(decode_json(str(text).encode(), Note) for text in column.values)
+def _about(path: Path, columns: Columns) -> About | None:
+    """Return the newest description: Rerun keeps the last."""
+    found = _decoded(path, columns, ABOUT_ENTITY, ABOUT, About)
+    return found[-1][1] if found else None
 
 
-def _about(columns: Columns) -> About | None:
-    column = columns.get((ABOUT_ENTITY, ABOUT))
-    return None if column is None else _latest(column)
-
-
-def _latest(column: Column) -> About:
-    return decode_json(str(column.values[-1]).encode(), About)
-
-
-def _static(chunk: Chunk) -> Column:
-    """Return the versions of `About` in a static chunk in the order in which they were written: Rerun keeps the last."""
-    batch = chunk.to_record_batch()
-    numbers = batch.column("rerun.controls.RowId").to_pylist()
-    times = np.array([int.from_bytes(number[:8], "big") for number in numbers], np.int64)
-    return Column(times, times, batch.column(ABOUT).flatten().to_numpy(zero_copy_only=False))
+def _decoded(path: Path, columns: Columns, entity: str, component: str, kind: type[M]) -> list[tuple[int, M]]:
+    """Return times and values of a column of JSON texts; raises Refused if one cannot be read."""
+    column = columns.get((entity, component))
+    if column is None:
+        return []
+    try:
+        return [
+            (time_ns, decode_json(text.encode(), kind))
+            for time_ns, text in zip(column.time_ns.tolist(), column.values[:, 0], strict=True)
+            if text
+        ]
+    except BeatrixError as error:
+        raise foreign(path, entity) from error
 
 
 def _parts(entity: str) -> tuple[str, str, str]:
@@ -254,61 +232,48 @@ def _parts(entity: str) -> tuple[str, str, str]:
     return name, side, what
 
 
-BLOB = "EncodedImage:blob"
-
-
 def read_eyes(paths: Sequence[Path], places: Sequence[Place], first_ns: int, last_ns: int) -> EyePictures:
-    """Return the pictures of all eyes of these robots between two times, in the order of time.
-
-    The files must be readable, which `read` checks.
-    """
+    """Return the pictures of all eyes of these robots between two times, in the order of time; raises the errors of `read`."""
     entities = {"/" + of_robot(place, "camera", eye): (*place, eye) for place in places for eye in EYES}
-    found: EyePictures = {}
-    for path in paths:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RerunWarning)  # a killed recorder leaves a file without its end
-            chunks = RrdReader(path).stream().filter(content=list(entities))
-        for chunk in chunks:
-            if chunk.is_static or TIME not in chunk.timeline_names:
-                continue
-            batch = chunk.to_record_batch()
-            if BLOB not in batch.schema.names:
-                continue
-            times = batch.column(TIME).cast("int64").to_pylist()
-            blobs = batch.column(BLOB).flatten()
-            ends, flat = blobs.offsets.to_pylist(), blobs.values.to_numpy()
-            found.setdefault(entities[chunk.entity_path], []).extend(
-                EyePicture(time_ns, flat[begin:end].tobytes())
-                for time_ns, (begin, end) in zip(times, itertools.pairwise(ends), strict=True)
-                if first_ns <= time_ns <= last_ns
-            )
-    for pictures in found.values():
-        pictures.sort(key=lambda picture: picture.time_ns)
-    return {key: pictures for key, pictures in found.items() if pictures}
+    columns = _of_entities(paths, list(entities), [BLOB], first_ns, last_ns)
+    return {
+        entities[entity]: [
+            EyePicture(*row) for row in zip(column.time_ns.tolist(), column.values[:, 0], strict=True)
+        ]
+        for (entity, _), column in columns.items()
+    }
 
 
 def read_sound(paths: Sequence[Path], places: Sequence[Place], first_ns: int, last_ns: int) -> SoundBlocks:
-    """Return the blocks of sound of these robots between two times, in the order of time.
-
-    The files must be readable, which `read` checks.
-    """
+    """Return the blocks of sound of these robots between two times, in the order of time; raises the errors of `read`."""
     entities = {"/" + of_robot(place, "microphones"): place for place in places}
+    columns = _of_entities(paths, list(entities), SOUND, first_ns, last_ns)
     found: SoundBlocks = {}
+    for entity, place in entities.items():
+        blocks, rates, numbers = (
+            dict(zip(column.time_ns.tolist(), column.values[:, 0], strict=True))
+            if (column := columns.get((entity, component)))
+            else {}
+            for component in SOUND
+        )
+        for at in sorted(blocks.keys() & rates.keys() & numbers.keys()):
+            if not 0 < rates[at] <= RATE_MAX:
+                raise foreign(paths[0], entity)
+            found.setdefault(place, []).append(
+                RecordedBlock(at, blocks[at], int(rates[at]), int(numbers[at]))
+            )
+    return found
+
+
+def _of_entities(
+    paths: Sequence[Path], entities: Sequence[str], components: Sequence[str], first_ns: int, last_ns: int
+) -> Columns:
+    """Return columns of some entities between two times, from the files of one recording."""
     if not entities:
-        return found
-    for path in paths:
-        with _opened(path, *entities) as chunks:
-            for chunk in chunks:
-                if chunk.is_static or TIME not in chunk.timeline_names:
-                    continue
-                batch = chunk.to_record_batch()
-                times = batch.column(TIME).cast("int64").to_pylist()
-                parts = (batch.column(name).flatten().to_pylist() for name in ("pcm", "rate", "number"))
-                found.setdefault(entities[chunk.entity_path], []).extend(
-                    block
-                    for block in itertools.starmap(RecordedBlock, zip(times, *parts, strict=True))
-                    if first_ns <= block.time_ns <= last_ns
-                )
-    for blocks in found.values():
-        blocks.sort(key=lambda block: block.time_ns)
-    return {place: blocks for place, blocks in found.items() if blocks}
+        return {}
+    wanted = dict.fromkeys(components, 1)
+    return joined(
+        (key, column)
+        for path in paths
+        for _, key, column in rows(path, lambda _entity: wanted, entities, (first_ns, last_ns))
+    )

@@ -27,8 +27,8 @@ from beatrix_zenoh.recording.rows import (
     SoundRow,
 )
 from beatrix_zenoh.recording.rrd import scene
+from beatrix_zenoh.recording.rrd.columns import ABOUT, PROPERTY, ROBOT_TIME, TIME
 from beatrix_zenoh.recording.rrd.layout import layout
-from beatrix_zenoh.recording.rrd.read import ABOUT, PROPERTY, ROBOT_TIME, TIME
 
 APPLICATION = "beatrix"
 

@@ -57,15 +57,14 @@ def repair_recording(path: Path, *, as_json: bool) -> None:
 
     Raises:
         WrongUsage: there is no such file.
-        Refused: BAD_VALUE, it contains no readable positions, or Rerun is not installed.
+        Refused: BAD_VALUE, it contains no readable positions, is not of BEATRIX, or Rerun is not installed.
     """
     program()  # raises before any file is changed
-    from beatrix_zenoh.recording.rrd.read import holds_samples
+    from beatrix_zenoh.recording.rrd.read import holds_samples, read
 
     check_exists(path)
     if not verify(path):
-        if not holds_samples(path):
-            raise Refused(Reason.BAD_VALUE, f"{path} cannot be repaired: {EMPTY}")
+        read(path)
         show_repaired(path, f"{path} is complete: there is nothing to repair.", None, as_json=as_json)
         return
     unfinished, kept = path.with_suffix(f".repaired{RECORDING}"), path.with_name(path.name + DAMAGED)

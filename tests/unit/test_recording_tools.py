@@ -1,0 +1,303 @@
+"""Recordings that Rerun's own program has changed, and files of other programs: read, or refused in one sentence."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rerun as rr
+import rerun.blueprint as rrb
+from PIL import Image
+from written_recordings import BEGAN_NS, STEP_NS, times, write_lesson
+
+from beatrix_zenoh.cli import app
+from beatrix_zenoh.contract.codec import encode_json
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.recording.about import About
+from beatrix_zenoh.recording.rows import NOTES, Bar, Frame, Line, Numbers, RecordingRow, SoundRow
+from beatrix_zenoh.recording.rrd.read import read, read_about, read_eyes
+from beatrix_zenoh.recording.samples import Note
+from beatrix_zenoh.recording.verbs.files import read_recording
+from beatrix_zenoh.recording.viewer import tool
+
+SIM, HW = ("bea", "sim"), ("bea", "hw")
+ROWS = 60
+
+
+def more() -> list[RecordingRow]:
+    """Return rows of everything else that a recorder writes; each becomes a chunk."""
+    file = io.BytesIO()
+    Image.new("RGB", (32, 24)).save(file, "JPEG")
+    found: list[RecordingRow] = []
+    for index, at in enumerate(times(ROWS)):
+        found.append(SoundRow("bea/sim/microphones", at, at, bytes([index]) * 3840, 48_000, index))
+        found += [Numbers(f"{name}/{side}/seq", at, at, (index,)) for name, side in (SIM, HW)]
+        if index % 10 == 3:
+            found.append(Frame("bea/sim/camera/left", at, at, file.getvalue()))
+            found.append(Line(NOTES, at, at, "n", "INFO", encode_json(Note(at, "ana", f"n{index}")).decode()))
+            found.append(Line("bea/sim/events", at, at, f"line {index}", "INFO"))
+            found.append(Bar("bea/sim/state", at, at, f"state {index}"))
+            found.append(Numbers("bea/sim/clock", at, at, (0.5, 0.1)))
+    return found
+
+
+@pytest.fixture(scope="module")
+def lesson(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording of both robots with everything in it; do not change it."""
+    path = tmp_path_factory.mktemp("lesson") / "lesson.rrd"
+    write_lesson(path, [SIM, HW], ROWS, more(), About(BEGAN_NS, "0.1.0", title="Lesson"))
+    return path
+
+
+def rerun(*words: object) -> None:
+    """Run `rerun rrd`, which must succeed."""
+    done = tool("rrd", *map(str, words))
+    assert done.returncode == 0, done.stderr
+
+
+def split(path: Path, folder: Path, *words: str, timeline: str = "time") -> list[Path]:
+    """Cut a recording in three parts."""
+    rerun("split", "-o", folder, "--timeline", timeline, "-n", "3", *words, path)
+    return sorted(folder.glob(f"{path.stem}_*.rrd"))
+
+
+def changed(verb: str, path: Path, folder: Path, *words: str) -> list[Path]:
+    """Let a verb of `rerun rrd` write one file."""
+    rerun(verb, *words, path, "-o", folder / "new.rrd")
+    return [folder / "new.rrd"]
+
+
+def migrated(path: Path, folder: Path) -> list[Path]:
+    copy = folder / "copy.rrd"
+    copy.write_bytes(path.read_bytes())
+    rerun("migrate", copy)
+    return [copy]
+
+
+def repaired(path: Path, folder: Path) -> list[Path]:
+    """Complete a recording whose end is missing, with our own verb."""
+    copy, whole = folder / "copy.rrd", path.read_bytes()
+    copy.write_bytes(whole[: whole.rindex(b"RRF2FOOT") - 30])
+    assert app.run(["record", "--repair", str(copy)]) == 0
+    assert (folder / "copy.rrd.damaged").exists()
+    return [copy]
+
+
+def of_parts(verb: str) -> Callable[[Path, Path], list[Path]]:
+    """Return a function that cuts a recording and lets a verb make one file of the parts."""
+
+    def made(path: Path, folder: Path) -> list[Path]:
+        rerun(verb, *split(path, folder), "-o", folder / "new.rrd")
+        return [folder / "new.rrd"]
+
+    return made
+
+
+WHOLE: dict[str, Callable[[Path, Path], list[Path]]] = {
+    "split": split,
+    "split by the time of the robot": lambda path, folder: split(path, folder, timeline="robot_time"),
+    "split without other timelines": lambda path, folder: split(path, folder, "--drop-unused-timelines"),
+    "filter": lambda path, folder: changed("filter", path, folder, "--drop-timeline", "robot_time"),
+    "optimize": lambda path, folder: changed("optimize", path, folder),
+    "optimize each component": lambda path, folder: changed("optimize", path, folder, "--split-size-ratio", "1"),
+    "migrate": migrated,
+    "repair": repaired,
+    "merge parts": of_parts("merge"),
+    "optimize parts": of_parts("optimize"),
+    "merge with itself": lambda path, folder: changed("merge", path, folder, str(path)),
+}  # fmt: skip
+
+
+def exported(files: list[Path], folder: Path) -> dict[str, str | bytes]:
+    """Return the tables and the sound of a recording."""
+    names = [str(path) for path in files]
+    for words in ([str(folder / "grid.csv")], [str(folder / "all.csv"), "--samples"]):
+        assert app.run(["export", *names, *words]) == 0
+    assert app.run(["export", *names, "--sound", str(folder / "sound.wav")]) == 0
+    rows = [line.split(",") for line in (folder / "all.csv").read_text().splitlines()]
+    robot_time = rows[0].index("robot_time_ns")
+    return {
+        "grid": (folder / "grid.csv").read_text(),
+        "samples": "\n".join(",".join(row[:robot_time] + row[robot_time + 1 :]) for row in rows),
+        "robot times": "".join(row[robot_time] for row in rows[1:]),
+        "sound": (folder / "sound.wav").read_bytes(),
+    }
+
+
+@pytest.mark.parametrize("change", WHOLE)
+def test_what_rerun_makes_of_a_recording_has_the_rows_of_the_whole(
+    lesson: Path, tmp_path: Path, change: str
+) -> None:
+    (tmp_path / "before").mkdir()
+    wanted = exported([lesson], tmp_path / "before")
+    files = WHOLE[change](lesson, tmp_path)
+    found = exported(files, tmp_path)
+    if not found["robot times"]:
+        assert change in ("filter", "split without other timelines")
+        found["robot times"] = wanted["robot times"]
+    assert found == wanted
+    eyes = [read_eyes(paths, [SIM, HW], 0, 2**62) for paths in ([lesson], files)]
+    assert [len({one.time_ns for one in found}) for found in eyes[0].values()] == [6]
+    assert {key: dict(found) for key, found in eyes[0].items()} == {
+        key: dict(found) for key, found in eyes[1].items()
+    }
+    for file in files:
+        part = read_recording(file)
+        assert part.about is not None
+        assert part.about == read_about(file)
+        assert app.run(["compare", str(file), "--json"]) in (0, 1)
+
+
+def at(count: int) -> rr.TimeColumn:
+    """Return times of the timeline of recordings."""
+    return rr.TimeColumn("time", timestamp=np.array(times(count)).astype("datetime64[ns]"))
+
+
+def numbers(
+    stream: rr.RecordingStream, entity: str, index: rr.TimeColumn, width: int = 3, count: int = 20
+) -> None:
+    """Write rows of zeros."""
+    rows = rr.Scalars.columns(scalars=np.zeros(count * width)).partition([width] * count)
+    stream.send_columns(entity, [index], rows)
+
+
+def robot(
+    stream: rr.RecordingStream, index: rr.TimeColumn | None = None, width: int = 3, arms: int = 3
+) -> None:
+    """Write the positions of a robot as another program might."""
+    for what in ("arms", "commanded", "head"):
+        numbers(stream, f"/x/sim/{what}", index or at(20), arms if what == "arms" else width)
+
+
+def other(write: Callable[[rr.RecordingStream], None]) -> Callable[[Path, Path], Path]:
+    """Return a function that lets another program write a file."""
+
+    def made(_lesson: Path, folder: Path) -> Path:
+        with rr.RecordingStream("other") as stream:
+            stream.save(folder / "new.rrd")
+            write(stream)
+        return folder / "new.rrd"
+
+    return made
+
+
+def with_robot(entity: str, *columns: rr.ComponentColumn) -> Callable[[Path, Path], Path]:
+    """Return a function that writes a file with a robot and two rows of an entity."""
+
+    def write(stream: rr.RecordingStream) -> None:
+        robot(stream)
+        stream.send_columns(entity, [at(2)], columns)
+
+    return other(write)
+
+
+def merged(lesson: Path, folder: Path, shift_ns: int) -> Path:
+    """Merge a recording with another one of the same robot."""
+    rows: list[RecordingRow] = [
+        Numbers(f"bea/sim/{what}", BEGAN_NS + shift_ns + index * STEP_NS, BEGAN_NS, (1.0, 2.0, 3.0))
+        for what in ("arms", "commanded", "head")
+        for index in range(100)
+    ]
+    write_lesson(folder / "other.rrd", [], 0, rows)
+    return changed("merge", lesson, folder, str(folder / "other.rrd"))[0]
+
+
+def blueprint(_lesson: Path, folder: Path) -> Path:
+    rrb.Blueprint(rrb.Spatial3DView()).save("other", str(folder / "new.rrd"))
+    return folder / "new.rrd"
+
+
+def about(text: str) -> Callable[[Path, Path], Path]:
+    def write(stream: rr.RecordingStream) -> None:
+        robot(stream)
+        stream.send_property("beatrix", rr.AnyValues(about=text))
+
+    return other(write)
+
+
+TEXTS = rr.TextLog.columns(text=["a", "b"])
+NO_POSITIONS, FOREIGN = "contains no positions of a robot", "are not as `beatrix record`"
+REFUSED: dict[str, tuple[str, Callable[[Path, Path], Path]]] = {
+    "filter the time": (NO_POSITIONS, lambda path, folder: changed("filter", path, folder, "--drop-timeline", "time")[0]),
+    "split by another time": (NO_POSITIONS, lambda path, folder: split(path, folder, timeline="log_time")[0]),
+    "drop all arms": (
+        NO_POSITIONS,
+        lambda path, folder: changed(
+            "filter", path, folder, "--drop-entity", "/bea/sim/arms", "--drop-entity", "/bea/hw/arms"
+        )[0],
+    ),
+    "merge the same time": ("contain the same time of bea \\(sim\\)", lambda path, folder: merged(path, folder, 7)),
+    "merge another day": ("are 24.0 h apart", lambda path, folder: merged(path, folder, 86_400_000_000_000)),
+    "a blueprint": (NO_POSITIONS, blueprint),
+    "nothing": (NO_POSITIONS, other(lambda _stream: None)),
+    "points": (NO_POSITIONS, other(lambda stream: stream.log("p", rr.Points3D([[1, 2, 3]])))),
+    "numbers as times": (NO_POSITIONS, other(lambda stream: robot(stream, rr.TimeColumn("time", sequence=range(20))))),
+    "durations": (NO_POSITIONS, other(lambda stream: robot(stream, rr.TimeColumn("time", duration=range(20))))),
+    "two numbers": (FOREIGN, other(lambda stream: robot(stream, width=2))),
+    "rows of several lengths": (
+        FOREIGN,
+        other(
+            lambda stream: stream.send_columns(
+                "/x/sim/arms", [at(3)], rr.Scalars.columns(scalars=range(7)).partition([2, 3, 2])
+            )
+        ),
+    ),
+    "an event that is none": (FOREIGN, with_robot("/x/sim/events", *TEXTS, *rr.AnyValues.columns(event=["x", "{}"]))),
+    "a note that is none": (FOREIGN, with_robot("/_recorder/notes", *TEXTS, *rr.AnyValues.columns(event=["x", "y"]))),
+    "a clock of one number": (FOREIGN, with_robot("/x/sim/clock", *rr.Scalars.columns(scalars=[1.0, 2.0]))),
+    "a difference of one number": (FOREIGN, with_robot("/x/difference/arms", *rr.Scalars.columns(scalars=[1.0, 2.0]))),
+    "a description that is none": (FOREIGN, about("x")),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_a_file_that_is_not_one_recording_is_refused_in_one_sentence(
+    lesson: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], case: str
+) -> None:
+    words, make = REFUSED[case]
+    path = make(lesson, tmp_path)
+    with pytest.raises(Refused, match=words) as refused:
+        read(path)
+    assert str(path) in str(refused.value)
+    capsys.readouterr()
+    for verb in (
+        ["export", str(path), str(tmp_path / "a.csv")],
+        ["export", str(path), str(tmp_path / "a.parquet"), "--samples"],
+        ["export", str(path), "--sound", str(tmp_path / "a.wav")],
+        ["export", str(path), "--video", str(tmp_path / "a.mp4")],
+        ["compare", str(path)],
+        ["replay", str(path)],
+        ["record", "--repair", str(path)],
+    ):
+        assert app.run(verb) == 1, verb
+        assert capsys.readouterr().err == f"{refused.value}\n", verb
+
+
+def test_what_another_program_adds_or_leaves_out_does_no_harm(lesson: Path, tmp_path: Path) -> None:
+    """A file without some entities is read, and entities with other names are not."""
+    without = changed(
+        "filter", lesson, tmp_path, "--drop-entity", "/bea/sim/head", "--drop-entity", "/bea/hw/seq"
+    )
+    found = read(without[0])
+    assert list(found.robots) == [HW]
+    assert found.robots[HW].seq is None
+    path = other(lambda stream: numbers(stream, "/bea/sim/more", at(20), 7))(lesson, tmp_path)
+    path = path.rename(tmp_path / "more.rrd")
+    (both,) = changed("merge", lesson, tmp_path, str(path))
+    assert sorted(read(both).robots) == [HW, SIM]
+
+
+def test_a_table_of_weeks_needs_a_choice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Times that are wrong, or of a robot whose clock was wrong, do not fill the disk."""
+    path = tmp_path / "far.rrd"
+    far: list[RecordingRow] = [
+        Numbers(f"bea/sim/{what}", BEGAN_NS + 8 * 86_400_000_000_000, BEGAN_NS, (1.0, 2.0, 3.0))
+        for what in ("arms", "commanded", "head")
+    ]
+    write_lesson(path, [SIM], 10, far)
+    assert app.run(["export", str(path), str(tmp_path / "a.csv")]) == 1
+    assert "lasts 8 days: choose at most 7 with --from and --to" in capsys.readouterr().err
+    assert app.run(["export", str(path), str(tmp_path / "a.csv"), "--to", "1"]) == 0
