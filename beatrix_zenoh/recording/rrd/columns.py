@@ -85,8 +85,7 @@ def rows(
             for name in (TIME, ROBOT_TIME)
         )  # fmt: skip
         if chunk.is_static:  # Rerun keeps the row that was written last
-            ids = batch.column("rerun.controls.RowId").to_pylist()
-            times = np.array([int.from_bytes(row[:8], "big") for row in ids], np.int64)
+            times = _written_at(batch.column("rerun.controls.RowId").to_pylist())
         if times is None:
             continue
         robot = np.full_like(times, -1) if robot is None else robot
@@ -96,11 +95,8 @@ def rows(
             column, width = batch.column(component), components[component]
             lengths = column.value_lengths().fill_null(0).to_numpy(zero_copy_only=False)
             there, flat = lengths > 0, column.flatten()
-            if (
-                not str(flat.type).startswith(TYPES[component])
-                or flat.null_count
-                or np.any(lengths[there] != width)
-            ):
+            fits = flat.null_count == 0 and np.all(lengths[there] == width)
+            if not fits or not str(flat.type).startswith(TYPES[component]):
                 raise foreign(path, chunk.entity_path)
             values = flat.to_numpy(zero_copy_only=False)
             if component == BLOB:
@@ -109,6 +105,11 @@ def rows(
             if kept.any():
                 found = Column(times[there][kept], robot[there][kept], values.reshape(-1, width)[kept])
                 yield number, (chunk.entity_path, component), found
+
+
+def _written_at(row_ids: Sequence[bytes]) -> Nanoseconds:
+    """Return the times at which rows were written, which are the first half of their numbers."""
+    return np.array([int.from_bytes(row[:8], "big") for row in row_ids], np.int64)
 
 
 def _chunks(path: Path, entities: Sequence[str]) -> Iterator[tuple[int, Chunk]]:
