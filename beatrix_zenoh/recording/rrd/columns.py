@@ -6,11 +6,10 @@ import warnings
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-import pyarrow as pa
 from rerun.chunk import Chunk, RrdReader
 from rerun.error_utils import RerunWarning
 
@@ -87,35 +86,31 @@ def rows(
             for name in (TIME, ROBOT_TIME)
         )  # fmt: skip
         if chunk.is_static:  # Rerun keeps the row that was written last
-            ids = batch.column("rerun.controls.RowId").to_pylist()
-            times = np.array([int.from_bytes(row[:8], "big") for row in ids], np.int64)
+            times = _written_at(batch.column("rerun.controls.RowId").to_pylist())
         if times is None:
             continue
         robot = np.full_like(times, -1) if robot is None else robot
         inside = (times >= between[0]) & (times <= between[1])
         # Rerun's program puts components into chunks of their own.
         for component in components.keys() & kinds.keys() if inside.any() else ():
-            there, values = _values(
-                path, chunk.entity_path, component, batch.column(component), components[component]
-            )
+            column, width = batch.column(component), components[component]
+            lengths = column.value_lengths().fill_null(0).to_numpy(zero_copy_only=False)
+            there, flat = lengths > 0, column.flatten()
+            fits = flat.null_count == 0 and np.all(lengths[there] == width)
+            if not fits or not str(flat.type).startswith(TYPES[component]):
+                raise foreign(path, chunk.entity_path)
+            values = flat.to_numpy(zero_copy_only=False)
+            if component == BLOB:
+                values = np.array([each.tobytes() for each in values], np.object_)
             kept = inside[there]
             if kept.any():
-                found = Column(times[there][kept], robot[there][kept], values[kept])
+                found = Column(times[there][kept], robot[there][kept], values.reshape(-1, width)[kept])
                 yield number, (chunk.entity_path, component), found
 
 
-def _values(
-    path: Path, entity: str, component: str, column: pa.Array, width: int
-) -> tuple[npt.NDArray[np.bool_], npt.NDArray[Any]]:
-    """Return which rows of a component have values, and the values, shape (n, width); raises Refused for other types."""
-    lengths = column.value_lengths().fill_null(0).to_numpy(zero_copy_only=False)
-    there, flat = lengths > 0, column.flatten()
-    if not str(flat.type).startswith(TYPES[component]) or flat.null_count or np.any(lengths[there] != width):
-        raise foreign(path, entity)
-    values = flat.to_numpy(zero_copy_only=False)
-    if component == BLOB:
-        values = np.array([each.tobytes() for each in values], np.object_)
-    return there, values.reshape(-1, width)
+def _written_at(row_ids: Sequence[bytes]) -> Nanoseconds:
+    """Return the times at which rows were written, which are the first half of their numbers."""
+    return np.array([int.from_bytes(row[:8], "big") for row in row_ids], np.int64)
 
 
 def _chunks(path: Path, entities: Sequence[str]) -> Iterator[tuple[int, Chunk]]:
