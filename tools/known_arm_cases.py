@@ -258,6 +258,15 @@ def of_wiring() -> list[Case]:
         Case("all inverted", times(-1, -1, -1), UNKNOWN, ((Cause.REVERSED, ARMS, UNKNOWN),), alike=False),
         Case("stood still", times(0, 0, 0), UNKNOWN, ((Cause.STOOD_STILL, (), UNKNOWN),), alike=False),
         Case(
+            "the simulation stood still",
+            hw(),
+            UNKNOWN,
+            ((Cause.STOOD_STILL, (), UNKNOWN),),
+            alike=False,
+            sim=Known("sim", change=lambda _t, arms: 0.0 * arms),
+            said="The simulation stood still",
+        ),
+        Case(
             "long stood still",
             times(1, 1, 0),
             UNKNOWN,

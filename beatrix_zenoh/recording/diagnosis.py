@@ -81,8 +81,6 @@ def samples(found: Comparison) -> ComparedSamples:
 
 def stood_still(found: Comparison, seen: ComparedSamples) -> list[Finding]:
     """Return a finding if one robot was asked to move, and stood still while the other moved."""
-    if not found.moved:
-        return []
     ways = np.ptp(seen.first, axis=0), np.ptp(seen.second, axis=0)
     for name, i in (("hardware", 1), ("simulation", 0)):
         if found.asked[i] and ways[i].max() < STILL_DEG and ways[1 - i].max() > CLEAR_DEG:

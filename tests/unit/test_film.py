@@ -91,7 +91,7 @@ def test_both_robots_stand_beside_each_other(folder: Path, capsys: pytest.Captur
     assert app.run(words) == 0
     assert json.loads(capsys.readouterr().out) == {
         "result": True, "robots": ["ada (hw)", "ada (sim)"], "file": "lesson.csv", "rows": 23, "video": "both.mp4",
-        "frames": 12,
+        "frames": 12, "left_out": 0,
     }  # fmt: skip
     film = decoded(folder / "both.mp4")
     assert film.times_s == pytest.approx([k / 25 for k in range(12)], abs=1 / 45_000)
@@ -105,6 +105,17 @@ def test_both_robots_stand_beside_each_other(folder: Path, capsys: pytest.Captur
     left, right = last[PANEL[1] + 40, 40], last[PANEL[1] + 40, EYE[0] + 40]
     assert np.abs(left.astype(int) - COLOURS[2]).max() < 12, "the newest picture"
     assert np.abs(right.astype(int) - EMPTY).max() < 12
+
+
+def test_a_film_says_how_many_pictures_it_leaves_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole = [jpeg(colour) for colour in COLOURS]
+    path = tmp_path / "lesson.rrd"
+    write_lesson(path, (SIM, HW), rows=101, more=eye(SIM, "left", [whole[0], whole[1][:50], *whole[2:]]))
+    assert app.run(["export", str(path), "--video", str(tmp_path / "eye.mp4"), "--eye", "left"]) == 0
+    assert f"{len(COLOURS) - 1} frames" in (printed := capsys.readouterr().out)
+    assert printed.endswith(" 1 damaged or repeated pictures are left out.\n")
 
 
 @pytest.mark.parametrize(

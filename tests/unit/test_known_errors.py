@@ -45,6 +45,7 @@ ALWAYS = (
     "short and middle exchanged",
     "short inverted",
     "stood still",
+    "the simulation stood still",
     "began 12.4° apart",
     "two different movements",
     "leads of 0, 0.5 and 1.5 s",

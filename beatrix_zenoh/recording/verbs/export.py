@@ -39,11 +39,18 @@ class EyeName(StrEnum):
 
 
 class Film(NamedTuple):
-    """A film that was written: number of frames, length, and a description."""
+    """A film that was written: number of frames, length, a description, and pictures of the eye that are not in it."""
 
     frames: int
     lasts_s: float
     shows: str
+    left_out: int
+
+    @property
+    def text(self) -> str:
+        """Frames, length, description, and what is left out."""
+        left_out = f" {self.left_out} damaged or repeated pictures are left out." if self.left_out else ""
+        return f"{self.frames} frames, {self.lasts_s:.1f} s of {self.shows}.{left_out}"
 
 
 TABLES = (".csv", ".parquet")
@@ -120,8 +127,8 @@ def export(
             lines.append(f"{out}: {rows} rows of {', '.join(robots_of(found))}.")
         if video is not None:
             film = written_film(video, recordings, found, eye, on)
-            document |= {"video": str(video), "frames": film.frames}
-            lines.append(f"{video}: {film.frames} frames, {film.lasts_s:.1f} s of {film.shows}.")
+            document |= {"video": str(video), "frames": film.frames, "left_out": film.left_out}
+            lines.append(f"{video}: {film.text}")
         if sound is not None:
             heard = write_sound(sound, recordings, found, on)
             document |= {"sound": str(sound), "seconds": heard.seconds, "lost_s": heard.lost_s}
@@ -244,17 +251,18 @@ def written_film(
     name = only_name(table)
     eyes = read_eyes(recordings, list(table.robots), table.first_ns, table.last_ns)
     times: list[int] = []
+    pictures_of_eye = 0
     if eye is None:
         sides = [SIDE_TITLES[side] for side in SIDES if (name, side) in table.robots]
         pictures = OF_ONE_EYE if any(robot == name for robot, _, _ in eyes) else NO_PICTURES
         shows, frames = f"{name}, {' and '.join(sides)}, {pictures}", side_by_side(table, name, eyes)
     else:
-        shows, frames = of_eye(eyes, name, eye, on)
+        shows, pictures_of_eye, frames = of_eye(eyes, name, eye, on)
     with new_file(path) as unfinished:
         count = write_video(unfinished, watched(frames, times, table))
         if not count:
             raise Refused(Reason.BAD_VALUE, f"{path} is not written: this span contains no whole picture.")
-    return Film(count, (times[-1] - times[0]) / 1e9, shows)
+    return Film(count, (times[-1] - times[0]) / 1e9, shows, max(0, pictures_of_eye - count))
 
 
 def only_name(table: Table) -> str:
@@ -268,8 +276,13 @@ def only_name(table: Table) -> str:
     return names[0]
 
 
-def of_eye(eyes: EyePictures, name: str, eye: EyeName, on: Which | None) -> tuple[str, Iterator[FilmFrame]]:
-    """Return a description and the frames of an eye; raises Refused unless exactly one robot has pictures of it."""
+def of_eye(
+    eyes: EyePictures, name: str, eye: EyeName, on: Which | None
+) -> tuple[str, int, Iterator[FilmFrame]]:
+    """Return a description, the number of pictures and the frames of an eye.
+
+    Raises Refused unless exactly one robot has pictures of it.
+    """
     from beatrix_zenoh.recording.film import eye_frames
 
     sides = [side for robot, side, of in eyes if (robot, of) == (name, eye) and on in (None, side)]
@@ -284,7 +297,8 @@ def of_eye(eyes: EyePictures, name: str, eye: EyeName, on: Which | None) -> tupl
             f"This part of the recording has no such pictures of the {eye} eye; it has pictures of: {held}. "
             "Choose another eye, robot or part; `beatrix record --cameras 5` records pictures.",
         )
-    return f"the {eye} eye of {name} ({sides[0]})", eye_frames(eyes[name, sides[0], eye])
+    pictures = eyes[name, sides[0], eye]
+    return f"the {eye} eye of {name} ({sides[0]})", len(pictures), eye_frames(pictures)
 
 
 def watched(frames: Iterable[FilmFrame], times: list[int], table: Table) -> Iterator[FilmFrame]:
