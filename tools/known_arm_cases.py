@@ -256,6 +256,12 @@ def of_wiring() -> list[Case]:
             "short inverted", times(-1, 1, 1), UNKNOWN, ((Cause.REVERSED, ("short",), UNKNOWN),), alike=False
         ),
         Case("all inverted", times(-1, -1, -1), UNKNOWN, ((Cause.REVERSED, ARMS, UNKNOWN),), alike=False),
+    ]
+
+
+def of_standing() -> list[Case]:
+    """Return robots of which one, or an arm, stands still, and robots that begin or move differently."""
+    return [
         Case("stood still", times(0, 0, 0), UNKNOWN, ((Cause.STOOD_STILL, (), UNKNOWN),), alike=False),
         Case(
             "the simulation stood still",
@@ -305,4 +311,4 @@ def of_wiring() -> list[Case]:
 
 def of_all_arms() -> list[Case]:
     """Return all known errors of arms."""
-    return [*of_arms(), *of_losses(), *of_other_changes(), *of_one_arm(), *of_wiring()]
+    return [*of_arms(), *of_losses(), *of_other_changes(), *of_one_arm(), *of_wiring(), *of_standing()]
