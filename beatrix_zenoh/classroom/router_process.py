@@ -157,11 +157,15 @@ def main() -> int:
 
 
 def _limit_memory() -> None:
-    """Limit the memory of this process to MEMORY; above it, Zenoh ends the process, and the parent starts it again."""
+    """Limit the memory of this process to MEMORY; above it, Zenoh ends the process, and the parent starts it again.
+
+    No core file is written: each end would fill the disk with up to MEMORY.
+    """
     if sys.platform == "linux":
         import resource  # noqa: PLC0415  # Windows has none
 
         resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
 def _print(event: str, *data: object) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QEvent, QLocale, QObject, QPoint, QRect, QSignalBlocker, pyqtSignal
+from PyQt5.QtCore import QEvent, QLocale, QObject, QPoint, QRect, QSignalBlocker, Qt, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QTabWidget, QVBoxLayout, QWidget
 
@@ -47,6 +47,10 @@ class Scroll(QScrollArea):
 
     Qt would compare with the preferred height instead, which the pictures of the cameras make very large.
     """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Tab reaches the controls, and scrolls to them
 
     def fit(self) -> None:
         """Give the widget all room, and never less than its least size."""

@@ -118,7 +118,7 @@ def test_a_motion_under_an_earlier_lease_is_refused(body: Body, robot: Robot) ->
             motion.wait()
         assert ended.value.reason is Reason.STOPPED
     until(lambda: robot.status().holder == "", "given back", 6.0)
-    with pytest.raises(Refused, match=r"Lease \d+ has ended") as refused:
+    with pytest.raises(Refused, match=r"The teacher has ended lease \d+") as refused:
         robot.look(yaw=0)
     assert reason_of(refused) is Reason.NOT_HOLDER
 

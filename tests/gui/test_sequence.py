@@ -205,7 +205,7 @@ def test_add_takes_the_target_of_the_pad_or_the_present_pose() -> None:
     state.handle(AimHead(0.0, 89.0, 0.0), now)
     state.handle(AddPose(), now)
     assert len(state.saved.poses) == 2
-    assert "tilt" in refusal_of(state, now), "the rods do not reach it"
+    assert "lean" in refusal_of(state, now), "the rods do not reach it"
 
 
 def test_poses_of_an_older_window_get_durations_at_the_saved_speed() -> None:

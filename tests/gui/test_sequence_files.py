@@ -105,7 +105,7 @@ def test_a_saved_program_contains_the_motions(loop: bool) -> None:
         ("t_s,yaw_deg,pitch_deg,roll_deg\n0,1,2,3\n", "", "has no column speed_deg_s"),
         ("nothing", "", "'nothing' is not a column"),
         ("", "Permission denied", "x.csv cannot be opened"),
-        ("t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,89,0,30\n", "", "tilt"),
+        ("t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,89,0,30\n", "", "lean"),
         ("t_s,short_deg,middle_deg,long_deg,speed_deg_s\n" + "0,0,0,0,30\n", "", ""),
         (
             "t_s,short_deg,middle_deg,long_deg,speed_deg_s\n"

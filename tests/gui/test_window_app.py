@@ -42,7 +42,8 @@ def test_a_signal_closes_the_window_without_an_error(tmp_path: Path) -> None:
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=END_S + 5)
         assert time.monotonic() - begin_s < END_S
-    assert (process.returncode, errors) == (0, "")
+    unsupported = "This plugin does not support propagateSizeHints()\n"  # Qt's screen of tests says so
+    assert (process.returncode, errors.replace(unsupported, "")) == (0, "")
     assert not (tmp_path / "beatrix").exists(), "options apply to one window only"
 
 

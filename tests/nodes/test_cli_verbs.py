@@ -161,7 +161,7 @@ def test_disable_enable_and_calibrate_change_the_hardware(shell: Shell) -> None:
 def test_a_refusal_is_printed_on_stderr_with_exit_code_one(shell: Shell) -> None:
     done = shell.run("look", "--pitch", "50")
     assert (done.returncode, done.stdout) == (1, "")
-    assert "tilt" in done.stderr
+    assert "lean" in done.stderr
 
 
 def test_an_interrupted_look_with_json_prints_a_document(free: Shell) -> None:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from pathlib import Path
 
 import pytest
-from class_router import ClassRouter, start_node
+from class_router import ClassRouter, process_of, start_node
 from gui_links import Linked
 from gui_views import lesson
 from robots import Stage
 
+from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
@@ -108,7 +110,7 @@ def test_the_reports_of_the_class_are_read_while_its_page_is_shown(tmp_path: Pat
             assert linked.world.reports is None
             linked.do(WatchClass(on=True))
             linked.until(lambda world: world.reports == (report,), "the report is read")
-            passed = lesson("ana", "01-hello", passed=True)
+            passed = lesson("ana", "01-hello", passed=True, tries=6)
             ana.put(keys.lesson("ana", "01-hello"), codec.encode(passed.state), codec.MSGPACK)
             linked.until(lambda world: world.reports == (passed,), "a later report is read")
             linked.do(WatchClass(on=False))
@@ -125,12 +127,13 @@ def test_the_last_reports_of_the_class_stay_when_a_read_fails(tmp_path: Path) ->
         with Linked(teacher.connect, "bea1", "teacher", account=teacher) as linked:
             linked.do(WatchClass(on=True))
             linked.until(lambda world: world.reports == (passed,), "the report is read")
-            router.process.send(signal.SIGSTOP)
+            hung = process_of(router, Part.ROBOTS)
+            os.kill(hung, signal.SIGSTOP)
             try:
                 late = linked.until(lambda world: world.reports_failed, "a read fails")
                 assert late.reports == (passed,), "the last reports stay"
             finally:
-                router.process.send(signal.SIGCONT)
+                os.kill(hung, signal.SIGCONT)
             linked.until(lambda world: not world.reports_failed, "they are read again")
 
 
