@@ -70,7 +70,7 @@ def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Sessio
     }
     trouble = (
         f"Cannot listen at {listen}: another program, perhaps this router, already listens there. For a second router "
-        "choose another address with --listen."
+        "choose another address with --listen, or in a class another `port` in class.toml."
     )
     if access is not None:
         settings |= {

@@ -66,8 +66,11 @@ class Bus(MessageSession):
         )
 
     def refusal(self) -> NoAnswer | None:
-        """Return the error if the router refuses the account; None if it accepts it, or cannot be reached."""
-        if self._account is None or self.connected:
+        """Return the error if the router refuses the account; None if it accepts it, or cannot be reached.
+
+        A session of an account that was put out is open for a moment twice a second, so another session is tried.
+        """
+        if self._account is None:
             return None
         error = self.connection_error()
         return error if error is not None and error.reason is Reason.ACCOUNT_REFUSED else None

@@ -132,8 +132,8 @@ class ClassRouters:
 
         Raises the errors of `router_file.load` and `open_router`.
         """
-        self._of_class, self._place = of_class, router_file.place(of_class)
         self.file = router_file.load(of_class)
+        self._of_class, self._place = of_class, router_file.place(of_class)
         self._written_ns = self._place.stat().st_mtime_ns
         self._children: dict[Part, ChildRouter] = {}
         self._ends: dict[Part, list[tuple[float, frozenset[str]]]] = {part: [] for part in Part}

@@ -91,6 +91,8 @@ def test_the_error_of_a_router_without_accounts_names_the_command_to_run(file: P
     done = beatrix("router", "--class", str(file))
     assert done.returncode == 2
     assert "beatrix classroom init" in done.stderr
+    missing = beatrix("router", "--class", str(file.with_name("clas.toml")))
+    assert (missing.returncode, "clas.toml cannot be read" in missing.stderr) == (2, True)
 
 
 @pytest.mark.parametrize(

@@ -79,6 +79,9 @@ def test_a_seat_that_is_removed_is_put_out_at_once_and_others_notice_nothing(
         file = tmp_path / "ben.toml"
         file.write_text(removed.text())
         assert "the teacher has removed it from the class" in beatrix("join", str(file)).stderr
+        for words in (("ls",), ("info", "--name", "bea2"), ("enable", "--name", "bea2", "--on", "hw")):
+            done = beatrix(*words)
+            assert "refuses account ben of class 8b" in done.stderr, (words, done)
         assert has_rights(router.account("ana"))
         end(router, Part.SEATS)
         router.process.expect("The router of the seats has ended (SIGKILL)")
