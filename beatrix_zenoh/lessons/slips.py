@@ -19,7 +19,7 @@ MOST = 0.75
 ROUGH = 0.2
 """Part by which an angle in radians may be off: a tangent instead of the angle counts, too."""
 TINY_DEG = 2.0
-"""A program whose largest angle (deg) is smaller has sent radians: a right angle is 1.6 then."""
+"""A program whose largest angle (deg) is smaller has perhaps sent radians: a right angle is 1.6 then."""
 
 
 def numbers(name: str, said: npt.ArrayLike, true: npt.ArrayLike, near: float) -> None:

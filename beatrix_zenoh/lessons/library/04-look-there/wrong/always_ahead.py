@@ -1,4 +1,4 @@
-# expects: held
+# expects: tiny
 """The function is right, but the program looks at the place where the person was yesterday."""
 
 import math
