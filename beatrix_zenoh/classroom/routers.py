@@ -13,7 +13,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Final, cast
 
@@ -27,7 +27,7 @@ from beatrix_zenoh.classroom.router_file import Part, RouterFile
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.output import note, say
-from beatrix_zenoh.processes import end, in_words
+from beatrix_zenoh.processes import NEW_GROUP, end, in_words
 from beatrix_zenoh.shutdown import Shutdown
 
 POLL_S: Final = 0.1
@@ -39,6 +39,7 @@ AGAIN_S: Final = 1.0
 STACK: Final = str(8 << 20)
 """Stack (bytes) of each of Zenoh's threads. A key of 8 000 chunks overflows the usual 2 MiB; with 64 MiB the stacks alone
 would exceed the memory of `router_process.MEMORY` (decision 0092)."""
+PUT_OUT: Final = "take it out of class.toml and run `beatrix classroom init class.toml`."
 OFTEN, OFTEN_S = 3, 60.0
 """A router that has ended OFTEN times in OFTEN_S is probably ended on purpose."""
 
@@ -58,7 +59,7 @@ class ChildRouter:
             stdout=subprocess.PIPE,
             env={"RUST_MIN_STACK": STACK, **os.environ},
             process_group=None if sys.platform == "win32" else 0,
-            creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
+            creationflags=NEW_GROUP,
         )
         self._reader = threads.start(self._read, f"router-{part.value}")
         self._write(file)
@@ -165,15 +166,15 @@ class ClassRouters:
                 note(flooded(account))
             if child.code is not None:
                 note(self._ended(part, child))
-                self._again(part, lambda part=part: self._start(part, self.file))  # type: ignore[misc]
+                self._again(part, self.file)
         found = self._changed()
         if found is not None:
             self._follow(found)
 
-    def _again(self, part: Part, start: Callable[[], None]) -> None:
+    def _again(self, part: Part, file: RouterFile) -> None:
         """Start a router that ran before."""
         try:
-            start()
+            self._start(part, file)
         except BeatrixError as error:
             note(f"The {part.called} cannot start. {error.message} It tries again in {AGAIN_S:.0f} s.")
             self._children[part].close()
@@ -222,7 +223,7 @@ class ClassRouters:
             for part, child in self._children.items():
                 if child.file != former or child.code is not None:
                     child.close()
-                    self._again(part, lambda part=part: self._start(part, former))  # type: ignore[misc]
+                    self._again(part, former)
         self.say_ready()
 
     def close(self) -> None:
@@ -250,7 +251,7 @@ def ended(part: Part, cause: str, connected: frozenset[str], count: int, recent:
     suspects = ", ".join(sorted(frozenset.intersection(*recent))) or "no account was"
     return (
         f"{text}\nIt has ended {len(recent)} x within a minute, so a program may do it on purpose. Connected each time: "
-        f"{suspects}. To put an account out, take it out of class.toml and run `beatrix classroom init class.toml`."
+        f"{suspects}. To put an account out, {PUT_OUT}"
     )
 
 
@@ -258,7 +259,7 @@ def flooded(account: str) -> str:
     """Return the report that an account was put out for its tokens."""
     return (
         f"{account} announced more programs than any lesson needs, so it is put out for a minute. To put it out for good, "
-        "take it out of class.toml and run `beatrix classroom init class.toml`."
+        f"{PUT_OUT}"
     )
 
 
