@@ -117,11 +117,12 @@ class Client(ProcessBound):
         """Return name and side of every robot online.
 
         Raises:
-            NoAnswer: ACCOUNT_REFUSED, there seems to be none because the router has put this account out.
+            NoAnswer: there seems to be none because the router has put this account out (ACCOUNT_REFUSED) or is stuck
+                (NO_ROUTER).
         """
         present = self.bus.robots()
-        if not present and (refused := self.bus.refusal()) is not None:
-            raise refused
+        if not present and (error := self.bus.refusal() or self.bus.silence()) is not None:
+            raise error
         self.seen.update(present)
         return present
 
