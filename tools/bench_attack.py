@@ -179,12 +179,13 @@ def stars(key: str, put: str) -> Attack:
         kept = [session.declare_subscriber(key, lambda _: None)]
         time.sleep(0.5)
         others[0].use(lambda other: other.put(put, b""))
+
+        def one_more(session: zenoh.Session) -> None:
+            kept.append(session.declare_subscriber(f"beatrix/*/hw/state/x{len(kept)}", lambda _: None))
+
         while time.monotonic() < end_s:
             with contextlib.suppress(BeatrixError, zenoh.ZError):
-                short = f"beatrix/*/hw/state/x{len(kept)}"
-                kept.append(
-                    others[1].use(lambda other, short=short: other.declare_subscriber(short, lambda _: None))
-                )
+                others[1].use(one_more)
             time.sleep(0.5)
         return len(kept)
 

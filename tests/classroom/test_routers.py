@@ -158,6 +158,7 @@ def test_both_routers_come_back_with_robots_seats_freeze_mute_and_lessons(
 def test_seats_are_out_for_a_while_when_the_router_of_the_robots_ends_again_and_again(tmp_path: Path) -> None:
     with ClassRouter(tmp_path) as own:
         teacher, ana = own.session("teacher"), own.session("ana")
+        report = ""
         for _ in range(OFTEN):
             until(lambda: teacher.connected and teacher.router_answers(1.0), "the teacher")
             end(own, Part.ROBOTS)
