@@ -139,7 +139,7 @@ class Bus(MessageSession):
             return error
         if self._account is None:
             return None
-        return NoAnswer(Reason.ACCOUNT_REFUSED, credentials.put_out(self.endpoint, self._account))
+        return NoAnswer(Reason.ACCOUNT_REFUSED, credentials.refused(self.endpoint, self._account))
 
     def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
         """Return name and side of every robot online."""

@@ -24,6 +24,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.account import today
 from beatrix_zenoh.classroom import router_file
 from beatrix_zenoh.classroom.answering import ANSWER_S, FAILURES, PERIOD_S, Answering
+from beatrix_zenoh.classroom.pending import PendingDecisions
 from beatrix_zenoh.classroom.router_file import Part, RouterFile
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
@@ -162,6 +163,7 @@ class ClassRouters:
             self._start(Part.ROBOTS, self.file)
             self._reports = zbus.connect(self.file.listen, account=self.file.account())
             self._reports.use(zbus.KeptReports(lessons).serve)
+            PendingDecisions(self._reports, self._place.with_name("pending.json"), lambda: self.file.robots)
             self._start(Part.SEATS, self.file)
         except BeatrixError:
             self.close()

@@ -223,7 +223,10 @@ def test_the_error_of_a_suspended_program_does_not_name_the_router(
         assert not more_s
         assert "router" not in output
     else:
-        assert "was lost although the router is running: this program was suspended" in output
+        assert (
+            "was lost, and a router answers there again: it was restarted, this program was suspended"
+            in output
+        )
 
 
 @pytest.mark.parametrize("traffic", ["control", "motion", "queries"])
