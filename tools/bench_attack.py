@@ -47,7 +47,7 @@ port = {port}
 ROBOTS: Final = ("bea1", "bea2")
 STOP_S: Final = 0.2
 PATIENCE_S: Final = 10.0
-IGNORE: Final = direct(lambda _: None)
+IGNORE: Final[zenoh.handlers.Callback[object]] = direct(lambda _: None)
 """A callback without a thread of its own."""
 Attack = Callable[[zenoh.Session, float], int]
 """Does something until a time (monotonic clock, s); returns how often."""
