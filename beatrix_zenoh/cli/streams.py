@@ -13,15 +13,18 @@ from typing import Annotated, NamedTuple, Protocol, TypeVar, cast
 import msgspec
 import typer
 
+from beatrix_zenoh.client import streams as client_streams
 from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_base import clock_offsets
 from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, Arrival, CameraImage, Subscription, images
+from beatrix_zenoh.client.streams import CAMERA, periodic, streams
+from beatrix_zenoh.client.subscription import Arrival, CameraImage, Subscription
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.sentences.events import sentence
+from beatrix_zenoh.contract.values import as_data, values
 from beatrix_zenoh.output import columns, print_json, say
 from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.terminal.states import problems, state, state_row
@@ -32,19 +35,16 @@ PAST = 10
 """Number of past events that are printed first, without --count."""
 
 
-class EchoStream(StrEnum):
-    """Publications of a robot that `beatrix echo` prints."""
-
-    POSITIONS = "positions"
-    STATUS = "status"
-    EVENTS = "events"
-    CAMERA_LEFT = "camera/left"
-    CAMERA_RIGHT = "camera/right"
-    CAMERA_OUTSIDE = "camera/outside"
+Stream = StrEnum("Stream", {name: name for name in streams()})  # type: ignore[misc] # follows from the contract
+"""What `beatrix echo` prints."""
+PeriodicStream = StrEnum("PeriodicStream", {name: name for name in periodic()})  # type: ignore[misc]
+"""What `beatrix hz` measures."""
+POSITIONS, STATUS, EVENTS = "positions", "status", "events"
+"""Streams that are printed in words of their own."""
 
 
 def echo(
-    stream: Annotated[EchoStream, typer.Argument(help="The stream to print.")] = EchoStream.POSITIONS,
+    stream: Annotated[Stream, typer.Argument(help="The stream to print.")] = Stream(POSITIONS),
     count: Annotated[int, typer.Option(min=0, help="End after this many lines; 0: run until Ctrl-C.")] = 0,
     name: Name = None,
     connect: Connect = None,
@@ -52,34 +52,35 @@ def echo(
     on: On = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document a line.")] = False,
 ) -> None:
-    """Print positions, status, events or pictures as they arrive. Angles are in degrees. Ends with Ctrl-C or --count.
+    """Print positions, status, events, pictures or other values as they arrive. Angles are in degrees. Ends with Ctrl-C or --count.
 
     Events are requests, refusals, STOPs, changes of driver and board, and warnings. Without --on, events of both
     simulation and robot are printed. The last ten events, or --count of them, come first. For a picture the number,
-    size and source are printed.
+    size and source are printed, for sound the header of each block.
     """
-    with open_targets(Selection(name, connect, who), on, both=stream is EchoStream.EVENTS) as targets:
+    with open_targets(Selection(name, connect, who), on, both=stream == EVENTS) as targets:
         robots = {robot.place: robot for robot in targets.robots()}
         for robot in robots.values():
             robot.status()  # raises NoAnswer for a robot that is not online
-        if stream is EchoStream.EVENTS:
+        if stream == EVENTS:
             past = count or PAST
             for place, event in limited(follow_events(list(robots.values()), past), count):
                 show_event(place, event, as_json=as_json)
-        elif stream is EchoStream.POSITIONS:
+        elif stream == POSITIONS:
             positions = subscription.positions(targets.client, targets.name, side_key(targets)).arrivals()
             for arrival in limited(positions, count):
                 show_positions(robots[arrival.robot, arrival.side], arrival.value, as_json=as_json)
-        elif stream is EchoStream.STATUS:
+        elif stream == STATUS:
             for update in limited(
                 subscription.status(targets.client, targets.name, side_key(targets)), count
             ):
                 show_status(update, as_json=as_json)
         else:
-            eye = stream.removeprefix("camera/")
-            pictures = images(targets.client, targets.name, side_key(targets), eye, timeout_s=FIRST_PICTURE_S)
-            for picture in limited(pictures.arrivals(), count):
-                show_picture(picture, as_json=as_json)
+            messages = client_streams.stream(targets.client, stream.value, targets.name, side_key(targets))
+            for message in limited(messages.arrivals(), count):
+                (show_picture if isinstance(message.value, CameraImage) else show_message)(
+                    message, as_json=as_json
+                )
 
 
 def side_key(targets: Targets) -> str:
@@ -110,9 +111,21 @@ def show_status(status: Status, *, as_json: bool) -> None:
         say(f"{status.robot} ({status.side})  {'; '.join(words)}")
 
 
-def show_picture(arrival: Arrival[CameraImage], *, as_json: bool) -> None:
+def show_message(arrival: Arrival[object], *, as_json: bool) -> None:
+    """Print the values of a message, or of the header of sound, on one line."""
+    message = arrival.value
+    assert isinstance(message, msgspec.Struct)
+    if as_json:
+        print_json({"robot": arrival.robot, "side": arrival.side, **as_data(message)})
+    else:
+        words = [f"{value.title} {value.text()}" for value in values(message)]
+        say(f"{arrival.robot} ({arrival.side})  {', '.join(words)}")
+
+
+def show_picture(arrival: Arrival[object], *, as_json: bool) -> None:
     """Print the header of a picture on one line; `bytes` is the length of its JPEG file."""
     image = arrival.value
+    assert isinstance(image, CameraImage)
     if as_json:
         header = {name: value for name, value in asdict(image).items() if name != "jpeg"}
         print_json({"robot": arrival.robot, "side": arrival.side, **header, "bytes": len(image.jpeg)})
@@ -168,25 +181,8 @@ def follow_events(robots: Sequence[Robot], past: int) -> Iterator[tuple[Place, E
 
 
 TAKE_S = 0.5
-PICTURES = 100
-"""Length of the queue of a subscription to pictures."""
 FEWEST = 3
 """Fewest publications for a standard deviation of their periods."""
-
-
-class PeriodicStream(StrEnum):
-    """A stream that a robot publishes at a constant rate."""
-
-    POSITIONS = "positions"
-    CAMERA_LEFT = "camera/left"
-    CAMERA_RIGHT = "camera/right"
-    CAMERA_OUTSIDE = "camera/outside"
-    MICROPHONES = "microphones"
-
-    @property
-    def what(self) -> str:
-        """What is published, in the plural."""
-        return {"positions": "positions", "microphones": "blocks"}.get(self.value, "pictures")
 
 
 class Numbered(Protocol):
@@ -211,9 +207,9 @@ class Rate(NamedTuple):
 
 
 def hz(
-    stream: Annotated[
-        PeriodicStream, typer.Argument(help="The stream to measure.")
-    ] = PeriodicStream.POSITIONS,
+    stream: Annotated[PeriodicStream, typer.Argument(help="The stream to measure.")] = PeriodicStream(
+        POSITIONS
+    ),
     seconds: Annotated[
         float, typer.Option(min=0.2, callback=finite, help="Length of the measurement, seconds.")
     ] = 3.0,
@@ -227,7 +223,10 @@ def hz(
     with open_targets(Selection(name, connect, who), on) as targets:
         robots = targets.robots()
         offsets = [clock_offsets(targets.client, *robot.place).wall.offset for robot in robots]
-        subscriptions = [subscribe(robot, stream) for robot in robots]
+        subscriptions = [
+            cast("Subscription[Numbered]", client_streams.stream(targets.client, stream.value, *robot.place))
+            for robot in robots
+        ]
         arrivals: list[list[Arrival[Numbered]]] = [[] for _ in robots]
         deadline = time.monotonic() + seconds
         while (left_s := deadline - time.monotonic()) > 0:
@@ -243,19 +242,14 @@ def hz(
     else:
         show_rates(
             {str(robot): found for robot, found in rates.items()},
-            stream.what,
+            plural(stream.value),
         )
 
 
-def subscribe(robot: Robot, stream: PeriodicStream) -> Subscription[Numbered]:
-    """Return a subscription to the stream of a robot."""
-    if stream is PeriodicStream.POSITIONS:
-        return cast("Subscription[Numbered]", robot.positions_stream())
-    if stream is PeriodicStream.MICROPHONES:
-        return cast("Subscription[Numbered]", robot.microphones())
-    eye = stream.removeprefix("camera/")
-    pictures = subscription.images(robot.client, *robot.place, eye, timeout_s=None, length=PICTURES)
-    return cast("Subscription[Numbered]", pictures)
+def plural(stream: str) -> str:
+    """Return what a stream consists of, in the plural."""
+    words = {POSITIONS: "positions", "microphones": "blocks"}
+    return words.get(stream, "pictures" if stream.startswith(CAMERA) else "messages")
 
 
 def rate(arrivals: Sequence[Arrival[Numbered]], offset_s: float) -> Rate:

@@ -11,7 +11,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache
 from importlib import resources
-from typing import Final
+from typing import Any, Final
 
 from beatrix_zenoh.contract import sentences
 from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
@@ -26,12 +26,17 @@ MINUS: Final = "−"
 
 
 @cache
+def _file(code: str) -> Mapping[str, Any]:
+    return tomllib.loads(resources.files(__name__).joinpath(f"{code}.toml").read_text(encoding="utf-8"))
+
+
+@cache
 def load(code: str) -> tuple[Mapping[str, str], Language]:
     """Return the templates of a language by key, and its sentences of refusals; raises KeyError if there are none."""
     if code not in LANGUAGES:
         raise KeyError(code)
-    table = tomllib.loads(resources.files(__name__).joinpath(f"{code}.toml").read_text(encoding="utf-8"))
-    refusals = table.pop("refusals")
+    table = {name: text for name, text in _file(code).items() if isinstance(text, str)}
+    refusals = dict(_file(code)["refusals"])
     by_key = {_key(name): text for name, text in refusals.pop("sentences").items()}
     if code == DEFAULT_LANGUAGE:
         return table, ENGLISH._replace(minus=MINUS, refusals={**ENGLISH.refusals, **by_key}, **refusals)
@@ -70,7 +75,8 @@ class Texts:
         """Choose a language by its code; raises KeyError if there is no such language."""
         self.code = code
         self._templates, self._refusals = load(code)
-        self._number = _WithComma if self._templates["decimal"] == "," else _WithPoint
+        self.decimal = self._templates["decimal"]
+        self._number = _WithComma if self.decimal == "," else _WithPoint
 
     def __call__(self, key: str, **slots: str | float) -> str:
         """Return the text of a key with its slots filled in; raises KeyError for an unknown key or a missing slot."""
@@ -78,6 +84,11 @@ class Texts:
             name: self._number(value) if isinstance(value, float) else value for name, value in slots.items()
         }
         return self._templates[key].format_map(shown)
+
+    def word(self, name: str) -> str:
+        """Return the name of a value or group of the contract; the contract's own if this language has none."""
+        words: Mapping[str, str] = _file(self.code).get("values", {})
+        return words.get(name, name)
 
     def refusal(self, reason: Reason, detail: Detail | None) -> str:
         """Return the sentence of a refusal."""
