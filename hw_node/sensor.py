@@ -11,7 +11,7 @@ from typing import Final, Generic, Protocol, TypeVar
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import Component, StatusFields
+from beatrix_zenoh.node import Component, SensorFrame, SensorPublisher, StatusFields
 
 CHECK_S: Final = 1.0
 """Period of the check whether a device that is not in use is present."""
@@ -22,9 +22,8 @@ SILENT_S: Final = 3.0
 
 log = logging.getLogger(__name__)
 
-T = TypeVar("T")
+T = TypeVar("T", bound=SensorFrame)
 T_co = TypeVar("T_co", covariant=True)
-T_contra = TypeVar("T_contra", contravariant=True)
 
 
 class SensorSource(Protocol[T_co]):
@@ -50,29 +49,6 @@ class SensorSource(Protocol[T_co]):
         """Stop taking frames; may be called twice, and after `open` has failed."""
 
 
-class SensorPublisher(Protocol[T_contra]):
-    """What publishes the frames of a sensor, as in `beatrix_zenoh.node`."""
-
-    @property
-    def subscribed(self) -> bool:
-        """Whether a client subscribes."""
-
-    def start(self, sessions: Sessions) -> None:
-        """Declare the publication."""
-
-    def publish(self, frame: T_contra, /) -> None:
-        """Publish a frame, and report that the device works."""
-
-    def ended(self) -> None:
-        """Report that the sensor is off: no client subscribes, or the device has failed."""
-
-    def report(self, trouble: str) -> None:
-        """Set the fault of the device; empty: none."""
-
-    def contribute(self, status: StatusFields) -> None:
-        """Add the state of the device to a status."""
-
-
 class Sensor(Component, Generic[T]):
     """Publishes the frames of a source; its failures do not affect the rest of the node."""
 
@@ -80,7 +56,7 @@ class Sensor(Component, Generic[T]):
         self,
         title: str,
         source: SensorSource[T],
-        publisher: SensorPublisher[T],
+        publisher: SensorPublisher,
         wake: threading.Event,
         silence: str,
     ) -> None:

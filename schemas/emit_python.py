@@ -112,7 +112,6 @@ VALUE_ROW = '''class ValueRow(NamedTuple):
 
     title: str
     """Name of the value."""
-    doc: str
     unit: str = ""
     group: str = ""
     """Values of one group are shown together; empty: none."""
@@ -155,7 +154,7 @@ def values(contract: Contract) -> str:
         out += f"    {name}: {{\n"
         for field, row in rows(contract.messages["message"][name]).items():
             more = "".join(f", {name}={row[name]!r}" for name in HOW if name in row)
-            out += f"        {field!r}: ValueRow({title(field, row)!r}, {row['doc']!r}{more}),\n"
+            out += f"        {field!r}: ValueRow({title(field, row)!r}{more}),\n"
         out += "    },\n"
     return out + "}\n"
 

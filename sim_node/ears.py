@@ -11,7 +11,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.robot import RobotData
-from beatrix_zenoh.node import Component, MicrophonesPublisher, Node, SoundBlock, StatusFields
+from beatrix_zenoh.node import Component, Node, SoundBlock, StatusFields, microphones_publisher
 from beatrix_zenoh.node.sensors import RATE, BlockClock, to_pcm
 from sim_node.hearing import Ears, Hearing
 from sim_node.sounds import PlayingSound
@@ -46,7 +46,7 @@ class SimulatedMicrophones(Component):
         self._wake, self._closed = threading.Event(), False
         # Simulated ears hear no person, so no event says that they are on.
         key = keys.microphones(node.name, node.side)
-        self._publisher = MicrophonesPublisher(key, node.events, SOURCE, self._wake.set, announce=False)
+        self._publisher = microphones_publisher(key, node.events, SOURCE, self._wake.set, announce=False)
         self._thread: threading.Thread | None = None
 
     def start(self, sessions: Sessions) -> None:

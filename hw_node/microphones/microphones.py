@@ -16,7 +16,7 @@ from beatrix_zenoh import threads, wav
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
-from beatrix_zenoh.node import MicrophonesPublisher, Node, SoundBlock
+from beatrix_zenoh.node import Node, SoundBlock, microphones_publisher
 from beatrix_zenoh.node.sensors import BLOCK, RATE, TITLE, BlockClock, to_pcm
 from hw_node.sensor import SILENT_S, Sensor, SensorSource
 
@@ -34,7 +34,7 @@ class MicrophoneSensor(Sensor[SoundBlock]):
     def __init__(self, node: Node, source: SoundSource) -> None:
         wake = threading.Event()
         key = keys.microphones(node.name, node.side)
-        publisher = MicrophonesPublisher(key, node.events, source.name, wake.set, announce=True)
+        publisher = microphones_publisher(key, node.events, source.name, wake.set, announce=True)
         super().__init__(TITLE, source, publisher, wake, SILENCE)
 
     def start_thread(self) -> threading.Thread:

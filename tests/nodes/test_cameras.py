@@ -135,7 +135,7 @@ def test_a_camera_fault_is_shown_until_the_next_picture(source: FakeSource, robo
         messages = [event.message for event in islice((one for one in events if one.kind == "camera"), 2)]
     assert messages == [
         "left eye: It is used by another program.",
-        "left eye: The camera is connected again.",
+        "left eye: connected again.",
     ]
 
 

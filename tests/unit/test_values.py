@@ -61,8 +61,10 @@ class Touch(Status, frozen=True, kw_only=True):
 def test_a_new_field_is_shown_by_every_program_without_being_named_there(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    row = ValueRow("pressed", "", "s", "touch")
-    monkeypatch.setattr(values, "VALUES", {**VALUES, Touch: VALUES[Status] | {"pressed_s": row}})
+    row = ValueRow("pressed", "s", "touch")
+    tables: dict[type[msgspec.Struct], dict[str, ValueRow]] = {**VALUES}
+    tables[Touch] = VALUES[Status] | {"pressed_s": row}
+    monkeypatch.setattr(values, "VALUES", tables)
     status = Touch(**msgspec.structs.asdict(READY))
     assert values.lines(status)["touch"] == "pressed 2.5 s"
     assert "touch: pressed 2,5 s" in details(status, Texts("de")).splitlines()

@@ -33,7 +33,6 @@ class ValueRow(NamedTuple):
 
     title: str
     """Name of the value."""
-    doc: str
     unit: str = ""
     group: str = ""
     """Values of one group are shown together; empty: none."""
@@ -45,226 +44,143 @@ class ValueRow(NamedTuple):
 
 VALUES: Final[dict[type[Struct], dict[str, ValueRow]]] = {
     Vector3: {
-        "x": ValueRow("short", "short arm"),
-        "y": ValueRow("middle", "middle arm"),
-        "z": ValueRow("long", "long arm"),
+        "x": ValueRow("short"),
+        "y": ValueRow("middle"),
+        "z": ValueRow("long"),
     },
     Steps: {
-        "x": ValueRow("short", "short arm"),
-        "y": ValueRow("middle", "middle arm"),
-        "z": ValueRow("long", "long arm"),
+        "x": ValueRow("short"),
+        "y": ValueRow("middle"),
+        "z": ValueRow("long"),
     },
     Head: {
-        "yaw": ValueRow("yaw", "left is positive", unit="rad"),
-        "pitch": ValueRow("pitch", "nose down is positive", unit="rad"),
-        "roll": ValueRow("roll", "right ear down is positive", unit="rad"),
+        "yaw": ValueRow("yaw", unit="rad"),
+        "pitch": ValueRow("pitch", unit="rad"),
+        "roll": ValueRow("roll", unit="rad"),
     },
     Positions: {
-        "seq": ValueRow("seq", "counts publications; a gap means lost samples"),
-        "t_mono_ns": ValueRow(
-            "monotonic clock", "monotonic clock of the source at the time of these values", unit="ns"
-        ),
-        "t_wall_ns": ValueRow("wall clock", "wall clock of the source at that time, since 1970", unit="ns"),
-        "position": ValueRow(
-            "position", "arm angles; simulation: measured in the physics; hardware: counted steps", unit="rad"
-        ),
-        "velocity": ValueRow("velocity", "velocity of the arms", unit="rad/s"),
-        "commanded": ValueRow("commanded", "the firmware's set point", unit="rad"),
-        "steps": ValueRow("steps", "the firmware's step counters"),
-        "head": ValueRow("head", "orientation by forward kinematics of `position`", unit="rad"),
-        "head_measured": ValueRow(
-            "head measured", "measured orientation, if the robot measures it", unit="rad"
-        ),
-        "repeated": ValueRow(
-            "repeated",
-            "true: the node has had no new telemetry since its last publication; the time stamps and positions are those of it",
-        ),
+        "seq": ValueRow("seq"),
+        "t_mono_ns": ValueRow("monotonic clock", unit="ns"),
+        "t_wall_ns": ValueRow("wall clock", unit="ns"),
+        "position": ValueRow("position", unit="rad"),
+        "velocity": ValueRow("velocity", unit="rad/s"),
+        "commanded": ValueRow("commanded", unit="rad"),
+        "steps": ValueRow("steps"),
+        "head": ValueRow("head", unit="rad"),
+        "head_measured": ValueRow("head measured", unit="rad"),
+        "repeated": ValueRow("repeated"),
     },
     BoardStatus: {
-        "connected": ValueRow("connected", "the board answers"),
-        "port": ValueRow("port", "serial device, or `virtual:`"),
-        "name": ValueRow("name", "robot name stored on the board"),
-        "firmware": ValueRow("firmware", "version of the firmware"),
-        "contract": ValueRow("contract", "hash of its serial contract"),
-        "boot": ValueRow("boot", "number of starts of the board"),
-        "rejected_frames": ValueRow(
-            "rejected frames", "frames rejected by board or node: wrong checksum or length"
-        ),
-        "retries": ValueRow("retries", "requests that the node has repeated"),
-        "overflowed_bytes": ValueRow(
-            "overflowed bytes",
-            "bytes dropped by the board since its start because its buffer was full; 255: that many or more",
-        ),
+        "connected": ValueRow("connected"),
+        "port": ValueRow("port"),
+        "name": ValueRow("name"),
+        "firmware": ValueRow("firmware"),
+        "contract": ValueRow("contract"),
+        "boot": ValueRow("boot"),
+        "rejected_frames": ValueRow("rejected frames"),
+        "retries": ValueRow("retries"),
+        "overflowed_bytes": ValueRow("overflowed bytes"),
     },
     PlantStatus: {
-        "real_time_factor": ValueRow(
-            "real time factor", "simulated seconds per second, averaged over the last seconds", decimals=2
-        ),
-        "late_steps": ValueRow("late steps", "physics steps that were more than 10 ms late"),
-        "slipped_steps": ValueRow(
-            "slipped steps", "full motor steps lost since calibration, all arms together"
-        ),
-        "re_placed": ValueRow(
-            "neck put back", "number of times that the neck was put back into its home assembly"
-        ),
+        "real_time_factor": ValueRow("real time factor", decimals=2),
+        "late_steps": ValueRow("late steps"),
+        "slipped_steps": ValueRow("slipped steps"),
+        "re_placed": ValueRow("neck put back"),
     },
     CameraStatus: {
-        "eye": ValueRow("eye", "`left` or `right`; of simulations also `outside`"),
-        "connected": ValueRow("connected", "the camera is connected, or the pictures can be rendered"),
-        "streaming": ValueRow(
-            "streaming", "the node publishes pictures: a client subscribes and the camera delivers"
-        ),
-        "hz": ValueRow(
-            "rate", "pictures published per second, over the last two seconds", unit="1/s", on_change=False
-        ),
-        "width": ValueRow("width", "width of the newest picture; 0: none yet", unit="px"),
-        "height": ValueRow("height", "height of the newest picture; 0: none yet", unit="px"),
-        "source": ValueRow(
-            "source", "source of the pictures: `v4l2`, `opencv`, `pattern`, `file`, `egl`, `osmesa`, `rays`"
-        ),
-        "trouble": ValueRow(
-            "trouble", "a sentence: why there are no pictures, and what to do; empty: no fault"
-        ),
+        "eye": ValueRow("eye"),
+        "connected": ValueRow("connected"),
+        "streaming": ValueRow("streaming"),
+        "hz": ValueRow("rate", unit="1/s", on_change=False),
+        "width": ValueRow("width", unit="px"),
+        "height": ValueRow("height", unit="px"),
+        "source": ValueRow("source"),
+        "trouble": ValueRow("trouble"),
     },
     MicrophonesStatus: {
-        "connected": ValueRow("connected", "the microphones are connected, or the sound can be computed"),
-        "streaming": ValueRow(
-            "streaming", "the microphones are on: a client subscribes, and the node publishes sound"
-        ),
-        "rate": ValueRow("sampling rate", "frames per second", unit="1/s"),
-        "source": ValueRow("source", "source of the sound: `device`, `file`, `tone` or `simulation`"),
-        "dropped": ValueRow(
-            "dropped", "frames lost before they reached the node, since it started", on_change=False
-        ),
-        "trouble": ValueRow("trouble", "a sentence: why there is no sound, and what to do; empty: no fault"),
+        "connected": ValueRow("connected"),
+        "streaming": ValueRow("streaming"),
+        "rate": ValueRow("sampling rate", unit="1/s"),
+        "source": ValueRow("source"),
+        "dropped": ValueRow("dropped", on_change=False),
+        "trouble": ValueRow("trouble"),
     },
     SeatCount: {
-        "seat": ValueRow("seat", "seat; empty: unknown"),
-        "count": ValueRow("count", "how often"),
+        "seat": ValueRow("seat"),
+        "count": ValueRow("count"),
     },
     Status: {
-        "t_mono_ns": ValueRow(
-            "monotonic clock", "monotonic clock of the source", unit="ns", group="clocks", on_change=False
-        ),
-        "t_wall_ns": ValueRow(
-            "wall clock", "wall clock of the source, since 1970", unit="ns", group="clocks", on_change=False
-        ),
-        "robot": ValueRow("robot", "name of the robot", group="robot"),
-        "side": ValueRow("side", "`hw` or `sim`", group="robot"),
-        "enabled": ValueRow("enabled", "motors on", group="state"),
-        "calibrated": ValueRow("calibrated", "home is known", group="state"),
-        "moving": ValueRow("moving", "a motion is running", group="state"),
-        "motion": ValueRow("motion", "number of the running or last motion, 0: none yet", group="state"),
-        "fault": ValueRow("fault", "NONE, or the fault", group="state"),
-        "warnings": ValueRow("warnings", "sentences for the user", group="state"),
-        "calibrations": ValueRow(
-            "calibrations",
-            "number of times that home was set since the node started; a plan made before the last calibration is invalid",
-            group="state",
-        ),
-        "holder": ValueRow("holder", "seat that holds the robot; empty: free", group="lease"),
-        "lease": ValueRow(
-            "lease",
-            "number of the lease that the holder has taken; 0: it holds the robot by its motion only",
-            group="lease",
-        ),
-        "waiting": ValueRow("waiting", "seats that wait for the robot, the next first", group="lease"),
-        "turn_s": ValueRow(
-            "turn",
-            "time until the turn of the holder ends, rounded up; 0: no end is set, because no seat waits",
-            unit="s",
-            group="lease",
-            on_change=False,
-        ),
-        "frozen": ValueRow("frozen", "the teacher has frozen the robot", group="lease"),
-        "speed_limit": ValueRow(
-            "speed limit",
-            "limit that the teacher has set for every arm; 0: none",
-            unit="rad/s",
-            group="lease",
-        ),
-        "muted": ValueRow("muted", "seats that the teacher has muted", group="lease"),
-        "teacher_latch": ValueRow(
-            "teacher latch",
-            "the teacher has pressed EMERGENCY_STOP: only the teacher may send RESET",
-            group="lease",
-        ),
-        "stops": ValueRow(
-            "stops",
-            "seats that have sent STOP since the node started, and how often; the first 64 of them",
-            group="stops",
-            on_change=False,
-        ),
-        "board": ValueRow("board", "the board"),
-        "following": ValueRow(
-            "following",
-            "whether this simulation follows the hardware of its name; `motion` is 0 meanwhile",
-            group="state",
-        ),
-        "plant": ValueRow("physics", "the physics; only of a simulation", on_change=False),
-        "cameras": ValueRow("camera", "the cameras; empty: none"),
-        "microphones": ValueRow("microphones", "the microphones; missing: none"),
+        "t_mono_ns": ValueRow("monotonic clock", unit="ns", group="clocks", on_change=False),
+        "t_wall_ns": ValueRow("wall clock", unit="ns", group="clocks", on_change=False),
+        "robot": ValueRow("robot", group="robot"),
+        "side": ValueRow("side", group="robot"),
+        "enabled": ValueRow("enabled", group="state"),
+        "calibrated": ValueRow("calibrated", group="state"),
+        "moving": ValueRow("moving", group="state"),
+        "motion": ValueRow("motion", group="state"),
+        "fault": ValueRow("fault", group="state"),
+        "warnings": ValueRow("warnings", group="state"),
+        "calibrations": ValueRow("calibrations", group="state"),
+        "holder": ValueRow("holder", group="lease"),
+        "lease": ValueRow("lease", group="lease"),
+        "waiting": ValueRow("waiting", group="lease"),
+        "turn_s": ValueRow("turn", unit="s", group="lease", on_change=False),
+        "frozen": ValueRow("frozen", group="lease"),
+        "speed_limit": ValueRow("speed limit", unit="rad/s", group="lease"),
+        "muted": ValueRow("muted", group="lease"),
+        "teacher_latch": ValueRow("teacher latch", group="lease"),
+        "stops": ValueRow("stops", group="stops", on_change=False),
+        "board": ValueRow("board"),
+        "following": ValueRow("following", group="state"),
+        "plant": ValueRow("physics", on_change=False),
+        "cameras": ValueRow("camera"),
+        "microphones": ValueRow("microphones"),
     },
     SoundHeader: {
-        "seq": ValueRow("seq", "counts the blocks since the node started; a gap means lost blocks"),
-        "t_mono_ns": ValueRow("t mono", "monotonic clock of the source at the first frame", unit="ns"),
-        "t_wall_ns": ValueRow("t wall", "wall clock of the source at that time, since 1970", unit="ns"),
-        "rate": ValueRow("rate", "frames per second", unit="1/s"),
-        "dropped": ValueRow(
-            "dropped",
-            "frames lost before they reached the node, since it started; an increase is a gap before this block",
-        ),
-        "source": ValueRow("source", "as in MicrophonesStatus"),
+        "seq": ValueRow("seq"),
+        "t_mono_ns": ValueRow("t mono", unit="ns"),
+        "t_wall_ns": ValueRow("t wall", unit="ns"),
+        "rate": ValueRow("rate", unit="1/s"),
+        "dropped": ValueRow("dropped"),
+        "source": ValueRow("source"),
     },
     KeyInfo: {
-        "key": ValueRow("key", "key expression"),
-        "kind": ValueRow("kind", "query, publication, put, token, publication and query, or query and put"),
-        "payload": ValueRow("payload", "message of the query, publication or put; empty: no payload"),
-        "reply": ValueRow("reply", "message of the reply; empty: no reply"),
-        "doc_": ValueRow("doc ", "purpose of the key"),
+        "key": ValueRow("key"),
+        "kind": ValueRow("kind"),
+        "payload": ValueRow("payload"),
+        "reply": ValueRow("reply"),
+        "doc_": ValueRow("doc "),
     },
     LimitInfo: {
-        "tilt_max": ValueRow("tilt max", "largest tilt of the head", unit="rad"),
-        "gap_min": ValueRow("gap min", "smallest gap between neighbouring arms", unit="rad"),
-        "yaw_max": ValueRow("yaw max", "largest yaw of the head in either direction", unit="rad"),
-        "speed_default": ValueRow("speed default", "default speed of an arm", unit="rad/s"),
-        "speed_max": ValueRow("speed max", "largest speed of an arm", unit="rad/s"),
-        "acceleration": ValueRow("acceleration", "acceleration of an arm", unit="rad/s2"),
+        "tilt_max": ValueRow("tilt max", unit="rad"),
+        "gap_min": ValueRow("gap min", unit="rad"),
+        "yaw_max": ValueRow("yaw max", unit="rad"),
+        "speed_default": ValueRow("speed default", unit="rad/s"),
+        "speed_max": ValueRow("speed max", unit="rad/s"),
+        "acceleration": ValueRow("acceleration", unit="rad/s2"),
     },
     GeometryInfo: {
-        "arm_angle": ValueRow(
-            "arm angle", "angle from the common vertical axis to the elbow axis", unit="rad"
-        ),
-        "rod_twist": ValueRow("rod twist", "angle from the elbow axis to the skull mount axis", unit="rad"),
-        "mount_angle": ValueRow(
-            "mount angle", "angle from the head axis to the skull mount axis", unit="rad"
-        ),
-        "arm0_azimuth": ValueRow(
-            "arm0 azimuth",
-            "direction of the short arm at home, from x (forward) towards y (left)",
-            unit="rad",
-        ),
-        "arm_spacing": ValueRow("arm spacing", "angle from arm to arm at home", unit="rad"),
-        "hand": ValueRow("hand", "+1: rods run counter-clockwise from arm to mount, -1: clockwise"),
+        "arm_angle": ValueRow("arm angle", unit="rad"),
+        "rod_twist": ValueRow("rod twist", unit="rad"),
+        "mount_angle": ValueRow("mount angle", unit="rad"),
+        "arm0_azimuth": ValueRow("arm0 azimuth", unit="rad"),
+        "arm_spacing": ValueRow("arm spacing", unit="rad"),
+        "hand": ValueRow("hand"),
     },
     Info: {
-        "robot": ValueRow("robot", "name of the robot", group="robot"),
-        "side": ValueRow("side", "`hw` or `sim`", group="robot"),
-        "version": ValueRow("version", "version of the beatrix-zenoh package", group="robot"),
-        "contract": ValueRow("contract", "hash of the Zenoh messages and keys", group="robot"),
-        "firmware": ValueRow("firmware", "version of the firmware; empty: no board", group="robot"),
-        "steps_per_turn": ValueRow("steps per turn", "microsteps per turn of an arm", group="robot"),
-        "arms": ValueRow("arms", "names of x, y, z", group="robot"),
-        "limits": ValueRow("limits", "limits in force"),
-        "geometry": ValueRow("geometry", "geometry in use"),
-        "fingerprint": ValueRow(
-            "fingerprint",
-            "hash of all values of the robot: equal if simulation and hardware were started with the same robot file",
-            group="robot",
-        ),
-        "commands": ValueRow("commands", "`number NAME: what it does`"),
-        "reasons": ValueRow("reasons", "`NAME: meaning`"),
-        "keys": ValueRow("keys", "all keys"),
-        "examples": ValueRow("examples", "commands for Zenoh's example programs"),
+        "robot": ValueRow("robot", group="robot"),
+        "side": ValueRow("side", group="robot"),
+        "version": ValueRow("version", group="robot"),
+        "contract": ValueRow("contract", group="robot"),
+        "firmware": ValueRow("firmware", group="robot"),
+        "steps_per_turn": ValueRow("steps per turn", group="robot"),
+        "arms": ValueRow("arms", group="robot"),
+        "limits": ValueRow("limits"),
+        "geometry": ValueRow("geometry"),
+        "fingerprint": ValueRow("fingerprint", group="robot"),
+        "commands": ValueRow("commands"),
+        "reasons": ValueRow("reasons"),
+        "keys": ValueRow("keys"),
+        "examples": ValueRow("examples"),
     },
 }
