@@ -34,6 +34,11 @@ class Value(NamedTuple):
         """The unit that people read."""
         return DEGREES.get(self.row.unit, self.row.unit)
 
+    @property
+    def number(self) -> float:
+        """The value as a number; NaN if it is none."""
+        return float(self.value) if isinstance(self.value, int | float) else math.nan
+
     def text(self, decimal: str = ".") -> str:
         """Return the value with its unit; `-` if there is none."""
         if isinstance(self.value, bool):
