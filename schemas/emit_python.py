@@ -110,8 +110,8 @@ def messages(contract: Contract) -> str:
 VALUE_ROW = '''class ValueRow(NamedTuple):
     """One field of a message that a robot publishes: how programs show its value."""
 
-    title: str
-    """Name of the value."""
+    title: str = ""
+    """Name of the value; empty: the words of the field."""
     unit: str = ""
     group: str = ""
     """Values of one group are shown together; empty: none."""
@@ -120,10 +120,8 @@ VALUE_ROW = '''class ValueRow(NamedTuple):
     on_change: bool = True
     """Whether a change of this value alone is published at once: not of clocks, rates and the physics."""
 '''
-HOW = ("unit", "group", "decimals", "on_change")
-"""Entries of a row that have a default in the table of values."""
-UNITS = ("_ns", "_s")
-"""Endings of the names of fields, which titles leave out."""
+HOW = ("title", "unit", "group", "decimals", "on_change")
+"""Entries of a row for the table of values."""
 
 
 def published(contract: Contract) -> list[str]:
@@ -136,12 +134,6 @@ def published(contract: Contract) -> list[str]:
     return [name for name in tables if name in found]
 
 
-def title(field: str, row: dict[str, object]) -> str:
-    """Return the name of a value: `title`, or the words of the field without its unit."""
-    ending = next((end for end in UNITS if field.endswith(end)), "")
-    return str(row.get("title", field.removesuffix(ending).replace("_", " ")))
-
-
 def values(contract: Contract) -> str:
     out = HEADER.format(
         doc="The values that robots publish, for all programs that show them.", source="messages.toml"
@@ -151,11 +143,11 @@ def values(contract: Contract) -> str:
     out += f"from beatrix_zenoh.contract._generated.messages import {', '.join(sorted(names))}\n\n\n{VALUE_ROW}\n\n"
     out += "VALUES: Final[dict[type[Struct], dict[str, ValueRow]]] = {\n"
     for name in names:
-        out += f"    {name}: {{\n"
+        lines = ""
         for field, row in rows(contract.messages["message"][name]).items():
-            more = "".join(f", {name}={row[name]!r}" for name in HOW if name in row)
-            out += f"        {field!r}: ValueRow({title(field, row)!r}{more}),\n"
-        out += "    },\n"
+            how = ", ".join(f"{entry}={row[entry]!r}" for entry in HOW if entry in row)
+            lines += f"        {field!r}: ValueRow({how}),\n" if how else ""
+        out += f"    {name}: {{\n{lines}    }},\n"
     return out + "}\n"
 
 

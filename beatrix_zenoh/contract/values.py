@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
+from functools import cache
 from typing import NamedTuple
 
 from msgspec import Struct
@@ -53,9 +54,17 @@ class Value(NamedTuple):
         return f"{number}{gap}{self.unit}" if number else "-"
 
 
-def _rows(message: Struct) -> Mapping[str, ValueRow]:
-    """Return the rows of a message; of a class that is derived from one, those of the message."""
-    return next((VALUES[kind] for kind in type(message).__mro__ if kind in VALUES), {})
+@cache
+def rows(kind: type[Struct]) -> Mapping[str, ValueRow]:
+    """Return how the fields of a message are shown; a class that is derived from a message has the rows of it."""
+    known = next((VALUES[base] for base in kind.__mro__ if base in VALUES), {})
+    found = {field: known.get(field, ValueRow()) for field in kind.__struct_fields__}
+    return {field: row._replace(title=row.title or _words(field)) for field, row in found.items()}
+
+
+def _words(field: str) -> str:
+    """Return the name of a field as words, without its unit."""
+    return field.removesuffix("_ns").removesuffix("_s").replace("_", " ")
 
 
 def values(message: Struct, group: str = "", path: str = "", unit: str = "") -> Iterator[Value]:
@@ -67,7 +76,7 @@ def values(message: Struct, group: str = "", path: str = "", unit: str = "") -> 
         path: beginning of their fields.
         unit: unit of values that have none in the table, as the three of a vector.
     """
-    for field, row in _rows(message).items():
+    for field, row in rows(type(message)).items():
         value, place = getattr(message, field), f"{path}{field}"
         unit_here = row.unit or unit
         if isinstance(value, Struct):
@@ -119,7 +128,7 @@ def lines(
 def as_data(message: Struct, unit: str = "") -> dict[str, object]:
     """Return a message as data for JSON: angles are in degrees, under the name of their field with `_deg` or `_deg_s`."""
     found: dict[str, object] = {}
-    for field, row in _rows(message).items():
+    for field, row in rows(type(message)).items():
         value, unit_here = getattr(message, field), row.unit or unit
         if isinstance(value, float) and unit_here in DEGREES:
             found[f"{field}_{unit_here.replace('rad', 'deg').replace('/', '_')}"] = (

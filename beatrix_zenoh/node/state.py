@@ -28,6 +28,7 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract._generated.values import VALUES
 from beatrix_zenoh.contract.errors import quoted
+from beatrix_zenoh.contract.values import rows
 from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.events import NodeEvents
 from beatrix_zenoh.node.interfaces import Component
@@ -70,9 +71,9 @@ CHECK_S = 0.2
 neck. After each change of the board's state and each request the controller calls `changed`: it takes more time to
 assemble a status than to publish positions."""
 ON_CHANGE = {
-    kind: [name for name, row in fields.items() if row.on_change]
-    for kind, fields in VALUES.items()
-    if not all(row.on_change for row in fields.values())
+    kind: [name for name, row in rows(kind).items() if row.on_change]
+    for kind, known in VALUES.items()
+    if not all(row.on_change for row in known.values())
 }
 """Fields whose change is published at once, by message; clocks and rates, which always change, are left out."""
 

@@ -82,7 +82,7 @@ def test_a_new_row_of_keys_is_a_stream(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_german_names_are_those_of_values_and_groups() -> None:
     text = resources.files("gui.console.texts").joinpath("de.toml").read_text(encoding="utf-8")
-    known = {row.title for rows in VALUES.values() for row in rows.values()} | {
+    known = {row.title for kind in VALUES for row in values.rows(kind).values()} | {
         "not",
         "camera left",
         "camera right",
