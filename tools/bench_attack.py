@@ -1,7 +1,8 @@
 """Attacks on a class with a pupil's card: `python tools/bench_attack.py [SECONDS]` prints a table, a row for each attack.
 
 A router of a class, two virtual robots, the teacher who presses STOP five times a second, a pupil who moves a robot, and
-one attack after the other for SECONDS each (default 80: twenty minutes), all in real processes on loopback.
+one attack after the other for SECONDS each (default 80: half an hour), all in real processes on loopback.
+`python tools/bench_attack.py SECONDS NAME ...` makes only these attacks.
 `python tools/bench_attack.py attack NAME FILE PORT SECONDS` is one attack, with the account in FILE.
 """
 
@@ -154,11 +155,10 @@ def former(_: zenoh.Session, end_s: float) -> int:
 
 def declare(length: int, key: str = "x") -> Attack:
     """Return an attack that declares a long key in a new session, every five seconds."""
-    account = accounts.load(Path(sys.argv[3])) if len(sys.argv) > 3 else None
 
     def attack(_: zenoh.Session, end_s: float) -> int:
-        count = 0
-        while time.monotonic() < end_s and account is not None:
+        count, account = 0, accounts.load(Path(sys.argv[3]))
+        while time.monotonic() < end_s:
             with contextlib.suppress(BeatrixError, zenoh.ZError):
                 with zbus.connect(account.connect, account=account) as bus:
                     bus.use(lambda session: session.declare_subscriber(key + "/a" * length, lambda _: None))
@@ -168,6 +168,38 @@ def declare(length: int, key: str = "x") -> Attack:
         return count
 
     return attack
+
+
+def stars(key: str, put: str) -> Attack:
+    """Return an attack that makes the router compare a chunk of many `$*` with a long one, each half second."""
+
+    def attack(session: zenoh.Session, end_s: float) -> int:
+        account = accounts.load(Path(sys.argv[3]))
+        others = [zbus.connect(account.connect, account=account) for _ in range(2)]
+        kept = [session.declare_subscriber(key, lambda _: None)]
+        time.sleep(0.5)
+        others[0].use(lambda other: other.put(put, b""))
+
+        def one_more(session: zenoh.Session) -> None:
+            kept.append(session.declare_subscriber(f"beatrix/*/hw/state/x{len(kept)}", lambda _: None))
+
+        while time.monotonic() < end_s:
+            with contextlib.suppress(BeatrixError, zenoh.ZError):
+                others[1].use(one_more)
+            time.sleep(0.5)
+        return len(kept)
+
+    return attack
+
+
+def long_chunks(session: zenoh.Session, end_s: float) -> int:
+    """Subscribe to 1 000 keys with a chunk of 40 kB, and keep them."""
+    kept = []
+    for number in range(1000):
+        with contextlib.suppress(zenoh.ZError):
+            kept.append(session.declare_subscriber(f"beatrix/*/*/{number:06d}{'x' * 40_000}", lambda _: None))
+    time.sleep(max(0.0, end_s - time.monotonic()))
+    return len(kept)
 
 
 def stranger(_: zenoh.Session, end_s: float) -> int:
@@ -218,6 +250,11 @@ ATTACKS: Final[dict[str, Attack]] = {
     ),
     "keys of 8 000 chunks": declare(8000),
     "keys of 30 000 chunks": declare(30_000),
+    "eleven $* in a chunk": stars(
+        "beatrix/*/" + "$*a" * 11 + "$*b/state/status", f"beatrix/cem/{'a' * 33}/state/status"
+    ),
+    "twelve $* in a chunk": stars("beatrix/*/*/*/" + "$*a" * 12 + "$*b", f"beatrix/cem/hw/state/{'a' * 33}"),
+    "chunks of 40 kB": long_chunks,
     "a replaced card": former,
     "a stranger": stranger,
     "none again": nothing,
@@ -325,7 +362,7 @@ class Users:
 
 
 def rows(folder: Path, seconds: float) -> Iterator[list[str]]:
-    """Yield a row for each attack."""
+    """Yield a row for each attack, while `beatrix top` runs for the teacher."""
     file = folder / "class.toml"
     port = free_port()
     file.write_text(CLASS.format(port=port))
@@ -346,9 +383,12 @@ def rows(folder: Path, seconds: float) -> Iterator[list[str]]:
             client = stack.enter_context(Client(Settings(name, account.connect, seat, account=account)))
             return Robot(name, "hw", client=client, timeout_s=PATIENCE_S)
 
+        top = [sys.executable, "-m", "beatrix_zenoh.cli", "top", "--json"]
+        own = {**os.environ, "BEATRIX_ACCOUNT": str(seats / "teacher.toml")}
+        stack.callback(subprocess.Popen(top, stdout=subprocess.DEVNULL, env=own).kill)
         teacher, ana = robot("bea2", "teacher"), robot("bea1", "ana")
         ana.make_ready()
-        for name in ATTACKS:
+        for name in sys.argv[2:] or ATTACKS:
             ends, lost = router.count("has ended"), sum(node.count("was lost") for node in nodes)
             users = Users(teacher, ana)
             card = "dan" if name == "tokens" else "cem"  # it is put out for a minute

@@ -11,6 +11,7 @@ from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import intents
 from gui.console.state.saved import LEAD_MAX_S, SPEED_MAX, Saved
+from gui.console.state.sequence_intents import SetDuration
 from gui.console.texts import LANGUAGES
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
@@ -90,6 +91,7 @@ OWN: Final = (
     | intents.DismissNotice
     | intents.DeletePose
     | intents.SavePose
+    | SetDuration
     | intents.ChooseRobot
     | intents.EmergencyStop
 )
@@ -146,6 +148,11 @@ def _possible(request: Request) -> bool:
             possible = 0 <= lead_s <= LEAD_MAX_S
         case intents.AimHead(yaw=yaw, pitch=pitch, roll=roll):
             possible = max(abs(yaw), abs(pitch), abs(roll)) <= ANGLE_MAX
-        case intents.SavePose(name=name) | intents.DeletePose(name=name) | intents.GoToPose(name=name):
+        case (
+            intents.SavePose(name=name)
+            | intents.DeletePose(name=name)
+            | intents.GoToPose(name=name)
+            | SetDuration(name=name)
+        ):
             possible = len(name) <= NAME_MAX
     return possible

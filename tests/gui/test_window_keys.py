@@ -17,6 +17,7 @@ from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink
 
 from gui.console.state.actions import Send, SendStop
+from gui.console.state.connecting import CloseConnect, LookForPorts
 from gui.console.state.intents import (
     AimHead,
     EmergencyStop,
@@ -185,6 +186,11 @@ def test_escape_sends_stop_and_closes_what_lies_over_the_window(window: Window, 
     press(Qt.Key.Key_Escape)
     assert not window.panels.header.menu.isVisible()
     assert intents() == [Stop(), Stop(), Stop()]
+    window.handle(LookForPorts())
+    assert window.panels.connect_sheet.isVisible()
+    press(Qt.Key.Key_Escape)
+    assert not window.panels.connect_sheet.isVisible()
+    assert intents() == [LookForPorts(), Stop(), CloseConnect()]
 
 
 @pytest.mark.parametrize("key", [*STOP_KEYS, Qt.Key.Key_Return, Qt.Key.Key_F1])
@@ -238,6 +244,7 @@ def test_tab_reaches_every_control_and_returns_to_the_first(qtbot: QtBot, window
     panels = window.panels
     order = [
         panels.header.menu_button,
+        *panels.guide.buttons[:2],
         panels.head.pad,
         panels.sending.sim,
         panels.sending.lead,

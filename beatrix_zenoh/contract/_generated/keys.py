@@ -385,6 +385,18 @@ KEYS: Final[dict[str, KeyRow]] = {
         "drop",
         "What a seat has reached in a lesson. The router of a class keeps the newest of each in memory until it ends. In a class each seat publishes only under its own name, and only the teacher reads.",
     ),
+    "pending": KeyRow(
+        "beatrix/@pending/{robot}/{side}",
+        "query",
+        "LeaseQuery",
+        "LeaseReply",
+        ("hw", "sim"),
+        "queries",
+        "",
+        "interactive_high",
+        "drop",
+        "A decision of the teacher (freeze, mute, limit and their ends) for robots of a class that are not online: the router of the class keeps the newest of each kind in a file, and sends it to the robot when that comes. Each robot for which it keeps any has a reply that lists them; an empty query only reads them. In a class only the teacher may send it.",
+    ),
 }
 
 
@@ -610,6 +622,14 @@ def lesson(who: str, lesson: str) -> str:
     What a seat has reached in a lesson. The router of a class keeps the newest of each in memory until it ends. In a class each seat publishes only under its own name, and only the teacher reads.
     """
     return f"beatrix/@lesson/{who}/{lesson}"
+
+
+def pending(robot: str, side: str) -> str:
+    """Return the key `beatrix/@pending/{robot}/{side}`.
+
+    A decision of the teacher (freeze, mute, limit and their ends) for robots of a class that are not online: the router of the class keeps the newest of each kind in a file, and sends it to the robot when that comes. Each robot for which it keeps any has a reply that lists them; an empty query only reads them. In a class only the teacher may send it.
+    """
+    return f"beatrix/@pending/{robot}/{side}"
 
 
 NAME: Final = re.compile(r"[a-z0-9-]{1,32}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -66,6 +67,8 @@ def view(memory: Memory, world: World) -> ConnectView | None:
     if not memory.connecting:
         return None
     texts, failed, here = memory.choices.texts, world.child_trouble, _serves(world)
+    if world.router_trouble is memory.read_trouble:
+        world = replace(world, router_trouble=None)
     if here:
         text = texts("connect.online", robot=world.robot)
     elif world.connecting:
@@ -85,7 +88,7 @@ def view(memory: Memory, world: World) -> ConnectView | None:
         router(world, texts),
         text,
         "" if failed is None or off else failed.detail,
-        () if here else (*ports, virtual),
+        () if here or world.ports is None else (*ports, virtual),  # all at once: none moves under the mouse
         ButtonView(texts("connect.again"), texts("connect.again_tip"), LookForPorts(), enabled=not off),
         ButtonView(texts("connect.close"), texts("connect.close_tip"), CloseConnect()),
     )
@@ -172,6 +175,8 @@ def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
         case Retry():
             return [Connect()]
         case LookForPorts():
+            if not memory.connecting:
+                memory.read_trouble = world.router_trouble
             memory.connecting, memory.port_chosen = True, False
             return [] if _serves(world) else [FindPorts()]
         case ConnectHardware(port=port):

@@ -8,9 +8,10 @@ from typing import Final
 
 import pyqtgraph as pg
 from PyQt5.QtCore import QBuffer, QIODevice, Qt
-from PyQt5.QtGui import QColor, QShowEvent
+from PyQt5.QtGui import QColor, QResizeEvent, QShowEvent
 from PyQt5.QtWidgets import (
     QFileDialog,
+    QGridLayout,
     QLabel,
     QStackedLayout,
     QVBoxLayout,
@@ -58,6 +59,8 @@ LEAST_DIFFERENCE_DEG: Final = 2.0
 STYLES: Final = (Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine, Qt.PenStyle.DotLine)
 SIGNS: Final = ("—", "– –", "···")
 """Line styles of the difference, and signs that look like them: short, middle, long arm."""
+LOW: Final = 20
+"""Height of the panel, in lines of text, below which the plots stand in two columns."""
 
 
 class PlotsPanel(FilePanel):
@@ -131,14 +134,14 @@ class PlotsPanel(FilePanel):
         }
 
     def _lay_out(self) -> None:
-        column = QVBoxLayout(self._graphics)
-        column.setContentsMargins(4, 2, 4, 2)
-        column.setSpacing(0)
-        for name, curves in self.plots.items():
-            column.addWidget(curves, 3 if name == DIFFERENCE else 2)  # its legend may need two lines
+        for curves in self.plots.values():
+            curves.setParent(self._graphics)  # before it is in the grid, a plot must not become a window
+        self._grid = QGridLayout(self._graphics)
+        self._grid.setContentsMargins(4, 2, 4, 2)
+        self._grid.setVerticalSpacing(0)
         self.none: QLabel = label(self._texts("label.plots_none"), wrap=True)
         self.none.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        column.addWidget(self.none, 1)
+        self._grid.addWidget(self.none, len(self.plots), 0)
         drawing = QWidget()
         inner = QVBoxLayout(drawing)
         inner.setContentsMargins(0, 0, 0, 0)
@@ -302,21 +305,31 @@ class PlotsPanel(FilePanel):
         set_text(self.bar.time, "" if at_s is None else self._texts("plot.time", seconds=at_s))
 
     def _choose(self) -> None:
-        """Show the chosen plots; the lowest one has the labels of the time."""
+        """Show the chosen plots."""
         for slot, value in self._watched.items():
             words = " ".join(self._texts.word(part) for part in (value.group, value.title))
             self.plots[slot].rename(f"{words} ({value.unit})" if value.unit else words)
-        shown = [
-            curves
-            for name, curves in self.plots.items()
-            if (name in self._watched if name in SLOTS else self.bar.chosen(name))
-        ]
         for name, curves in self.plots.items():
             curves.choose([self.bar.chosen(part) for part in (ARMS if name == DIFFERENCE else BOTH)])
-            curves.setVisible(curves in shown)
-            curves.show_time_axis(shown=curves is shown[-1] if shown else False)
-        self.none.setVisible(not shown)
+            curves.setVisible(self._shown(name))
+        self._arrange()
         self._draw()
+
+    def _shown(self, name: str) -> bool:
+        return name in self._watched if name in SLOTS else self.bar.chosen(name)
+
+    def _arrange(self) -> None:
+        """Put the chosen plots into one column or, in a low panel, into two; the lowest have the labels of the time."""
+        shown = [curves for name, curves in self.plots.items() if self._shown(name)]
+        columns = 1 if self.height() >= LOW * self.fontMetrics().lineSpacing() else 2
+        for number, curves in enumerate(shown):
+            self._grid.addWidget(curves, *divmod(number, columns))
+            curves.show_time_axis(shown=number + columns >= len(shown))
+        self.none.setVisible(not shown)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        super().resizeEvent(event)
+        self._arrange()
 
     # -- export -------------------------------------------------------------------------------------
 
@@ -348,6 +361,7 @@ class PlotsPanel(FilePanel):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme; lines for a projector are wider."""
         colours = style_of(theme)
+        self._arrange()
         thin = 3.0 if theme is Theme.PROJECTOR else 1.5
         pale = QColor(colours.hw)
         pale.setAlphaF(0.55)
