@@ -103,7 +103,7 @@ def as_row(robot: ListedRobot) -> dict[str, object]:
 def status(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
-    """Show all values that a robot has: state, lease, board, cameras and all others. Angles are in degrees."""
+    """Show all values of a robot, in groups. Angles are in degrees."""
     with open_targets(Selection(name, connect, who), on) as targets:
         found = [robot.status() for robot in targets.robots()]
     if as_json:

@@ -52,7 +52,7 @@ def echo(
     on: On = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document a line.")] = False,
 ) -> None:
-    """Print positions, status, events, pictures or other values as they arrive. Angles are in degrees. Ends with Ctrl-C or --count.
+    """Print positions, status, events and more as they arrive. Angles are in degrees. Ends with Ctrl-C or --count.
 
     Events are requests, refusals, STOPs, changes of driver and board, and warnings. Without --on, events of both
     simulation and robot are printed. The last ten events, or --count of them, come first. For a picture the number,
