@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import SensorPublisher, SoundBlock
+from beatrix_zenoh.node.sensor_thread import Sensor
 from beatrix_zenoh.node.sensors import BEHIND, BLOCK, BLOCK_NS, RATE, BlockClock
 from hw_node.microphones.microphones import SoundFile, SoundSource, Tone, choose
-from hw_node.sensor import Sensor
 
 
 def written(path: Path, samples: list[list[int]], *, rate: int = RATE, width: int = 2) -> Path:

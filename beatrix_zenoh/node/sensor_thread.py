@@ -11,7 +11,8 @@ from typing import Final, Generic, Protocol, TypeVar
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import Component, SensorFrame, SensorPublisher, StatusFields
+from beatrix_zenoh.node.interfaces import Component, StatusFields
+from beatrix_zenoh.node.sensors import SensorFrame, SensorPublisher
 
 CHECK_S: Final = 1.0
 """Period of the check whether a device that is not in use is present."""
@@ -27,7 +28,7 @@ T_co = TypeVar("T_co", covariant=True)
 
 
 class SensorSource(Protocol[T_co]):
-    """A camera, two microphones, or what stands in for them; used by one thread.
+    """A camera, two microphones, what stands in for them, or simulated ones; used by one thread.
 
     `open` and `next` raise NoAnswer, with a message that says what to do, if there are no frames.
     """
@@ -51,6 +52,9 @@ class SensorSource(Protocol[T_co]):
 
 class Sensor(Component, Generic[T]):
     """Publishes the frames of a source; its failures do not affect the rest of the node."""
+
+    check_s: float | None = CHECK_S
+    """Period (s) of the check of a source that is not in use; None: it is always present."""
 
     def __init__(
         self,
@@ -100,7 +104,7 @@ class Sensor(Component, Generic[T]):
             wanted = not trouble and self._publisher.subscribed
             if wanted and self._take():
                 continue
-            self._wake.wait(CHECK_S)
+            self._wake.wait(CHECK_S if wanted else self.check_s)
             self._wake.clear()
 
     def _take(self) -> bool:
