@@ -28,7 +28,7 @@ from beatrix_zenoh.contract.values import as_data, values
 from beatrix_zenoh.output import columns, print_json, say
 from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.terminal.states import problems, state, state_row
-from beatrix_zenoh.terminal.targets import Selection, Targets, open_targets, reading_row
+from beatrix_zenoh.terminal.targets import Selection, Targets, degrees, open_targets
 
 T = TypeVar("T")
 PAST = 10
@@ -39,8 +39,7 @@ Stream = StrEnum("Stream", {name: name for name in streams()})  # type: ignore[m
 """What `beatrix echo` prints."""
 PeriodicStream = StrEnum("PeriodicStream", {name: name for name in periodic()})  # type: ignore[misc]
 """What `beatrix hz` measures."""
-POSITIONS, STATUS, EVENTS = "positions", "status", "events"
-"""Streams that are printed in words of their own."""
+POSITIONS, EVENTS = "positions", "events"
 
 
 def echo(
@@ -59,28 +58,19 @@ def echo(
     size and source are printed, for sound the header of each block.
     """
     with open_targets(Selection(name, connect, who), on, both=stream == EVENTS) as targets:
-        robots = {robot.place: robot for robot in targets.robots()}
-        for robot in robots.values():
+        robots = targets.robots()
+        for robot in robots:
             robot.status()  # raises NoAnswer for a robot that is not online
         if stream == EVENTS:
             past = count or PAST
-            for place, event in limited(follow_events(list(robots.values()), past), count):
+            for place, event in limited(follow_events(robots, past), count):
                 show_event(place, event, as_json=as_json)
-        elif stream == POSITIONS:
-            positions = subscription.positions(targets.client, targets.name, side_key(targets)).arrivals()
-            for arrival in limited(positions, count):
-                show_positions(robots[arrival.robot, arrival.side], arrival.value, as_json=as_json)
-        elif stream == STATUS:
-            for update in limited(
-                subscription.status(targets.client, targets.name, side_key(targets)), count
-            ):
-                show_status(update, as_json=as_json)
-        else:
-            messages = client_streams.stream(targets.client, stream.value, targets.name, side_key(targets))
-            for message in limited(messages.arrivals(), count):
-                (show_picture if isinstance(message.value, CameraImage) else show_message)(
-                    message, as_json=as_json
-                )
+            return
+        arrivals = client_streams.stream(
+            targets.client, stream.value, targets.name, side_key(targets)
+        ).arrivals()
+        for arrival in limited(arrivals, count):
+            show(arrival, as_json=as_json)
 
 
 def side_key(targets: Targets) -> str:
@@ -93,44 +83,28 @@ def limited(messages: Iterable[T], count: int) -> Iterator[T]:
     return itertools.islice(messages, count or None)
 
 
-def show_positions(robot: Robot, positions: Positions, *, as_json: bool) -> None:
-    """Print positions on one line; `t_s` is the time by the robot's monotonic clock (s)."""
-    now = reading(positions)
+def show(arrival: Arrival[object], *, as_json: bool) -> None:
+    """Print a message on one line: positions, status and pictures in words of their own, others as their values."""
+    data: Mapping[str, object]
+    match arrival.value:
+        case Positions() as positions:
+            now = reading(positions)
+            words, data = str(now), {**degrees(now), "seq": positions.seq, "t_s": round(now.t, 6)}
+        case Status() as status:
+            words = "; ".join([state(status), f"driver {status.holder or '-'}", *problems(status)])
+            data = state_row(status)
+        case CameraImage() as image:
+            header = {name: value for name, value in asdict(image).items() if name != "jpeg"}
+            words, data = str(image), {**header, "bytes": len(image.jpeg)}
+        case msgspec.Struct() as message:
+            words = ", ".join(f"{value.title} {value.text()}" for value in values(message))
+            data = as_data(message)
+        case _:
+            return
     if as_json:
-        print_json({**reading_row(robot, now), "seq": positions.seq, "t_s": round(now.t, 6)})
+        print_json({"robot": arrival.robot, "side": arrival.side, **data})
     else:
-        say(f"{robot}  {now}")
-
-
-def show_status(status: Status, *, as_json: bool) -> None:
-    """Print a status on one line."""
-    if as_json:
-        print_json({"robot": status.robot, "side": status.side, **state_row(status)})
-    else:
-        words = [state(status), f"driver {status.holder or '-'}", *problems(status)]
-        say(f"{status.robot} ({status.side})  {'; '.join(words)}")
-
-
-def show_message(arrival: Arrival[object], *, as_json: bool) -> None:
-    """Print the values of a message, or of the header of sound, on one line."""
-    message = arrival.value
-    assert isinstance(message, msgspec.Struct)
-    if as_json:
-        print_json({"robot": arrival.robot, "side": arrival.side, **as_data(message)})
-    else:
-        words = [f"{value.title} {value.text()}" for value in values(message)]
-        say(f"{arrival.robot} ({arrival.side})  {', '.join(words)}")
-
-
-def show_picture(arrival: Arrival[object], *, as_json: bool) -> None:
-    """Print the header of a picture on one line; `bytes` is the length of its JPEG file."""
-    image = arrival.value
-    assert isinstance(image, CameraImage)
-    if as_json:
-        header = {name: value for name, value in asdict(image).items() if name != "jpeg"}
-        print_json({"robot": arrival.robot, "side": arrival.side, **header, "bytes": len(image.jpeg)})
-    else:
-        say(f"{arrival.robot} ({arrival.side})  {image}")
+        say(f"{arrival.robot} ({arrival.side})  {words}")
 
 
 def show_event(place: Place, event: Event, *, as_json: bool) -> None:

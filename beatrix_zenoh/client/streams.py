@@ -11,6 +11,7 @@ from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import (
     FIRST_PICTURE_S,
+    SILENCE_S,
     Reader,
     Sample,
     Subscription,
@@ -25,7 +26,7 @@ from beatrix_zenoh.contract._generated.keys import KeyRow
 BASE = "beatrix/{robot}/{side}/state/"
 CAMERA = "camera/"
 QUEUE = 100
-"""Length of the queue: two seconds of positions."""
+"""Length of the queue for pictures."""
 
 
 def streams() -> dict[str, KeyRow]:
@@ -64,10 +65,11 @@ def stream(client: Client, name: str, robot: str, side: str) -> Subscription[obj
         pictures = images(client, robot, side, eye, timeout_s=FIRST_PICTURE_S, length=QUEUE)
         return cast("Subscription[object]", pictures)
     row = streams()[name]
-    kind, media = header(row), client.media if row.publish == "media" else None
+    kind, media = header(row), row.publish == "media"
     read: Reader[object] = message(kind, same) if row.payload == kind.__name__ else attached(kind)
     key = row.key.format(robot=robot, side=side)
-    return Subscription(client, key, read, timeout_s=FIRST_PICTURE_S, length=QUEUE, bus=media)
+    timeout_s, bus = (FIRST_PICTURE_S, client.media) if media else (SILENCE_S, None)
+    return Subscription(client, key, read, timeout_s=timeout_s, bus=bus)
 
 
 def attached(kind: type[msgspec.Struct]) -> Reader[object]:
