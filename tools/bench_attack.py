@@ -30,6 +30,7 @@ import zenoh
 from beatrix_zenoh import BeatrixError, Robot
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.classroom import certificates, class_file, provision
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.recording.viewer import free_port
@@ -46,6 +47,8 @@ port = {port}
 ROBOTS: Final = ("bea1", "bea2")
 STOP_S: Final = 0.2
 PATIENCE_S: Final = 10.0
+IGNORE: Final[zenoh.handlers.Callback[object]] = direct(lambda _: None)
+"""A callback without a thread of its own."""
 Attack = Callable[[zenoh.Session, float], int]
 """Does something until a time (monotonic clock, s); returns how often."""
 
@@ -84,10 +87,7 @@ def subscribers(session: zenoh.Session, end_s: float) -> int:
     count = 0
     while time.monotonic() < end_s:
         with contextlib.suppress(zenoh.ZError):
-            kept = [
-                session.declare_subscriber(f"beatrix/*/hw/state/p$*{i}$*", lambda _: None)
-                for i in range(2000)
-            ]
+            kept = [session.declare_subscriber(f"beatrix/*/hw/state/p$*{i}$*", IGNORE) for i in range(2000)]
             count += len(kept)
             del kept
     return count
@@ -95,7 +95,7 @@ def subscribers(session: zenoh.Session, end_s: float) -> int:
 
 def unanswered(session: zenoh.Session, end_s: float) -> int:
     """Serve an own key without an answer, and query it."""
-    served = session.declare_queryable("beatrix/cem/sim/info", lambda _: None)
+    served = session.declare_queryable("beatrix/cem/sim/info", IGNORE)
     waiting: list[object] = []
     count = repeated(lambda s, _: waiting.append(s.get("beatrix/cem/sim/info", timeout=10)), 0.01)(
         session, end_s
@@ -122,7 +122,7 @@ def sleepers(session: zenoh.Session, end_s: float) -> int:
 
 def subscribe(session: zenoh.Session, end_s: float) -> int:
     """Subscribe to everything that a seat may."""
-    kept = [session.declare_subscriber("beatrix" + "/*" * n, lambda _: None) for n in range(1, 9)]
+    kept = [session.declare_subscriber("beatrix" + "/*" * n, IGNORE) for n in range(1, 9)]
     time.sleep(max(0.0, end_s - time.monotonic()))
     return len(kept)
 
@@ -148,7 +148,7 @@ def former(_: zenoh.Session, end_s: float) -> int:
     while time.monotonic() < end_s:
         with contextlib.suppress(BeatrixError), zbus.connect(account.connect, account=account) as bus:
             opened += 1
-            bus.use(lambda session: session.declare_subscriber("x" + "/a" * 30_000, lambda _: None))
+            bus.use(lambda session: session.declare_subscriber("x" + "/a" * 30_000, IGNORE))
         time.sleep(0.5)
     return opened
 
@@ -161,7 +161,7 @@ def declare(length: int, key: str = "x") -> Attack:
         while time.monotonic() < end_s:
             with contextlib.suppress(BeatrixError, zenoh.ZError):
                 with zbus.connect(account.connect, account=account) as bus:
-                    bus.use(lambda session: session.declare_subscriber(key + "/a" * length, lambda _: None))
+                    bus.use(lambda session: session.declare_subscriber(key + "/a" * length, IGNORE))
                     time.sleep(0.5)
                 count += 1
             time.sleep(4.5)
@@ -176,12 +176,12 @@ def stars(key: str, put: str) -> Attack:
     def attack(session: zenoh.Session, end_s: float) -> int:
         account = accounts.load(Path(sys.argv[3]))
         others = [zbus.connect(account.connect, account=account) for _ in range(2)]
-        kept = [session.declare_subscriber(key, lambda _: None)]
+        kept = [session.declare_subscriber(key, IGNORE)]
         time.sleep(0.5)
         others[0].use(lambda other: other.put(put, b""))
 
         def one_more(session: zenoh.Session) -> None:
-            kept.append(session.declare_subscriber(f"beatrix/*/hw/state/x{len(kept)}", lambda _: None))
+            kept.append(session.declare_subscriber(f"beatrix/*/hw/state/x{len(kept)}", IGNORE))
 
         while time.monotonic() < end_s:
             with contextlib.suppress(BeatrixError, zenoh.ZError):
@@ -197,7 +197,7 @@ def long_chunks(session: zenoh.Session, end_s: float) -> int:
     kept = []
     for number in range(1000):
         with contextlib.suppress(zenoh.ZError):
-            kept.append(session.declare_subscriber(f"beatrix/*/*/{number:06d}{'x' * 40_000}", lambda _: None))
+            kept.append(session.declare_subscriber(f"beatrix/*/*/{number:06d}{'x' * 40_000}", IGNORE))
     time.sleep(max(0.0, end_s - time.monotonic()))
     return len(kept)
 

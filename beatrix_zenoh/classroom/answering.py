@@ -18,11 +18,15 @@ process was suspended."""
 
 
 class Answering:
-    """Asks a router once a second for tokens, over a session of its own, on a thread of its own."""
+    """Asks a router once a second, over a session of its own, on a thread of its own.
 
-    def __init__(self, endpoint: str, account: Account) -> None:
-        """Connect, and ask until `close`."""
-        self._endpoint, self._account = endpoint, account
+    It sends a query as clients do: one for tokens may take a second after a seat with 2 000 subscribers has left, while
+    STOP takes 10 ms (measured).
+    """
+
+    def __init__(self, endpoint: str, account: Account, key: str) -> None:
+        """Connect, and ask on a key until `close`."""
+        self._endpoint, self._account, self._key = endpoint, account, key
         self._failures = 0
         self._ended = threading.Event()
         self._thread = threads.start(self._run, "answering")
@@ -41,7 +45,11 @@ class Answering:
                 continue
             with bus:
                 while not self._ended.wait(PERIOD_S):
-                    self._failures = 0 if bus.router_answers(ANSWER_S) else self._failures + 1
+                    self._failures = 0 if self._asked(bus) else self._failures + 1
+
+    def _asked(self, bus: zbus.Bus) -> bool:
+        query = bus.query(self._key, timeout_s=ANSWER_S)
+        return next(query.replies(ANSWER_S), None) is not None
 
     def close(self) -> None:
         """End the queries; call it after the end of the router, which may let no session close."""

@@ -90,7 +90,9 @@ class ChildRouter:
             with contextlib.suppress(queue.Empty):
                 event, *data = self._events.get(timeout=POLL_S)
                 if event == "ready":
-                    self._answering = Answering(self.file.endpoint(self.part), self.file.account())
+                    self._answering = Answering(
+                        self.file.endpoint(self.part), self.file.account(), self.part.check_key
+                    )
                     return
                 if event == "failed":
                     reason, message = cast("tuple[str, str]", data)

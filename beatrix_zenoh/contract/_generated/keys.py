@@ -347,7 +347,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "data",
         "drop",
-        "Liveliness token of the router of the seats of a class, which only this router may declare. When it disappears, the tokens of all seats do, too: a node stops the motions of the seats, and keeps their leases and places until 3 s after its return.",
+        "Liveliness token of the router of the seats of a class, which only this router may declare. When it disappears, the tokens of all seats do, too: a node stops the motions of the seats, and keeps their leases and places until 3 s after its return. Both routers of a class answer a query on `robots` or `seats` in place of the session, with which `beatrix router` checks them.",
     ),
     "program": KeyRow(
         "beatrix/@program/{who}/{session}",
@@ -595,7 +595,7 @@ def seat(who: str, session: str) -> str:
 def seats_router(session: str) -> str:
     """Return the key `beatrix/@router/{session}`.
 
-    Liveliness token of the router of the seats of a class, which only this router may declare. When it disappears, the tokens of all seats do, too: a node stops the motions of the seats, and keeps their leases and places until 3 s after its return.
+    Liveliness token of the router of the seats of a class, which only this router may declare. When it disappears, the tokens of all seats do, too: a node stops the motions of the seats, and keeps their leases and places until 3 s after its return. Both routers of a class answer a query on `robots` or `seats` in place of the session, with which `beatrix router` checks them.
     """
     return f"beatrix/@router/{session}"
 

@@ -244,8 +244,7 @@ class PlotsPanel(FilePanel):
                 apart = difference(hw, sim)
                 curves.draw([(apart[:, 0], apart[:, arm]) for arm in range(1, 1 + len(ARMS))])
             else:
-                column = 1 + COLUMNS.index(name)
-                curves.draw([(rows[:, 0], rows[:, column]) for rows in (hw, sim)])
+                curves.draw([(rows[:, 0], rows[:, 1 + COLUMNS.index(name)]) for rows in (hw, sim)])
         if self._cursor_s is not None:
             self._read()
 
