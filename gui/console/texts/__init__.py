@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache
 from importlib import resources
-from typing import Final
+from typing import Any, Final
 
 from beatrix_zenoh.contract import sentences
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
@@ -24,12 +24,17 @@ MINUS: Final = "−"
 
 
 @cache
+def _file(code: str) -> Mapping[str, Any]:
+    return tomllib.loads(resources.files(__name__).joinpath(f"{code}.toml").read_text(encoding="utf-8"))
+
+
+@cache
 def load(code: str) -> tuple[Mapping[str, str], Language]:
     """Return the templates of a language by key, and its sentences of refusals; raises KeyError if there are none."""
     if code not in LANGUAGES:
         raise KeyError(code)
-    table = tomllib.loads(resources.files(__name__).joinpath(f"{code}.toml").read_text(encoding="utf-8"))
-    own, shared = table.pop("refusals"), sentences.language(code)
+    table = {name: text for name, text in _file(code).items() if isinstance(text, str)}
+    own, shared = dict(_file(code)["refusals"]), sentences.language(code)
     head = own.pop("head")
     return table, shared._replace(minus=MINUS, head=head, refusals={**shared.refusals, **by_key(own)})
 
@@ -41,6 +46,7 @@ class Texts:
         """Choose a language by its code; raises KeyError if there is no such language."""
         self.code = code
         self._templates, self._refusals = load(code)
+        self.decimal = self._refusals.decimal
 
     def __call__(self, key: str, **slots: str | float) -> str:
         """Return the text of a key with its slots filled in; raises KeyError for an unknown key or a missing slot."""
@@ -49,6 +55,11 @@ class Texts:
             for name, value in slots.items()
         }
         return self._templates[key].format_map(shown)
+
+    def word(self, name: str) -> str:
+        """Return the name of a value or group of the contract; the contract's own if this language has none."""
+        words: Mapping[str, str] = _file(self.code).get("values", {})
+        return words.get(name, name)
 
     def refusal(self, reason: Reason, detail: Detail | None) -> str:
         """Return the sentence of a refusal."""

@@ -11,7 +11,8 @@ from typing import Final, Generic, Protocol, TypeVar
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import Component, StatusFields
+from beatrix_zenoh.node.interfaces import Component, StatusFields
+from beatrix_zenoh.node.sensors import SensorFrame, SensorPublisher
 
 CHECK_S: Final = 1.0
 """Period of the check whether a device that is not in use is present."""
@@ -22,13 +23,12 @@ SILENT_S: Final = 3.0
 
 log = logging.getLogger(__name__)
 
-T = TypeVar("T")
+T = TypeVar("T", bound=SensorFrame)
 T_co = TypeVar("T_co", covariant=True)
-T_contra = TypeVar("T_contra", contravariant=True)
 
 
 class SensorSource(Protocol[T_co]):
-    """A camera, two microphones, or what stands in for them; used by one thread.
+    """A camera, two microphones, what stands in for them, or simulated ones; used by one thread.
 
     `open` and `next` raise NoAnswer, with a message that says what to do, if there are no frames.
     """
@@ -50,37 +50,17 @@ class SensorSource(Protocol[T_co]):
         """Stop taking frames; may be called twice, and after `open` has failed."""
 
 
-class SensorPublisher(Protocol[T_contra]):
-    """What publishes the frames of a sensor, as in `beatrix_zenoh.node`."""
-
-    @property
-    def subscribed(self) -> bool:
-        """Whether a client subscribes."""
-
-    def start(self, sessions: Sessions) -> None:
-        """Declare the publication."""
-
-    def publish(self, frame: T_contra, /) -> None:
-        """Publish a frame, and report that the device works."""
-
-    def ended(self) -> None:
-        """Report that the sensor is off: no client subscribes, or the device has failed."""
-
-    def report(self, trouble: str) -> None:
-        """Set the fault of the device; empty: none."""
-
-    def contribute(self, status: StatusFields) -> None:
-        """Add the state of the device to a status."""
-
-
 class Sensor(Component, Generic[T]):
     """Publishes the frames of a source; its failures do not affect the rest of the node."""
+
+    check_s: float | None = CHECK_S
+    """Period (s) of the check of a source that is not in use; None: it is always present."""
 
     def __init__(
         self,
         title: str,
         source: SensorSource[T],
-        publisher: SensorPublisher[T],
+        publisher: SensorPublisher,
         wake: threading.Event,
         silence: str,
     ) -> None:
@@ -124,7 +104,7 @@ class Sensor(Component, Generic[T]):
             wanted = not trouble and self._publisher.subscribed
             if wanted and self._take():
                 continue
-            self._wake.wait(CHECK_S)
+            self._wake.wait(CHECK_S if wanted else self.check_s)
             self._wake.clear()
 
     def _take(self) -> bool:
