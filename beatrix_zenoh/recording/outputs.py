@@ -255,10 +255,9 @@ class LiveOutput:
         return ViewerState.FROZEN if listening and self._stream is not None else ViewerState.MISSING
 
     def _report(self) -> None:
-        if self.state is self._reported or (self._reported is None and self.state is ViewerState.CONNECTED):
-            self._reported = self.state
+        before, self._reported = self._reported, self.state
+        if self.state is before or (before is None and self.state is ViewerState.CONNECTED):
             return
-        self._reported = self.state
         what = {
             ViewerState.MISSING: (
                 f"No viewer answers on {HOST}:{self._port}. Start one with "
