@@ -117,11 +117,6 @@ class Comparison:
         return float(np.count_nonzero(self.compared)) * GRID_S
 
     @property
-    def arms_at_rest(self) -> float:
-        """Largest difference of any arm while both rest (deg); NaN if they never rest at the same time."""
-        return max(axis.at_rest for axis in self.axes[: len(ARMS)])
-
-    @property
     def anything_moved(self) -> bool:
         """Whether an arm of either robot moved."""
         return not (resting(self.first).all() and resting(self.second).all())

@@ -66,12 +66,14 @@ class Count:
 
 
 @dataclass
-class _Tally:
-    """The changing counts of one stream."""
+class Tally:
+    """The changing counts of one stream; as in `Count`, except these two."""
 
     order: Order = field(default_factory=Order)
     received: int = 0
+    """with those that overflowed"""
     overflowed: int = 0
+    """publications that were dropped while the robot's clock offset was unknown"""
     impossible: int = 0
     late: int = 0
     repeated: int = 0
@@ -85,7 +87,7 @@ class Losses:
     """
 
     def __init__(self) -> None:
-        self._tallies: defaultdict[Stream, _Tally] = defaultdict(_Tally)
+        self._tallies: defaultdict[Stream, Tally] = defaultdict(Tally)
         self._publishers: defaultdict[Place, Publishers] = defaultdict(Publishers)
         self._contested: set[Place] = set()
 
@@ -103,27 +105,15 @@ class Losses:
                 if place == stream[0] and kind != POSITIONS:
                     other.order.restart()
 
-    def overflowed(self, stream: Stream) -> None:
-        """Count a received publication that was dropped while the robot's clock offset was unknown."""
-        self._tallies[stream].overflowed += 1
-
-    def impossible(self, stream: Stream) -> None:
-        """Count a received publication that was left out because its time stamps cannot be right."""
-        self._tallies[stream].impossible += 1
-
-    def late(self, stream: Stream) -> None:
-        """Count a received publication that is more than 2 s old."""
-        self._tallies[stream].late += 1
-
-    def repeated(self, stream: Stream) -> None:
-        """Count received positions that repeat those before them."""
-        self._tallies[stream].repeated += 1
+    def tally(self, stream: Stream) -> Tally:
+        """Return the counts of a stream, to be changed."""
+        return self._tallies[stream]
 
     def counts(self, dropped: Mapping[Stream, int]) -> dict[Stream, Count]:
         """Return the counts of each stream; `dropped`: publications that the subscriptions have dropped."""
         return {
             stream: count(
-                self._tallies.get(stream, _Tally()),
+                self._tallies.get(stream, Tally()),
                 dropped.get(stream, 0),
                 contested=stream[0] in self._contested,
             )
@@ -131,7 +121,7 @@ class Losses:
         }
 
 
-def count(tally: _Tally, dropped: int, *, contested: bool) -> Count:
+def count(tally: Tally, dropped: int, *, contested: bool) -> Count:
     """Return the counts of a stream; what the subscription has dropped was not lost on the way."""
     return Count(
         tally.received - tally.overflowed,

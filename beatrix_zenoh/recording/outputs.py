@@ -47,8 +47,6 @@ class FileOutput:
         """
         self._path, self._say, self._rotate_s = path, say, rotate_s
         self._batches: dict[str, Batch] = {}
-        self._robots = RobotSet({})
-        self._about: About | None = None
         self.files: list[Path] = []
         """All files of the recording, the newest last."""
         self._number = 0
@@ -64,12 +62,10 @@ class FileOutput:
 
     def show(self, robots: RobotSet) -> None:
         """Set the robots of the recording."""
-        self._robots = robots
         self._stream.show(robots)
 
     def describe(self, about: About) -> None:
-        """Set what the recording says of itself; each file of it says so."""
-        self._about = about
+        """Set what the recording says of itself."""
         self._stream.describe(about)
 
     def write(self, rows: Sequence[RecordingRow]) -> None:
@@ -91,9 +87,6 @@ class FileOutput:
         if ends and not self.full:
             self._stream.close()
             self._stream, self._began_s = self._begin(), now_s
-            self._stream.show(self._robots)
-            if self._about is not None:
-                self._stream.describe(self._about)
             return True
         return False
 
@@ -173,16 +166,14 @@ class LiveOutput:
 
     For a viewer that does not respond, Rerun keeps up to 200 MB and then blocks; to a viewer that starts after the
     stream it sends nothing. So this class tries the port first, and checks once a second with a time-limited flush
-    whether data arrive. A viewer that was restarted gets the robots and the layout again; rows that a viewer missed are
-    counted, not sent again.
+    whether data arrive. `update` reports a viewer that was restarted, which needs the robots again; rows that a viewer
+    missed are counted, not sent again.
     """
 
     def __init__(self, port: int, say: Say) -> None:
         self._port, self._say = port, say
         self._id = str(uuid.uuid4())
         self._rows: list[RecordingRow] = []
-        self._robots = RobotSet({})
-        self._about: About | None = None
         self._stream: RowStream | None = None
         self.state = ViewerState.MISSING
         self.left_out = 0
@@ -191,14 +182,12 @@ class LiveOutput:
         self._sent_s = self._probed_s = 0.0  # the first update probes at once
 
     def show(self, robots: RobotSet) -> None:
-        """Set the robots of the recording."""
-        self._robots = robots
+        """Set the robots of the recording, if the viewer receives data."""
         if self._stream is not None and self.state is ViewerState.CONNECTED:
             self._stream.show(robots)
 
     def describe(self, about: About) -> None:
-        """Set what the recording says of itself."""
-        self._about = about
+        """Set what the recording says of itself, if the viewer receives data."""
         if self._stream is not None and self.state is ViewerState.CONNECTED:
             self._stream.describe(about)
 
@@ -227,12 +216,7 @@ class LiveOutput:
             self.left_out += len(self._rows)
             self._rows.clear()
         self._report()
-        returned = self.state is ViewerState.CONNECTED and before is not ViewerState.CONNECTED
-        if returned:
-            self.show(self._robots)  # robots may have appeared while the viewer did not respond
-            if self._about is not None:
-                self.describe(self._about)
-        return returned
+        return self.state is ViewerState.CONNECTED and before is not ViewerState.CONNECTED
 
     def close(self) -> bool:
         """Send the remaining rows and disconnect; return False if the viewer blocks either.
@@ -271,10 +255,9 @@ class LiveOutput:
         return ViewerState.FROZEN if listening and self._stream is not None else ViewerState.MISSING
 
     def _report(self) -> None:
-        if self.state is self._reported or (self._reported is None and self.state is ViewerState.CONNECTED):
-            self._reported = self.state
+        before, self._reported = self._reported, self.state
+        if self.state is before or (before is None and self.state is ViewerState.CONNECTED):
             return
-        self._reported = self.state
         what = {
             ViewerState.MISSING: (
                 f"No viewer answers on {HOST}:{self._port}. Start one with "

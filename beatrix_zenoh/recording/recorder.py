@@ -122,8 +122,11 @@ class RecordingThread:
         rows += self._report.rows(self.counts, self._timebase.own_ns(time.monotonic_ns()), now_s, last=last)
         for output in self._outputs:
             output.write(rows)
-        restarted = [output.update(now_s) for output in self._outputs]
-        if any(restarted):
+        restarted = [output for output in self._outputs if output.update(now_s)]
+        for output in restarted:
+            output.show(self._robot_set)
+            output.describe(self._about)
+        if restarted:
             again = [row for rows_of_robot in self._rows.values() for row in rows_of_robot.begin_again()]
             for output in self._outputs:
                 output.write(again)
@@ -155,11 +158,14 @@ class RecordingThread:
             for output in self._outputs:
                 output.describe(about)
 
-    def _show_robots(self) -> None:
+    @property
+    def _robot_set(self) -> RobotSet:
         figures = {place: rows.figure for place, rows in self._rows.items()}
-        robots = RobotSet(figures, self._with_pictures, self._with_sound)
+        return RobotSet(figures, self._with_pictures, self._with_sound)
+
+    def _show_robots(self) -> None:
         for output in self._outputs:
-            output.show(robots)
+            output.show(self._robot_set)
 
     def _convert(self, timed: Timed) -> Iterator[RecordingRow]:
         arrival, time_ns, stale = timed
@@ -170,7 +176,7 @@ class RecordingThread:
                 self._last[place] = arrival.t_mono_ns, time_ns
                 yield from rows.back(time_ns, value.t_wall_ns)
                 if rows.repeats(value, stale=stale):
-                    self._losses.repeated((place, POSITIONS))
+                    self._losses.tally((place, POSITIONS)).repeated += 1
                     return
                 self.samples += 1
                 yield from rows.positions(value, time_ns)

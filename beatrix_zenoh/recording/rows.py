@@ -137,7 +137,7 @@ class Output(Protocol):
     def update(self, now_s: float) -> bool:
         """Write the rows that are due at `now_s` (monotonic clock).
 
-        Returns True if the output has restarted and needs all poses and states again.
+        Returns True if the output has restarted and needs robots, description, poses and states again.
         """
         ...
 

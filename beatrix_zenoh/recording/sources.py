@@ -286,7 +286,7 @@ class TimedArrivals:
             self._queries.request(place)
         waiting = self._waiting[place]
         if len(waiting) == WAITING:
-            self._losses.overflowed(stream_of(place, waiting.popleft().value))
+            self._losses.tally(stream_of(place, waiting.popleft().value)).overflowed += 1
         waiting.append(arrival)
 
     def answered(self, answer: RobotAnswer) -> Iterator[Timed]:
@@ -321,8 +321,8 @@ class TimedArrivals:
             yield Timed(arrival, self._timebase.time_ns(place, value.t_mono_ns), stale=True)
             return
         if delay is Delay.IMPOSSIBLE or value.t_wall_ns < 0:
-            self._losses.impossible(stream)
+            self._losses.tally(stream).impossible += 1
             return
         if delay is Delay.LATE:
-            self._losses.late(stream)
+            self._losses.tally(stream).late += 1
         yield Timed(arrival, self._timebase.time_ns(place, value.t_mono_ns))

@@ -29,7 +29,6 @@ class Feed:
     def __init__(self, port: int) -> None:
         self.messages: list[str] = []
         self.output = LiveOutput(port, self.messages.append)
-        self.output.show(ROBOTS)
         self.now_s = 1000.0
         self.count = 0
 
@@ -44,7 +43,10 @@ class Feed:
         rows += [Frame(of_robot(SIM, "camera", "left"), stamp, stamp, PICTURE)] * 4
         self.output.write(rows)
         self.now_s += PROBE_S + PERIOD_S
-        return self.output.update(self.now_s)
+        restarted = self.output.update(self.now_s)
+        if restarted:
+            self.output.show(ROBOTS)
+        return restarted
 
     def until(self, state: ViewerState) -> int:
         """Feed until the viewer has this state; return how often the output has restarted."""

@@ -129,6 +129,7 @@ def test_events_states_and_differences_are_read(tmp_path: Path) -> None:
     path = tmp_path / "lesson.rrd"
     other = [
         Line(of_robot(SIM, "events"), BEGAN_NS, BEGAN_NS, "ana stop: At rest.", "ERROR"),
+        Line(of_robot(SIM, "events"), BEGAN_NS, BEGAN_NS, "ben look: Refused.", "WARN"),  # at the same time
         Bar(of_robot(SIM, "state"), BEGAN_NS, BEGAN_NS, "ready"),
         Bar(of_robot(SIM, "state"), BEGAN_NS + STEP_NS, BEGAN_NS, "moving"),
         Numbers(of_difference("bea", "arms"), BEGAN_NS, BEGAN_NS, (1.0, 2.0, 3.0)),
@@ -136,7 +137,7 @@ def test_events_states_and_differences_are_read(tmp_path: Path) -> None:
     ]
     written(path, RobotSet({SIM: Figure()}), [[*sample(SIM, 0), *other]])
     recorded = read(path)
-    assert recorded.lines[SIM].texts == ("ana stop: At rest.",)
+    assert recorded.lines[SIM].texts == ("ana stop: At rest.", "ben look: Refused.")
     assert recorded.states[SIM].texts == ("ready", "moving")
     times, angles = recorded.differences["bea"]
     assert times.tolist() == [BEGAN_NS]

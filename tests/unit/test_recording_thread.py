@@ -80,6 +80,7 @@ class FakeOutput:
         self.robot_sets: list[RobotSet] = []
         self.abouts: list[About] = []
         self.failure: Exception | None = None
+        self.restarts = False
         self.closed = False
 
     def show(self, robots: RobotSet) -> None:
@@ -94,7 +95,8 @@ class FakeOutput:
     def update(self, now_s: float) -> bool:  # noqa: ARG002
         if self.failure is not None:
             raise self.failure
-        return False
+        restarted, self.restarts = self.restarts, False
+        return restarted
 
     def close(self) -> bool:
         self.closed = True
@@ -225,6 +227,19 @@ def test_a_note_becomes_a_line_and_a_mark(rig: Rig) -> None:
     assert decode_json(line.json.encode(), Note) == Note(line.time_ns, "ana", "trial 3 begins")
     assert abs(line.time_ns - time.time_ns()) < 5_000_000_000
     assert (mark.state, mark.time_ns) == ("trial 3 begins", line.time_ns)
+
+
+def test_an_output_that_has_restarted_gets_robots_and_description_again(rig: Rig) -> None:
+    """A new file of `--rotate`, or a viewer that was started later, shows the same robots."""
+    rig.subscriptions.publish(positions())
+    rig.answer(AHEAD_NS)
+    until(lambda: len(rig.arms()) == 1, "the robot is in the recording")
+    rig.output.robot_sets.clear()
+    rig.output.abouts.clear()
+    rig.output.restarts = True
+    until(lambda: bool(rig.output.robot_sets and rig.output.abouts), "the output has both again")
+    assert list(rig.output.robot_sets[0].robots) == [BEA]
+    assert rig.output.abouts[0].title == "lesson"
 
 
 def test_an_error_ends_the_thread_and_is_reported(rig: Rig) -> None:
