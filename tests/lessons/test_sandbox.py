@@ -119,11 +119,15 @@ def test_processes_that_a_program_leaves_in_other_sessions_end_with_the_check(
             assert connection.recv(1) == b"", "its process has ended"
 
 
+NO_CORE = "import resource\nresource.setrlimit(resource.RLIMIT_CORE, (0, 0))\n"
+"""Lines of a program that crashes on purpose: `tools/crash.py` would report its core file."""
+
+
 @pytest.mark.parametrize(
     ("text", "error"),
     [
         ("import os\nos._exit(3)", "exit code 3"),
-        ("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)", "the signal SIGSEGV"),
+        (f"{NO_CORE}import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)", "the signal SIGSEGV"),
         ("import os\nos.kill(os.getppid(), 9)\nwhile True:\n    pass", "the signal SIGKILL"),
         ("1 / 0", "ZeroDivisionError"),
     ],
