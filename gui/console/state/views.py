@@ -219,8 +219,6 @@ class HistoryRowView:
     """the request as Python, usually one line, where `twin` is a `Twin`; empty: there is none"""
     program: str
     """the request as a whole program; empty: there is none"""
-    command_line: str
-    """the request as a line for the terminal; empty: there is none"""
 
 
 class CodeLine(NamedTuple):
