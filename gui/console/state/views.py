@@ -442,7 +442,6 @@ class ClassView:
     """whether that request was carried out everywhere; None: it has not ended"""
     toggle: ButtonView
     """switches between this page and the robot"""
-    projector: ProjectorView
     lessons: LessonsView
 
 
