@@ -180,7 +180,7 @@ class ClassPage(QFrame):
         for part in (*self._lines, self.result):
             part.setVisible(not on)
         self.tabs.setCurrentIndex(0)
-        self.tabs.tabBar().setVisible(not on)  # type: ignore[union-attr]
+        self.tabs.tabBar().setVisible(not on)
         for column, name in enumerate(COLUMNS):
             self.list.setColumnHidden(column, on and name not in LARGE)
         self.list.setStyleSheet("")
