@@ -53,10 +53,9 @@ def draw(view: View, size: tuple[int, int] | None, file: Path, part: str) -> Non
         window.show()
     panels.show_theme(view.theme)
     panels.show_view(view)
+    panels.header.setVisible(part != "projector")
+    panels.class_page.show_large(on=part == "projector")
     panels.class_page.tabs.setCurrentIndex(int(part == "lessons"))
-    for shown in (panels.header, panels.pages):
-        shown.setVisible(part != "projector")
-    panels.projector.setVisible(part == "projector")
     for _ in range(5):
         QApplication.processEvents()
     panels.show_view(view)

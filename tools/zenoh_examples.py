@@ -53,9 +53,11 @@ def drive(folder: Path, side: str) -> None:
     assert '"enabled":false' in call(folder, "z_get.py", "-s", f"{base}/state/status")
     assert "NOT_ENABLED" in call(folder, "z_get.py", "-s", f"{base}/cmd/me/pose?yaw=0.2")
     assert '"result":true' in call(folder, "z_get.py", "-s", f"{base}/cmd/me/command?command=enable")
-    assert '"result":true' in call(folder, "z_get.py", "-s", f"{base}/cmd/me/command", "-p", "calibrate")
+    assert '"result":true' in call(folder, "z_get.py", "-s", f"{base}/cmd/me/command", "-p", '{"command":2}')
     assert '"phase":"done"' in call(folder, "z_get.py", "-s", f"{base}/cmd/me/pose?yaw=0.35;pitch=-0.17")
-    assert '"phase":"done"' in call(folder, "z_get.py", "-s", f"{base}/cmd/me/motion", "-p", "0.1 0 -0.1 0.5")
+    assert '"phase":"done"' in call(
+        folder, "z_get.py", "-s", f"{base}/cmd/me/motion?x=0.1;y=0;z=-0.1;speed=0.5"
+    )
     assert "position" in call(folder, "z_get.py", "-s", f"{base}/state/positions")
     assert "commanded" in listen(folder, f"{base}/state/positions/json", 2)
     assert "calibrated" in listen(folder, f"{base}/state/status/json", 1)

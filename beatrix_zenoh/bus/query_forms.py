@@ -1,4 +1,4 @@
-"""Decoding of queries in their four forms: msgpack, JSON, plain words, selector parameters."""
+"""Decoding of queries in their three forms: msgpack, JSON, selector parameters."""
 
 from __future__ import annotations
 
@@ -30,15 +30,14 @@ from beatrix_zenoh.contract.refusals import COMMANDS, bad_field
 M = TypeVar("M", bound=msgspec.Struct)
 
 SWITCH = {"on": "true", "off": "false"}
-MODES = {"absolute": "true", "relative": "false"}
 AXES: Final = ("x", "y", "z")
 ANGLES: Final = ("yaw", "pitch", "roll")
 SPEEDS: Final = tuple(f"speed_{axis}" for axis in AXES)
 OTHER_FORMS: Final[dict[type[msgspec.Struct], str]] = {
-    FollowQuery: 'Send `on` or `off`, parameters `?follow=true`, JSON {"follow":true} or msgpack.',
-    NoteQuery: 'Send the text, parameters `?text=trial%203`, JSON {"text":"trial 3"} or msgpack.',
-    SoundQuery: 'Send words `noise 3` (a sound and its seconds) or `x y z`, parameters `?play=noise;x=1.0;y=0.5;z=0.1`, JSON {"play":"noise"} or msgpack; m, s.',
-    TargetQuery: 'Send words `x y z` or `sway 12` (a path and its period), parameters `?x=1.1;y=0.3;z=0.2`, JSON {"x":1.1,"y":0.3,"z":0.2} or msgpack; m.',
+    FollowQuery: 'Send parameters `?follow=on`, JSON {"follow":true} or msgpack.',
+    NoteQuery: 'Send parameters `?text=trial%203`, JSON {"text":"trial 3"} or msgpack.',
+    SoundQuery: 'Send parameters `?play=noise;seconds=3;x=1.0;y=0.5;z=0.1`, JSON {"play":"noise"} or msgpack; m, s.',
+    TargetQuery: 'Send parameters `?x=1.1;y=0.3;z=0.2` or `?path=sway;period_s=12`, JSON {"x":1.1,"y":0.3,"z":0.2} or msgpack; m.',
 }
 """Forms of requests that name no angle of the arms or the head."""
 LENGTH_MAX: Final = 4096
@@ -96,22 +95,16 @@ def read(raw: RawQuery, kind: type[M]) -> M:
     if text.startswith(("{", "[")):
         return _with_angle(codec.decode_json(text.encode(), kind), raw)
     if text:
-        return codec.from_words(_nested(_words(text, kind), kind), kind)
+        raise Refused(Reason.BAD_VALUE, f"The payload {quoted(text[:QUOTED])} is no JSON. {usage(kind)}")
     parameters = _parameters(raw.parameters)
     if not parameters:
         raise Refused(Reason.BAD_VALUE, f"Empty query. {usage(kind)}")
-    return _with_angle(codec.from_words(_nested(parameters, kind), kind), raw)
+    return _with_angle(codec.from_text(_nested(parameters, kind), kind), raw)
 
 
 def read_motion_or_pose(raw: RawQuery) -> MotionQuery | PoseQuery:
     """Decode a motion or a pose, depending on the names of its fields; raises the errors of `read`."""
     _check_length(raw)
-    if raw.payload and not raw.binary and not raw.payload.lstrip().startswith(b"{"):
-        raise Refused(
-            Reason.BAD_VALUE,
-            "Plain words do not show whether they are for the arms or the head. Send parameters: ?x=0.1;y=0;z=0 for the "
-            "arms or ?yaw=0.3 for the head (rad).",
-        )
     motion = _field_names(raw) & {"position", *AXES, *SPEEDS}
     return read(raw, MotionQuery) if motion else read(raw, PoseQuery)
 
@@ -127,24 +120,26 @@ def usage(kind: type[msgspec.Struct]) -> str:
     """Return a sentence that explains the forms of a request of this kind."""
     if kind is MotionQuery:
         return (
-            "Send words `x y z [speed | sx sy sz] [relative]`, parameters `?x=0.1;y=0;z=0;speed=0.5;absolute=true` (or "
+            "Send parameters `?x=0.1;y=0;z=0;speed=0.5;absolute=true` (or "
             '`speed_x=0.5;speed_y=0.4;speed_z=0.3`), JSON {"position":{"x":0.1,"y":0,"z":0}} or msgpack; rad and rad/s '
             "(10 degrees = 0.1745 rad)."
         )
     if kind is PoseQuery:
         return (
-            "Send words `yaw pitch roll [speed] [relative]`, parameters `?yaw=0.3;pitch=-0.1`, "
+            "Send parameters `?yaw=0.3;pitch=-0.1;speed=0.5;absolute=true`, "
             'JSON {"yaw":0.3} or msgpack; rad and rad/s (10 degrees = 0.1745 rad).'
         )
     if kind is CommandQuery:
         names = ", ".join(f"{command.value} {command.name.lower()}" for command in Command)
-        forms = 'Send `enable on`, `disable`, parameters `?command=2` or JSON {"command":1,"value":true}.'
+        forms = (
+            'Send parameters `?command=enable` or `?command=1;value=off`, or JSON {"command":1,"value":true}.'
+        )
         return f"{forms} Commands: {names}."
     if kind is LeaseQuery:
         actions = ", ".join(action.value for action in LeaseAction)
         return (
-            'Send one word, parameters `?action=take` or JSON {"action":"take"}; `limit 0.5` limits the speed, rad/s. '
-            f"Words: {actions}."
+            'Send parameters `?action=take` or JSON {"action":"take"}; `?action=limit;speed=0.5` limits the speed, rad/s. '
+            f"Actions: {actions}."
         )
     return OTHER_FORMS.get(kind) or f"Its fields: {codec.outline(kind)}."
 
@@ -164,47 +159,6 @@ def _field_names(raw: RawQuery) -> frozenset[str]:
     if raw.payload:
         return codec.field_names(raw.payload, json=not raw.binary)
     return frozenset(_parameters(raw.parameters))
-
-
-def _words(text: str, kind: type[msgspec.Struct]) -> dict[str, str]:
-    """Return the parameters, by name, of a request that is written in plain words."""
-    if kind is NoteQuery:
-        return {"text": text}
-    words = text.replace(",", " ").split()
-    if kind is not CommandQuery:
-        words = [word.lower() for word in words]
-    modes = [MODES[word] for word in words if word in MODES]
-    if len(modes) > 1:
-        raise bad_field(
-            "absolute", f"{quoted(text)} is ambiguous: write absolute or relative, once. {usage(kind)}"
-        )
-    values = [word for word in words if word not in MODES]
-    names = _names_of(len(values), kind)
-    if names is None:
-        raise Refused(
-            Reason.BAD_VALUE, f"{kind.__name__}: {len(values)} is the wrong number of words. {usage(kind)}"
-        )
-    fields = {"absolute": modes[0]} if modes else {}
-    return fields | dict(zip(names, values, strict=True))
-
-
-def _names_of(count: int, kind: type[msgspec.Struct]) -> tuple[str, ...] | None:
-    """Return the names of the parameters that `count` words stand for; None if no request has that many words."""
-    if kind is CommandQuery:
-        return {1: ("command",), 2: ("command", "value")}.get(count)
-    if kind is LeaseQuery:
-        return {1: ("action",), 2: ("action", "speed")}.get(count)
-    if kind is FollowQuery:
-        return ("follow",) if count == 1 else None
-    if kind is SoundQuery:
-        return {1: ("play",), 2: ("play", "seconds"), 3: AXES}.get(count)
-    if kind is TargetQuery:
-        return {1: ("path",), 2: ("path", "period_s"), 3: AXES}.get(count)
-    angles = AXES if kind is MotionQuery else ANGLES
-    forms = {3: angles, 4: (*angles, "speed")}
-    if kind is MotionQuery:
-        forms[6] = angles + SPEEDS
-    return forms.get(count)
 
 
 def _parameters(text: str) -> dict[str, str]:

@@ -19,7 +19,7 @@ from beatrix_zenoh.client.degrees import (
 )
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client, Place, chosen_name
-from beatrix_zenoh.client.slips import Suggesting, known_arguments, value_method
+from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, SILENCE_S, CameraImage, Subscription, message
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
@@ -67,7 +67,6 @@ codec.prepare(RobotStatus)
 class RobotBase(ProcessBound, Suggesting):
     """The readable part of a robot; `Robot` adds commands and motions."""
 
-    @known_arguments
     def __init__(
         self,
         name: str | None = None,

@@ -13,7 +13,7 @@ from beatrix_zenoh.client.plan import SAME_DEG, Plan, Start, distance, unlike
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.robot import PREVIEW_S, Robot
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.slips import Suggesting, known_arguments, value_method
+from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.stopping import stop_robots
 from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion
 from beatrix_zenoh.client.twin_state import PlanPosition, TwinState, may_switch
@@ -39,7 +39,6 @@ class Twin(ProcessBound, Suggesting):
     preview, for programs that send a new target many times a second. `sim` and `hw` are the robots.
     """
 
-    @known_arguments
     def __init__(
         self,
         name: str | None = None,

@@ -90,7 +90,7 @@ def decode_json(data: bytes, kind: type[M]) -> M:
     return message
 
 
-def from_words(fields: dict[str, object], kind: type[M]) -> M:
+def from_text(fields: dict[str, object], kind: type[M]) -> M:
     """Build a message from text values ("0.5", "true") and numbers; raises the errors of `decode`."""
     try:
         return msgspec.convert(fields, type=kind, strict=False)

@@ -152,7 +152,7 @@ def examples(name: str, side: str, endpoint: str) -> list[str]:
         f"z_get.py {client} -s '{base}/command?command=enable'",
         f"z_get.py {client} -s '{base}/command?command=calibrate'",
         f"z_get.py {client} -s '{base}/pose?yaw=0.35;pitch=-0.17'",
-        f"z_get.py {client} -s '{base}/motion' -p '0.1 0 -0.1 0.5'",
+        f"z_get.py {client} -s '{base}/motion?x=0.1;y=0;z=-0.1;speed=0.5'",
         f"z_get.py {client} -s '{keys.stop(name, side, 'me')}'",
         f"z_get.py {client} -s '{keys.events_json(name, side)}'",
         f"z_sub.py {client} -k '{keys.positions_json(name, side)}'",

@@ -27,7 +27,6 @@ from gui.window.widgets.header import Header
 from gui.window.widgets.history import HistoryPanel
 from gui.window.widgets.notices import Banner, RefusalNotice, TroubleNotice
 from gui.window.widgets.plots import PlotsPanel
-from gui.window.widgets.projector import ProjectorScreen
 from gui.window.widgets.sending import SendingPanel
 from gui.window.widgets.sequence import SequencePanel
 
@@ -93,7 +92,6 @@ class Panels(QWidget):
         """the low area of the middle column, visible beside every tab"""
         self.body, self.class_page = QWidget(), ClassPage(texts)
         self.class_page.hide()
-        self.projector = ProjectorScreen()
         self.pages, self.area = QWidget(), Scroll()
         self._lay_out()
         self.refusal, self.trouble = (
@@ -122,7 +120,6 @@ class Panels(QWidget):
         pages.addWidget(self.body)
         pages.addWidget(self.class_page)
         inner.addWidget(self.pages, 1)
-        inner.addWidget(self.projector, 1)
         self.area.setFrameShape(QFrame.Shape.NoFrame)
         content = QWidget()
         content.setLayout(inner)
@@ -260,8 +257,6 @@ class Panels(QWidget):
         self.eyes.cameras.setChecked(view.sending.cameras)
         self.eyes.sound.show_view(view.sound)
         self.class_page.show_view(view.class_page)
-        if view.class_page is not None:
-            self.projector.show_view(view.class_page.projector)
         self._show_page(view.page)
         self.connect_sheet.show_view(view.connect)
         self.stop_bar.show_view(view)

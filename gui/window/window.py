@@ -65,7 +65,7 @@ class Window(QMainWindow):
         self.keys.help.connect(lambda: self.panels.key_sheet.toggle())  # noqa: PLW0108 - panels are replaced
         self.keys.escape.connect(self._close_sheets)
         self.keys.page.connect(lambda: self.handle(TogglePage()))
-        self.keys.projector.connect(lambda: self._project(on=self.panels.projector.isHidden()))
+        self.keys.projector.connect(lambda: self._project(on=not self.panels.class_page.large))
         self.keys.install()
         self._timer = QTimer(self)
         self._timer.timeout.connect(self._refresh_in_turn)
@@ -147,8 +147,7 @@ class Window(QMainWindow):
         full, panels = Qt.WindowState.WindowFullScreen, self.panels
         self.setWindowState(Qt.WindowStates(self.windowState() | full if on else self.windowState() & ~full))
         panels.header.setVisible(not on)
-        panels.pages.setVisible(not on)
-        panels.projector.setVisible(on)
+        panels.class_page.show_large(on=on)
 
     def _do(self, actions: list[Action]) -> None:
         for action in actions:
@@ -170,7 +169,7 @@ class Window(QMainWindow):
         if before is not None:
             self.panels.keep(before)
         keep_focus(self.panels, focus)
-        if view.page is not WindowPage.CLASS and not self.panels.projector.isHidden():
+        if view.page is not WindowPage.CLASS and self.panels.class_page.large:
             self._project(on=False)
 
     def _build(self, view: View) -> None:

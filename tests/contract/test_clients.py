@@ -92,7 +92,7 @@ def test_a_query_on_a_stop_key_is_answered_on_the_key_of_its_seat(robot: Robot, 
 def test_stop_is_accepted_from_an_invalid_seat(robot: Robot, seat: str, command: str) -> None:
     motion = robot.look(yaw=60, wait=False)
     key = f"beatrix/{robot.name}/{robot.side}/cmd/{seat}/command"
-    (answer,) = ask_raw(robot.client, key, command.encode(), "text/plain")
+    (answer,) = ask_raw(robot.client, f"{key}?command={command}")
     assert not answer.error
     assert codec.decode_json(answer.payload, CommandReply).result
     with pytest.raises(Interrupted):

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from gui_views import class_world, full_class, lesson
+from gui_views import class_world, full_class, lesson, turns
 from gui_worlds import robot, status, world
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
+from PyQt5.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, WatchedState
 
@@ -58,28 +59,43 @@ def test_names_of_32_letters_are_shown_whole_in_a_narrow_window(
     assert page.list.columnWidth(0) > page.list.fontMetrics().horizontalAdvance(name)
 
 
-def test_the_projector_fills_the_screen_and_stop_works(
+def shown(page: ClassPage) -> list[str]:
+    """Return the texts of the first row in the columns that are shown."""
+    item = page.list.topLevelItem(0)
+    assert item is not None
+    return [item.text(n) for n in range(page.list.columnCount()) if not page.list.isColumnHidden(n)]
+
+
+def test_f11_shows_whose_turn_it_is_in_large_type_on_the_whole_screen(
     window: Window, page: ClassPage, link: RecordingLink
 ) -> None:
+    link.known = turns(8)
+    window.refresh()
+    small = page.list.fontInfo().pixelSize()
     QTest.mouseClick(page.project, LEFT)
-    panels = window.panels
-    assert window.isFullScreen()
-    assert (panels.projector.isVisible(), panels.pages.isVisible(), panels.stop_bar.isVisible()) == (
-        True,
-        False,
-        True,
+    window.showNormal()
+    window.resize(1920, 1080)
+    QApplication.processEvents()
+    assert shown(page)[3:] == ["Ana Müller (ana) (taken)", "", ""]
+    assert page.list.fontInfo().pixelSize() > 2 * small
+    assert sum(page.list.columnWidth(n) for n in range(page.list.columnCount())) <= page.list.width()
+    assert not any(
+        part.isVisible() for part in (page.freeze_all, page.take, page.summary, page.tabs.tabBar())
     )
-    assert panels.projector.cards[0].driver.text() == "ana"
+    assert window.panels.stop_bar.isVisible()
     QTest.keyClick(window, Qt.Key.Key_Escape)
     assert link.done[-1] == SendStop(1, everywhere=True), "Esc is STOP here, too"
-    assert panels.projector.isVisible()
+    assert page.large
     QTest.keyClick(window, Qt.Key.Key_F11)
-    assert (window.isFullScreen(), panels.projector.isVisible(), page.isVisible()) == (False, False, True)
+    assert (window.isFullScreen(), page.large, page.freeze_all.isVisible()) == (False, False, True)
+    assert page.list.fontInfo().pixelSize() == small
+    assert len(shown(page)) == page.list.columnCount()
 
 
-def test_f11_opens_the_page_of_the_class_and_f2_ends_the_projector(window: Window) -> None:
+def test_f11_opens_the_page_of_the_class_and_f2_ends_the_large_type(window: Window) -> None:
     QTest.keyClick(window, Qt.Key.Key_F11)
-    assert window.panels.projector.isVisible()
+    assert (window.isFullScreen(), window.panels.class_page.isVisible()) == (True, True)
+    assert not window.panels.header.isVisible()
     QTest.keyClick(window, Qt.Key.Key_F2)
     assert (window.isFullScreen(), window.panels.body.isVisible()) == (False, True)
 

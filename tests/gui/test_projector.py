@@ -1,4 +1,4 @@
-"""Whose turn it is, in large type: what the projector shows, and how the window draws it."""
+"""Whose turn it is, in large type: what the page for a projector shows."""
 
 from __future__ import annotations
 
@@ -7,23 +7,12 @@ from dataclasses import replace
 import pytest
 from gui_views import class_world, turns
 from msgspec import structs
-from PyQt5.QtCore import Qt
-from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication
-from recording_link import RecordingLink
 
 from gui.console.state import projector
-from gui.console.state.intents import SetLanguage
 from gui.console.state.world import LinkPhase
-from gui.console.texts import LANGUAGES, Texts
-from gui.window.widgets.projector import ProjectorScreen, RobotCard, cut_in_middle
-from gui.window.window import Window
+from gui.console.texts import Texts
 
 TEACHER = class_world()
-SIZES = [(1366, 768), (1920, 1080), (1024, 600)]
-
-
-# -- what is shown ----------------------------------------------------------------------------------
 
 
 def test_a_row_names_the_driver_the_time_left_and_the_next_seats() -> None:
@@ -67,76 +56,3 @@ def test_the_projector_says_why_it_shows_no_robot() -> None:
     lost = replace(TEACHER, phase=LinkPhase.NO_ROUTER, robots=())
     assert "no router answers" in projector.view(lost, Texts("en")).empty.lower()
     assert projector.view(replace(TEACHER, robots=()), Texts("de")).empty
-
-
-# -- the window -------------------------------------------------------------------------------------
-
-
-def shown(window: Window, link: RecordingLink, count: int, size: tuple[int, int]) -> ProjectorScreen:
-    """Return the screen with robots that have long names."""
-    link.known = turns(count, long=True)
-    window.refresh()
-    if window.panels.projector.isHidden():
-        QTest.keyClick(window, Qt.Key.Key_F11)
-    window.showNormal()
-    window.resize(*size)
-    window.refresh()
-    QApplication.processEvents()
-    return window.panels.projector
-
-
-def test_a_long_text_is_cut_in_the_middle() -> None:
-    for most, shown in ((9, "abcdefghi"), (7, "abc…ghi"), (4, "ab…i"), (2, "a…"), (1, "…"), (0, "…")):
-        assert cut_in_middle("abcdefghi", lambda text, most=most: len(text) <= most) == shown  # type: ignore[misc]
-
-
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("count", [1, 3, 8, 30])
-@pytest.mark.parametrize("language", LANGUAGES)
-def test_robots_fill_the_screen_and_no_text_leaves_its_robot(
-    window: Window, link: RecordingLink, size: tuple[int, int], count: int, language: str
-) -> None:
-    window.handle(SetLanguage(language))
-    screen = shown(window, link, count, size)
-    room = screen.rect()
-    for card in screen.cards:
-        place = card.geometry().translated(card.parentWidget().pos())
-        assert room.contains(place)
-        assert place.width() > room.width() / 6
-        check_texts(card)
-    last = screen.cards[-1]
-    assert last.geometry().bottom() > room.height() * 0.9, "no empty space below"
-    assert screen.hint.shown == screen.hint.text()
-
-
-def check_texts(card: RobotCard) -> None:
-    """The parts of a robot lie inside it and do not touch each other; both ends of names are shown."""
-    top = [part for part in (card.robot, card.state, card.side, card.left) if part.text()]
-    for part in (*top, card.driver, card.waiting):
-        assert card.rect().contains(part.geometry()), part.text()
-        assert part.shown[-2:] == part.text()[-2:], "the end of a name is shown"
-    assert card.robot.geometry().right() < card.left.x()
-    for note in (card.side, card.state):
-        if note.text():
-            assert note.shown == note.text()
-    assert card.left.shown == card.left.text()
-    assert card.driver.geometry().bottom() < card.waiting.y() + 2
-
-
-@pytest.mark.parametrize("count", [1, 2, 3, 4])
-@pytest.mark.parametrize("size", SIZES[:2])
-def test_names_of_up_to_four_robots_have_six_hundredths_of_the_height(
-    window: Window, link: RecordingLink, size: tuple[int, int], count: int
-) -> None:
-    for card in shown(window, link, count, size).cards:
-        for part in (card.robot, card.driver, card.waiting):
-            assert part.size_px >= 0.06 * size[1]
-
-
-def test_robots_that_come_and_go_change_the_columns(window: Window, link: RecordingLink) -> None:
-    for count in (30, 1, 4):
-        screen = shown(window, link, count, SIZES[0])
-        assert len(screen.cards) == count
-        assert screen.cards[0].driver.text().startswith("Ana")
-        columns = {30: 5, 1: 1, 4: 2}[count]
-        assert screen.cards[0].width() > screen.width() / (columns + 0.2)

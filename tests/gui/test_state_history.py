@@ -1,8 +1,7 @@
-"""The history: requests of the window and of other seats, and their copies as Python and as a command line."""
+"""The history: requests of the window and of other seats, and their copies as Python."""
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -10,12 +9,10 @@ from typing import Any
 from unittest.mock import MagicMock, create_autospec
 
 import pytest
-import typer.main
 from golden import same
 from gui_worlds import absent, robot, status, world
 
 import beatrix_zenoh
-from beatrix_zenoh.cli.verbs import application
 from beatrix_zenoh.client import Plan, Robot, Twin
 from beatrix_zenoh.contract._generated.messages import Command, Event, EventKind, LeaseAction, Phase, Reason
 from beatrix_zenoh.contract.refusals import not_enabled
@@ -105,56 +102,46 @@ def test_a_stop_without_a_router_reached_no_side() -> None:
 
 # -- lines -------------------------------------------------------------------------------------------
 
-LINES: list[tuple[tuple[Intent, ...], str, str]] = [
+LINES: list[tuple[tuple[Intent, ...], str]] = [
     (
         (BOTH, *LOOK),
         "twin.preview(yaw=20, pitch=-10, roll=0, speed=30).commit(lead_s=2)",
-        "beatrix look --yaw 20 --pitch -10 --roll 0 --speed 30 --on both --lead 2",
     ),
     (
         (BOTH, intents.SetLead(0), *LOOK),
         "twin.preview(yaw=20, pitch=-10, roll=0, speed=30).commit()",
-        "beatrix look --yaw 20 --pitch -10 --roll 0 --speed 30 --on both",
     ),
     (
         (BOTH, intents.SetLead(0.5), Jog("all", -1)),
         "twin.preview_arms(-5, -5, -5, speed=30).commit(lead_s=0.5)",
-        "beatrix move -5 -5 -5 --speed 30 --on both --lead 0.5",
     ),
     (
         (*HW_ONLY, *LOOK),
         "twin.hw.look(yaw=20, pitch=-10, roll=0, speed=30)",
-        "beatrix look --yaw 20 --pitch -10 --roll 0 --speed 30 --on hw",
     ),
     (
         (intents.SetRelative(False), intents.SetIncrement(2.345), Jog("middle", -1)),
         "twin.sim.move(0, -2.345, 0, speed=30)",
-        "beatrix move 0 -2.345 0 --speed 30 --on sim",
     ),
-    ((RunCommand(Command.ENABLE),), "twin.sim.enable()", "beatrix enable --on sim"),
-    ((BOTH, RunCommand(Command.ENABLE, value=False)), "twin.disable()", "beatrix disable --on both"),
-    ((BOTH, RunCommand(Command.CALIBRATE)), "twin.calibrate()", "beatrix calibrate --on both"),
-    ((RunCommand(Command.RESET, side="hw"),), "twin.hw.reset()", "beatrix reset --on hw"),
-    ((intents.Stop(),), "twin.stop()", "beatrix stop"),
+    ((RunCommand(Command.ENABLE),), "twin.sim.enable()"),
+    ((BOTH, RunCommand(Command.ENABLE, value=False)), "twin.disable()"),
+    ((BOTH, RunCommand(Command.CALIBRATE)), "twin.calibrate()"),
+    ((RunCommand(Command.RESET, side="hw"),), "twin.hw.reset()"),
+    ((intents.Stop(),), "twin.stop()"),
     (
         (intents.MakeReady("hw"),),
         "twin.hw.make_ready()",
-        "beatrix enable --on hw; beatrix calibrate --on hw",
     ),
     (
         (BOTH, intents.PlayFile(Path("my greeting.csv"))),
         "play(twin, load('my greeting.csv'), lead_s=2)",
-        'beatrix play "my greeting.csv" --on both --lead 2',
     ),
 ]
 
 
-@pytest.mark.parametrize(("given", "python", "line"), LINES)
-def test_a_row_is_copied_as_python_and_as_a_command_line(
-    given: tuple[Intent, ...], python: str, line: str
-) -> None:
-    row = newest(*given)
-    assert (row.python, row.command_line) == (python, line)
+@pytest.mark.parametrize(("given", "python"), LINES)
+def test_a_row_is_copied_as_python(given: tuple[Intent, ...], python: str) -> None:
+    assert newest(*given).python == python
 
 
 def specified_twin() -> MagicMock:
@@ -195,7 +182,7 @@ MORE: list[tuple[Intent, ...]] = [
 ]
 
 
-@pytest.mark.parametrize("given", [*[given for given, _, _ in LINES], *MORE])
+@pytest.mark.parametrize("given", [*[given for given, _ in LINES], *MORE])
 def test_a_row_is_copied_as_a_whole_program_that_runs(
     given: tuple[Intent, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -216,29 +203,6 @@ def test_a_program_has_router_and_seat_only_if_it_would_choose_others() -> None:
 
 def test_a_copied_stop_leaves_a_robot_out_that_is_not_online() -> None:
     assert "\n    robot.stop()\n" in newest(intents.Stop(), now=world(hw=absent("hw"))).program
-
-
-@pytest.mark.parametrize("line", [line for _, _, line in LINES])
-def test_beatrix_parses_the_copied_command_line(line: str) -> None:
-    for part in line.split("; "):
-        program, *words = shlex.split(part)
-        assert program == "beatrix"
-        assert parsed(words)
-
-
-def parsed(words: list[str]) -> dict[str, Any]:
-    """Return the parameters of a command line as typer parses them, without running it; raises for wrong usage."""
-    app = typer.main.get_command(application(words))
-    with app.make_context("beatrix", list(words)) as context:
-        name, verb, rest = app.resolve_command(context, words)  # type: ignore[attr-defined]
-        with verb.make_context(name, rest, parent=context) as inner:
-            assert inner.args == []
-            parameters: dict[str, Any] = inner.params
-            return parameters
-
-
-def test_the_command_line_of_an_emergency_stop() -> None:
-    assert newest(intents.EmergencyStop()).command_line == "beatrix stop --emergency"
 
 
 # -- other seats -------------------------------------------------------------------------------------

@@ -99,7 +99,6 @@ def test_a_refusal_because_of_a_lease_offers_to_wait() -> None:
     state.report(Outcome(2, "sim", accepted=True, done=True))
     row = state.view(world()).history[0]
     assert (row.what, row.result) == ("ask for the robot (simulation)", "done")
-    same("state leases.a refusal because of a lease offers to wait 2", row.command_line)
 
 
 def banner_of(state: State, now: World) -> str:

@@ -1,11 +1,9 @@
-"""`beatrix graph`: the programs at the router, as text, JSON and a drawing."""
+"""`beatrix graph`: the programs at the router, as text and JSON."""
 
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree as ET
 
 import pytest
 from class_router import replies
@@ -25,7 +23,7 @@ def programs(shell: Shell) -> dict[str, dict[str, Any]]:
     return {row["title"]: row for row in shell.json("graph", "--who", "teacher")["programs"]}
 
 
-def test_graph_shows_who_watches_and_who_asks_which_robot(shell: Shell, tmp_path: Path) -> None:
+def test_graph_shows_who_watches_and_who_asks_which_robot(shell: Shell) -> None:
     with shell.robot("hw") as robot, robot.stream() as readings:
         readings.next()
         robot.stop()
@@ -39,10 +37,6 @@ def test_graph_shows_who_watches_and_who_asks_which_robot(shell: Shell, tmp_path
         assert f"watches {NAME} (hw): state/positions" in shown
         assert f"asks {NAME} (hw): stop" in shown
         assert f"asks {NAME} (sim)" not in shown
-        shell.good("graph", "--svg", str(tmp_path / "graph.svg"))
-        drawn = ET.parse(tmp_path / "graph.svg").getroot()  # the drawing that this test has written
-        texts = {element.text for element in drawn.iter("{http://www.w3.org/2000/svg}text")}
-        assert texts >= {*NODES, SEAT, "state/positions", "stop"}
     until(lambda: SEAT not in programs(shell), "ana has left")
 
 

@@ -59,7 +59,7 @@ def test_a_plain_get_enables_calibrates_and_moves_the_robot(stage: Stage) -> Non
     (refused,) = get(stage, "cmd/me/pose?yaw=0.2")
     assert (refused["result"], refused["reason"]) == (False, "NOT_ENABLED")
     assert [reply["result"] for reply in get(stage, "cmd/me/command?command=enable")] == [True]
-    assert [reply["result"] for reply in get(stage, "cmd/me/command", "calibrate")] == [True]
+    assert [reply["result"] for reply in get(stage, "cmd/me/command", '{"command":2}')] == [True]
     (done,) = get(stage, "cmd/me/pose?yaw=0.1;speed=1")
     assert (done["result"], done["phase"]) == (True, "done"), "the last reply is the one that is kept"
     (positions,) = get(stage, "state/positions")

@@ -92,8 +92,7 @@ def teach(stage: Stage, robot: Robot) -> None:
     robot.look(pitch=3, relative=True, speed=60)
     with pytest.raises(Refused):
         robot.look(pitch=60)
-    words = "0.1 0.05 0 1.5"
-    ask_raw(robot.client, keys.pose(robot.name, robot.side, "ana"), words.encode(), "text/plain")
+    ask_raw(robot.client, keys.pose(robot.name, robot.side, "ana") + "?yaw=0.1;pitch=0.05;speed=1.5")
     Shell(stage.endpoint).good("look", "--yaw", "5", "--speed", "60", "--name", "bea", "--on", "hw")
     play(robot, Choreography([("nod", Pose(0.0, 0.0, 5.0, 0.0, 60.0))]))
     until(lambda: robot.status().holder == "", "free", 5.0)

@@ -41,7 +41,7 @@ def test_notes_of_all_seats_are_in_every_recording(stage: Stage, tmp_path: Path)
     assert [line.partition(": noted at ")[0] for line in lines] == ["one.rrd (Lesson 2)", "two.rrd"]
     found = shell.json("note", "a\nforged \x1b[31mline", "--who", "ben")
     assert [row["result"] for row in found["recordings"]] == [True, True]
-    answers = ask_raw(stage.client("foreign"), keys.note("cem", "*"), b"in plain words", "text/plain")
+    answers = ask_raw(stage.client("foreign"), keys.note("cem", "*") + "?text=in%20plain%20words")
     assert len(answers) == 2
     assert shell.run("note", " ").returncode == 1
     assert [process.end(signal.SIGTERM) for process in processes] == [0, 0]

@@ -27,7 +27,10 @@ class Room:
         self.source = SoundSource(lambda: self.eyes, lambda: self.now_s)
 
     def ask(self, text: str, attachment: bytes = b"") -> SoundReply:
-        return reply(self.source, RawQuery(text.encode(), "", ""), attachment)
+        """Send parameters or, if the text begins with a brace, JSON."""
+        json = text.startswith("{")
+        raw = RawQuery(text.encode() if json else b"", "", "" if json else text)
+        return reply(self.source, raw, attachment)
 
     @property
     def place(self) -> Point:
@@ -45,11 +48,11 @@ def test_at_the_start_the_mouth_of_the_person_is_silent() -> None:
 @pytest.mark.parametrize(
     ("text", "attachment", "name", "seconds"),
     [
-        ("noise", b"", "noise", 3.0),
-        ("clap 0.5", b"", "clap", 0.5),
+        ("play=noise", b"", "noise", 3.0),
+        ("play=clap;seconds=0.5", b"", "clap", 0.5),
         ('{"play":"voice","seconds":60}', b"", "voice", 60.0),
-        ("samples", SECOND, "samples", 1.0),
-        ("samples 5", SECOND, "samples", 5.0),
+        ("play=samples", SECOND, "samples", 1.0),
+        ("play=samples;seconds=5", SECOND, "samples", 5.0),
     ],
 )
 def test_a_sound_plays_as_long_as_asked(text: str, attachment: bytes, name: str, seconds: float) -> None:
@@ -68,14 +71,14 @@ def test_a_sound_plays_as_long_as_asked(text: str, attachment: bytes, name: str,
 
 def test_silence_ends_a_sound_at_once() -> None:
     room = Room()
-    room.ask("noise 20")
-    assert room.ask("silence").play == "silence"
+    room.ask("play=noise;seconds=20")
+    assert room.ask("play=silence").play == "silence"
     assert room.source.playing() is None
 
 
 def test_a_placed_source_stays_and_the_mouth_moves_with_the_person() -> None:
     room = Room()
-    room.ask("1 -0.5 0.1")
+    room.ask("x=1;y=-0.5;z=0.1")
     room.eyes = (0.5, 1.0, 0.2)
     assert room.place == pytest.approx((1.0, -0.5, 0.1))
     answer = room.ask('{"mouth":true}')
@@ -85,35 +88,34 @@ def test_a_placed_source_stays_and_the_mouth_moves_with_the_person() -> None:
 
 def test_placing_leaves_the_sound_and_playing_leaves_the_place() -> None:
     room = Room()
-    room.ask("1 0.5 0.1")
-    room.ask("voice 10")
+    room.ask("x=1;y=0.5;z=0.1")
+    room.ask("play=voice;seconds=10")
     room.now_s += 1
-    answer = room.ask("0.8 0.5 0.1")
+    answer = room.ask("x=0.8;y=0.5;z=0.1")
     assert (answer.play, round(answer.seconds, 3)) == ("voice", 9.0)
-    assert room.ask("noise").x == pytest.approx(0.8)
+    assert room.ask("play=noise").x == pytest.approx(0.8)
 
 
 @pytest.mark.parametrize(
     ("text", "field", "teaches"),
     [
-        ("bark", "play", "Choose one of clap, voice, noise, samples, silence"),
-        ("noise -1", "seconds", "at most 60 s"),
-        ("noise 61", "seconds", "at most 60 s"),
+        ("play=bark", "play", "Choose one of clap, voice, noise, samples, silence"),
+        ("play=noise;seconds=-1", "seconds", "at most 60 s"),
+        ("play=noise;seconds=61", "seconds", "at most 60 s"),
         ('{"seconds":3}', "play", "Choose one of"),
-        ("3 0 0", "x", "the room allows -1.9 to 2.3 m"),
-        ("0 0 1.2", "z", "the room allows -0.6 to 1.1 m"),
-        ("0.1 0.1 0.1", "x", "inside the head"),
+        ("x=3;y=0;z=0", "x", "the room allows -1.9 to 2.3 m"),
+        ("x=0;y=0;z=1.2", "z", "the room allows -0.6 to 1.1 m"),
+        ("x=0.1;y=0.1;z=0.1", "x", "inside the head"),
         ('{"x":1.0,"y":0.5}', "z", "z is missing"),
         ('{"x":1.0,"y":0.5,"z":0.1,"mouth":true}', "mouth", "give one of both"),
-        ("samples", "play", "attachment"),
-        ("noise loud", "seconds", "float"),
-        ("1 2 3 4", "", "wrong number of words"),
+        ("play=samples", "play", "attachment"),
+        ("play=noise;seconds=loud", "seconds", "float"),
     ],
 )
 def test_a_refusal_changes_nothing_and_says_what_is_allowed(text: str, field: str, teaches: str) -> None:
     room = Room()
-    room.ask("1 0.5 0.1")
-    room.ask("voice 10")
+    room.ask("x=1;y=0.5;z=0.1")
+    room.ask("play=voice;seconds=10")
     before = room.ask("")
     answer = room.ask(text)
     assert (answer.result, answer.reason) == (False, Reason.BAD_VALUE)
@@ -131,13 +133,13 @@ def test_a_refused_sound_does_not_move_the_source() -> None:
 
 @pytest.mark.parametrize("attachment", [bytes(3), bytes(2 * 10 * RATE + 2)])
 def test_an_attachment_that_is_no_sound_or_too_long_is_refused(attachment: bytes) -> None:
-    assert "at most 10 s at 48000 Hz" in Room().ask("samples", attachment).message
+    assert "at most 10 s at 48000 Hz" in Room().ask("play=samples", attachment).message
 
 
 def test_samples_are_heard_as_they_were_sent() -> None:
     room = Room()
     sent = np.arange(-1000, 1000, dtype="<i2")
-    room.ask("samples", sent.tobytes())
+    room.ask("play=samples", sent.tobytes())
     playing = room.source.playing()
     assert playing is not None
     assert (playing.samples * 32768 == sent).all()

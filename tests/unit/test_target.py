@@ -40,14 +40,14 @@ def answer_to(
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        (b"1 2 3 4", "x y z"),
-        (b"there", "no path 'there' for the person. Choose still, sway, circle"),
-        (b"sway 1", "A period of 1 s is not possible: give 2 to 600 s"),
-        (b"sway nan", "period_s"),
+        (b"1 2 3", "?x=1.1;y=0.3;z=0.2"),
+        (b'{"path": "there"}', "no path 'there' for the person. Choose still, sway, circle"),
+        (b'{"path": "sway", "period_s": 1}', "A period of 1 s is not possible: give 2 to 600 s"),
+        (b'{"path": "sway", "period_s": "nan"}', "period_s"),
         (b'{"path": "sway", "x": 1}', "Give x, y and z (m), or a path"),
         (b'{"x": 1}', "Give x, y and z (m), or a path"),
-        (b"1 nan 0", "y"),
-        (b"9 0 0", "x = 9.00 m; the room allows"),
+        (b'{"x": 1, "y": "nan", "z": 0}', "y"),
+        (b'{"x": 9, "y": 0, "z": 0}', "x = 9.00 m; the room allows"),
     ],
 )
 def test_a_wrong_query_is_refused_with_an_explanation(wrong: bytes, words: str) -> None:
@@ -57,11 +57,10 @@ def test_a_wrong_query_is_refused_with_an_explanation(wrong: bytes, words: str) 
     assert words in answer.message
 
 
-@pytest.mark.parametrize("words", [b"sway 6", b'{"path": "sway", "period_s": 6}'])
-def test_a_walk_begins_when_it_is_asked_for(words: bytes) -> None:
+def test_a_walk_begins_when_it_is_asked_for() -> None:
     target = PersonTarget(TargetPath.STILL, 0.0)
     target.move((1.0, 1.0, 0.2))
-    answer = reply(target, RawQuery(words, "", ""), now_s=100.0)
+    answer = reply(target, RawQuery(b'{"path": "sway", "period_s": 6}', "", ""), now_s=100.0)
     assert (answer.result, answer.x, answer.y, answer.z) == (True, *HOME)
     assert target.place(101.5) == pytest.approx(on_path(TargetPath.SWAY, 1.5, 6.0))
     assert target.place(101.5)[1] > 0.7, "a quarter of the way there and back"

@@ -13,7 +13,7 @@ from beatrix_zenoh.client.monitor import SeatStops, stops_by_seat
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
-from gui.console.state import history, lessons, pills, projector, refusals, sound
+from gui.console.state import history, lessons, pills, refusals, sound
 from gui.console.state.actions import Action, Govern, SendStop, WatchCameras, WatchClass, WatchMicrophones
 from gui.console.state.eyes import wanted
 from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat, TogglePage, WindowPage
@@ -57,7 +57,6 @@ def view(memory: Memory, world: World) -> ClassView | None:
         result=result,
         good=good,
         toggle=button(toggle, TogglePage()),
-        projector=projector.view(world, texts),
         lessons=lessons.view(world, texts),
     )
 
@@ -177,7 +176,7 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
             f"{pills.SYMBOLS[found.condition]} {found.text}",
             _driver(status, world, texts),
             texts("class.turn", seconds=float(status.turn_s)) if status is not None and status.turn_s else "",
-            "" if status is None else ", ".join(status.waiting),
+            "" if status is None else _shown(world, status.waiting),
             texts("class.rate", hz=float(robot.hz)),
             texts("unknown")
             if robot.positions_age_s is None

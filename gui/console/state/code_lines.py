@@ -1,4 +1,4 @@
-"""Requests as Python, as a whole program, and as a line for the terminal."""
+"""Requests as Python, and as a whole program."""
 
 from __future__ import annotations
 
@@ -9,27 +9,13 @@ from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery
 from beatrix_zenoh.contract.names import SIDES
-from beatrix_zenoh.output import typed
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
-from gui.console.state.actions import POSES, Govern, Play, Ready, Send, SendCommand, SendLease, SendStop
+from gui.console.state.actions import POSES, Play, Ready, Send, SendCommand, SendLease, SendStop
 from gui.console.state.memory import Request
 from gui.console.state.presence import online
 from gui.console.state.views import CodeLine
 from gui.console.state.world import World
 
-LEASES = {
-    LeaseAction.TAKE: ("take",),
-    LeaseAction.WAIT: ("take", "--wait", "60"),
-    LeaseAction.GIVE_BACK: ("give-back",),
-}
-GOVERNS = (
-    LeaseAction.FREEZE,
-    LeaseAction.UNFREEZE,
-    LeaseAction.LIMIT,
-    LeaseAction.MUTE,
-    LeaseAction.UNMUTE,
-)
-"""Words after `beatrix lease`."""
 VERBS = {
     Command.ENABLE: "enable",
     Command.CALIBRATE: "calibrate",
@@ -145,39 +131,6 @@ def _indented(lines: Sequence[str]) -> list[str]:
     return [f"    {line}" for line in lines]
 
 
-def command_line(request: Request, world: World) -> str:
-    """Return a command for the terminal that sends the request; empty if there is no such command."""
-    match request:
-        case Send(query=query, sides=sides, lead_s=lead_s):
-            words = [*_motion_words(query), *_where(sides, world), *_lead(sides, lead_s)]
-        case SendCommand(command=command, value=value, sides=sides):
-            words = [_verb(command, on=value), *_where(sides, world)]
-        case Ready(side=side):
-            verbs = ("enable", "calibrate")  # `;` and not `&&`, which Windows PowerShell does not know
-            return "; ".join(typed("beatrix", verb, *_where((side,), world)) for verb in verbs)
-        case SendStop(everywhere=everywhere, emergency=emergency):
-            options = ["--all"] * everywhere + ["--emergency"] * emergency
-            words = ["stop", *options, *(_router(world) if everywhere else _names(world))]
-        case SendLease(action=action, side=side):
-            words = ["lease", *LEASES[action], *_where((side,), world)]
-        case Govern(action=action) if action in GOVERNS:
-            words = [*_governed(request), *_router(world)]
-        case Play(sides=sides, lead_s=lead_s) if _played(request):
-            words = ["play", _played(request), *_where(sides, world), *_lead(sides, lead_s)]
-        case _:
-            return ""
-    return typed("beatrix", *words)
-
-
-def _governed(request: Govern) -> list[str]:
-    """Return verb, value and names of a request to all robots or some; a name stands for both of its robots."""
-    words = [request.action.value]
-    if request.action is LeaseAction.LIMIT:
-        words.append(_number(math.degrees(request.speed)) if request.speed else "off")
-    words += [request.seat] if request.seat else []
-    return [*words, *(word for name, _ in request.places for word in ("--name", name))]
-
-
 def _verb(command: Command, *, on: bool) -> str:
     return "disable" if command is Command.ENABLE and not on else VERBS[command]
 
@@ -205,16 +158,6 @@ def _commit(lead_s: float) -> str:
     return f".commit({f'lead_s={_number(lead_s)}' if lead_s else ''})"
 
 
-def _motion_words(query: MotionQuery | PoseQuery) -> list[str]:
-    if isinstance(query, PoseQuery):
-        words = ["look", *[word for name, text in _head(query).items() for word in (f"--{name}", text)]]
-        speed = "" if query.speed is None else _number(math.degrees(query.speed))
-    else:
-        words = ["move", *[_number(angle) for angle in arm_angles(query.position)]]
-        speed = ",".join(_speeds(query))
-    return [*words, *([] if query.absolute else ["--relative"]), *(["--speed", speed] if speed else [])]
-
-
 def _head(query: PoseQuery) -> dict[str, str]:
     angles = {"yaw": query.yaw, "pitch": query.pitch, "roll": query.roll}
     return {name: _number(math.degrees(angle)) for name, angle in angles.items()}
@@ -226,25 +169,6 @@ def _speeds(query: MotionQuery) -> list[str]:
         return []
     speeds = [_number(speed) for speed in arm_angles(query.speed)]
     return speeds[:1] if len(set(speeds)) == 1 else speeds
-
-
-def _lead(sides: tuple[str, ...], lead_s: float) -> list[str]:
-    return ["--lead", _number(lead_s)] if lead_s and len(sides) > 1 else []
-
-
-def _where(sides: tuple[str, ...], world: World) -> list[str]:
-    return ["--on", "both" if len(sides) > 1 else sides[0], *_names(world)]
-
-
-def _names(world: World) -> list[str]:
-    """Return the options for robot, router and seat, except those whose defaults are right."""
-    name = ["--name", world.robot] if len(world.names) > 1 else []
-    return [*name, *_router(world)]
-
-
-def _router(world: World) -> list[str]:
-    router = ["--connect", world.endpoint] if world.endpoint != DEFAULT_ENDPOINT else []
-    return [*router, *(["--who", world.who] if world.who else [])]
 
 
 def _number(value: float) -> str:

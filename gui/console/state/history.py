@@ -129,7 +129,6 @@ def row_view(row: RequestRow, world: World, texts: Texts) -> HistoryRowView:
         on_purpose=on_purpose,
         python=code_lines.python(row.request),
         program=code_lines.whole_program(row.request, world),
-        command_line=code_lines.command_line(row.request, world),
     )
 
 
@@ -154,7 +153,6 @@ def _foreign(group: other_seats.Group, now_s: float, texts: Texts) -> HistoryRow
         on_purpose=False,
         python="",
         program="",
-        command_line="",
     )
 
 

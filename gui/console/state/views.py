@@ -219,8 +219,6 @@ class HistoryRowView:
     """the request as Python, usually one line, where `twin` is a `Twin`; empty: there is none"""
     program: str
     """the request as a whole program; empty: there is none"""
-    command_line: str
-    """the request as a line for the terminal; empty: there is none"""
 
 
 class CodeLine(NamedTuple):
@@ -444,7 +442,6 @@ class ClassView:
     """whether that request was carried out everywhere; None: it has not ended"""
     toggle: ButtonView
     """switches between this page and the robot"""
-    projector: ProjectorView
     lessons: LessonsView
 
 

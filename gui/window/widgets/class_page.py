@@ -40,6 +40,10 @@ REMARKS_PX = 200
 NO_REMARKS_PX = 130
 """The same while it contains only its heading."""
 LIMIT_PX = 70
+LARGE = {"robot": 0.18, "side": 0.11, "state": 0.17, "driver": 0.24, "turn": 0.08, "waiting": 0.22}
+"""Columns in large type, for a projector, and their parts of the width."""
+LARGE_WIDTH, LARGE_LINE, LARGEST = 60, 1.7, 16
+"""Width of the page, height of a row, and height of the page, all in heights of the large type."""
 SEAT_CHARACTERS = 10
 """Width of the box of seats."""
 NAMES_PX = 240
@@ -56,6 +60,7 @@ class ClassPage(QFrame):
         super().__init__()
         self._view: ClassView | None = None
         self._style = style_of(Theme.DARK)
+        self.large = False
         self.setProperty("panel", True)  # noqa: FBT003
         self.summary = label(role="title", wrap=True)
         self.project = QPushButton(texts("label.projector"))
@@ -111,8 +116,10 @@ class ClassPage(QFrame):
         return found
 
     def _lay_out(self, texts: Texts) -> None:
-        top, every, one = QHBoxLayout(), QHBoxLayout(), QHBoxLayout()
+        self._lines = QWidget(), QWidget(), QWidget()
+        top, every, one = map(QHBoxLayout, self._lines)
         for line in (top, every, one):
+            line.setContentsMargins(0, 0, 0, 0)
             line.setSpacing(6)
         top.addWidget(self.summary, 1)
         top.addWidget(self.project)
@@ -136,8 +143,8 @@ class ClassPage(QFrame):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(8, 8, 8, 8)
         layout.setSpacing(6)
-        layout.addLayout(top)
-        layout.addLayout(every)
+        layout.addWidget(self._lines[0])
+        layout.addWidget(self._lines[1])
         layout.addWidget(self.tabs, 1)
         robots = QWidget()
         inner = QVBoxLayout(robots)
@@ -145,7 +152,7 @@ class ClassPage(QFrame):
         inner.setSpacing(6)
         inner.addWidget(self.list, 1)
         inner.addWidget(self.empty, 1)
-        inner.addLayout(one)
+        inner.addWidget(self._lines[2])
         self.tabs.addTab(robots, texts("label.class_robots"))
         self.tabs.addTab(self.lessons, "")
         layout.addWidget(self.result)
@@ -167,8 +174,31 @@ class ClassPage(QFrame):
         super().resizeEvent(event)
         self._widen()
 
+    def show_large(self, *, on: bool) -> None:
+        """Show the robots alone, in large type for a projector, or again the whole page."""
+        self.large = on
+        for part in (*self._lines, self.result):
+            part.setVisible(not on)
+        self.tabs.setCurrentIndex(0)
+        self.tabs.tabBar().setVisible(not on)
+        for column, name in enumerate(COLUMNS):
+            self.list.setColumnHidden(column, on and name not in LARGE)
+        self.list.setStyleSheet("")
+        self._widen()
+
+    def _enlarge(self) -> None:
+        """Let the type follow the size of the page; texts that are too long are cut."""
+        lines = LARGE_LINE * (self.list.topLevelItemCount() + 1)
+        px = min(self.width() / LARGE_WIDTH, self.height() / max(lines, LARGEST))
+        self.list.setStyleSheet(f"* {{ font-size: {int(px)}px }}")
+        for name, part in LARGE.items():
+            self.list.setColumnWidth(COLUMNS.index(name), int(part * self.list.width()))
+
     def _widen(self) -> None:
         """Show the names whole, in a narrow window at the cost of the last columns; share the rest of the width."""
+        if self.large:
+            self._enlarge()
+            return
         least, *widths = map(self._style.px, WIDTHS_PX)
         advance, rows = (
             self.list.fontMetrics().horizontalAdvance,

@@ -1,11 +1,10 @@
-"""Requests of this window and of other seats, to send again or to copy as Python or as a command line."""
+"""Requests of this window and of other seats, to send again or to copy as Python."""
 
 from __future__ import annotations
 
 from PyQt5.QtCore import QRect, QSignalBlocker, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QGuiApplication, QIcon, QPainter, QPixmap
 from PyQt5.QtWidgets import (
-    QHBoxLayout,
     QLabel,
     QListWidget,
     QListWidgetItem,
@@ -45,20 +44,14 @@ class HistoryPanel(QWidget):
         """time, seat and result of the selected row"""
         self.details.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.repeat = self._button(texts, "repeat", texts("label.repeat"))
-        self.python = self._button(texts, "copy_python", "Python")
-        self.command_line = self._button(texts, "copy_command_line", texts("label.command_line"))
-        copies = QHBoxLayout()
-        copies.setSpacing(4)
-        copies.addWidget(label(texts("label.copy")))
-        copies.addWidget(self.python, 1)
-        copies.addWidget(self.command_line, 1)
+        self.python = self._button(texts, "copy_python", texts("label.copy_python"))
         self.uses, uses = QWidget(), QVBoxLayout()
         """what can be done with the selected row"""
         uses.setContentsMargins(0, 0, 0, 0)
         uses.setSpacing(4)
         uses.addWidget(self.details)
         uses.addWidget(self.repeat)
-        uses.addLayout(copies)
+        uses.addWidget(self.python)
         self.uses.setLayout(uses)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(6, 6, 6, 6)
@@ -67,8 +60,7 @@ class HistoryPanel(QWidget):
         layout.addWidget(self.list, 1)
         layout.addWidget(self.uses)
         self.repeat.clicked.connect(self._repeat)
-        self.python.clicked.connect(lambda: self._copy(command_line=False))
-        self.command_line.clicked.connect(lambda: self._copy(command_line=True))
+        self.python.clicked.connect(self._copy)
         self.list.currentRowChanged.connect(self._show_buttons)
         self.list.currentRowChanged.connect(self._report_row)
         self.list.itemActivated.connect(self._repeat)
@@ -139,7 +131,7 @@ class HistoryPanel(QWidget):
         item = QListWidgetItem(self._icon(row), what)
         if row.good is None or row.on_purpose:
             item.setForeground(QColor(self._style.dim))
-        item.setToolTip("\n".join(line for line in (_details(row), row.python, row.command_line) if line))
+        item.setToolTip("\n".join(line for line in (_details(row), row.python) if line))
         return item
 
     def _icon(self, row: HistoryRowView) -> QIcon:
@@ -171,17 +163,16 @@ class HistoryPanel(QWidget):
         set_role(self.details, "role", "dim" if chosen is None else "")
         self.repeat.setEnabled(chosen is not None and chosen.row >= 0)
         self.python.setEnabled(chosen is not None and bool(chosen.python))
-        self.command_line.setEnabled(chosen is not None and bool(chosen.command_line))
 
     def _repeat(self) -> None:
         chosen = self._chosen()
         if chosen is not None and chosen.row >= 0:
             self.intent.emit(Repeat(chosen.row))
 
-    def _copy(self, *, command_line: bool) -> None:
+    def _copy(self) -> None:
         chosen, clipboard = self._chosen(), QGuiApplication.clipboard()
         if chosen is not None and clipboard is not None:
-            clipboard.setText(chosen.command_line if command_line else chosen.program)
+            clipboard.setText(chosen.program)
 
 
 def _alike_at_the_end(one: tuple[HistoryRowView, ...], other: tuple[HistoryRowView, ...]) -> int:
