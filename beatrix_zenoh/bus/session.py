@@ -64,7 +64,8 @@ class Bus(MessageSession):
         return (
             self.connected
             and self.tokens(keys.claim("*", "*", "none"), timeout_s) == []
-            and (time.monotonic() - begin < timeout_s)
+            and time.monotonic() - begin < timeout_s
+            and self.connected  # a query also ends when the connection is lost
         )
 
     def silence(self) -> NoAnswer | None:

@@ -52,7 +52,7 @@ class LessonsTable(QFrame):
         self.list.setMinimumHeight(60)
         self.empty, self.notice = label(role="dim", wrap=True), label(role="warn", wrap=True)
         layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 6, 6, 6)
+        layout.setContentsMargins(0, 6, 0, 6)  # the table needs all of its width
         layout.addWidget(self.notice)
         layout.addWidget(self.list, 1)
         layout.addWidget(self.empty, 1)
