@@ -16,8 +16,15 @@ from gui.console.link import Link
 from gui.console.link.jogging import Press
 from gui.console.link.moving import robots_of
 from gui.console.state import class_page, intents, projector
-from gui.console.state.actions import Action, Outcome, SendStop, WatchMicrophones
-from gui.console.state.connecting import ConnectIntent
+from gui.console.state.actions import (
+    Action,
+    AskLease,
+    LookForPorts,
+    Outcome,
+    SendStop,
+    StartSimulation,
+    WatchMicrophones,
+)
 from gui.console.state.holding import AHEAD_S, ROTATIONS, jog_query
 from gui.console.state.intents import Intent, Tab
 from gui.console.state.presence import online
@@ -141,7 +148,7 @@ class Face:
             for side in here:
                 if side not in driver.asked:
                     driver.asked.add(side)
-                    self.carry_out(intents.AskLease(LeaseAction.WAIT, side))
+                    self.carry_out(AskLease(LeaseAction.WAIT, side))
 
     def _parts(self, world: World, robots: tuple[str, ...]) -> dict[str, object]:
         view, driver, texts = self.state.view(world), self.driver, self.state.choices.texts
@@ -291,7 +298,7 @@ def _pill(pill: PillView) -> PillView:
 def _lease(button: ButtonView | None) -> ButtonView | None:
     """Return the button of a lease, unless it gives the robot back as the button beside *Drive* does for both robots."""
     match button:
-        case ButtonView(intent=intents.AskLease(action=LeaseAction.GIVE_BACK)):
+        case ButtonView(intent=AskLease(action=LeaseAction.GIVE_BACK)):
             return None
     return button
 
@@ -302,7 +309,7 @@ def _banner(view: View, world: World) -> BannerView | None:
     if banner is None:
         return None
     buttons = tuple(button for button in banner.buttons if _offered(button))
-    if any(isinstance(button.intent, intents.StartSimulation | ConnectIntent) for button in banner.buttons):
+    if any(isinstance(button.intent, StartSimulation | LookForPorts) for button in banner.buttons):
         key = "page.no_robot" if world.phase is LinkPhase.ONLINE else "page.no_router"
         return BannerView(texts(key, robot=view.robot), buttons)
     return BannerView(banner.text, buttons)

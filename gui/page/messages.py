@@ -9,7 +9,7 @@ from msgspec import Meta
 
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
 from beatrix_zenoh.contract.names import SIDES
-from gui.console.state import intents
+from gui.console.state import actions, intents
 from gui.console.state.saved import LEAD_MAX_S, SPEED_MAX, Saved
 from gui.console.texts import LANGUAGES
 
@@ -90,18 +90,18 @@ OWN: Final = (
     | intents.DismissNotice
     | intents.DeletePose
     | intents.SavePose
-    | intents.ChooseRobot
+    | actions.ChooseRobot
     | intents.EmergencyStop
 )
 """Intents of every page: they change only this page, or stop robots."""
 DRIVING: Final = (
     intents.SendHead
     | intents.RunCommand
-    | intents.MakeReady
-    | intents.AskLease
-    | intents.SendNow
+    | actions.MakeReady
+    | actions.AskLease
+    | actions.SendNow
     | intents.Change
-    | intents.Abort
+    | actions.Abort
     | intents.TakeAlternative
     | intents.Undo
     | intents.Repeat
@@ -133,8 +133,10 @@ def read(text: str | bytes) -> Request:
 def _possible(request: Request) -> bool:
     """Return whether a page can send this: its buttons and fields have only such values."""
     possible = getattr(request, "side", "sim") in SIDES
+    if isinstance(request, actions.Action):
+        possible &= getattr(request, "row", actions.NEW) == actions.NEW
     match request:
-        case intents.AskLease(action=action):
+        case actions.AskLease(action=action):
             possible &= action in LEASES
         case intents.RunCommand(command=command, side=side):
             possible = command in COMMANDS and side in ("", *SIDES)

@@ -10,7 +10,7 @@ from PyQt5.QtWidgets import QApplication, QMainWindow, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from gui.console.link import Link
-from gui.console.state.actions import Action, Outcome, Ready, Send, SendCommand, SendLease
+from gui.console.state.actions import Action, AskLease, MakeReady, Outcome, Send, SendCommand
 from gui.console.state.intents import (
     EmergencyStop,
     GrabHead,
@@ -20,7 +20,6 @@ from gui.console.state.intents import (
     Stop,
     Tab,
     TogglePage,
-    ToggleRecording,
     Undo,
     WindowPage,
 )
@@ -36,7 +35,7 @@ DRAG_PERIOD_MS = 33
 """Period while the user drags the head: 30 pictures a second look smooth, and cost half a core for two robots."""
 REFRESH_DELAY_MS = 10
 """Time between a request and the refresh that shows it: most replies come sooner, and drawing must not delay them."""
-ANSWERED = (Send, SendCommand, SendLease, Ready)
+ANSWERED = (Send, SendCommand, AskLease, MakeReady)
 """Actions that a robot answers within milliseconds."""
 YIELD_S = 0.0003
 """Pause in which the link's threads send, before the window draws: Python runs one thread at a time."""
@@ -60,7 +59,7 @@ class Window(QMainWindow):
         self.keys.stop.connect(lambda: self.handle(Stop()))
         self.keys.send.connect(lambda: self.handle(SendHead()))
         self.keys.undo.connect(lambda: self.handle(Undo()))
-        self.keys.record.connect(lambda: self.handle(ToggleRecording()))
+        self.keys.record.connect(lambda: self.panels.header.record.toggle.click())  # noqa: PLW0108 - panels are replaced
         self.keys.help.connect(self._toggle_keys)
         self.keys.escape.connect(lambda: self.panels.key_sheet.hide())  # noqa: PLW0108 - panels are replaced
         self.keys.page.connect(lambda: self.handle(TogglePage()))

@@ -15,8 +15,8 @@ from robots import free_endpoint
 
 from beatrix_zenoh.client import Presence
 from gui.console.link.ports import parsed
-from gui.console.state.actions import FindPorts, RunHardware
-from gui.console.state.connecting import VIRTUAL, CloseConnect, ConnectHardware, LookForPorts
+from gui.console.state.actions import ConnectHardware, LookForPorts
+from gui.console.state.connecting import VIRTUAL, CloseConnect
 from gui.console.state.intents import SetLanguage
 from gui.console.state.pills import pill
 from gui.console.state.state import State
@@ -35,7 +35,7 @@ READY_S = 60.0
 
 def opened(now: World = WITHOUT) -> State:
     state = State()
-    assert state.handle(LookForPorts(), now) == [FindPorts()]
+    assert state.handle(LookForPorts(), now) == [LookForPorts()]
     return state
 
 
@@ -80,7 +80,7 @@ def test_the_list_has_boards_first_and_always_the_virtual_robot() -> None:
 
 def test_a_choice_starts_the_hardware_once_and_the_list_goes_when_its_board_answers() -> None:
     state = opened()
-    assert state.handle(ConnectHardware(VIRTUAL), WITHOUT) == [RunHardware(VIRTUAL)]
+    assert state.handle(ConnectHardware(VIRTUAL), WITHOUT) == [ConnectHardware(VIRTUAL)]
     starting = replace(WITHOUT, connecting=True, ports=(BOARD,))
     assert state.handle(ConnectHardware(VIRTUAL), starting) == []
     found = state.view(starting).connect
@@ -141,9 +141,9 @@ def test_a_virtual_robot_is_connected_with_two_presses(
 
 def test_another_port_replaces_the_one_without_a_board(tmp_path: Path) -> None:
     with Linked(free_endpoint()) as linked:
-        linked.do(FindPorts())
+        linked.do(LookForPorts())
         linked.until(lambda world: world.ports is not None, "the ports were listed", READY_S)
-        linked.do(RunHardware(str(tmp_path / "no-port")))
+        linked.do(ConnectHardware(str(tmp_path / "no-port")))
         assert linked.world.connecting
         linked.until(lambda world: not world.connecting and world.own_hardware, "the program runs", READY_S)
 
@@ -152,7 +152,7 @@ def test_another_port_replaces_the_one_without_a_board(tmp_path: Path) -> None:
             return found.condition is Condition.FAULT and found.next_step is not None
 
         linked.until(offered, "its board is lost, and the pill offers other ports")
-        linked.do(RunHardware(VIRTUAL))
+        linked.do(ConnectHardware(VIRTUAL))
         linked.until(lambda world: not world.connecting and world.own_hardware, "it runs again", READY_S)
         linked.until(
             lambda world: pill(world, "hw", Texts("en")).condition is Condition.DISABLED, "it answers"
@@ -163,7 +163,7 @@ def test_another_port_replaces_the_one_without_a_board(tmp_path: Path) -> None:
 def test_a_failed_program_of_the_hardware_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BEATRIX_MICROPHONES", "file:none.wav")  # the program refuses to start
     with Linked(free_endpoint()) as linked:
-        linked.do(RunHardware(VIRTUAL))
+        linked.do(ConnectHardware(VIRTUAL))
         world = linked.until(lambda world: not world.connecting, "it is refused", READY_S)
         assert not world.own_hardware
         assert world.child_trouble is not None

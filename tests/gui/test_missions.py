@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from gui.console.state.actions import Action, Outcome, Send, SendStop
-from gui.console.state.intents import Abort, AimHead, SendHead, SetDestination, Stop
+from gui.console.state.actions import Abort, Action, Outcome, Send, SendStop
+from gui.console.state.intents import AimHead, SendHead, SetDestination, Stop
 from gui.console.state.missions import MISSIONS, STEPS, SWINGS, TASKS, CloseGuide, SkipTask, Swings
 from gui.console.state.saved import Saved
 from gui.console.state.state import State

@@ -28,7 +28,6 @@ from gui.console.state.sequence_intents import (
     PlaySequence,
     RenamePose,
     SaveSequence,
-    SequenceIntent,
     SetDuration,
     SetLoop,
     UndoSequence,
@@ -358,7 +357,7 @@ def test_the_page_plays_the_poses_on_the_checked_robots() -> None:
 
 
 def test_invalid_requests_are_refused_with_a_reason() -> None:
-    given_intents: list[tuple[SequenceIntent, str]] = [
+    given_intents: list[tuple[Intent, str]] = [
         (PlaySequence("sim"), "no pose yet"),
         (SaveSequence(Path("a.csv")), "no pose yet"),
     ]

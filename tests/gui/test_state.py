@@ -25,12 +25,14 @@ from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Command
 from gui.console.state import intents
 from gui.console.state.actions import (
+    Action,
     BeginRecording,
+    ChooseRobot,
     EndRecording,
-    Ready,
-    Select,
+    MakeReady,
     SendCommand,
     SendStop,
+    StartSimulation,
     ViewRecording,
     WatchCameras,
 )
@@ -102,7 +104,7 @@ def test_commands_go_to_the_checked_robots_or_to_the_one_that_is_named() -> None
     (one,) = state.handle(RunCommand(Command.RESET, side="sim"), world())
     assert isinstance(one, SendCommand)
     assert one.sides == ("sim",)
-    assert state.handle(intents.MakeReady("hw"), world()) == [Ready(3, "hw")]
+    assert state.handle(MakeReady("hw"), world()) == [MakeReady("hw", 3)]
 
 
 def test_without_a_checked_box_motion_buttons_are_disabled_with_a_reason() -> None:
@@ -247,7 +249,7 @@ def test_a_simulation_that_another_program_started_first_is_no_failure() -> None
     """`beatrix up` starts a crashed simulation again, so the one of the window is refused: its name is taken."""
     second = Trouble("trouble.simulation", "1", "Its output: ...")
     state, here = State(), replace(world(), child_trouble=second)
-    state.handle(intents.StartSimulation(), world(absent("sim")))
+    state.handle(StartSimulation(), world(absent("sim")))
     state.follow(here)
     assert state.view(here).last == "No command yet."
     gone = replace(world(absent("sim")), child_trouble=second)
@@ -266,16 +268,23 @@ def test_the_failure_of_a_simulation_goes_when_one_is_online_again() -> None:
 
 def test_a_recording_is_begun_ended_and_opened() -> None:
     file, state = Path("a.rrd"), State()
-    assert state.handle(intents.ToggleRecording(), world()) == [BeginRecording()]
+
+    def pressed(now: World) -> list[Action]:
+        view = state.view(now).record
+        return state.handle(view.toggle.intent, now) if view.toggle.enabled else []
+
+    assert pressed(world()) == [BeginRecording()]
     running = world(recording=RecordingProgress(file, running=True, seconds=72.6))
     assert state.view(running).record.text == "1:12"
-    assert state.handle(intents.ToggleRecording(), running) == [EndRecording()]
-    assert state.handle(intents.OpenRecording(), running) == []
+    assert pressed(running) == [EndRecording()]
+    assert state.view(running).record.open is None
     ending = world(recording=RecordingProgress(file, running=True, seconds=72.6, ending=True))
     assert not State().view(ending).record.toggle.enabled
-    assert state.handle(intents.ToggleRecording(), ending) == []
+    assert pressed(ending) == []
     ended = world(recording=RecordingProgress(file, running=False, seconds=72.6, trouble=FULL))
-    assert state.handle(intents.OpenRecording(), ended) == [ViewRecording(file)]
+    opened = state.view(ended).record.open
+    assert opened is not None
+    assert state.handle(opened.intent, ended) == [ViewRecording(file)]
     saved = world(recording=RecordingProgress(file, running=False, seconds=72.6))
     assert state.view(saved).last == "recorded: a.rrd"
     same("state.a recording is begun ended and opened", state.view(ended).last)
@@ -288,7 +297,7 @@ def test_choosing_another_robot_selects_it_and_clears_the_undo_list() -> None:
     accept(state, 1)
     now = world(names=("bea2", "bea1"))
     assert state.view(now).robots == ("bea1", "bea2")
-    assert state.handle(intents.ChooseRobot("bea2"), now) == [Select("bea2")]
+    assert state.handle(ChooseRobot("bea2"), now) == [ChooseRobot("bea2")]
     assert not state.view(now).commands.undo.enabled
 
 

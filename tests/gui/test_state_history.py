@@ -20,7 +20,7 @@ from beatrix_zenoh.client import Plan, Robot, Twin
 from beatrix_zenoh.contract._generated.messages import Command, Event, EventKind, LeaseAction, Phase, Reason
 from beatrix_zenoh.contract.refusals import not_enabled
 from gui.console.state import intents
-from gui.console.state.actions import Outcome, Play, Send, SendCommand
+from gui.console.state.actions import AskLease, MakeReady, Outcome, Play, Send, SendCommand
 from gui.console.state.intents import Intent, Jog, RunCommand, SetDestination
 from gui.console.state.state import State
 from gui.console.state.views import HistoryRowView
@@ -137,12 +137,12 @@ LINES: list[tuple[tuple[Intent, ...], str, str]] = [
     ((RunCommand(Command.RESET, side="hw"),), "twin.hw.reset()", "beatrix reset --on hw"),
     ((intents.Stop(),), "twin.stop()", "beatrix stop"),
     (
-        (intents.MakeReady("hw"),),
+        (MakeReady("hw"),),
         "twin.hw.make_ready()",
         "beatrix enable --on hw; beatrix calibrate --on hw",
     ),
     (
-        (BOTH, intents.PlayFile(Path("my greeting.csv"))),
+        (BOTH, Play(0, (), Path("my greeting.csv"))),
         "play(twin, load('my greeting.csv'), lead_s=2)",
         'beatrix play "my greeting.csv" --on both --lead 2',
     ),
@@ -187,11 +187,11 @@ MORE: list[tuple[Intent, ...]] = [
     (*HW_ONLY, RunCommand(Command.HOME)),
     (BOTH, RunCommand(Command.HOME)),
     (intents.SetSpeed(55.5), *LOOK),
-    (intents.AskLease(LeaseAction.TAKE, "sim"),),
-    (intents.AskLease(LeaseAction.WAIT, "hw"),),
+    (AskLease(LeaseAction.TAKE, "sim"),),
+    (AskLease(LeaseAction.WAIT, "hw"),),
     (intents.SavePose("a"), intents.SavePose("b"), intents.PlayPoses()),
     (BOTH, intents.SavePose("a"), intents.SavePose("b"), intents.PlayPoses()),
-    (intents.PlayFile(Path("it's.csv")),),
+    (Play(0, (), Path("it's.csv")),),
 ]
 
 

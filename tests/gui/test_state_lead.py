@@ -14,7 +14,7 @@ from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import intents
-from gui.console.state.actions import AbortPlan, Outcome, SendPlanNow
+from gui.console.state.actions import Abort, Outcome, SendNow
 from gui.console.state.intents import Jog, SetDestination
 from gui.console.state.views import HeadOrientation
 from gui.console.state.world import PlanPhase
@@ -54,13 +54,13 @@ def test_the_countdown_is_shown_with_its_buttons() -> None:
 def test_a_waiting_motion_is_sent_changed_or_aborted() -> None:
     waiting = plan(PlanPhase.LEADING, 1.0)
     state = state_after(BOTH, intents.AimHead(20, 10, 0), intents.SendHead(), intents.AimHead(-50, 0, 0))
-    assert state.handle(intents.SendNow(), waiting) == [SendPlanNow()]
-    assert state.handle(intents.Abort(), waiting) == [AbortPlan()]
+    assert state.handle(SendNow(), waiting) == [SendNow()]
+    assert state.handle(Abort(), waiting) == [Abort()]
     assert state.view(waiting).head.target.yaw == -50
-    assert state.handle(intents.Change(), waiting) == [AbortPlan()]
+    assert state.handle(intents.Change(), waiting) == [Abort()]
     target = state.view(waiting).head.target
     assert (round(target.yaw, 6), round(target.pitch, 6)) == (20, 10)
-    for intent in (intents.SendNow(), intents.Change(), intents.Abort()):
+    for intent in (SendNow(), intents.Change(), Abort()):
         assert state.handle(intent, world()) == []
 
 
@@ -80,7 +80,7 @@ def test_hardware_that_is_unchecked_during_the_lead_does_not_move(
 ) -> None:
     state = state_after(BOTH, Jog("short", 1))
     now = world() if phase is None else plan(phase, 1.0)
-    assert state.handle(intent, now) == ([AbortPlan()] if aborts else [])
+    assert state.handle(intent, now) == ([Abort()] if aborts else [])
     state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
     assert state.view(world()).history[0].on_purpose is aborts
 
@@ -166,7 +166,7 @@ def test_a_simulation_left_at_the_target_is_offered_its_way_back() -> None:
     moving = robot("sim", arms=(4, 4, 4), known=status("sim", moving=True))
     left = world(robot("sim", arms=(5, 0, 0)), robot("hw"))
     state = state_after(BOTH, Jog("short", 1))
-    state.handle(intents.Abort(), plan(PlanPhase.LEADING, 1.0))
+    state.handle(Abort(), plan(PlanPhase.LEADING, 1.0))
     state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
     for now in (plan(PlanPhase.LEADING, 1.0), world(moving), left):
         assert state.view(now).head.refusal is None
@@ -183,7 +183,7 @@ def test_a_simulation_left_at_the_target_is_offered_its_way_back() -> None:
 def test_the_offer_of_a_way_back_goes_when_both_robots_are_at_one_place() -> None:
     left = world(robot("sim", arms=(5, 0, 0)), robot("hw"))
     state = state_after(BOTH, Jog("short", 1))
-    state.handle(intents.Abort(), plan(PlanPhase.LEADING, 1.0))
+    state.handle(Abort(), plan(PlanPhase.LEADING, 1.0))
     state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
     for now, shown in ((left, True), (world(), False), (left, False)):
         state.follow(now)
@@ -192,8 +192,8 @@ def test_the_offer_of_a_way_back_goes_when_both_robots_are_at_one_place() -> Non
 
 def test_abort_just_after_the_lead_stops_both_robots() -> None:
     state = state_after(BOTH, Jog("short", 1))
-    assert state.handle(intents.Abort(), plan(PlanPhase.SENT)) == [AbortPlan()]
-    assert state.handle(intents.Abort(), world()) == []
+    assert state.handle(Abort(), plan(PlanPhase.SENT)) == [Abort()]
+    assert state.handle(Abort(), world()) == []
 
 
 def test_the_target_follows_the_head_until_the_user_aims() -> None:

@@ -11,16 +11,8 @@ from gui_worlds import absent, robot, status, world
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Command, Fault, FollowState
-from gui.console.state.connecting import LookForPorts
-from gui.console.state.intents import (
-    ChooseRobot,
-    Intent,
-    MakeReady,
-    Retry,
-    RunCommand,
-    SetLanguage,
-    StartSimulation,
-)
+from gui.console.state.actions import ChooseRobot, LookForPorts, MakeReady, Retry, StartSimulation
+from gui.console.state.intents import Intent, RunCommand, SetLanguage
 from gui.console.state.state import State
 from gui.console.state.views import Condition, PillView
 from gui.console.state.world import LinkPhase, OwnAccount, World

@@ -30,17 +30,28 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.state import intents
 from gui.console.state.actions import (
+    NEW,
+    Abort,
     Action,
+    AskLease,
+    BeginRecording,
+    ChooseRobot,
+    ConnectHardware,
+    EndRecording,
     Govern,
+    LookForPorts,
+    MakeReady,
     Outcome,
     Play,
-    Ready,
+    Retry,
     Send,
     SendCommand,
-    SendLease,
+    SendNow,
     SendStop,
+    StartSimulation,
+    WriteFile,
 )
-from gui.console.state.connecting import CloseConnect, ConnectHardware, LookForPorts
+from gui.console.state.connecting import CloseConnect
 from gui.console.state.intents import ALL_ARMS, Intent, Tab, Theme, WindowPage
 from gui.console.state.program import SaveProgram
 from gui.console.state.sequence_intents import (
@@ -105,31 +116,31 @@ INTENTS: st.SearchStrategy[Intent] = st.one_of(
     st.builds(
         intents.RunCommand, st.sampled_from(COMMANDS), st.booleans(), st.sampled_from(["", "sim", "hw"])
     ),
-    st.builds(intents.MakeReady, SIDES),
+    st.builds(MakeReady, SIDES),
     st.sampled_from(
         [
-            intents.SendNow(),
+            SendNow(),
             intents.Change(),
-            intents.Abort(),
+            Abort(),
             intents.TakeAlternative(),
             intents.DismissRefusal(),
             intents.Undo(),
             intents.PlayPoses(),
-            intents.ToggleRecording(),
-            intents.OpenRecording(),
-            intents.StartSimulation(),
-            intents.Retry(),
+            BeginRecording(),
+            EndRecording(),
+            StartSimulation(),
+            Retry(),
         ]
     ),
-    st.builds(intents.AskLease, st.sampled_from(LEASES), SIDES),
-    st.builds(intents.GovernClass, st.sampled_from(LeaseAction), st.none() | st.just(("bea1", "hw"))),
+    st.builds(AskLease, st.sampled_from(LEASES), SIDES),
+    st.builds(Govern, st.just(NEW), st.sampled_from(LeaseAction), st.sampled_from([(), (("bea1", "hw"),)])),
     st.builds(intents.LimitClass, st.sampled_from(["", "20", "-1", "fast"])),
     st.sampled_from([intents.TogglePage(), intents.DismissNotice()]),
     st.builds(intents.Repeat, st.integers(-1, 30)),
     st.builds(intents.SavePose, NAMES),
     st.builds(intents.DeletePose, NAMES),
     st.builds(intents.GoToPose, NAMES),
-    st.builds(intents.PlayFile, FILES),
+    st.builds(Play, st.just(NEW), st.just(()), FILES),
     st.sampled_from([AddPose(), UndoSequence(), PlaySequence("sim"), PlaySequence("hw")]),
     st.builds(DuplicatePose, NAMES),
     st.builds(MovePose, NAMES, st.integers(-1, 5)),
@@ -139,8 +150,8 @@ INTENTS: st.SearchStrategy[Intent] = st.one_of(
     st.builds(SaveSequence, FILES, st.booleans()),
     st.builds(OpenSequence, FILES, st.text(max_size=20), NAMES),
     st.builds(SaveProgram, FILES),
-    st.builds(intents.SavePlots, FILES, st.just(b"")),
-    st.builds(intents.ChooseRobot, NAMES),
+    st.builds(WriteFile, st.just(NEW), FILES, st.just(b"")),
+    st.builds(ChooseRobot, NAMES),
     st.builds(LookForPorts),
     st.builds(ConnectHardware, st.sampled_from(["virtual:", "COM4"])),
     st.builds(CloseConnect),
@@ -254,7 +265,7 @@ class AnyOrder(RuleBasedStateMachine):
             assert (action.everywhere, action.emergency) == (everywhere, emergency)
 
     def check(self, action: Action, asked: tuple[str, ...]) -> None:
-        if isinstance(action, Send | Play | SendCommand | SendLease | Ready | SendStop | Govern):
+        if isinstance(action, Send | Play | SendCommand | AskLease | MakeReady | SendStop | Govern):
             self.rows += 1
             assert action.row > 0
         if isinstance(action, Govern) and action.action is not LeaseAction.GIVE_BACK:

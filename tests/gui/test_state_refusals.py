@@ -29,7 +29,7 @@ from beatrix_zenoh.contract.refusals import (
     taken_by,
 )
 from gui.console.state import intents
-from gui.console.state.actions import Action, Outcome, Ready, SendCommand, SendLease
+from gui.console.state.actions import Abort, Action, AskLease, MakeReady, Outcome, Play, SendCommand
 from gui.console.state.holding import AHEAD_S, jog_query
 from gui.console.state.intents import Jog
 from gui.console.state.state import State
@@ -81,7 +81,7 @@ def test_an_alternative_speed_keeps_the_motion() -> None:
 @pytest.mark.parametrize(
     ("error", "text", "action"),
     [
-        (not_enabled(), "Make ready", Ready(2, "sim")),
+        (not_enabled(), "Make ready", MakeReady("sim", 2)),
         (
             Refused(Reason.NOT_ENABLED, detail=Detail(needs=["ENABLE"])),
             "Enable",
@@ -93,8 +93,8 @@ def test_an_alternative_speed_keeps_the_motion() -> None:
             "Clear the stop",
             SendCommand(2, Command.RESET, value=True, sides=("sim",)),
         ),
-        (driven_by("ana", 1.2), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
-        (taken_by("ana"), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
+        (driven_by("ana", 1.2), "Wait for my turn", AskLease(LeaseAction.WAIT, "sim", 2)),
+        (taken_by("ana"), "Wait for my turn", AskLease(LeaseAction.WAIT, "sim", 2)),
         (Refused(Reason.NOT_HOLDER, detail=Detail(holder="ana", field="lease", value=float(3))), None, None),
         (Refused(Reason.FROZEN), None, None),
     ],
@@ -130,7 +130,7 @@ def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> Non
 def test_the_next_step_of_a_refusal_keeps_the_target_of_the_pad() -> None:
     state = state_after(BOTH, intents.AimHead(20.0, 5.0, 0.0), intents.SendHead())
     refused(state, not_enabled().detail, Reason.NOT_ENABLED, side="sim")
-    assert state.handle(intents.TakeAlternative(), world()) == [Ready(2, "sim")]
+    assert state.handle(intents.TakeAlternative(), world()) == [MakeReady("sim", 2)]
     assert state.view(world()).head.target.yaw == 20.0
 
 
@@ -165,7 +165,7 @@ def test_the_end_of_an_accepted_motion_is_no_refusal() -> None:
 
 
 def test_a_motion_that_this_window_stops_or_aborts_is_not_a_refusal() -> None:
-    for intent, result in ((intents.Stop(), "stopped"), (intents.Abort(), "aborted by you")):
+    for intent, result in ((intents.Stop(), "stopped"), (Abort(), "aborted by you")):
         state, now = state_after(BOTH, Jog("short", 1)), plan(PlanPhase.TRYING)
         state.handle(intent, now)
         state.report(
@@ -176,7 +176,7 @@ def test_a_motion_that_this_window_stops_or_aborts_is_not_a_refusal() -> None:
         view = state.view(now)
         assert view.arms.refusal is None
         assert view.history[-1].result == result
-        assert view.history[-1].on_purpose is isinstance(intent, intents.Abort)
+        assert view.history[-1].on_purpose is isinstance(intent, Abort)
 
 
 def test_a_stop_of_another_seat_is_shown_with_its_pause() -> None:
@@ -244,7 +244,7 @@ def test_undo_moves_no_robot_that_did_not_make_the_motion() -> None:
     state.handle(Jog("short", 1), world())
     accept(state, 1)
     state.handle(intents.SetDestination("hw", checked=False), start)
-    state.handle(intents.PlayGesture("yes"), start)
+    state.handle(Play(0, (), gesture="yes"), start)
     accept(state, 2)
     for intent in (intents.SetDestination("sim", checked=False), BOTH):
         state.handle(intent, start)

@@ -22,8 +22,8 @@ from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
 
 from beatrix_zenoh.contract._generated.messages import Command
+from gui.console.state.actions import Abort, BeginRecording, EndRecording, SendNow, StartSimulation
 from gui.console.state.intents import (
-    Abort,
     AimHead,
     Change,
     DeletePose,
@@ -33,16 +33,13 @@ from gui.console.state.intents import (
     Repeat,
     RunCommand,
     SendHead,
-    SendNow,
     SetCameras,
     SetDestination,
     SetIncrement,
     SetRelative,
     SetSpeed,
-    StartSimulation,
     TakeAlternative,
     Theme,
-    ToggleRecording,
     Undo,
 )
 from gui.console.state.sequence_intents import AddPose, PlaySequence
@@ -78,7 +75,7 @@ BUTTONS: dict[str, tuple[Callable[[Window], QAbstractButton], Intent]] = {
         RunCommand(Command.RESET, side="sim"),
     ),
     "undo": (lambda window: window.panels.commands.buttons["undo"], Undo()),
-    "record": (lambda window: window.panels.header.record.toggle, ToggleRecording()),
+    "record": (lambda window: window.panels.header.record.toggle, BeginRecording()),
     "add": (lambda window: window.panels.sequence.add, AddPose()),
     "delete": (lambda window: window.panels.sequence.delete, DeletePose("nod")),
     "play": (lambda window: window.panels.sequence.play, PlaySequence("sim")),
@@ -271,7 +268,7 @@ def test_record_stays_where_it_was_pressed(window: Window, shown: ShownState, th
     watched = (header.record.toggle, header.pills["sim"].lease, header.pills["hw"].lease)
     QApplication.processEvents()
     before = [widget.geometry() for widget in watched]
-    toggle = ButtonView("End recording", "End the recording", ToggleRecording())
+    toggle = ButtonView("End recording", "End the recording", EndRecording())
     shown.shown = replace(shown.shown, record=RecordView(toggle, running=True, text="12:34", open=None))
     window.refresh()
     QApplication.processEvents()

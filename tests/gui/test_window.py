@@ -6,6 +6,7 @@ import sys
 import threading
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,19 +22,8 @@ from recording_link import RecordingLink, WatchedState
 
 from beatrix_zenoh.client.degrees import HeadAngles
 from beatrix_zenoh.contract._generated.messages import Command
-from gui.console.state.actions import Outcome, Play, Send, WriteFile
-from gui.console.state.intents import (
-    ChooseRobot,
-    Intent,
-    Jog,
-    PlayFile,
-    RunCommand,
-    SavePose,
-    SetLanguage,
-    SetTheme,
-    Stop,
-    Theme,
-)
+from gui.console.state.actions import NEW, ChooseRobot, Outcome, Play, Send, WriteFile
+from gui.console.state.intents import Intent, Jog, RunCommand, SavePose, SetLanguage, SetTheme, Stop, Theme
 from gui.console.state.sequence_intents import SaveSequence
 from gui.window.panels import PAGES
 from gui.window.run import Bridge, errors_shown
@@ -184,7 +174,10 @@ def test_a_file_is_chosen_without_blocking_the_window(
 ) -> None:
     window.handle(SavePose("nod"))
     poses = window.panels.sequence
-    for entry, intent, action in (("save_file", SaveSequence, WriteFile), ("play_file", PlayFile, Play)):
+    for entry, intent, action in (
+        ("save_file", SaveSequence, WriteFile),
+        ("play_file", partial(Play, NEW, ()), Play),
+    ):
         intents()
         poses.entries[entry].trigger()
         dialog = poses.dialog

@@ -16,7 +16,7 @@ from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
 
-from gui.console.state.connecting import LookForPorts
+from gui.console.state.actions import LookForPorts
 from gui.console.state.intents import SetLanguage, SetTheme, Theme
 from gui.console.state.state import State
 from gui.console.state.views import Condition

@@ -25,7 +25,6 @@ from beatrix_zenoh.lessons.reports import STUCK, Row
 from gui.console.state.actions import Action, Govern, Outcome
 from gui.console.state.intents import (
     AimHead,
-    GovernClass,
     Intent,
     Jog,
     SavePose,
@@ -240,7 +239,7 @@ def example(state: str, theme: Theme, language: str) -> View:
     elif state in {"class", "class-full"}:
         now = class_world() if state == "class" else full_class()
         deciding.handle(TogglePage(), now)
-        reported(deciding, GovernClass(LeaseAction.FREEZE), now)
+        reported(deciding, Govern(0, LeaseAction.FREEZE), now)
     elif state == "driven":
         taken = {
             side: robot(side, arms=ARMS, known=status(side, holder="ana", moving=True))

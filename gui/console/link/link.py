@@ -147,16 +147,16 @@ class Link:
         match action:
             case actions.SendStop():
                 self._stop(action)
-            case actions.SendPlanNow():
+            case actions.SendNow():
                 self._moving.plans.send_now()
-            case actions.AbortPlan():
+            case actions.Abort():
                 self._moving.plans.abort()
             case actions.Hold() | actions.Release():
                 self._hold(action)
-            case actions.Connect():
+            case actions.Retry():
                 self._connection.try_now()
-            case actions.Select():
-                self._select(action.robot)
+            case actions.ChooseRobot():
+                self._select(action.name)
             case actions.WatchCameras():
                 self._cameras.watch(action.wanted)
             case actions.WatchMicrophones():
@@ -170,8 +170,8 @@ class Link:
                 actions.Send()
                 | actions.Play()
                 | actions.SendCommand()
-                | actions.SendLease()
-                | actions.Ready()
+                | actions.AskLease()
+                | actions.MakeReady()
                 | actions.FollowFace()
             ):
                 self._request(action)
@@ -203,13 +203,13 @@ class Link:
                 self._recordings.end()
             case actions.ViewRecording():
                 self._children.view(action.file)
-            case actions.RunSimulation():
+            case actions.StartSimulation():
                 self._children.simulate(connection.robot, connection.settings.connect)
-            case actions.FindPorts():
+            case actions.LookForPorts():
                 self._ports.look()
-            case actions.RunHardware():
+            case actions.ConnectHardware():
                 self._children.connect(connection.robot, connection.settings.connect, action.port)
-            case actions.UseEndpoint() | actions.JoinClass():
+            case actions.UseRouter() | actions.UseAccount():
                 self._routers.choose(action)
             case actions.EndFollowing():
                 self._moving.face.end(None)

@@ -15,7 +15,7 @@ from gui.console.state import refusals
 from gui.console.state.actions import Action, Send
 from gui.console.state.intents import ALL_ARMS, Jog
 from gui.console.state.memory import Memory, RequestRow
-from gui.console.state.motions import send_arms
+from gui.console.state.motions import Handles, send_arms
 from gui.console.state.presence import commanded, reading, unreachable
 from gui.console.state.views import ArmRowView, ArmsView, ButtonView
 from gui.console.state.world import World
@@ -156,3 +156,6 @@ def _moved(start: ArmAngles, chosen: tuple[str, ...], by: float, *, relative: bo
     return ArmAngles(
         *(goals[arm] if arm in chosen else angle for arm, angle in zip(ARMS, start, strict=True))
     )
+
+
+HANDLES: Handles = {Jog: jog}

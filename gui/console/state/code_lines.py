@@ -11,7 +11,7 @@ from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, Mot
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.output import typed
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
-from gui.console.state.actions import POSES, Govern, Play, Ready, Send, SendCommand, SendLease, SendStop
+from gui.console.state.actions import POSES, AskLease, Govern, MakeReady, Play, Send, SendCommand, SendStop
 from gui.console.state.memory import Request
 from gui.console.state.presence import online
 from gui.console.state.views import CodeLine
@@ -85,7 +85,7 @@ def _sides(request: Request) -> tuple[str, ...]:
     match request:
         case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides):
             return sides
-        case Ready(side=side) | SendLease(side=side):
+        case MakeReady(side=side) | AskLease(side=side):
             return (side,)
     return SIDES
 
@@ -105,13 +105,13 @@ def python(request: Request, variable: str = "twin", rounds: int | None = None) 
             text = _motion_python(query, robot, lead_s, both=both)
         case SendCommand(command=command, value=value) if command is not Command.EMERGENCY_STOP:
             text = f"{robot}.{_verb(command, on=value)}()"
-        case Ready():
+        case MakeReady():
             text = f"{robot}.make_ready()"
         case SendStop(everywhere=False, emergency=False):
             text = f"{robot}.stop()"
-        case SendLease(action=LeaseAction.TAKE):
+        case AskLease(action=LeaseAction.TAKE):
             text = f"{robot}.lease()"
-        case SendLease(action=LeaseAction.WAIT):
+        case AskLease(action=LeaseAction.WAIT):
             text = f"{robot}.lease(wait_s=60)"
         case Play():
             text = _play_python(request, robot, rounds, both=both)
@@ -152,13 +152,13 @@ def command_line(request: Request, world: World) -> str:
             words = [*_motion_words(query), *_where(sides, world), *_lead(sides, lead_s)]
         case SendCommand(command=command, value=value, sides=sides):
             words = [_verb(command, on=value), *_where(sides, world)]
-        case Ready(side=side):
+        case MakeReady(side=side):
             verbs = ("enable", "calibrate")  # `;` and not `&&`, which Windows PowerShell does not know
             return "; ".join(typed("beatrix", verb, *_where((side,), world)) for verb in verbs)
         case SendStop(everywhere=everywhere, emergency=emergency):
             options = ["--all"] * everywhere + ["--emergency"] * emergency
             words = ["stop", *options, *(_router(world) if everywhere else _names(world))]
-        case SendLease(action=action, side=side):
+        case AskLease(action=action, side=side):
             words = ["lease", *LEASES[action], *_where((side,), world)]
         case Govern(action=action) if action in GOVERNS:
             words = [*_governed(request), *_router(world)]

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from pathlib import Path
 
 import msgspec
 
-from beatrix_zenoh.client import Place
-from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
+from beatrix_zenoh.contract._generated.messages import Command
 
 ALL_ARMS = "all"
 
@@ -154,41 +152,12 @@ class RunCommand(Intent, frozen=True):
     """`sim` or `hw`; empty: the checked robots"""
 
 
-class MakeReady(Intent, frozen=True):
-    """Enable and calibrate one robot, unless that is done already."""
-
-    side: str
-
-
-class AskLease(Intent, frozen=True):
-    """Take a robot, wait for it, or give it back."""
-
-    action: LeaseAction
-    """TAKE, WAIT or GIVE_BACK"""
-    side: str
-
-
 class DismissNotice(Intent, frozen=True):
     """Hide the sentence about a lease that this seat gained or lost."""
 
 
 class TogglePage(Intent, frozen=True):
     """Switch between the page of the class and the robot; only in the teacher's window."""
-
-
-class GovernClass(Intent, frozen=True):
-    """Freeze, unfreeze, take or give back robots of the class, as the teacher."""
-
-    action: LeaseAction
-    place: Place | None = None
-    """name and side of one robot; None: all robots online"""
-
-
-class MuteSeat(Intent, frozen=True):
-    """Let a seat only watch all robots of the class, or end that, as the teacher."""
-
-    seat: str
-    on: bool
 
 
 class LimitClass(Intent, frozen=True):
@@ -198,16 +167,8 @@ class LimitClass(Intent, frozen=True):
     """deg/s as the user has typed it; empty: no limit"""
 
 
-class SendNow(Intent, frozen=True):
-    """Send the waiting motion of both robots to the hardware now."""
-
-
 class Change(Intent, frozen=True):
     """End the motion before the hardware moves, and restore its target on the pad."""
-
-
-class Abort(Intent, frozen=True):
-    """End the motion of both robots; the hardware stays unmoved, or stops if it moves already."""
 
 
 class TakeAlternative(Intent, frozen=True):
@@ -249,56 +210,6 @@ class GoToPose(Intent, frozen=True):
 
 class PlayPoses(Intent, frozen=True):
     """Play saved poses one after the other, in the order of their list."""
-
-
-class PlayFile(Intent, frozen=True):
-    """Play a choreography or motion file."""
-
-    file: Path
-
-
-class PlayGesture(Intent, frozen=True):
-    """Play a shipped gesture."""
-
-    name: str
-    """one of `GESTURES`"""
-
-
-class ToggleFollowing(Intent, frozen=True):
-    """Start or end the program that follows a face."""
-
-
-class OpenProgram(Intent, frozen=True):
-    """Copy the program that follows a face to a folder of the user, and show its path."""
-
-
-class SavePlots(Intent, frozen=True):
-    """Write the plots as a table or as a picture."""
-
-    file: Path
-    content: str | bytes
-
-
-class ToggleRecording(Intent, frozen=True):
-    """Begin or end a recording."""
-
-
-class OpenRecording(Intent, frozen=True):
-    """Open the last recording in the viewer."""
-
-
-class ChooseRobot(Intent, frozen=True):
-    """Show and drive the robots of this name."""
-
-    name: str
-
-
-class StartSimulation(Intent, frozen=True):
-    """Start a simulation on this computer, and a router if there is none."""
-
-
-class Retry(Intent, frozen=True):
-    """Look for the router again now."""
 
 
 class SetTheme(Intent, frozen=True):

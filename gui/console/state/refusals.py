@@ -23,18 +23,17 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.state.actions import (
-    Action,
-    Outcome,
-    Play,
-    Ready,
-    Send,
-    SendCommand,
-    SendLease,
+from gui.console.state.actions import Action, AskLease, MakeReady, Outcome, Play, Send, SendCommand
+from gui.console.state.intents import (
+    AimHead,
+    DismissRefusal,
+    Intent,
+    SetDestination,
+    SetRelative,
+    TakeAlternative,
 )
-from gui.console.state.intents import AimHead, Intent, SetDestination, SetRelative, TakeAlternative
 from gui.console.state.memory import Memory, Refusal, RequestRow
-from gui.console.state.motions import again, begin
+from gui.console.state.motions import Handles, again, begin
 from gui.console.state.pills import BRING_BACK, MAKE_READY, NEXT_STEPS, WAIT
 from gui.console.state.presence import commanded, unreachable
 from gui.console.state.views import ButtonView, RefusalView
@@ -142,7 +141,13 @@ def hide_answered(memory: Memory, intent: Intent) -> None:
         memory.refusal = None
 
 
-def take_alternative(memory: Memory, world: World) -> list[Action]:
+def dismiss(memory: Memory, _world: World, _intent: DismissRefusal) -> list[Action]:
+    """Hide the refusal."""
+    memory.refusal = None
+    return []
+
+
+def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> list[Action]:
     """Return the actions that send the alternative or next step of the shown refusal; none if it has neither."""
     refusal = memory.refusal
     if refusal is None:
@@ -196,23 +201,23 @@ def sides_of(refusal: Refusal) -> tuple[str, ...]:
     match refusal.request:
         case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides):
             return sides
-        case Ready(side=side) | SendLease(side=side):
+        case MakeReady(side=side) | AskLease(side=side):
             return (side,)
     return ()
 
 
 def _next_step_request(
     next_step: str, side: str, memory: Memory, world: World
-) -> Ready | Send | SendCommand | SendLease | None:
+) -> MakeReady | Send | SendCommand | AskLease | None:
     """Return the request of a next step; None if the arms of the hardware, to which to bring back, are unknown."""
     row = memory.next_row()
     if next_step == BRING_BACK:
         arms, speed = commanded(world, ("hw",)), memory.choices.speed
         return None if arms is None else Send(row, motion_query(*arms, relative=False, speed=speed), (side,))
     if next_step == MAKE_READY:
-        return Ready(row, side)
+        return MakeReady(side, row)
     if next_step == WAIT:
-        return SendLease(row, LeaseAction.WAIT, side)
+        return AskLease(LeaseAction.WAIT, side, row)
     return SendCommand(row, Command[next_step], value=True, sides=(side,))
 
 
@@ -222,7 +227,7 @@ def _alternative_request(refusal: Refusal) -> Send | None:
     if other is None or not isinstance(refusal.request, Send):
         return None
     query = alternative_query(refusal.request.query, other)
-    return None if query is None else replace(refusal.request, query=query)
+    return None if query is None else msgspec.structs.replace(refusal.request, query=query)
 
 
 def alternative_query(query: MotionQuery | PoseQuery, other: Alternative) -> MotionQuery | PoseQuery | None:
@@ -254,3 +259,6 @@ def _alternative_text(request: Send, refusal: Refusal, texts: Texts) -> str:
         return texts("alternative.head", yaw=head.yaw, pitch=head.pitch, roll=head.roll)
     arms = arm_angles(query.position)
     return texts("alternative.arms", short=arms.short, middle=arms.middle, long=arms.long)
+
+
+HANDLES: Handles = {TakeAlternative: take_alternative, DismissRefusal: dismiss}

@@ -19,7 +19,7 @@ from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Action, Outcome, Play, WriteFile
 from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory, Refusal, RequestRow
-from gui.console.state.motions import begin
+from gui.console.state.motions import Handles, begin
 from gui.console.state.presence import commanded, online, orientation, unreachable
 from gui.console.state.refusals import wrong_file
 from gui.console.state.saved import DURATION_MAX_S, SavedPose
@@ -31,7 +31,6 @@ from gui.console.state.sequence_intents import (
     PlaySequence,
     RenamePose,
     SaveSequence,
-    SequenceIntent,
     SetDuration,
     SetLoop,
     UndoSequence,
@@ -122,33 +121,31 @@ def _rehearsal(memory: Memory, world: World) -> tuple[object, ...]:
 # -- changes ----------------------------------------------------------------------------------------
 
 
-def handle(memory: Memory, world: World, intent: SequenceIntent) -> list[Action]:
-    """Return the actions of an intent about the sequence."""
-    match intent:
-        case PlaySequence(side=side):
-            return play(memory, world, (side,))
-        case SaveSequence():
-            return _save(memory, world, intent)
-        case SetLoop(on=on):
-            memory.sequence = replace(memory.sequence, loop=on)
-        case UndoSequence():
-            *earlier, before = memory.sequence.undo or (memory.poses,)
-            memory.poses, memory.sequence = before, replace(memory.sequence, undo=tuple(earlier))
-        case AddPose():
-            _add(memory, world)
-        case OpenSequence():
-            _open(memory, world, intent)
-        case _:
-            change(memory, changed(memory.poses, intent))
+def set_loop(memory: Memory, _world: World, intent: SetLoop) -> list[Action]:
+    """Choose whether plays repeat."""
+    memory.sequence = replace(memory.sequence, loop=intent.on)
     return []
 
 
-def change(memory: Memory, poses: tuple[SavedPose, ...]) -> None:
-    """Replace the poses, so that Undo of the strip restores the present ones."""
+def undo(memory: Memory, _world: World, _intent: UndoSequence) -> list[Action]:
+    """Restore the poses before the last change."""
+    *earlier, before = memory.sequence.undo or (memory.poses,)
+    memory.poses, memory.sequence = before, replace(memory.sequence, undo=tuple(earlier))
+    return []
+
+
+def edit(memory: Memory, _world: World, intent: Intent) -> list[Action]:
+    """Change one pose."""
+    return change(memory, changed(memory.poses, intent))
+
+
+def change(memory: Memory, poses: tuple[SavedPose, ...]) -> list[Action]:
+    """Replace the poses, so that Undo of the strip restores the present ones; return no actions."""
     if poses != memory.poses:
         undo = (*memory.sequence.undo, memory.poses)[-UNDO_KEPT:]
         memory.poses, memory.sequence = poses, replace(memory.sequence, undo=undo)
         memory.refusal = None
+    return []
 
 
 def changed(poses: tuple[SavedPose, ...], intent: Intent) -> tuple[SavedPose, ...]:
@@ -194,23 +191,25 @@ def new_pose(memory: Memory, world: World, name: str, arms: ArmAngles) -> SavedP
     return structs.replace(pose, duration_s=duration_s)
 
 
-def _add(memory: Memory, world: World) -> None:
+def _add(memory: Memory, world: World, _intent: AddPose) -> list[Action]:
     """Add the target of the pad, if the user has set one, else the present pose."""
     target = memory.choices.target
     if len(memory.poses) >= POSES_MAX:
-        memory.refuse(CONTROL, "off.sequence_full", count=str(POSES_MAX))
-        return
+        return memory.refuse(CONTROL, "off.sequence_full", count=str(POSES_MAX))
     try:
         aim = None if target is None else HeadAngles(target.yaw, target.pitch, target.roll)
         arms = commanded(world, memory.choices.sides + STARTS["sim"]) if aim is None else timing.arms_of(aim)
     except BeatrixError as error:
-        memory.refusal = Refusal(CONTROL, reason=error.reason, message=error.message, detail=error.detail)
-        return
+        return _refuse(memory, error)
     if arms is None:
-        memory.refuse(CONTROL, "off.no_position")
-        return
+        return memory.refuse(CONTROL, "off.no_position")
     name = _free(memory.poses, f"{memory.choices.texts('sequence.auto_name')}-1")
-    change(memory, (*memory.poses, new_pose(memory, world, name, arms)))
+    return change(memory, (*memory.poses, new_pose(memory, world, name, arms)))
+
+
+def _refuse(memory: Memory, error: BeatrixError) -> list[Action]:
+    memory.refusal = Refusal(CONTROL, reason=error.reason, message=error.message, detail=error.detail)
+    return []
 
 
 # -- playing ----------------------------------------------------------------------------------------
@@ -324,29 +323,25 @@ def _calls(poses: tuple[SavedPose, ...], start: ArmAngles, limits: timing.Pace) 
     return lines
 
 
-def _open(memory: Memory, world: World, intent: OpenSequence) -> None:
+def _open(memory: Memory, world: World, intent: OpenSequence) -> list[Action]:
     """Replace the strip by a choreography: each pose is reached when the next one begins."""
     if intent.trouble:
-        memory.refuse(CONTROL, "cannot.open", file=intent.file.name)
-        return
+        return memory.refuse(CONTROL, "cannot.open", file=intent.file.name)
     try:
         file = motion_file.parse(intent.text, intent.file.name)
         if not file.with_speed:
-            memory.refuse(CONTROL, "cannot.path", file=intent.file.name, speed=motion_file.SPEED)
-            return
+            return memory.refuse(CONTROL, "cannot.path", file=intent.file.name, speed=motion_file.SPEED)
         found = choreography(file)
         if len(found.steps) > POSES_MAX:
-            memory.refuse(CONTROL, "cannot.too_many", count=str(len(found.steps)), allowed=str(POSES_MAX))
-            return
+            slots = {"count": str(len(found.steps)), "allowed": str(POSES_MAX)}
+            return memory.refuse(CONTROL, "cannot.too_many", **slots)
         poses = _read(found.steps, timing.pace(world))
     except WrongUsage as error:
-        key, slots = wrong_file(error, intent.file.name)
-        memory.refuse(CONTROL, key, **slots)
-        return
+        key, reason = wrong_file(error, intent.file.name)
+        return memory.refuse(CONTROL, key, **reason)
     except BeatrixError as error:
-        memory.refusal = Refusal(CONTROL, reason=error.reason, message=error.message, detail=error.detail)
-        return
-    change(memory, poses)
+        return _refuse(memory, error)
+    return change(memory, poses)
 
 
 def _read(steps: list[tuple[str, Step]], limits: timing.Pace) -> tuple[SavedPose, ...]:
@@ -364,3 +359,14 @@ def _read(steps: list[tuple[str, Step]], limits: timing.Pace) -> tuple[SavedPose
         duration_s = round(min(DURATION_MAX_S, max(DURATION_MIN_S, duration_s)), 1)
         poses, here = (*poses, structs.replace(pose, duration_s=duration_s)), ArmAngles(*pose.arms)
     return poses
+
+
+HANDLES: Handles = {
+    AddPose: _add,
+    **dict.fromkeys((MovePose, DuplicatePose, SetDuration, RenamePose), edit),
+    SetLoop: set_loop,
+    UndoSequence: undo,
+    PlaySequence: lambda memory, world, intent: play(memory, world, (intent.side,)),
+    SaveSequence: _save,
+    OpenSequence: _open,
+}

@@ -18,7 +18,6 @@ from gui.console.state import (
     intents,
     leases,
     missions,
-    motions,
     pills,
     poses,
     program,
@@ -27,17 +26,32 @@ from gui.console.state import (
     sequence,
     sound,
 )
-from gui.console.state.actions import Action, Outcome, Select
+from gui.console.state.actions import Action, Outcome
 from gui.console.state.choices import Choices, choices_from
 from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.memory import Memory
+from gui.console.state.motions import Handles
 from gui.console.state.saved import Saved
-from gui.console.state.sequence_intents import SequenceIntent
 from gui.console.state.sequence_timing import with_durations
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
 
 DEFAULTS = Saved()
+HANDLES: Handles = {
+    **arms.HANDLES,
+    **class_page.HANDLES,
+    **commands.HANDLES,
+    **connecting.HANDLES,
+    **dragging.HANDLES,
+    **gestures.HANDLES,
+    **holding.HANDLES,
+    **leases.HANDLES,
+    **poses.HANDLES,
+    **program.HANDLES,
+    **refusals.HANDLES,
+    **sending.HANDLES,
+    **sequence.HANDLES,
+}
 
 
 class State:
@@ -46,8 +60,11 @@ class State:
     def __init__(self, saved: Saved = DEFAULTS, notice: str = "") -> None:
         """Begin with saved choices; `notice` is a sentence to show until the first request."""
         self._memory = Memory(choices_from(saved), with_durations(saved.poses, saved.speed), notice=notice)
-        self._code = program.CodeCache()
         self._guide = missions.Guide(saved.guided)
+        self._handles: Handles = {
+            **HANDLES,
+            **dict.fromkeys((missions.SkipTask, missions.CloseGuide), self._guide.handle),
+        }
 
     @property
     def saved(self) -> Saved:
@@ -90,7 +107,7 @@ class State:
             eyes=eyes.view(memory, world),
             sound=sound.view(memory, world),
             history=history.view(memory, world),
-            code=program.view(memory, world, self._code),
+            code=program.view(memory, world),
             record=commands.recording_view(memory, world),
             last=history.last(memory, world),
             last_detail=history.last_detail(memory, world),
@@ -130,81 +147,7 @@ class State:
             refusals.hide_answered(memory, intent)
             ended = sending.spare_hardware(memory, world, intent)
             return [*ended, *eyes.watch(chosen, intent), *sound.watch(chosen, intent)]
-        match intent:
-            case (
-                intents.Stop()
-                | intents.EmergencyStop()
-                | intents.RunCommand()
-                | intents.MakeReady()
-                | intents.Repeat()
-            ):
-                dragging.interrupt(memory, intent)
-                actions = commands.handle(memory, world, intent)
-            case intents.Jog():
-                actions = arms.jog(memory, world, intent)
-            case holding.HoldArm() | holding.ReleaseArm():
-                actions = holding.handle(memory, world, intent)
-            case intents.SendHead():
-                actions = motions.send_head(memory, world, sending.target(memory, world), sending.PAD)
-            case intents.GrabHead() | intents.LiveHead() | intents.ReleaseHead():
-                actions = dragging.handle(memory, world, intent)
-            case intents.SendNow() | intents.Change() | intents.Abort():
-                actions = sending.handle(memory, world, intent)
-            case intents.TakeAlternative():
-                actions = refusals.take_alternative(memory, world)
-            case intents.Undo():
-                actions = poses.undo(memory, world)
-            case intents.ToggleRecording() | intents.OpenRecording():
-                actions = commands.record(world, intent)
-            case _:
-                actions = self._about_window(intent, world)
-        return actions
-
-    def _about_window(self, intent: Intent, world: World) -> list[Action]:
-        match intent:
-            case intents.DismissRefusal():
-                self._memory.refusal = None
-            case missions.GuideIntent():
-                self._guide.handle(intent, self._memory)
-            case intents.ChooseRobot(name=name):
-                return self._choose(name, world)
-            case connecting.UseRouter() | connecting.UseAccount():
-                shown = class_page.show(
-                    self._memory, WindowPage.ROBOT
-                )  # the next seat may not be the teacher's
-                return [*shown, *connecting.choose_router(world, intent)]
-            case intents.StartSimulation() | intents.Retry() | connecting.ConnectIntent():
-                return connecting.handle(self._memory, world, intent)
-            case intents.SavePlots():
-                return commands.save_plots(self._memory, world, intent)
-            case _:
-                return self._about_others(intent, world)
-        return []
-
-    def _about_others(self, intent: Intent, world: World) -> list[Action]:
-        """Handle intents about leases, the class, gestures and poses."""
-        match intent:
-            case intents.AskLease() | intents.DismissNotice():
-                return leases.handle(self._memory, world, intent)
-            case intents.TogglePage() | intents.GovernClass() | intents.LimitClass() | intents.MuteSeat():
-                return class_page.handle(self._memory, world, intent)
-            case SequenceIntent():
-                return sequence.handle(self._memory, world, intent)
-            case program.SaveProgram():
-                return program.save(self._memory, world, intent, self._code)
-            case intents.PlayGesture() | intents.ToggleFollowing() | intents.OpenProgram():
-                return gestures.handle(self._memory, world, intent)
-        return poses.handle(self._memory, world, intent)
-
-    def _choose(self, name: str, world: World) -> list[Action]:
-        """Return the actions that show the robot of this name and give back the previous one."""
-        memory = self._memory
-        memory.refusal = None
-        given_back: list[Action] = []
-        if name != world.robot:
-            memory.undo = ()  # the angles in it belong to the previous robot
-            given_back = leases.give_back_all(memory, world)
-        return [*class_page.show(memory, WindowPage.ROBOT), *given_back, Select(name)]
+        return self._handles[type(intent)](memory, world, intent)  # type: ignore[arg-type]  # it is of that class
 
     def hold(self, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:
         """Add a motion that the face itself sends to the checked robots; return its row, or None if it is refused."""

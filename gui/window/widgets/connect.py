@@ -5,7 +5,7 @@ from __future__ import annotations
 from PyQt5.QtCore import QEvent, pyqtSignal
 from PyQt5.QtWidgets import QFileDialog, QFrame, QHBoxLayout, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
 
-from gui.console.state.connecting import UseAccount, UseRouter
+from gui.console.state.actions import UseAccount, UseRouter
 from gui.console.state.views import ConnectView, RouterView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import IntentButton, label, set_role, set_text

@@ -17,8 +17,8 @@ from PyQt5.QtWidgets import (
 )
 
 from beatrix_zenoh.contract.names import SIDES
-from gui.console.state.connecting import LookForPorts
-from gui.console.state.intents import ChooseRobot, SetLanguage, SetTheme, Theme, WindowPage
+from gui.console.state.actions import ChooseRobot, LookForPorts
+from gui.console.state.intents import SetLanguage, SetTheme, Theme, WindowPage
 from gui.console.state.views import ButtonView, PillView, RecordView, View
 from gui.console.texts import LANGUAGES, Texts
 from gui.window.theme import CONDITION_ROLES

@@ -23,7 +23,8 @@ from PyQt5.QtWidgets import (
 
 from beatrix_zenoh import colours as hues
 from beatrix_zenoh.contract.names import ARMS, SIDES
-from gui.console.state.intents import SavePlots, Theme
+from gui.console.state.actions import NEW, WriteFile
+from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import style_of
@@ -343,7 +344,7 @@ class PlotsPanel(FilePanel):
         """Let the user choose the file; the content is that of the moment of the press."""
         title, suffix = self._texts(f"tip.{kind}"), kind.removeprefix("plot_")
         save = QFileDialog.AcceptMode.AcceptSave
-        self.choose_file(title, save, suffix, lambda file: SavePlots(file, content), files=kind)
+        self.choose_file(title, save, suffix, lambda file: WriteFile(NEW, file, content), files=kind)
 
     # -- appearance ---------------------------------------------------------------------------------
 

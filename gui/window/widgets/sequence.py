@@ -21,8 +21,8 @@ from PyQt5.QtWidgets import (
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.state.actions import LARGEST_BYTES
-from gui.console.state.intents import AimHead, DeletePose, PlayFile, Theme
+from gui.console.state.actions import LARGEST_BYTES, NEW, Play
+from gui.console.state.intents import AimHead, DeletePose, Theme
 from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.sequence_intents import (
     DuplicatePose,
@@ -148,7 +148,7 @@ class SequencePanel(FilePanel):
             ("open", QFileDialog.AcceptMode.AcceptOpen, "csv", _opened),
             ("save_file", save, "csv", SaveSequence),
             ("save_program", save, "py", lambda file: SaveSequence(file, program=True)),
-            ("play_file", QFileDialog.AcceptMode.AcceptOpen, "csv", PlayFile),
+            ("play_file", QFileDialog.AcceptMode.AcceptOpen, "csv", lambda file: Play(NEW, (), file)),
         ):
             entry = self.entries[name] = QAction(self._texts(f"sequence.{name}"), self)
             entry.triggered.connect(
