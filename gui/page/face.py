@@ -108,7 +108,7 @@ class Face:
     def open(self, saved: Saved) -> None:
         """Begin with the choices that the browser has kept."""
         self.state, self._aimed = State(saved), False
-        self.state.handle(intents.ShowTab(Tab.EYES), self._world)
+        self.state.handle(intents.Choose("tab", Tab.EYES), self._world)
 
     def notify(self, key: str, **slots: str) -> None:
         """Show a sentence beside the button *Drive*; no key: none."""
@@ -140,8 +140,8 @@ class Face:
         here = [side for side in SIDES if online(world, side)]
         if here and not self._aimed:
             self._aimed = True
-            self.state.handle(intents.SetDestination("sim", checked="sim" in here), world)
-            self.state.handle(intents.SetDestination("hw", checked="sim" not in here), world)
+            self.state.handle(intents.Choose("sim", value="sim" in here), world)
+            self.state.handle(intents.Choose("hw", value="sim" not in here), world)
         driver = self.driver
         if driver is not None:
             driver.asked &= set(here)
@@ -165,6 +165,8 @@ class Face:
                 "notice": texts(key, **slots) if key else "",
             },
             "saved": self.state.saved,
+            "choices": view.choices,
+            "language": texts.code,
             "texts": _texts_of_page(texts.code),
             "eyes": self._eyes(view, world),
             "sound": view.sound,
@@ -178,7 +180,7 @@ class Face:
                 name: getattr(view, name)
                 for name in (
                     *("title", "robot", "arms", "sending", "commands", "poses"),
-                    *("last", "stop", "emergency", "language"),
+                    *("last", "stop", "emergency"),
                 )
             },
         }
@@ -305,7 +307,7 @@ def _lease(button: ButtonView | None) -> ButtonView | None:
 
 def _banner(view: View, world: World) -> BannerView | None:
     """Return the banner without buttons that pages may not use; a text that mentions them is replaced."""
-    banner, texts = view.banner, Texts(view.language)
+    banner, texts = view.banner, view.choices.texts
     if banner is None:
         return None
     buttons = tuple(button for button in banner.buttons if _offered(button))

@@ -10,8 +10,8 @@ from msgspec import Meta
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, intents
-from gui.console.state.saved import LEAD_MAX_S, SPEED_MAX, Saved
-from gui.console.texts import LANGUAGES
+from gui.console.state.choices import Choices, changed
+from gui.console.state.saved import Saved
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
 Press = Annotated[int, Meta(ge=1, le=2**53)]
@@ -79,12 +79,7 @@ class StopRobot(Message, frozen=True, tag="stop"):
 
 
 OWN: Final = (
-    intents.SetLanguage
-    | intents.SetSpeed
-    | intents.SetLead
-    | intents.SetDestination
-    | intents.SetCameras
-    | intents.SetMicrophones
+    intents.Choose
     | intents.AimHead
     | intents.DismissRefusal
     | intents.DismissNotice
@@ -109,6 +104,9 @@ DRIVING: Final = (
     | intents.PlayPoses
 )
 """Intents of a page that drives. No page may use other ones, for example those that start programs or name files."""
+CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras", "microphones")
+"""Choices that a page may change."""
+UNCHANGED: Final = Choices()
 LEASES: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
 COMMANDS: Final = (Command.ENABLE, Command.CALIBRATE, Command.HOME, Command.RESET)
 NAME_MAX: Final = 64
@@ -140,12 +138,8 @@ def _possible(request: Request) -> bool:
             possible &= action in LEASES
         case intents.RunCommand(command=command, side=side):
             possible = command in COMMANDS and side in ("", *SIDES)
-        case intents.SetLanguage(code=code):
-            possible = code in LANGUAGES
-        case intents.SetSpeed(degrees_per_s=speed):
-            possible = 0 < speed <= SPEED_MAX
-        case intents.SetLead(seconds=lead_s):
-            possible = 0 <= lead_s <= LEAD_MAX_S
+        case intents.Choose(name=name, value=value):
+            possible = name in CHOICES and changed(UNCHANGED, name, value) is not None
         case intents.AimHead(yaw=yaw, pitch=pitch, roll=roll):
             possible = max(abs(yaw), abs(pitch), abs(roll)) <= ANGLE_MAX
         case intents.SavePose(name=name) | intents.DeletePose(name=name) | intents.GoToPose(name=name):

@@ -8,7 +8,7 @@ from PyQt5.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QTabWidget, QVBoxL
 
 from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import ARMS
-from gui.console.state.intents import ALL_ARMS, ShowTab, Tab, Theme, WindowPage
+from gui.console.state.intents import ALL_ARMS, Choose, Tab, Theme, WindowPage
 from gui.console.state.views import HistoryRowView, RefusalView, View
 from gui.console.state.world import World
 from gui.console.texts import Texts
@@ -19,6 +19,7 @@ from gui.window.widgets.class_page import ClassPage
 from gui.window.widgets.code import CodePanel
 from gui.window.widgets.commands import CommandsPanel, StopBar
 from gui.window.widgets.connect import ConnectSheet
+from gui.window.widgets.controls import ChoiceCheck
 from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
@@ -102,6 +103,7 @@ class Panels(QWidget):
         )
         self.key_sheet, self.connect_sheet = KeySheet(texts, self.pages), ConnectSheet(texts, self.pages)
         self._connect()
+        self._boxes = self.findChildren(ChoiceCheck)
 
     def _lay_out(self) -> None:
         for tabs in (self.tabs, self.side, self.low_area):
@@ -188,7 +190,7 @@ class Panels(QWidget):
 
     def _report_tab(self, number: int) -> None:
         if 0 <= number < len(Tab):
-            self.intent.emit(ShowTab(list(Tab)[number]))
+            self.intent.emit(Choose("tab", list(Tab)[number]))
 
     def _arrange(self) -> None:
         """Arrange the widgets for the height of the window.
@@ -244,25 +246,26 @@ class Panels(QWidget):
 
     def show_view(self, view: View) -> None:
         """Pass each part of the view to its widget."""
+        for box in self._boxes:
+            box.setChecked(getattr(view.choices, box.name))
         self.header.show_view(view)
         self.banner.show_view(view.banner)
         self.guide.show_view(view.guide)
         self.head.show_view(view.head)
         self.head3d.show_view(view.head)
-        self.arms.show_view(view.arms)
-        self.sending.show_view(view.sending, view.head.send)
+        self.arms.show_view(view)
+        self.sending.show_view(view)
         self.commands.show_view(view.commands)
         self.history.show_view(view.history)
         self.code.show_view(view.code)
         self.sequence.show_view(view.sequence)
         self.gestures.show_view(view.gestures)
         self.eyes.show_view(view.eyes)
-        self.eyes.cameras.setChecked(view.sending.cameras)
         self.eyes.sound.show_view(view.sound)
         self.class_page.show_view(view.class_page)
         if view.class_page is not None:
             self.projector.show_view(view.class_page.projector)
-        self._show_page(view.page)
+        self._show_page(view.choices.page)
         self.connect_sheet.show_view(view.connect)
         self.stop_bar.show_view(view)
         self.stop_bar.show_last(view.last)

@@ -138,7 +138,7 @@ class Window(QMainWindow):
         """Show the class in large type on the whole screen, with STOP below; only the teacher's window can."""
         if self._view is None or self._view.class_page is None:
             return
-        if on and self._view.page is not WindowPage.CLASS:
+        if on and self._view.choices.page is not WindowPage.CLASS:
             self.handle(TogglePage())
         full, panels = Qt.WindowState.WindowFullScreen, self.panels
         self.setWindowState(Qt.WindowStates(self.windowState() | full if on else self.windowState() & ~full))
@@ -154,10 +154,14 @@ class Window(QMainWindow):
 
     def _show(self, view: View) -> None:
         old, self._view = self._view, view
-        before = None if old is None or old.language == view.language else self.panels
+        before = None if old is None or old.choices.language == view.choices.language else self.panels
         if old is None or before is not None:
             self._build(view)
-        if old is None or old.theme != view.theme or old.language != view.language:
+        if (
+            old is None
+            or old.choices.theme != view.choices.theme
+            or old.choices.language != view.choices.language
+        ):
             self._apply_theme(view)
         if old is None or old.title != view.title:
             self.setWindowTitle(view.title)
@@ -166,21 +170,21 @@ class Window(QMainWindow):
         if before is not None:
             self.panels.keep(before)
         keep_focus(self.panels, focus)
-        if view.page is not WindowPage.CLASS and not self.panels.projector.isHidden():
+        if view.choices.page is not WindowPage.CLASS and not self.panels.projector.isHidden():
             self._project(on=False)
 
     def _build(self, view: View) -> None:
         """Create all widgets, at the start and for another language."""
-        self.panels = Panels(Texts(view.language))
-        self.panels.tabs.setCurrentIndex(list(Tab).index(view.tab))
+        self.panels = Panels(Texts(view.choices.language))
+        self.panels.tabs.setCurrentIndex(list(Tab).index(view.choices.tab))
         self.panels.intent.connect(self.handle)
         self.panels.class_page.projector_asked.connect(lambda: self._project(on=True))
         self.setCentralWidget(self.panels)
         self.panels.head.pad.setFocus()  # so that arrows and Enter work at once
 
     def _apply_theme(self, view: View) -> None:
-        apply_theme(self, style_of(view.theme))
-        self.panels.show_theme(view.theme)
+        apply_theme(self, style_of(view.choices.theme))
+        self.panels.show_theme(view.choices.theme)
 
 
 def keep_focus(panels: QWidget, focus: QWidget | None) -> None:

@@ -21,7 +21,7 @@ from beatrix_zenoh import account as accounts
 from beatrix_zenoh.client import Presence
 from gui.console.state.actions import Action, LookForPorts, Outcome, Send, UseAccount, UseRouter
 from gui.console.state.connecting import completed
-from gui.console.state.intents import SendHead, SetDestination, SetLanguage, TogglePage, WindowPage
+from gui.console.state.intents import Choose, SendHead, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import RouterView
 from gui.console.state.world import LinkPhase, OwnAccount, Trouble, World
@@ -42,7 +42,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def sheet(now: World, language: str = "en") -> RouterView:
     """Return what the sheet says about router and account."""
     state = State()
-    state.handle(SetLanguage(language), now)
+    state.handle(Choose("language", language), now)
     state.handle(LookForPorts(), now)
     found = state.view(now).connect
     assert found is not None
@@ -129,7 +129,7 @@ def test_undo_and_the_page_of_the_class_belong_to_the_router_that_was_left() -> 
     teacher = replace(world(), seat="teacher", account=replace(ANA, name="teacher"))
     state = State()
     state.follow(teacher)
-    state.handle(SetDestination("hw", checked=False), teacher)
+    state.handle(Choose("hw", value=False), teacher)
     (send,) = state.handle(SendHead(), teacher)
     assert isinstance(send, Send)
     state.report(Outcome(send.row, "sim", accepted=True, done=True))
@@ -140,7 +140,7 @@ def test_undo_and_the_page_of_the_class_belong_to_the_router_that_was_left() -> 
     now = replace(teacher, seat="ana", endpoint="tls/lab:7447")
     state.follow(now)
     shown = state.view(now)
-    assert shown.page is WindowPage.ROBOT
+    assert shown.choices.page is WindowPage.ROBOT
     assert not shown.commands.undo.enabled
 
 

@@ -17,7 +17,7 @@ from beatrix_zenoh.client import Presence
 from gui.console.link.ports import parsed
 from gui.console.state.actions import ConnectHardware, LookForPorts
 from gui.console.state.connecting import VIRTUAL, CloseConnect
-from gui.console.state.intents import SetLanguage
+from gui.console.state.intents import Choose
 from gui.console.state.pills import pill
 from gui.console.state.state import State
 from gui.console.state.views import Condition
@@ -106,7 +106,7 @@ def test_the_sheet_stays_beside_hardware_that_is_online_and_offers_no_second_one
 def test_a_failure_is_shown_in_the_language_with_the_output_as_a_detail() -> None:
     failed = replace(WITHOUT, ports=(), child_trouble=Trouble("trouble.hardware", "1", "Its output: ..."))
     state = opened()
-    state.handle(SetLanguage("de"), failed)
+    state.handle(Choose("language", "de"), failed)
     found = state.view(failed).connect
     assert found is not None
     assert found.text == "Das Programm der Hardware ist zu Ende (1). Wähle noch einmal einen Anschluss."

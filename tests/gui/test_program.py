@@ -169,7 +169,7 @@ PRESSES = st.sampled_from(
         intents.Stop(),
         intents.EmergencyStop(),
         intents.Undo(),
-        intents.SetLanguage("de"),
+        intents.Choose("language", "de"),
         Play(0, (), Path("it's\nmine.csv")),
         intents.SavePose("nod"),
         intents.PlayPoses(),

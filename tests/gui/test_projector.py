@@ -13,7 +13,7 @@ from PyQt5.QtWidgets import QApplication
 from recording_link import RecordingLink
 
 from gui.console.state import projector
-from gui.console.state.intents import SetLanguage
+from gui.console.state.intents import Choose
 from gui.console.state.world import LinkPhase
 from gui.console.texts import LANGUAGES, Texts
 from gui.window.widgets.projector import ProjectorScreen, RobotCard, cut_in_middle
@@ -96,7 +96,7 @@ def test_a_long_text_is_cut_in_the_middle() -> None:
 def test_robots_fill_the_screen_and_no_text_leaves_its_robot(
     window: Window, link: RecordingLink, size: tuple[int, int], count: int, language: str
 ) -> None:
-    window.handle(SetLanguage(language))
+    window.handle(Choose("language", language))
     screen = shown(window, link, count, size)
     room = screen.rect()
     for card in screen.cards:

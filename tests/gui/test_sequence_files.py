@@ -11,7 +11,7 @@ from gui_worlds import world
 from beatrix_zenoh.client.choreography import ArmPose, choreography
 from beatrix_zenoh.client.motion_file import parse
 from gui.console.state.actions import WriteFile
-from gui.console.state.intents import DeletePose, SetLanguage
+from gui.console.state.intents import Choose, DeletePose
 from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.sequence import POSES_MAX
 from gui.console.state.sequence_intents import OpenSequence, SaveSequence, SetLoop
@@ -66,7 +66,7 @@ def test_a_file_that_is_no_choreography_is_explained_in_both_languages(
 ) -> None:
     state = editing(*THREE)
     for code, words in (("en", english), ("de", german)):
-        state.handle(SetLanguage(code), world())
+        state.handle(Choose("language", code), world())
         state.handle(OpenSequence(Path("dance.csv"), text), world())
         assert words in refusal_of(state)
     assert state.saved.poses == THREE

@@ -36,7 +36,7 @@ from gui.console.state.actions import (
     ViewRecording,
     WatchCameras,
 )
-from gui.console.state.intents import Jog, RunCommand, SetDestination, Tab
+from gui.console.state.intents import Choose, Jog, RunCommand, Tab
 from gui.console.state.state import State
 from gui.console.state.views import ButtonView, View
 from gui.console.state.world import LinkPhase, RecordingProgress, Trouble, World
@@ -76,7 +76,7 @@ def test_plus_and_minus_turn_by_or_to_the_increment(
     relative: bool, arm: str, sign: int, goal: tuple[int, ...]
 ) -> None:
     now = world(robot("sim", arms=(10, -20, 30)))
-    send = sent(state_after(intents.SetRelative(relative)).handle(Jog(arm, sign), now))
+    send = sent(state_after(intents.Choose("relative", value=relative)).handle(Jog(arm, sign), now))
     assert arms_of(send) == goal
     assert send.query.absolute is not relative
     assert send.sides == ("sim",)
@@ -89,7 +89,7 @@ def test_with_both_boxes_checked_one_motion_is_sent_with_the_lead() -> None:
     state = state_after(BOTH)
     send = sent(state.handle(Jog("all", 1), world()))
     assert (send.sides, send.lead_s) == (("sim", "hw"), 2.0)
-    state.handle(intents.SetLead(0.0), world())
+    state.handle(intents.Choose("lead_s", 0.0), world())
     assert sent(state.handle(intents.SendHead(), world())).lead_s == 0.0
     state.handle(NOT_SIM, world())
     send = sent(state.handle(intents.SendHead(), world()))
@@ -119,7 +119,7 @@ def test_without_a_checked_box_motion_buttons_are_disabled_with_a_reason() -> No
         "short",
         "Check Simulation, Hardware or both first",
     )
-    state.handle(SetDestination("sim", checked=True), world())
+    state.handle(Choose("sim", value=True), world())
     assert state.view(world()).arms.refusal is None
 
 
@@ -144,7 +144,7 @@ def test_a_request_that_cannot_be_sent_is_refused_beside_its_control(now: World,
 
 def test_an_absolute_jog_needs_the_angles_of_the_other_arms() -> None:
     now = world(robot("sim", arms=None))
-    state = state_after(intents.SetRelative(False))
+    state = state_after(intents.Choose("relative", value=False))
     assert state.handle(Jog("short", 1), now) == []
     refusal = state.view(now).arms.refusal
     assert refusal is not None
@@ -179,14 +179,14 @@ EYES = frozenset((side, eye) for side in ("sim", "hw") for eye in ("left", "righ
 
 def test_only_visible_pictures_are_subscribed_to() -> None:
     state = State()
-    assert state.handle(intents.ShowTab(Tab.HEADS), world()) == [WatchCameras(frozenset())]
-    assert state.handle(intents.ShowTab(Tab.EYES), world()) == [WatchCameras(frozenset())]
-    assert state.view(world()).tab is Tab.EYES
-    assert state.handle(intents.SetCameras(on=True), world()) == [WatchCameras(EYES)]
+    assert state.handle(intents.Choose("tab", Tab.HEADS), world()) == [WatchCameras(frozenset())]
+    assert state.handle(intents.Choose("tab", Tab.EYES), world()) == [WatchCameras(frozenset())]
+    assert state.view(world()).choices.tab is Tab.EYES
+    assert state.handle(intents.Choose("cameras", value=True), world()) == [WatchCameras(EYES)]
     watched = {(eye.side, eye.eye) for eye in state.view(world(hw=absent("hw"))).eyes if eye.watched}
     assert watched == {("sim", "left"), ("sim", "right")}
-    assert state.handle(intents.SetCameras(on=False), world()) == [WatchCameras(frozenset())]
-    assert state.handle(intents.ShowTab(Tab.PLOTS), world()) == [WatchCameras(frozenset())]
+    assert state.handle(intents.Choose("cameras", value=False), world()) == [WatchCameras(frozenset())]
+    assert state.handle(intents.Choose("tab", Tab.PLOTS), world()) == [WatchCameras(frozenset())]
 
 
 def camera(*, connected: bool = True, streaming: bool = True, trouble: str = "") -> CameraStatus:
@@ -215,7 +215,7 @@ def camera(*, connected: bool = True, streaming: bool = True, trouble: str = "")
 )
 def test_a_missing_picture_has_a_reason(cameras: tuple[CameraStatus, ...], left: str) -> None:
     now = world(robot("sim", known=status("sim", cameras=cameras)), absent("hw"))
-    state = state_after(intents.SetCameras(on=True))
+    state = state_after(intents.Choose("cameras", value=True))
     found = {(eye.side, eye.eye): eye.text for eye in state.view(now).eyes}
     assert found["sim", "left"].startswith(left)
     assert bool(found["sim", "left"]) is bool(left)
@@ -238,7 +238,7 @@ def test_the_failure_of_a_child_program_is_shown_in_banner_and_last_line() -> No
 @pytest.mark.parametrize("code", LANGUAGES)
 def test_the_output_of_a_child_program_is_a_detail(code: str) -> None:
     failed = replace(world(absent("sim"), absent("hw"), names=()), child_trouble=LOST_ROUTER)
-    state = state_after(intents.SetLanguage(code))
+    state = state_after(intents.Choose("language", code))
     view = state.view(failed)
     assert view.banner is not None
     assert not {text for text in (view.banner.text, view.last) if LOST_ROUTER.detail in text}

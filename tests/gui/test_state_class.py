@@ -41,7 +41,7 @@ def test_only_the_teacher_has_the_page() -> None:
     for intent in (TogglePage(), Govern(0, LeaseAction.FREEZE), LimitClass("20")):
         assert state.handle(intent, student) == []
     assert state.view(student).class_page is None
-    assert state.view(student).page is WindowPage.ROBOT
+    assert state.view(student).choices.page is WindowPage.ROBOT
 
 
 def test_a_row_shows_state_driver_queue_rate_and_age() -> None:

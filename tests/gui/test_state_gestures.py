@@ -13,12 +13,12 @@ from beatrix_zenoh.client.choreography import GESTURES, load, shipped
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Reason
 from beatrix_zenoh.contract.refusals import not_enabled
 from gui.console.state.actions import CopyProgram, EndFollowing, FollowFace, Outcome, Play
-from gui.console.state.intents import Intent, Repeat, SetDestination, SetLanguage
+from gui.console.state.intents import Choose, Intent, Repeat
 from gui.console.state.state import State
 from gui.console.state.world import FaceProgress, World
 
 SHIPPED, OWN = Path("shipped/follow_the_face.py"), Path("beatrix-programs/follow_the_face.py")
-GERMAN = SetLanguage("de")
+GERMAN = Choose("language", "de")
 
 
 def seeing(side: str, *, connected: bool = True, source: str = "") -> RobotState:
@@ -69,7 +69,7 @@ def test_titles_are_in_the_language_of_the_window() -> None:
 
 
 def test_without_a_checked_robot_all_buttons_give_the_reason() -> None:
-    view = state_after(SetDestination("sim", checked=False)).view(faces()).gestures
+    view = state_after(Choose("sim", value=False)).view(faces()).gestures
     for button in (*(button for _, button in view.gestures), view.follow):
         assert not button.enabled
         assert "Check" in button.tooltip
@@ -116,7 +116,7 @@ def test_the_hardware_sees_if_it_moves_and_has_an_eye(
 def test_a_robot_without_a_working_eye_follows_no_face(
     given: tuple[Intent, ...], now: World, language: str
 ) -> None:
-    state = state_after(*given, SetLanguage(language))
+    state = state_after(*given, Choose("language", language))
     assert state.handle(FollowFace(0, ()), now) == []
     refusal = state.view(now).gestures.refusal
     assert refusal is not None
@@ -130,7 +130,7 @@ def test_a_robot_without_a_working_eye_follows_no_face(
 def test_the_panel_says_that_the_program_runs_and_which_eye_sees(
     language: str, title: str, *, own: bool, hw: bool, eye: str
 ) -> None:
-    state, file = state_after(SetLanguage(language), BOTH), OWN if own else SHIPPED
+    state, file = state_after(Choose("language", language), BOTH), OWN if own else SHIPPED
     idle = state.view(faces()).sending
     state.handle(FollowFace(0, ()), faces(hw=hw))
     sending = state.view(faces(hw=hw, running=True, file=file)).sending
@@ -145,7 +145,7 @@ def test_the_panel_says_that_the_program_runs_and_which_eye_sees(
 
 
 def test_a_second_press_ends_the_program_even_if_no_robot_is_checked() -> None:
-    state, now = state_after(SetDestination("sim", checked=False)), faces(running=True)
+    state, now = state_after(Choose("sim", value=False)), faces(running=True)
     view = state.view(now).gestures
     assert (view.following, view.follow.enabled) == (True, True)
     assert state.handle(view.follow.intent, now) == [EndFollowing()]
@@ -170,7 +170,7 @@ def test_opening_the_program_copies_it_and_the_history_shows_the_path() -> None:
 
 @pytest.mark.parametrize(("language", "word"), [("en", "failed"), ("de", "gescheitert")])
 def test_a_failed_program_is_a_sentence_and_its_last_line_a_detail(language: str, word: str) -> None:
-    state, now = state_after(SetLanguage(language)), faces()
+    state, now = state_after(Choose("language", language)), faces()
     state.handle(FollowFace(0, ()), now)
     reason = Reason.BAD_VALUE
     state.report(Outcome(1, "", accepted=True, done=False))

@@ -12,7 +12,7 @@ from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.contract.refusals import taken_by
 from gui.console.state.actions import AskLease, ChooseRobot, Govern, Outcome
-from gui.console.state.intents import DismissNotice, Jog, SetLanguage, TakeAlternative
+from gui.console.state.intents import Choose, DismissNotice, Jog, TakeAlternative
 from gui.console.state.state import State
 from gui.console.state.views import PillView
 from gui.console.state.world import LinkPhase, World
@@ -114,7 +114,7 @@ def test_the_banner_of_a_new_lease_is_shown_until_it_is_dismissed() -> None:
     mine = sim_with(holder="ben", lease=5)
     same("state leases.the banner of a new lease is shown until it is dismissed 1", banner_of(state, mine))
     assert "your turn" in banner_of(state, mine)
-    state.handle(SetLanguage("de"), mine)
+    state.handle(Choose("language", "de"), mine)
     same("state leases.the banner of a new lease is shown until it is dismissed 2", banner_of(state, mine))
     assert state.handle(DismissNotice(), mine) == []
     assert banner_of(state, mine) == ""

@@ -107,12 +107,12 @@ INTENTS: st.SearchStrategy[Intent] = st.one_of(
     st.builds(intents.Jog, st.sampled_from([*ARMS, ALL_ARMS]), st.sampled_from([1, -1])),
     st.builds(intents.AimHead, ANY_NUMBER, ANY_NUMBER, ANY_NUMBER),
     st.builds(intents.SendHead),
-    st.builds(intents.SetRelative, st.booleans()),
-    st.builds(intents.SetIncrement, ANY_NUMBER),
-    st.builds(intents.SetSpeed, ANY_NUMBER),
-    st.builds(intents.SetDestination, SIDES, st.booleans()),
-    st.builds(intents.SetCameras, st.booleans()),
-    st.builds(intents.SetLead, ANY_NUMBER),
+    st.builds(intents.Choose, st.just("relative"), st.booleans()),
+    st.builds(intents.Choose, st.just("increment"), ANY_NUMBER),
+    st.builds(intents.Choose, st.just("speed"), ANY_NUMBER),
+    st.builds(intents.Choose, SIDES, st.booleans()),
+    st.builds(intents.Choose, st.just("cameras"), st.booleans()),
+    st.builds(intents.Choose, st.just("lead_s"), ANY_NUMBER),
     st.builds(
         intents.RunCommand, st.sampled_from(COMMANDS), st.booleans(), st.sampled_from(["", "sim", "hw"])
     ),
@@ -155,9 +155,9 @@ INTENTS: st.SearchStrategy[Intent] = st.one_of(
     st.builds(LookForPorts),
     st.builds(ConnectHardware, st.sampled_from(["virtual:", "COM4"])),
     st.builds(CloseConnect),
-    st.builds(intents.ShowTab, st.sampled_from(Tab)),
-    st.builds(intents.SetTheme, st.sampled_from(Theme)),
-    st.builds(intents.SetLanguage, st.sampled_from(["en", "de", "fr"])),
+    st.builds(intents.Choose, st.just("tab"), st.sampled_from(Tab)),
+    st.builds(intents.Choose, st.just("theme"), st.sampled_from(Theme)),
+    st.builds(intents.Choose, st.just("language"), st.sampled_from(["en", "de", "fr"])),
 )
 EVENTS = st.builds(
     Event,
@@ -252,13 +252,12 @@ class AnyOrder(RuleBasedStateMachine):
 
     @rule(intent=INTENTS)
     def handle_intent(self, intent: Intent) -> None:
-        sending = self.state.view(self.world).sending
+        asked = self.state.choices.sides
         actions = self.state.handle(intent, self.world)
-        asked = ("sim",) * sending.sim + ("hw",) * sending.hw
         for action in actions:
             self.check(action, asked)
         if isinstance(intent, intents.Stop | intents.EmergencyStop):
-            everywhere = self.state.view(self.world).page is WindowPage.CLASS
+            everywhere = self.state.view(self.world).choices.page is WindowPage.CLASS
             (action,) = actions
             assert isinstance(action, SendStop)
             emergency = isinstance(intent, intents.EmergencyStop)
@@ -314,7 +313,7 @@ class AnyOrder(RuleBasedStateMachine):
             found.control for found in (view.head.refusal, view.arms.refusal, view.commands.refusal) if found
         ]
         assert len(places) <= 1, "one refusal at a time, where the request was made"
-        if not (view.sending.sim or view.sending.hw):
+        if not (view.choices.sides):
             buttons = [button for row in view.arms.rows for button in (row.minus, row.plus)]
             assert not any(button.enabled for button in [*buttons, view.head.send, view.commands.home])
         assert self.state.saved == self.state.saved

@@ -64,7 +64,7 @@ def test_a_refusal_is_shown_at_the_pad_and_its_alternative_is_sent() -> None:
 
 
 def test_an_alternative_speed_keeps_the_motion() -> None:
-    state = state_after(intents.SetSpeed(100), Jog("long", -1))
+    state = state_after(intents.Choose("speed", 100), Jog("long", -1))
     refused(
         state,
         Detail(limit=Limit.SPEED, alternative=Alternative(speed=vector(90, 90, 90))),
@@ -116,7 +116,7 @@ def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> Non
     shown = state.view(world()).arms.refusal
     assert shown is not None
     same("state refusals.a refusal by one of two robots names it in the chosen language 1", shown.text)
-    state.handle(intents.SetLanguage("de"), world())
+    state.handle(intents.Choose("language", "de"), world())
     shown = state.view(world()).arms.refusal
     assert shown is not None
     same("state refusals.a refusal by one of two robots names it in the chosen language 2", shown.text)
@@ -202,7 +202,7 @@ def test_a_refusal_without_data_is_german_unless_only_its_message_explains_it(
     shown = state.view(world()).arms.refusal
     assert shown is not None
     assert shown.text == "Something is wrong."
-    state.handle(intents.SetLanguage("de"), world())
+    state.handle(intents.Choose("language", "de"), world())
     shown = state.view(world()).arms.refusal
     assert shown is not None
     assert shown.text == german
@@ -211,7 +211,7 @@ def test_a_refusal_without_data_is_german_unless_only_its_message_explains_it(
 def test_a_new_target_hides_the_refusal_of_the_pad() -> None:
     state = state_after(intents.SendHead())
     refused(state, tilt(), Reason.OUT_OF_REACH)
-    state.handle(intents.SetLanguage("de"), world())
+    state.handle(intents.Choose("language", "de"), world())
     assert state.view(world()).head.refusal is not None
     state.handle(intents.AimHead(1, 0, 0), world())
     assert state.view(world()).head.refusal is None
@@ -243,24 +243,24 @@ def test_undo_moves_no_robot_that_did_not_make_the_motion() -> None:
     state, start = state_after(BOTH), world(robot("sim", arms=(10, 0, 0)), robot("hw"))
     state.handle(Jog("short", 1), world())
     accept(state, 1)
-    state.handle(intents.SetDestination("hw", checked=False), start)
+    state.handle(intents.Choose("hw", value=False), start)
     state.handle(Play(0, (), gesture="yes"), start)
     accept(state, 2)
-    for intent in (intents.SetDestination("sim", checked=False), BOTH):
+    for intent in (intents.Choose("sim", value=False), BOTH):
         state.handle(intent, start)
     only_hw = state.view(start).commands.undo
     assert "short 0.0°" in only_hw.tooltip, "the hardware did not make the gesture"
-    state.handle(intents.SetDestination("sim", checked=True), start)
+    state.handle(intents.Choose("sim", value=True), start)
     assert state.view(start).commands.undo.tooltip.startswith("Simulation: ")
     back = sent(state.handle(intents.Undo(), start))
     assert (back.sides, arms_of(back)) == (("sim",), (10, 0, 0))
     accept(state, back.row)
-    state.handle(intents.SetDestination("sim", checked=False), start)
+    state.handle(intents.Choose("sim", value=False), start)
     back = sent(state.handle(intents.Undo(), start))
     assert (back.sides, arms_of(back)) == (("hw",), (0, 0, 0))
     state.report(Outcome(back.row, "hw", accepted=True, done=True))
     assert not state.view(start).commands.undo.enabled
-    state.handle(intents.SetDestination("sim", checked=True), start)
+    state.handle(intents.Choose("sim", value=True), start)
     back = sent(state.handle(intents.Undo(), start))
     assert back.sides == ("sim",), "the hardware has gone back already"
 

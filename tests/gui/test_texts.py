@@ -125,7 +125,7 @@ def test_numbers_have_the_decimal_sign_of_the_language() -> None:
 
 @pytest.mark.parametrize("code", LANGUAGES)
 def test_the_failures_of_the_window_itself_are_in_its_language(code: str) -> None:
-    state = state_after(intents.SetLanguage(code), intents.Jog("short", 1))
+    state = state_after(intents.Choose("language", code), intents.Jog("short", 1))
     state.report(failed(1, "sim", WindowError(Reason.STOPPED, "result.deselected")))
     view = state.view(world())
     assert view.arms.refusal is not None

@@ -23,7 +23,7 @@ from recording_link import RecordingLink, WatchedState
 from beatrix_zenoh.client.degrees import HeadAngles
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state.actions import NEW, ChooseRobot, Outcome, Play, Send, WriteFile
-from gui.console.state.intents import Intent, Jog, RunCommand, SavePose, SetLanguage, SetTheme, Stop, Theme
+from gui.console.state.intents import Choose, Intent, Jog, RunCommand, SavePose, Stop, Theme
 from gui.console.state.sequence_intents import SaveSequence
 from gui.window.panels import PAGES
 from gui.window.run import Bridge, errors_shown
@@ -112,7 +112,7 @@ def test_enter_presses_a_button_of_a_menu_and_space_is_stop(window: Window, inte
 
 def test_a_theme_applies_to_all_widgets(window: Window) -> None:
     for theme in (Theme.LIGHT, Theme.PROJECTOR, Theme.DARK):
-        window.handle(SetTheme(theme))
+        window.handle(Choose("theme", theme))
         colours = style_of(theme)
         centre = window.grab().toImage().pixelColor(2, 100)
         assert centre.name() == colours.ground
@@ -125,7 +125,7 @@ def test_the_language_changes_while_the_window_runs(
 ) -> None:
     old = window.panels
     old.header.choices["de"].trigger()
-    assert intents() == [SetLanguage("de")]
+    assert intents() == [Choose("language", "de")]
     assert window.panels is not old
     assert window.panels.sending.send.text() == "Senden"
     assert window.panels.arms.increment.box.text() == "5,0 °"

@@ -25,14 +25,11 @@ from beatrix_zenoh.lessons.reports import STUCK, Row
 from gui.console.state.actions import Action, Govern, Outcome
 from gui.console.state.intents import (
     AimHead,
+    Choose,
     Intent,
     Jog,
     SavePose,
     SendHead,
-    SetCameras,
-    SetDestination,
-    SetLanguage,
-    SetTheme,
     Theme,
     TogglePage,
 )
@@ -90,10 +87,10 @@ def driving(theme: Theme, language: str, now: World) -> State:
     """Return a state with some requests in its history."""
     state = State()
     for intent in (
-        SetTheme(theme),
-        SetLanguage(language),
-        SetDestination("hw", checked=True),
-        SetCameras(on=True),
+        Choose("theme", theme),
+        Choose("language", language),
+        Choose("hw", value=True),
+        Choose("cameras", value=True),
     ):
         state.handle(intent, now)
     for name in ("nod", "left", "shy"):

@@ -29,14 +29,10 @@ INCREMENT_MAX: Final = 90.0
 
 def view(memory: Memory, world: World) -> ArmsView:
     """Return all rows, and the choices that + and - depend on."""
-    choices = memory.choices
     limit = ROBOT.limits.speed_max if world.limits is None else math.degrees(world.limits.speed_max)
     return ArmsView(
         rows=tuple(_row(memory, world, arm) for arm in (*ARMS, ALL_ARMS)),
-        relative=choices.relative,
-        increment=choices.increment,
         increment_max=INCREMENT_MAX,
-        speed=choices.speed,
         speed_max=limit,
         refusal=refusals.at(memory, (*ARMS, ALL_ARMS)),
     )

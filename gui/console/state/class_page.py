@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import Final
+
+from msgspec import structs
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.lease import limit_of
@@ -262,7 +263,7 @@ def show(memory: Memory, page: WindowPage) -> list[Action]:
     """Choose the page to show; return the actions after which only the data of this page are received."""
     if page is memory.choices.page:
         return []
-    memory.choices = replace(memory.choices, page=page)
+    memory.choices = structs.replace(memory.choices, page=page)
     listens = [WatchMicrophones(sound.wanted(memory.choices))] if memory.choices.microphones else []
     return [WatchClass(page is WindowPage.CLASS), WatchCameras(wanted(memory.choices)), *listens]
 

@@ -47,7 +47,7 @@ def view(memory: Memory, tilt_max: float, gap_min: float) -> DragView:
         query = request.query
         refused = HeadOrientation(*head_angles(Head(query.yaw, query.pitch, query.roll)))
         reason = choices.texts(REASONS.get(refusal.reason, "refused.other"))
-    return DragView(choices.live, choices.send_on_release, limits, refused, reason)
+    return DragView(choices.live, limits, refused, reason)
 
 
 def grab(memory: Memory, _world: World, _intent: GrabHead) -> list[Action]:

@@ -81,67 +81,6 @@ class ReleaseHead(Intent, frozen=True):
     """End a drag of the head; the target is sent if that was chosen."""
 
 
-class SetLive(Intent, frozen=True):
-    """Choose whether the simulation follows while the user drags the head."""
-
-    on: bool
-
-
-class SetSendOnRelease(Intent, frozen=True):
-    """Choose whether the target is sent when the user releases the head."""
-
-    on: bool
-
-
-class SetRelative(Intent, frozen=True):
-    """Choose relative or absolute mode."""
-
-    relative: bool
-
-
-class SetIncrement(Intent, frozen=True):
-    """Choose how far + and - turn an arm (deg)."""
-
-    degrees: float
-
-
-class SetSpeed(Intent, frozen=True):
-    """Choose the speed of the fastest arm (deg/s)."""
-
-    degrees_per_s: float
-
-
-class SetDestination(Intent, frozen=True):
-    """Check or clear the box of the hardware or of the simulation."""
-
-    side: str
-    checked: bool
-
-
-class SetCameras(Intent, frozen=True):
-    """Check or clear the box of the eye cameras."""
-
-    on: bool
-
-
-class SetMicrophones(Intent, frozen=True):
-    """Check or clear the box of the microphones."""
-
-    on: bool
-
-
-class ShowTab(Intent, frozen=True):
-    """Show another tab in the middle column."""
-
-    name: Tab
-
-
-class SetLead(Intent, frozen=True):
-    """Choose by how much the simulation leads the hardware (s); 0: they move at the same time."""
-
-    seconds: float
-
-
 class RunCommand(Intent, frozen=True):
     """Send a command to the checked robots, or to one robot as its next step."""
 
@@ -212,13 +151,9 @@ class PlayPoses(Intent, frozen=True):
     """Play saved poses one after the other, in the order of their list."""
 
 
-class SetTheme(Intent, frozen=True):
-    """Choose colours and sizes."""
+class Choose(Intent, frozen=True):
+    """Change a choice of the user."""
 
-    theme: Theme
-
-
-class SetLanguage(Intent, frozen=True):
-    """Choose a language by its ISO 639-1 code."""
-
-    code: str
+    name: str
+    """a field of `choices.Choices`"""
+    value: bool | float | str

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Never
 
 from msgspec import structs
@@ -103,7 +102,7 @@ def begin(
     looks = isinstance(request, Send) and isinstance(request.query, PoseQuery)
     if not looks and not isinstance(request, AskLease | Govern):
         # The target of the pad is out of date after another request, so it follows the head again.
-        memory.choices = replace(memory.choices, target=None)
+        memory.choices = structs.replace(memory.choices, target=None)
     return memory.add_row(RequestRow(request, control, world.wall_s, _before(world, request), undoes))
 
 

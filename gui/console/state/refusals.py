@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import replace
 from typing import Final
 
 import msgspec
@@ -26,10 +25,9 @@ from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state.actions import Action, AskLease, MakeReady, Outcome, Play, Send, SendCommand
 from gui.console.state.intents import (
     AimHead,
+    Choose,
     DismissRefusal,
     Intent,
-    SetDestination,
-    SetRelative,
     TakeAlternative,
 )
 from gui.console.state.memory import Memory, Refusal, RequestRow
@@ -44,6 +42,8 @@ LEFT: Final = "sending.left"
 """key of a refusal whose next step is BRING_BACK"""
 COMMAND: Final = "`beatrix"
 """part of an SDK message that gives a command to type, which the user of a face does not"""
+MODES: Final = ("sim", "hw", "relative")
+"""choices that answer a refusal of the window itself"""
 NAMED: Final = re.compile(r"[a-z0-9-]+ \((sim|hw)\): ")
 """beginning of an SDK message that names its robot"""
 
@@ -137,7 +137,7 @@ def hide_answered(memory: Memory, intent: Intent) -> None:
         memory.live_row is not None and memory.live_row < 0
     )  # the refusal of Live stays until the release
     aimed = isinstance(intent, AimHead) and refusal.control == "head" and not dragged
-    if aimed or (isinstance(intent, SetDestination | SetRelative) and refusal.key):
+    if aimed or (isinstance(intent, Choose) and intent.name in MODES and refusal.key):
         memory.refusal = None
 
 
@@ -164,7 +164,9 @@ def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> 
             return actions
         step = _next_step_request(next_step, side, memory, world)
         actions += [] if step is None else begin(memory, world, step, refusal.control)
-    memory.choices = replace(memory.choices, target=target)  # it was refused, so the user will send it again
+    memory.choices = msgspec.structs.replace(
+        memory.choices, target=target
+    )  # it was refused, so the user will send it again
     return actions
 
 

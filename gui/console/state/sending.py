@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+
+from msgspec import structs
 
 from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.client.degrees import Reading, head_angles
@@ -12,7 +13,7 @@ from beatrix_zenoh.contract._generated.messages import Head, PoseQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from gui.console.state import dragging, gestures, motions, refusals
 from gui.console.state.actions import Abort, Action, Send, SendNow
-from gui.console.state.intents import Change, Intent, SendHead, SetDestination
+from gui.console.state.intents import AimHead, Change, Choose, Intent, SendHead
 from gui.console.state.memory import Memory, Refusal
 from gui.console.state.presence import apart, kept, orientation, reading, silent
 from gui.console.state.views import ButtonView, HeadOrientation, HeadView, SendingView
@@ -100,10 +101,6 @@ def view(memory: Memory, world: World) -> SendingView:
         )
 
     return SendingView(
-        sim=choices.sim,
-        hw=choices.hw,
-        cameras=choices.cameras,
-        lead_s=choices.lead_s,
         lead_matters=choices.sim and choices.hw,
         title=title,
         text=text,
@@ -169,6 +166,15 @@ def _under_way(plan: PlanProgress, texts: Texts) -> tuple[str, str]:
     return texts("sending.sent", seconds=duration_s), warning or texts("sending.sent_text")
 
 
+def aim(memory: Memory, _world: World, intent: AimHead) -> list[Action]:
+    """Move the target; angles that no widget reports are ignored."""
+    if math.isfinite(intent.yaw + intent.pitch + intent.roll):
+        at = HeadOrientation(intent.yaw, intent.pitch, intent.roll)
+        memory.choices = structs.replace(memory.choices, target=at)
+    refusals.hide_answered(memory, intent)
+    return []
+
+
 def send(memory: Memory, world: World, _intent: SendHead) -> list[Action]:
     """Return the action that sends the target of the pad."""
     return motions.send_head(memory, world, target(memory, world), PAD)
@@ -191,9 +197,9 @@ def end_lead(memory: Memory, world: World, intent: SendNow | Change | Abort) -> 
     return [Abort()]
 
 
-def spare_hardware(memory: Memory, world: World, intent: Intent) -> list[Action]:
+def spare_hardware(memory: Memory, world: World, intent: Choose) -> list[Action]:
     """Return the action that aborts a motion which waits for the hardware when its box is cleared; else none."""
-    cleared = isinstance(intent, SetDestination) and intent.side == "hw" and not intent.checked
+    cleared = intent == Choose("hw", value=False)
     return end_lead(memory, world, Abort()) if cleared and _can_change(world.plan) else []
 
 
@@ -212,7 +218,7 @@ def _restore_target(memory: Memory, world: World) -> None:
     sent = next((row.request for row in reversed(memory.rows) if _of_both(row.request)), None)
     target = _goal(sent.query if isinstance(sent, Send) else None, path)
     if target is not None:
-        memory.choices = replace(memory.choices, target=target)
+        memory.choices = structs.replace(memory.choices, target=target)
 
 
 def _of_both(request: Action) -> bool:
@@ -225,4 +231,10 @@ def _goal(query: object, path: MotionPath | None) -> HeadOrientation | None:
     return orientation(path.head[-1]) if path is not None and path.head else None
 
 
-HANDLES: motions.Handles = {SendHead: send, SendNow: end_lead, Change: end_lead, Abort: end_lead}
+HANDLES: motions.Handles = {
+    AimHead: aim,
+    SendHead: send,
+    SendNow: end_lead,
+    Change: end_lead,
+    Abort: end_lead,
+}

@@ -6,7 +6,6 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 from gui.console.state import (
     arms,
     causes,
-    choices,
     class_page,
     commands,
     connecting,
@@ -27,17 +26,28 @@ from gui.console.state import (
     sound,
 )
 from gui.console.state.actions import Action, Outcome
-from gui.console.state.choices import Choices, choices_from
-from gui.console.state.intents import Intent, WindowPage
+from gui.console.state.choices import Choices, changed, choices_from
+from gui.console.state.intents import Choose, Intent, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.motions import Handles
-from gui.console.state.saved import Saved
+from gui.console.state.saved import Remembered, Saved
 from gui.console.state.sequence_timing import with_durations
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
 
 DEFAULTS = Saved()
+
+
+def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
+    """Change a choice, and return the actions that follow from it; a value that no widget reports changes nothing."""
+    memory.choices = changed(memory.choices, intent.name, intent.value) or memory.choices
+    refusals.hide_answered(memory, intent)
+    ended = sending.spare_hardware(memory, world, intent)
+    return [*ended, *eyes.watch(memory.choices, intent), *sound.watch(memory.choices, intent)]
+
+
 HANDLES: Handles = {
+    Choose: choose,
     **arms.HANDLES,
     **class_page.HANDLES,
     **commands.HANDLES,
@@ -69,17 +79,8 @@ class State:
     @property
     def saved(self) -> Saved:
         """The choices for the next window."""
-        chosen = self._memory.choices
-        return Saved(
-            chosen.theme,
-            chosen.language,
-            chosen.increment,
-            chosen.speed,
-            chosen.lead_s,
-            self._memory.poses,
-            chosen.send_on_release,
-            self._guide.done,
-        )
+        kept = {name: getattr(self._memory.choices, name) for name in Remembered.__struct_fields__}
+        return Saved(**kept, poses=self._memory.poses, guided=self._guide.done)
 
     @property
     def choices(self) -> Choices:
@@ -113,11 +114,8 @@ class State:
             last_detail=history.last_detail(memory, world),
             stop=commands.stop_button(memory),
             emergency=commands.emergency_button(memory),
-            theme=memory.choices.theme,
-            language=memory.choices.language,
+            choices=memory.choices,
             class_page=class_page.view(memory, world),
-            page=memory.choices.page,
-            tab=memory.choices.tab,
             connect=connecting.view(memory, world),
         )
 
@@ -142,11 +140,6 @@ class State:
         memory = self._memory
         if memory.choices.page is WindowPage.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
             return []  # ignore their keys here, because their controls are on the other page
-        if (chosen := choices.changed(memory.choices, intent)) is not None:
-            memory.choices = chosen
-            refusals.hide_answered(memory, intent)
-            ended = sending.spare_hardware(memory, world, intent)
-            return [*ended, *eyes.watch(chosen, intent), *sound.watch(chosen, intent)]
         return self._handles[type(intent)](memory, world, intent)  # type: ignore[arg-type]  # it is of that class
 
     def hold(self, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from beatrix_zenoh.client import Place
-from gui.console.state.intents import Intent, Tab, Theme, WindowPage
+from gui.console.state.intents import Intent
 from gui.console.state.lessons import LessonsView
+
+if TYPE_CHECKING:
+    from gui.console.state.choices import Choices
 
 
 class Condition(StrEnum):
@@ -106,8 +109,6 @@ class DragView:
 
     live: bool
     """whether the simulation follows while the user drags"""
-    send_on_release: bool
-    """whether the target is sent when the user releases the head"""
     border: tuple[float, ...]
     """how far the head may lean in each direction (deg): see `beatrix_zenoh.motion.limits.region.border`"""
     refused: HeadOrientation | None
@@ -167,13 +168,10 @@ class ArmsView:
 
     rows: tuple[ArmRowView, ...]
     """short, middle, long, all"""
-    relative: bool
-    increment: float
-    """deg"""
     increment_max: float
-    speed: float
-    """deg/s"""
+    """deg"""
     speed_max: float
+    """deg/s"""
     refusal: RefusalView | None = None
 
 
@@ -181,10 +179,6 @@ class ArmsView:
 class SendingView:
     """Destinations of motions, and the present motion."""
 
-    sim: bool
-    hw: bool
-    cameras: bool
-    lead_s: float
     lead_matters: bool
     """whether Simulation and Hardware are both checked, so that the lead has an effect"""
     title: str
@@ -512,11 +506,8 @@ class View:
     """raw output of a failed program that the line is about, in English; empty: none"""
     stop: ButtonView
     emergency: ButtonView
-    theme: Theme
-    language: str
+    choices: Choices
     class_page: ClassView | None
     """None: this window is not the teacher's"""
-    page: WindowPage = WindowPage.ROBOT
-    tab: Tab = Tab.HEADS
     connect: ConnectView | None = None
     """None: the sheet is hidden"""

@@ -8,9 +8,10 @@ from PyQt5.QtWidgets import QBoxLayout, QFrame, QGridLayout, QHBoxLayout, QLabel
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.contract.names import ARMS
+from gui.console.state.choices import Choices
 from gui.console.state.holding import HoldArm, ReleaseArm
-from gui.console.state.intents import ALL_ARMS, SetIncrement, SetRelative, SetSpeed
-from gui.console.state.views import ArmRowView, ArmsView
+from gui.console.state.intents import ALL_ARMS, Choose
+from gui.console.state.views import ArmRowView, ArmsView, View
 from gui.console.texts import Texts
 from gui.window.widgets.controls import IntentButton, Radio, SliderBox, label, set_text
 
@@ -116,14 +117,14 @@ class ArmsPanel(QFrame):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
-        self._view: ArmsView | None = None
+        self._view: tuple[ArmsView, Choices] | None = None
         self._difference = texts("label.difference")
         self.setProperty("panel", True)  # noqa: FBT003
         self.setAccessibleName(texts("label.arms"))
         self.relative = Radio(texts("label.relative"), texts("tip.relative"))
         self.absolute = Radio(texts("label.absolute"), texts("tip.absolute"))
-        self.relative.asked.connect(lambda: self.intent.emit(SetRelative(relative=True)))
-        self.absolute.asked.connect(lambda: self.intent.emit(SetRelative(relative=False)))
+        self.relative.asked.connect(lambda: self.intent.emit(Choose("relative", value=True)))
+        self.absolute.asked.connect(lambda: self.intent.emit(Choose("relative", value=False)))
         grid = QGridLayout()
         grid.setHorizontalSpacing(6)
         grid.setVerticalSpacing(2)
@@ -135,10 +136,10 @@ class ArmsPanel(QFrame):
         for row in self.rows.values():
             row.minus.intent.connect(self.intent)
             row.plus.intent.connect(self.intent)
-        self.increment = self._slider(texts, "increment", LEAST_INCREMENT)
-        self.speed = self._slider(texts, "speed", LEAST_SPEED)
-        self.increment.changed.connect(lambda value: self.intent.emit(SetIncrement(value)))
-        self.speed.changed.connect(lambda value: self.intent.emit(SetSpeed(value)))
+        self.increment = SliderBox(texts, "increment", least=LEAST_INCREMENT)
+        self.speed = SliderBox(texts, "speed", least=LEAST_SPEED)
+        for slider in (self.increment, self.speed):
+            slider.intent.connect(self.intent)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(8, 4, 8, 4)
         layout.setSpacing(2)
@@ -164,11 +165,6 @@ class ArmsPanel(QFrame):
         caption.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         return caption
 
-    @staticmethod
-    def _slider(texts: Texts, name: str, least: float) -> SliderBox:
-        unit = texts(f"label.{name}_unit")
-        return SliderBox(texts, texts(f"label.{name}"), unit, texts(f"tip.{name}"), least=least)
-
     def show_compact(self, *, compact: bool) -> None:
         """In a low window, show increment and speed in one row, without sliders."""
         directions = QBoxLayout.Direction
@@ -177,17 +173,18 @@ class ArmsPanel(QFrame):
         for part in (self.increment, self.speed):
             part.show_compact(compact=compact)
 
-    def show_view(self, view: ArmsView) -> None:
+    def show_view(self, whole: View) -> None:
         """Show rows, mode, increment and speed."""
-        if view == self._view:
+        view, choices = whole.arms, whole.choices
+        if (view, choices) == self._view:
             return
-        self._view = view
+        self._view = view, choices
         for row in view.rows:
             self.rows[row.arm].show_view(row, self._difference)
-        self.relative.setChecked(view.relative)
-        self.absolute.setChecked(not view.relative)
-        self.increment.show_value(view.increment, view.increment_max)
-        self.speed.show_value(view.speed, view.speed_max)
+        self.relative.setChecked(choices.relative)
+        self.absolute.setChecked(not choices.relative)
+        self.increment.show_value(choices.increment, view.increment_max)
+        self.speed.show_value(choices.speed, view.speed_max)
         width = max(self.increment.name_width(), self.speed.name_width())
         self.increment.set_name_width(width)
         self.speed.set_name_width(width)

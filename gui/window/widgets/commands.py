@@ -93,7 +93,9 @@ class StopBar(QPushButton):
         stop, self._view = view.stop, view
         self.last.setToolTip(view.last_detail)
         self.emergency.show_view(view.emergency)
-        self.emergency.setVisible(view.page is WindowPage.CLASS)  # elsewhere it is in the menus of the pills
+        self.emergency.setVisible(
+            view.choices.page is WindowPage.CLASS
+        )  # elsewhere it is in the menus of the pills
         set_text(self.word, stop.text)
         self.setToolTip(stop.tooltip)
         self.setAccessibleName(stop.text)

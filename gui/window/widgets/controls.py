@@ -16,6 +16,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
+from gui.console.state.intents import Choose
 from gui.console.state.views import ButtonView
 from gui.console.texts import Texts
 from gui.window.widgets.number_box import NumberBox
@@ -119,6 +120,17 @@ class Check(QCheckBox):
         paint_indicator(self, round_=False)
 
 
+class ChoiceCheck(Check):
+    """The box of a choice that is on or off; the window shows its present value."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, texts: Texts, name: str) -> None:
+        super().__init__(texts(f"label.{name}"), texts(f"tip.{name}"))
+        self.name = name
+        self.asked.connect(lambda on: self.intent.emit(Choose(name, value=on)))
+
+
 class Radio(QRadioButton):
     """A radio button that changes only with its view, like `Check`."""
 
@@ -192,14 +204,15 @@ def paint_mark(painter: QPainter, box: QRectF, colour: QColor, *, round_: bool) 
 
 
 class SliderBox(QWidget):
-    """A named number as a slider and as a box; reports changes of both."""
+    """A choice that is a number, as a slider and as a box."""
 
-    changed = pyqtSignal(float)
+    intent = pyqtSignal(object)
 
-    def __init__(self, texts: Texts, name: str, unit: str, tooltip: str, *, least: float) -> None:
+    def __init__(self, texts: Texts, name: str, *, least: float) -> None:
         super().__init__()
         self._value = self._maximum = -1.0
-        self._name = QLabel(name)
+        title, unit = texts(f"label.{name}"), texts(f"label.{name}_unit")
+        self._name = QLabel(title)
         self.slider = QSlider(Qt.Orientation.Horizontal)
         self.slider.setMinimum(round(least * STEPS))
         self.slider.setSingleStep(STEPS)
@@ -207,16 +220,16 @@ class SliderBox(QWidget):
         self.slider.setMinimumWidth(60)
         self.box = NumberBox(texts, unit, least)
         for control in (self.slider, self.box):
-            control.setToolTip(tooltip)
-            control.setAccessibleName(f"{name} ({unit.strip()})")
+            control.setToolTip(texts(f"tip.{name}"))
+            control.setAccessibleName(f"{title} ({unit.strip()})")
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(GAP_PX)
         for part in (self._name, self.slider, self.box):
             layout.addWidget(part)
         layout.setStretch(1, 1)
-        self.slider.valueChanged.connect(lambda position: self.changed.emit(position / STEPS))
-        self.box.valueChanged.connect(self.changed)
+        self.slider.valueChanged.connect(lambda at: self.intent.emit(Choose(name, at / STEPS)))
+        self.box.valueChanged.connect(lambda value: self.intent.emit(Choose(name, value)))
 
     def show_compact(self, *, compact: bool) -> None:
         """Hide the slider, so that two boxes fit into one row."""

@@ -12,11 +12,11 @@ from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QSizePolicy, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import EYES, SIDES
-from gui.console.state.intents import SetCameras, Theme
+from gui.console.state.intents import Theme
 from gui.console.state.views import EyeView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import Check
+from gui.window.widgets.controls import ChoiceCheck
 from gui.window.widgets.levels import LevelsPanel
 
 PERIOD_MS: Final = 33
@@ -199,8 +199,8 @@ class EyesPanel(QWidget):
         self.pictures = {(side, eye): CameraPicture(texts) for side in SIDES for eye in EYES}
         for (side, eye), picture in self.pictures.items():
             grid.addWidget(picture, SIDES.index(side), EYES.index(eye))
-        self.cameras = Check(texts("label.cameras"), texts("tip.cameras"))
-        self.cameras.asked.connect(lambda on: self.intent.emit(SetCameras(on)))
+        self.cameras = ChoiceCheck(texts, "cameras")
+        self.cameras.intent.connect(self.intent)
         self.sound = LevelsPanel(texts)
         self.sound.intent.connect(self.intent)
         below = QHBoxLayout()

@@ -16,14 +16,12 @@ from gui.console.state.intents import (
     GrabHead,
     LiveHead,
     ReleaseHead,
-    SetLive,
-    SetSendOnRelease,
     Theme,
 )
 from gui.console.state.views import HeadOrientation, HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
-from gui.window.widgets.controls import Check
+from gui.window.widgets.controls import ChoiceCheck
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import (
     GHOST,
@@ -265,8 +263,7 @@ class Head3dPanel(QWidget):
         self.head = Head3d(texts)
         self.head.setProperty("sends", True)  # noqa: FBT003
         self.views = {name: QPushButton(texts(f"view.{name}")) for name in VIEWS}
-        self.live = Check(texts("label.live"), texts("tip.live"))
-        self.send = Check(texts("label.send_on_release"), texts("tip.send_on_release"))
+        self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
         over, row = QHBoxLayout(), QHBoxLayout()
         over.addStretch(1)
         row.setContentsMargins(6, 0, 6, 4)
@@ -288,9 +285,8 @@ class Head3dPanel(QWidget):
         layout.setSpacing(4)
         layout.addWidget(self.head, 1)
         layout.addLayout(row)
-        self.live.asked.connect(lambda on: self.intent.emit(SetLive(on)))
-        self.send.asked.connect(lambda on: self.intent.emit(SetSendOnRelease(on)))
-        self.head.intent.connect(self.intent)
+        for part in (self.live, self.send, self.head):
+            part.intent.connect(self.intent)
         self.head.moved.connect(self._show_camera)
         self._show_camera()
 
@@ -300,12 +296,10 @@ class Head3dPanel(QWidget):
         return self.height() - min(button.y() for button in self.views.values())
 
     def show_view(self, view: HeadView) -> None:
-        """Show the robots and the choices."""
+        """Show the robots."""
         self.head.show_view(view)
         for button in self.views.values():
             button.setVisible(view.shown is not None)
-        self.live.setChecked(view.drag.live)
-        self.send.setChecked(view.drag.send_on_release)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""

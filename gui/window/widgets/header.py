@@ -18,7 +18,7 @@ from PyQt5.QtWidgets import (
 
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import ChooseRobot, LookForPorts
-from gui.console.state.intents import SetLanguage, SetTheme, Theme, WindowPage
+from gui.console.state.intents import Choose, Theme, WindowPage
 from gui.console.state.views import ButtonView, PillView, RecordView, View
 from gui.console.texts import LANGUAGES, Texts
 from gui.window.theme import CONDITION_ROLES
@@ -225,12 +225,12 @@ class Header(QWidget):
         themes = QActionGroup(menu)
         self._heading(menu, texts("label.theme"))
         for theme in Theme:
-            choices[theme.value] = self._choice(menu, texts(f"label.theme_{theme}"), SetTheme(theme))
+            choices[theme.value] = self._choice(menu, texts(f"label.theme_{theme}"), Choose("theme", theme))
             themes.addAction(choices[theme.value])
         languages = QActionGroup(menu)
         self._heading(menu, texts("label.language"))
         for code in LANGUAGES:
-            choices[code] = self._choice(menu, texts(f"label.language_{code}"), SetLanguage(code))
+            choices[code] = self._choice(menu, texts(f"label.language_{code}"), Choose("language", code))
             languages.addAction(choices[code])
         menu.addSeparator()
         connect = QAction(texts("label.connect"), menu)
@@ -249,7 +249,7 @@ class Header(QWidget):
         heading.setEnabled(False)
         menu.addAction(heading)
 
-    def _choice(self, menu: QMenu, text: str, intent: SetTheme | SetLanguage) -> QAction:
+    def _choice(self, menu: QMenu, text: str, intent: Choose) -> QAction:
         action = QAction(text, menu)
         action.setCheckable(True)
         action.triggered.connect(lambda: self.intent.emit(intent))
@@ -277,11 +277,12 @@ class Header(QWidget):
                 self.robots.setCurrentText(view.robot)
         self.robots.setToolTip(f"{view.robot}\n{self._tip}")
         for pill in view.pills:
-            self.pills[pill.side].show_view(pill, view.emergency if view.page is WindowPage.ROBOT else None)
+            self.pills[pill.side].show_view(
+                pill, view.emergency if view.choices.page is WindowPage.ROBOT else None
+            )
         if view.class_page is not None:
             self.page.show_view(view.class_page.toggle)
         self.page.setVisible(view.class_page is not None)
         self.record.show_view(view.record)
-        self.choices[view.theme.value].setChecked(True)
-        if view.language in self.choices:
-            self.choices[view.language].setChecked(True)
+        for chosen in (view.choices.theme.value, view.choices.language):
+            self.choices[chosen].setChecked(True)
