@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QEvent, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QEvent, Qt, QTimer
 from PyQt5.QtGui import QHideEvent, QMouseEvent
-from PyQt5.QtWidgets import QBoxLayout, QFrame, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.contract.names import ARMS
@@ -13,7 +13,7 @@ from gui.console.state.holding import HoldArm, ReleaseArm
 from gui.console.state.intents import ALL_ARMS, Choose
 from gui.console.state.views import ArmRowView, ArmsView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, Radio, SliderBox, label, set_text
+from gui.window.widgets.controls import IntentButton, Panel, Radio, SliderBox, label, set_text
 
 LEAST_INCREMENT = 0.1
 """deg"""
@@ -110,16 +110,13 @@ class ArmRow:
             button.setAccessibleName(f"{view.title} {shown.text}")
 
 
-class ArmsPanel(QFrame):
+class ArmsPanel(Panel):
     """The rows of the arms, the mode of + and -, increment and speed."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
+        super().__init__("panel")
         self._view: tuple[ArmsView, Choices] | None = None
         self._difference = texts("label.difference")
-        self.setProperty("panel", True)  # noqa: FBT003
         self.setAccessibleName(texts("label.arms"))
         self.relative = Radio(texts("label.relative"), texts("tip.relative"))
         self.absolute = Radio(texts("label.absolute"), texts("tip.absolute"))

@@ -6,7 +6,6 @@ from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QColor, QResizeEvent
 from PyQt5.QtWidgets import (
     QComboBox,
-    QFrame,
     QHBoxLayout,
     QHeaderView,
     QLineEdit,
@@ -22,7 +21,7 @@ from gui.console.state.intents import LimitClass, Theme
 from gui.console.state.views import ClassRowView, ClassView, SeatView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import IntentButton, label, set_role, set_text
+from gui.window.widgets.controls import IntentButton, Panel, label, set_role, set_text
 from gui.window.widgets.lessons import LessonsTable
 
 COLUMNS = ("robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks")
@@ -46,17 +45,15 @@ NAMES_PX = 240
 """Least width (px) of its list, at scale 1, which shows whole names."""
 
 
-class ClassPage(QFrame):
+class ClassPage(Panel):
     """All robots and seats at the router."""
 
-    intent = pyqtSignal(object)
     projector_asked = pyqtSignal()
 
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
+        super().__init__("panel")
         self._view: ClassView | None = None
         self._style = style_of(Theme.DARK)
-        self.setProperty("panel", True)  # noqa: FBT003
         self.summary = label(role="title", wrap=True)
         self.project = QPushButton(texts("label.projector"))
         self.project.setAccessibleName(texts("label.projector"))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QFrame, QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
+from PyQt5.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
 
 from gui.console.state.intents import WindowPage
 from gui.console.state.views import CommandsView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, label, set_text
+from gui.window.widgets.controls import IntentButton, Panel, label, set_text
 
 NAMES = ("home", "undo")
 """Commands of every day; the menus of the pills contain the others."""
@@ -16,15 +16,12 @@ HEIGHT_PX = 56
 """Height of the bar of STOP; the style sheet contains it, too."""
 
 
-class CommandsPanel(QFrame):
+class CommandsPanel(Panel):
     """A large button for each command of every day."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
+        super().__init__("panel")
         self._view: CommandsView | None = None
-        self.setProperty("panel", True)  # noqa: FBT003
         self.setAccessibleName(texts("label.commands"))
         self.buttons = {name: IntentButton() for name in NAMES}
         layout = QVBoxLayout(self)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QEvent, pyqtSignal
-from PyQt5.QtWidgets import QFileDialog, QFrame, QHBoxLayout, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtCore import QEvent
+from PyQt5.QtWidgets import QFileDialog, QHBoxLayout, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
 
 from gui.console.state.actions import UseAccount, UseRouter
 from gui.console.state.views import ConnectView, RouterView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, label, set_role, set_text
+from gui.window.widgets.controls import IntentButton, Panel, label, set_role, set_text
 from gui.window.widgets.files import FilePanel
 
 WIDTH_PX = 900
@@ -68,15 +68,12 @@ class RouterPanel(FilePanel):
         self.choose_file(self.join.text(), mode, "toml", made)
 
 
-class ConnectSheet(QFrame):
+class ConnectSheet(Panel):
     """A frame over the middle of the panels; not a dialog, so that STOP stays usable."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, texts: Texts, parent: QWidget) -> None:
-        super().__init__(parent)
+        super().__init__("notice", parent)
         self._view: ConnectView | None = None
-        self.setProperty("notice", True)  # noqa: FBT003
         self.setAccessibleName(texts("connect.title"))
         self.router, self.text = RouterPanel(texts), label(wrap=True)
         self.router.intent.connect(self.intent)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Never
+
 from PyQt5.QtCore import QPointF, QRect, QRectF, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QColor, QFocusEvent, QPainter, QPaintEvent, QPen, QPolygonF
 from PyQt5.QtWidgets import (
     QAbstractButton,
     QCheckBox,
+    QFrame,
     QHBoxLayout,
     QLabel,
     QPushButton,
@@ -16,7 +19,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gui.console.state.intents import Choose
+from gui.console.state.intents import Choose, Theme
 from gui.console.state.views import ButtonView
 from gui.console.texts import Texts
 from gui.window.widgets.number_box import NumberBox
@@ -118,6 +121,24 @@ class Check(QCheckBox):
 
     def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
         paint_indicator(self, round_=False)
+
+
+class Panel(QFrame):
+    """A part of the window: it shows its part of a view, and reports intents."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, look: str = "", parent: QWidget | None = None) -> None:
+        """Create it; `look` is its name in the style sheet, for example `panel`."""
+        super().__init__(parent)
+        if look:
+            self.setProperty(look, True)  # noqa: FBT003
+
+    def show_view(self, view: Never) -> None:
+        """Show the part of the view with which the panel was added to the window; the plots show none."""
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours and sizes of a theme that the style sheet does not set."""
 
 
 class ChoiceCheck(Check):

@@ -6,7 +6,7 @@ import time
 from collections import deque
 from typing import Final
 
-from PyQt5.QtCore import QBuffer, QRect, QSize, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QBuffer, QRect, QSize, Qt, QTimer
 from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QSizePolicy, QWidget
 
@@ -16,7 +16,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.views import EyeView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import ChoiceCheck
+from gui.window.widgets.controls import ChoiceCheck, Panel
 from gui.window.widgets.levels import LevelsPanel
 
 PERIOD_MS: Final = 33
@@ -186,10 +186,8 @@ class CameraPicture(QWidget):
         painter.restore()
 
 
-class EyesPanel(QWidget):
+class EyesPanel(Panel):
     """The pictures of the eyes: a row for each robot, the left eye on the left; below them what its ears hear."""
-
-    intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
@@ -202,7 +200,6 @@ class EyesPanel(QWidget):
         self.cameras = ChoiceCheck(texts, "cameras")
         self.cameras.intent.connect(self.intent)
         self.sound = LevelsPanel(texts)
-        self.sound.intent.connect(self.intent)
         below = QHBoxLayout()
         below.setSpacing(12)
         below.addWidget(self.cameras, 0, Qt.AlignmentFlag.AlignTop)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 
-from PyQt5.QtCore import QRectF, QSize, Qt, pyqtSignal
+from PyQt5.QtCore import QRectF, QSize, Qt
 from PyQt5.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PyQt5.QtWidgets import (
     QHBoxLayout,
@@ -13,7 +13,6 @@ from PyQt5.QtWidgets import (
     QStyle,
     QStyleOptionButton,
     QVBoxLayout,
-    QWidget,
 )
 
 from beatrix_zenoh.client.choreography import GESTURES
@@ -21,7 +20,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.views import GesturesView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import ElidedLabel, IntentButton, set_role, set_text
+from gui.window.widgets.controls import ElidedLabel, IntentButton, Panel, set_role, set_text
 from gui.window.widgets.gesture_icons import FOLLOW, PROGRAM, paint
 
 PICTURE_PX, SMALL_PX = 44, 26
@@ -107,13 +106,11 @@ class PictureButton(IntentButton):
         painter.drawText(place, int(Qt.AlignmentFlag.AlignCenter), self.text().replace("&&", "&"))
 
 
-class GesturesPanel(QWidget):
+class GesturesPanel(Panel):
     """A button for each gesture; after them the program that follows a face.
 
     `Room` lists its arrangements. Without room for the note it is only a tooltip.
     """
-
-    intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QResizeEvent
-from PyQt5.QtWidgets import QBoxLayout, QFrame, QGridLayout, QLabel, QVBoxLayout
+from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QLabel, QVBoxLayout
 
 from gui.console.state.intents import Theme
 from gui.console.state.views import HeadOrientation, HeadView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import label, set_text
+from gui.window.widgets.controls import Panel, label, set_text
 from gui.window.widgets.head_pad import HeadPad
 
 AXES = ("yaw", "pitch", "roll")
@@ -21,16 +21,13 @@ SYMBOLS = {"target": "○", "sim": "+", "hw": "■"}
 """The markers of the pad."""
 
 
-class HeadPanel(QFrame):
+class HeadPanel(Panel):
     """The present and the target orientation of the head."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
+        super().__init__("panel")
         self._view: HeadView | None = None
         self._texts = texts
-        self.setProperty("panel", True)  # noqa: FBT003
         self.pad = HeadPad(texts)
         self.pad.setProperty("sends", True)  # noqa: FBT003
         self.numbers: dict[tuple[str, str], QLabel] = {}

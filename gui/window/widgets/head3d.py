@@ -21,7 +21,7 @@ from gui.console.state.intents import (
 from gui.console.state.views import HeadOrientation, HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
-from gui.window.widgets.controls import ChoiceCheck
+from gui.window.widgets.controls import ChoiceCheck, Panel
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import (
     GHOST,
@@ -253,10 +253,8 @@ class Head3d(QWidget):
         return image
 
 
-class Head3dPanel(QWidget):
+class Head3dPanel(Panel):
     """The head in three dimensions, with the buttons of its views and the choices for dragging."""
-
-    intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()

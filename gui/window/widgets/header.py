@@ -7,13 +7,11 @@ from PyQt5.QtWidgets import (
     QAction,
     QActionGroup,
     QComboBox,
-    QFrame,
     QHBoxLayout,
     QMenu,
     QPushButton,
     QSizePolicy,
     QVBoxLayout,
-    QWidget,
 )
 
 from beatrix_zenoh.contract.names import SIDES
@@ -27,6 +25,7 @@ from gui.window.widgets.controls import (
     ElidedLabel,
     IntentButton,
     OptionalLabel,
+    Panel,
     PartsLabel,
     label,
     set_role,
@@ -75,10 +74,8 @@ class RecordButton(IntentButton):
         return QSize(hint.width() + widest - metrics.horizontalAdvance(self.text()), hint.height())
 
 
-class RecordButtons(QWidget):
+class RecordButtons(Panel):
     """The buttons that open the last recording, and begin and end one."""
-
-    intent = pyqtSignal(object)
 
     def __init__(self) -> None:
         super().__init__()
@@ -102,16 +99,13 @@ class RecordButtons(QWidget):
         self.open.setVisible(view.open is not None)
 
 
-class Pill(QFrame):
+class Pill(Panel):
     """State of one robot, with the buttons for its next step and lease."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, side: str, texts: Texts) -> None:
-        super().__init__()
+        super().__init__("pill")
         self._view: PillView | None = None
         self._emergency: ButtonView | None = None
-        self.setProperty("pill", True)  # noqa: FBT003
         self.setProperty("side", side)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self.title, self.state = label(role=side), ElidedLabel()
@@ -151,7 +145,7 @@ class Pill(QFrame):
         self.menu.intent.connect(self.intent)
         return self.more
 
-    def show_view(self, view: PillView, emergency: ButtonView | None) -> None:
+    def show_state(self, view: PillView, emergency: ButtonView | None) -> None:
         """Show the robot's state; the menu ends with the button of EMERGENCY_STOP, if it is given."""
         if (view, emergency) == (self._view, self._emergency):
             return
@@ -178,10 +172,9 @@ class Pill(QFrame):
                 button.show()
 
 
-class Header(QWidget):
+class Header(Panel):
     """One line above all panels."""
 
-    intent = pyqtSignal(object)
     keys_asked = pyqtSignal()
     """the user wants to see or hide the sheet of keys"""
 
@@ -277,7 +270,7 @@ class Header(QWidget):
                 self.robots.setCurrentText(view.robot)
         self.robots.setToolTip(f"{view.robot}\n{self._tip}")
         for pill in view.pills:
-            self.pills[pill.side].show_view(
+            self.pills[pill.side].show_state(
                 pill, view.emergency if view.choices.page is WindowPage.ROBOT else None
             )
         if view.class_page is not None:

@@ -19,15 +19,14 @@ from gui.console.state.intents import Repeat, Theme
 from gui.console.state.views import HistoryRowView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import label, set_role, set_text
+from gui.window.widgets.controls import Panel, label, set_role, set_text
 
 ICON_PX = 16
 
 
-class HistoryPanel(QWidget):
+class HistoryPanel(Panel):
     """The list of requests, newest first."""
 
-    intent = pyqtSignal(object)
     row_chosen = pyqtSignal(int)
     """number of the row that the user has selected"""
 

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from typing import Final
 
-from PyQt5.QtCore import pyqtSignal
-from PyQt5.QtWidgets import QGridLayout, QLabel, QProgressBar, QSizePolicy, QWidget
+from PyQt5.QtWidgets import QGridLayout, QLabel, QProgressBar, QSizePolicy
 
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.views import SoundView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import ChoiceCheck, ElidedLabel
+from gui.window.widgets.controls import ChoiceCheck, ElidedLabel, Panel
 
 STEPS: Final = 100
 BAR_PX: Final = 8
 
 
-class LevelsPanel(QWidget):
+class LevelsPanel(Panel):
     """One row for each robot: its name, a bar for the left and for the right ear, and their levels."""
-
-    intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QSignalBlocker, Qt, pyqtSignal
-from PyQt5.QtWidgets import QFrame, QHBoxLayout, QProgressBar, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtCore import QSignalBlocker, Qt
+from PyQt5.QtWidgets import QHBoxLayout, QProgressBar, QSizePolicy, QVBoxLayout, QWidget
 
 from gui.console.state.intents import Choose
 from gui.console.state.views import SendingView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import ChoiceCheck, IntentButton, label, set_role, set_text
+from gui.window.widgets.controls import ChoiceCheck, IntentButton, Panel, label, set_role, set_text
 from gui.window.widgets.number_box import NumberBox
 
 LEAD_MAX_S = 60.0
@@ -17,16 +17,13 @@ LINES = 2
 """Lines reserved for the text about the motion."""
 
 
-class SendingPanel(QFrame):
+class SendingPanel(Panel):
     """Destinations, lead, Send, and the present motion."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
+        super().__init__("panel")
         self._texts = texts
         self._view: SendingView | None = None
-        self.setProperty("panel", True)  # noqa: FBT003
         self.setAccessibleName(texts("label.send_to"))
         self.sim, self.hw = ChoiceCheck(texts, "sim"), ChoiceCheck(texts, "hw")
         self.lead_name = label(texts("label.lead"))
