@@ -81,6 +81,14 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
             f"file of {seat}.",
         )
 
+    def check_muted(self, seat: str) -> None:
+        """Raise WrongUsage (BAD_VALUE) if this is the teacher's account and its class has no such seat or robot."""
+        if self.names and seat not in (*self.names, *self.robots, names.TEACHER):
+            raise WrongUsage(
+                Reason.BAD_VALUE,
+                f"Class {self.class_name} has no seat {quoted(seat)}. Its seats are: {', '.join(map(self.shown, self.names))}.",
+            )
+
     def may_serve(self, robot: str) -> bool:
         """Return whether this account may serve a robot of this name."""
         return self.role == "teacher" or robot == self.name

@@ -1,7 +1,8 @@
 """Attacks on a class with a pupil's card: `python tools/bench_attack.py [SECONDS]` prints a table, a row for each attack.
 
 A router of a class, two virtual robots, the teacher who presses STOP five times a second, a pupil who moves a robot, and
-one attack after the other for SECONDS each (default 80: twenty minutes), all in real processes on loopback.
+one attack after the other for SECONDS each (default 80: half an hour), all in real processes on loopback.
+`python tools/bench_attack.py SECONDS NAME ...` makes only these attacks.
 `python tools/bench_attack.py attack NAME FILE PORT SECONDS` is one attack, with the account in FILE.
 """
 
@@ -29,6 +30,7 @@ import zenoh
 from beatrix_zenoh import BeatrixError, Robot
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.classroom import certificates, class_file, provision
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.recording.viewer import free_port
@@ -45,6 +47,8 @@ port = {port}
 ROBOTS: Final = ("bea1", "bea2")
 STOP_S: Final = 0.2
 PATIENCE_S: Final = 10.0
+IGNORE: Final[zenoh.handlers.Callback[object]] = direct(lambda _: None)
+"""A callback without a thread of its own."""
 Attack = Callable[[zenoh.Session, float], int]
 """Does something until a time (monotonic clock, s); returns how often."""
 
@@ -83,10 +87,7 @@ def subscribers(session: zenoh.Session, end_s: float) -> int:
     count = 0
     while time.monotonic() < end_s:
         with contextlib.suppress(zenoh.ZError):
-            kept = [
-                session.declare_subscriber(f"beatrix/*/hw/state/p$*{i}$*", lambda _: None)
-                for i in range(2000)
-            ]
+            kept = [session.declare_subscriber(f"beatrix/*/hw/state/p$*{i}$*", IGNORE) for i in range(2000)]
             count += len(kept)
             del kept
     return count
@@ -94,7 +95,7 @@ def subscribers(session: zenoh.Session, end_s: float) -> int:
 
 def unanswered(session: zenoh.Session, end_s: float) -> int:
     """Serve an own key without an answer, and query it."""
-    served = session.declare_queryable("beatrix/cem/sim/info", lambda _: None)
+    served = session.declare_queryable("beatrix/cem/sim/info", IGNORE)
     waiting: list[object] = []
     count = repeated(lambda s, _: waiting.append(s.get("beatrix/cem/sim/info", timeout=10)), 0.01)(
         session, end_s
@@ -121,7 +122,7 @@ def sleepers(session: zenoh.Session, end_s: float) -> int:
 
 def subscribe(session: zenoh.Session, end_s: float) -> int:
     """Subscribe to everything that a seat may."""
-    kept = [session.declare_subscriber("beatrix" + "/*" * n, lambda _: None) for n in range(1, 9)]
+    kept = [session.declare_subscriber("beatrix" + "/*" * n, IGNORE) for n in range(1, 9)]
     time.sleep(max(0.0, end_s - time.monotonic()))
     return len(kept)
 
@@ -147,27 +148,58 @@ def former(_: zenoh.Session, end_s: float) -> int:
     while time.monotonic() < end_s:
         with contextlib.suppress(BeatrixError), zbus.connect(account.connect, account=account) as bus:
             opened += 1
-            bus.use(lambda session: session.declare_subscriber("x" + "/a" * 30_000, lambda _: None))
+            bus.use(lambda session: session.declare_subscriber("x" + "/a" * 30_000, IGNORE))
         time.sleep(0.5)
     return opened
 
 
 def declare(length: int, key: str = "x") -> Attack:
     """Return an attack that declares a long key in a new session, every five seconds."""
-    account = accounts.load(Path(sys.argv[3])) if len(sys.argv) > 3 else None
 
     def attack(_: zenoh.Session, end_s: float) -> int:
-        count = 0
-        while time.monotonic() < end_s and account is not None:
+        count, account = 0, accounts.load(Path(sys.argv[3]))
+        while time.monotonic() < end_s:
             with contextlib.suppress(BeatrixError, zenoh.ZError):
                 with zbus.connect(account.connect, account=account) as bus:
-                    bus.use(lambda session: session.declare_subscriber(key + "/a" * length, lambda _: None))
+                    bus.use(lambda session: session.declare_subscriber(key + "/a" * length, IGNORE))
                     time.sleep(0.5)
                 count += 1
             time.sleep(4.5)
         return count
 
     return attack
+
+
+def stars(key: str, put: str) -> Attack:
+    """Return an attack that makes the router compare a chunk of many `$*` with a long one, each half second."""
+
+    def attack(session: zenoh.Session, end_s: float) -> int:
+        account = accounts.load(Path(sys.argv[3]))
+        others = [zbus.connect(account.connect, account=account) for _ in range(2)]
+        kept = [session.declare_subscriber(key, IGNORE)]
+        time.sleep(0.5)
+        others[0].use(lambda other: other.put(put, b""))
+
+        def one_more(session: zenoh.Session) -> None:
+            kept.append(session.declare_subscriber(f"beatrix/*/hw/state/x{len(kept)}", IGNORE))
+
+        while time.monotonic() < end_s:
+            with contextlib.suppress(BeatrixError, zenoh.ZError):
+                others[1].use(one_more)
+            time.sleep(0.5)
+        return len(kept)
+
+    return attack
+
+
+def long_chunks(session: zenoh.Session, end_s: float) -> int:
+    """Subscribe to 1 000 keys with a chunk of 40 kB, and keep them."""
+    kept = []
+    for number in range(1000):
+        with contextlib.suppress(zenoh.ZError):
+            kept.append(session.declare_subscriber(f"beatrix/*/*/{number:06d}{'x' * 40_000}", IGNORE))
+    time.sleep(max(0.0, end_s - time.monotonic()))
+    return len(kept)
 
 
 def stranger(_: zenoh.Session, end_s: float) -> int:
@@ -218,6 +250,11 @@ ATTACKS: Final[dict[str, Attack]] = {
     ),
     "keys of 8 000 chunks": declare(8000),
     "keys of 30 000 chunks": declare(30_000),
+    "eleven $* in a chunk": stars(
+        "beatrix/*/" + "$*a" * 11 + "$*b/state/status", f"beatrix/cem/{'a' * 33}/state/status"
+    ),
+    "twelve $* in a chunk": stars("beatrix/*/*/*/" + "$*a" * 12 + "$*b", f"beatrix/cem/hw/state/{'a' * 33}"),
+    "chunks of 40 kB": long_chunks,
     "a replaced card": former,
     "a stranger": stranger,
     "none again": nothing,
@@ -325,7 +362,7 @@ class Users:
 
 
 def rows(folder: Path, seconds: float) -> Iterator[list[str]]:
-    """Yield a row for each attack."""
+    """Yield a row for each attack, while `beatrix top` runs for the teacher."""
     file = folder / "class.toml"
     port = free_port()
     file.write_text(CLASS.format(port=port))
@@ -346,9 +383,12 @@ def rows(folder: Path, seconds: float) -> Iterator[list[str]]:
             client = stack.enter_context(Client(Settings(name, account.connect, seat, account=account)))
             return Robot(name, "hw", client=client, timeout_s=PATIENCE_S)
 
+        top = [sys.executable, "-m", "beatrix_zenoh.cli", "top", "--json"]
+        own = {**os.environ, "BEATRIX_ACCOUNT": str(seats / "teacher.toml")}
+        stack.callback(subprocess.Popen(top, stdout=subprocess.DEVNULL, env=own).kill)
         teacher, ana = robot("bea2", "teacher"), robot("bea1", "ana")
         ana.make_ready()
-        for name in ATTACKS:
+        for name in sys.argv[2:] or ATTACKS:
             ends, lost = router.count("has ended"), sum(node.count("was lost") for node in nodes)
             users = Users(teacher, ana)
             card = "dan" if name == "tokens" else "cem"  # it is put out for a minute

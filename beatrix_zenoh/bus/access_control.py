@@ -17,6 +17,7 @@ EVERYTHING = (
     keys.program("*", "*"),
     keys.note("*", "*"),
     keys.lesson("*", "*"),
+    keys.pending("*", "*"),
     keys.seats_router("*"),
 )
 """All keys of BEATRIX; some are listed separately, because `**` matches no chunk that begins with @."""

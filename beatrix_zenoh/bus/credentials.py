@@ -41,6 +41,8 @@ ROUTER_ERRORS = {
 FOREIGN_ROUTER = (
     "its certificate is not of this class: it is the router of another class, or all accounts were made again"
 )
+PUT_OUT = "the teacher has removed it from the class, or it is put out for a minute"
+"""Cause if the router accepts the certificate and closes the session, perhaps before it is open."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -104,20 +106,11 @@ def refusal(endpoint: str, account: Account | None) -> str:
             "accounts. Check the address; in a class, run `beatrix join FILE` with the file of your seat."
         )
     causes = [_certificate_error(one, identity(account)) for one in endpoints(endpoint)]
-    cause = next(
-        filter(None, causes), "the certificate is accepted, so the program that listens there is not a router"
-    )
-    return _refused(endpoint, account, cause)
+    return refused(endpoint, account, next(filter(None, causes), PUT_OUT))
 
 
-def put_out(endpoint: str, account: Account) -> str:
-    """Return the message about a router that closes each session of an account."""
-    return _refused(
-        endpoint, account, "the teacher has removed it from the class, or it is put out for a minute"
-    )
-
-
-def _refused(endpoint: str, account: Account, cause: str) -> str:
+def refused(endpoint: str, account: Account, cause: str = PUT_OUT) -> str:
+    """Return the message about a router that refuses an account, by default by closing each of its sessions."""
     return (
         f"The router at {endpoint} refuses account {account.name} of class {account.class_name}: {cause}. Ask for a new "
         f"{account.name}.toml, then run `beatrix join {account.name}.toml`."

@@ -137,6 +137,17 @@ def watch_router(
     )
 
 
+def answer_checks(session: zenoh.Session, key: str) -> object:
+    """Answer each query on a key, to show that this router passes on messages, until the returned object is deleted."""
+
+    def answer(query: zenoh.Query) -> None:
+        with contextlib.suppress(zenoh.ZError):  # the router is closing
+            query.reply(key, b"")
+        query.drop()
+
+    return session.declare_queryable(key, direct(answer))
+
+
 def is_received(session: zenoh.Session, key: str) -> bool:
     """Return whether a subscriber would receive publications of a router on this key."""
     publisher = session.declare_publisher(key)

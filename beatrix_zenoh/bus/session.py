@@ -12,7 +12,7 @@ import zenoh
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import credentials, forks
 from beatrix_zenoh.bus.callbacks import direct
-from beatrix_zenoh.bus.endpoint import endpoints, parse_endpoint, probe, speaks_another_zenoh
+from beatrix_zenoh.bus.endpoint import endpoints, is_listening, parse_endpoint, probe, speaks_another_zenoh
 from beatrix_zenoh.bus.messages import TOKEN, WATCH, MessageSession
 from beatrix_zenoh.bus.transport import OPEN_MS, RETRY, opened
 from beatrix_zenoh.contract._generated import keys
@@ -31,6 +31,8 @@ OTHER_ZENOH = (
     "End it and start `beatrix router`, or name another router with --connect or BEATRIX_CONNECT."
 )
 POLL_S = 0.02
+ROUTER_S = 1.0
+"""Longest time (s) until a router answers, or a session is connected again."""
 
 
 class Bus(MessageSession):
@@ -64,6 +66,15 @@ class Bus(MessageSession):
             and self.tokens(keys.claim("*", "*", "none"), timeout_s) == []
             and (time.monotonic() - begin < timeout_s)
         )
+
+    def silence(self) -> NoAnswer | None:
+        """Return the error of a router that accepts connections and does not answer; None if it answers, or is absent."""
+        deadline_s = time.monotonic() + ROUTER_S
+        while not self.connected and time.monotonic() < deadline_s:
+            time.sleep(POLL_S)
+        if self.router_answers(ROUTER_S) or not is_listening(self.endpoint):
+            return None
+        return NoAnswer(Reason.NO_ROUTER, hanging_router(self.endpoint))
 
     def refusal(self) -> NoAnswer | None:
         """Return the error if the router refuses the account; None if it accepts it, or cannot be reached.
@@ -128,7 +139,7 @@ class Bus(MessageSession):
             return error
         if self._account is None:
             return None
-        return NoAnswer(Reason.ACCOUNT_REFUSED, credentials.put_out(self.endpoint, self._account))
+        return NoAnswer(Reason.ACCOUNT_REFUSED, credentials.refused(self.endpoint, self._account))
 
     def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
         """Return name and side of every robot online."""

@@ -45,6 +45,11 @@ class Part(StrEnum):
         """What messages to the teacher call this router."""
         return "router of robots and teacher" if self is Part.ROBOTS else "router of the seats"
 
+    @property
+    def check_key(self) -> str:
+        """Key on which this router answers itself."""
+        return keys.seats_router(self.value)
+
 
 class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The fields of a router file."""

@@ -91,6 +91,7 @@ class RouterProcess:
         self._names = {file.accounts[name]: name for name in file.own(part)}
         self._guests = Guests(self._names.values(), zbus.close_connections)
         self._events: queue.SimpleQueue[Event | None] = queue.SimpleQueue()
+        self._checks = zbus.answer_checks(self._session, part.check_key)
         self._watched = zbus.watch_router(self._session, self._on_link, self._on_token)
         self._token: object = None
         threads.start(self._read, "parent")

@@ -23,6 +23,8 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
 from beatrix_zenoh.account import today
 from beatrix_zenoh.classroom import router_file
+from beatrix_zenoh.classroom.answering import ANSWER_S, FAILURES, PERIOD_S, Answering
+from beatrix_zenoh.classroom.pending import PendingDecisions
 from beatrix_zenoh.classroom.router_file import Part, RouterFile
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
@@ -39,9 +41,12 @@ AGAIN_S: Final = 1.0
 STACK: Final = str(8 << 20)
 """Stack (bytes) of each of Zenoh's threads. A key of 8 000 chunks overflows the usual 2 MiB; with 64 MiB the stacks alone
 would exceed the memory of `router_process.MEMORY` (decision 0092)."""
+STUCK: Final = f"it did not answer for {FAILURES * (PERIOD_S + ANSWER_S):.0f} s and was ended"
 PUT_OUT: Final = "take it out of class.toml and run `beatrix classroom init class.toml`."
 OFTEN, OFTEN_S = 3, 60.0
 """A router that has ended OFTEN times in OFTEN_S is probably ended on purpose."""
+CLOSED_S: Final = 60.0
+"""Time (s) without a router of the seats after that of robots and teacher has ended OFTEN times."""
 
 
 class ChildRouter:
@@ -62,6 +67,7 @@ class ChildRouter:
             creationflags=NEW_GROUP,
         )
         self._reader = threads.start(self._read, f"router-{part.value}")
+        self._answering: Answering | None = None
         self._write(file)
 
     def _read(self) -> None:
@@ -84,6 +90,9 @@ class ChildRouter:
             with contextlib.suppress(queue.Empty):
                 event, *data = self._events.get(timeout=POLL_S)
                 if event == "ready":
+                    self._answering = Answering(
+                        self.file.endpoint(self.part), self.file.account(), self.part.check_key
+                    )
                     return
                 if event == "failed":
                     reason, message = cast("tuple[str, str]", data)
@@ -98,6 +107,15 @@ class ChildRouter:
     def code(self) -> int | None:
         """Exit code; None while it runs."""
         return self._process.poll()
+
+    @property
+    def stuck(self) -> bool:
+        """Whether it does not answer any more."""
+        return self._answering is not None and self._answering.stuck
+
+    def kill(self) -> None:
+        """End the process at once."""
+        end(self._process, 0.0)
 
     def floods(self) -> Iterator[str]:
         """Handle what the process has printed; yield the accounts that it has put out for their tokens."""
@@ -121,8 +139,10 @@ class ChildRouter:
         try:
             self._process.wait(END_S)
         except subprocess.TimeoutExpired:
-            end(self._process, 0.0)
+            self.kill()
         self._reader.join(END_S)
+        if self._answering is not None:
+            self._answering.close()
 
 
 class ClassRouters:
@@ -138,11 +158,14 @@ class ClassRouters:
         self._written_ns = self._place.stat().st_mtime_ns
         self._children: dict[Part, ChildRouter] = {}
         self._ends: dict[Part, list[tuple[float, frozenset[str]]]] = {part: [] for part in Part}
-        """when each router has ended (monotonic clock, s), with the accounts that were connected"""
+        """when each router has ended (monotonic clock, s), with the accounts that were connected to it or through it"""
+        self._again_s: dict[Part, float] = {}
+        """when to start a router that does not run (monotonic clock, s)"""
         try:
             self._start(Part.ROBOTS, self.file)
             self._reports = zbus.connect(self.file.listen, account=self.file.account())
             self._reports.use(zbus.KeptReports(lessons).serve)
+            PendingDecisions(self._reports, self._place.with_name("pending.json"), lambda: self.file.robots)
             self._start(Part.SEATS, self.file)
         except BeatrixError:
             self.close()
@@ -161,15 +184,40 @@ class ClassRouters:
 
     def tend(self) -> None:
         """Start routers that have ended again, follow changes of the accounts, and report both."""
-        for part, child in self._children.items():
-            for account in child.floods():
-                note(flooded(account))
-            if child.code is not None:
-                note(self._ended(part, child))
+        for part in Part:
+            child = self._children.get(part)
+            if child is not None:
+                for account in child.floods():
+                    note(flooded(account))
+                self._check(part, child)
+            elif time.monotonic() >= self._again_s[part]:
                 self._again(part, self.file)
         found = self._changed()
         if found is not None:
             self._follow(found)
+
+    def _check(self, part: Part, child: ChildRouter) -> None:
+        """Start a router again if it has ended or is stuck; keep the seats out if they end the other router."""
+        if stuck := child.stuck:
+            child.kill()
+        if child.code is None:
+            return
+        suspects = self._children.values() if part is Part.ROBOTS else (child,)
+        connected = frozenset(name for one in suspects for name in one.connected)
+        child.close()
+        ends = [*self._ends[part], (time.monotonic(), connected)]
+        self._ends[part] = ends
+        recent = [who for at_s, who in ends if at_s > ends[-1][0] - OFTEN_S]
+        note(ended(part, STUCK if stuck else in_words(child.code), connected, len(ends), recent))
+        if part is Part.ROBOTS and len(recent) >= OFTEN and Part.SEATS in self._children:
+            self._put_off(Part.SEATS, CLOSED_S)
+            note(f"The seats are out for {CLOSED_S:.0f} s. Robots and teacher work meanwhile.")
+        self._again(part, self.file)
+
+    def _put_off(self, part: Part, wait_s: float) -> None:
+        """Close a router; `tend` starts it again after a time (s)."""
+        self._children.pop(part).close()
+        self._again_s[part] = time.monotonic() + wait_s
 
     def _again(self, part: Part, file: RouterFile) -> None:
         """Start a router that ran before."""
@@ -177,17 +225,7 @@ class ClassRouters:
             self._start(part, file)
         except BeatrixError as error:
             note(f"The {part.called} cannot start. {error.message} It tries again in {AGAIN_S:.0f} s.")
-            self._children[part].close()
-            time.sleep(AGAIN_S)
-
-    def _ended(self, part: Part, child: ChildRouter) -> str:
-        """Return the report that a router has ended."""
-        connected = frozenset(child.connected)
-        child.close()
-        ends = [*self._ends[part], (time.monotonic(), connected)]
-        self._ends[part] = ends
-        recent = [who for at_s, who in ends if at_s > ends[-1][0] - OFTEN_S]
-        return ended(part, in_words(child.code or 0), connected, len(ends), recent)
+            self._put_off(part, AGAIN_S)
 
     def _changed(self) -> RouterFile | None:
         """Return the file if it has changed since the last call; None if it has not or cannot be read."""
@@ -220,7 +258,7 @@ class ClassRouters:
                 f"The routers continue with the former accounts, because they cannot use the new file. {error.message}"
             )
             self.file = former
-            for part, child in self._children.items():
+            for part, child in [*self._children.items()]:
                 if child.file != former or child.code is not None:
                     child.close()
                     self._again(part, former)

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh.client import lease as leases
-from beatrix_zenoh.client.lease import govern, of_seat
+from beatrix_zenoh.client.lease import govern, of_seat, pending
 from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client, Place
@@ -205,11 +205,10 @@ def limit(
         str | None, typer.Argument(metavar="[SPEED]", help="Top speed of every arm, deg/s, or `off`.")
     ] = None,
     turn: Annotated[
-        float | None,
+        str | None,
         typer.Option(
-            min=0.0,
             metavar="SECONDS",
-            help="Instead of the speed, limit each turn while other seats wait; 0: the default of 120 s.",
+            help="Instead of the speed, limit each turn while other seats wait; `off`: the default of 120 s.",
         ),
     ] = None,
     name: Names = None,
@@ -217,16 +216,22 @@ def limit(
     who: Who = None,
     as_json: Json = False,
 ) -> None:
-    """Limit the speed of every robot, or the time of each turn. Requires the seat `teacher`."""
+    """Limit the speed of every robot, or the time of each turn. Requires the seat `teacher`.
+
+    `beatrix limit 20` and `beatrix limit off`; `beatrix limit --turn 60` and `beatrix limit --turn off`.
+    """
     if (speed is None) == (turn is None):
-        raise typer.BadParameter("Give a speed (deg/s, or `off`) or --turn SECONDS.")
+        raise typer.BadParameter(
+            "Give a speed (`beatrix limit 20`, `limit off`), or a time (`beatrix limit --turn 60`, `--turn off`)."
+        )
     if turn is not None:
-        query = LeaseQuery(action=LeaseAction.TURN, longest_s=turn)
-        _govern(query, name, connect, who, as_json=as_json)
-        return
-    assert speed is not None
-    most = 0.0 if speed == "off" else leases.limit_of(_number(speed))
-    _govern(LeaseQuery(action=LeaseAction.LIMIT, speed=most), name, connect, who, as_json=as_json)
+        longest_s = 0.0 if turn == "off" else _number(turn, "number of seconds", "60")
+        query = LeaseQuery(action=LeaseAction.TURN, longest_s=longest_s)
+    else:
+        assert speed is not None
+        most = 0.0 if speed == "off" else leases.limit_of(_number(speed, "speed", "20"))
+        query = LeaseQuery(action=LeaseAction.LIMIT, speed=most)
+    _govern(query, name, connect, who, as_json=as_json)
 
 
 Seat = Annotated[str, typer.Argument(metavar="SEAT", help="The seat, as `beatrix top` shows it.")]
@@ -249,12 +254,12 @@ def unmute(
     _govern(LeaseQuery(action=LeaseAction.UNMUTE, seat=seat), name, connect, who, as_json=as_json)
 
 
-def _number(text: str) -> float:
+def _number(text: str, what: str, example: str) -> float:
     try:
         return float(text)
     except ValueError:
         raise WrongUsage(
-            Reason.BAD_VALUE, f"{text!r} is not a speed: give a number of deg/s, for example 20, or off."
+            Reason.BAD_VALUE, f"{text!r} is not a {what}: give for example {example}, or off."
         ) from None
 
 
@@ -267,16 +272,12 @@ def _govern(
     as_json: bool,
 ) -> None:
     """Send a lease query to the robots `wanted`, or to all; exit with the first failure's code."""
-    with Client(resolve(None, connect, who)) as client:
+    settings = resolve(None, connect, who)
+    if settings.account and query.action is LeaseAction.MUTE:
+        settings.account.check_muted(query.seat)
+    with Client(settings) as client:
         present = client.robots()
         places = [place for place in present if not wanted or place[0] in wanted]
-        if not places:
-            named = f" of the name {', '.join(wanted)}" if wanted else ""
-            others = f" Online: {', '.join(map(title, present))}." if present else ""
-            raise NoAnswer(
-                Reason.NO_SUCH_ROBOT if present else Reason.NO_ANSWER,
-                f"No robot{named} is online at {client.bus.endpoint}.{others}",
-            )
         results, silent = {}, []
         for place, result in govern(client, places, query):
             results[place] = result
@@ -284,12 +285,21 @@ def _govern(
                 silent.append(place)
             elif not as_json:
                 (say if result.reason is Reason.OK else note)(f"{title(place)}: {result.message}")
-        if not (as_json or wanted):
-            _name_absent(client, silent, {robot for robot, _ in present})
+        later = pending(client, query, wanted or ())
+        if not (places or later):
+            named = f" of the name {', '.join(wanted)}" if wanted else ""
+            others = f" Online: {', '.join(map(title, present))}." if present else ""
+            raise NoAnswer(
+                Reason.NO_SUCH_ROBOT if present else Reason.NO_ANSWER,
+                f"No robot{named} is online at {client.bus.endpoint}.{others}",
+            )
+        if not as_json:
+            _name_absent(client, silent, {robot for robot, _ in present}, [*later], wanted)
     failed = [place for place in places if results[place].reason is not Reason.OK and place not in silent]
     code = exit_code(results[failed[0]].reason) if failed else 0
     if as_json:
-        print_json({"result": not failed, "robots": [_row(place, results[place]) for place in places]})
+        rows = [_row(place, results[place]) for place in places]
+        print_json({"result": not failed, "robots": rows, "pending": [*later]})
     elif failed and len(failed) < len(places):
         note(
             f"Done for {len(places) - len(failed)} of {len(places)} robots, not for {', '.join(map(title, failed))}. "
@@ -299,12 +309,21 @@ def _govern(
         raise typer.Exit(code)
 
 
-def _name_absent(client: Client, silent: Sequence[Place], present: Collection[str]) -> None:
+def _name_absent(
+    client: Client,
+    silent: Sequence[Place],
+    present: Collection[str],
+    later: Sequence[str],
+    wanted: Sequence[str] | None,
+) -> None:
     """Print which robots of seats did not answer, and which robots of the class are not online, if this is known."""
     if silent:
         note(f"No answer from {some([*map(title, sorted(silent))])}: robots of seats, not of the class.")
+    if later:
+        say(f"{some(later)}: not online. The router of the class applies it when the robot comes.")
     account = client.settings.account
-    if absent := [robot for robot in account.robots if robot not in present] if account else []:
+    of_class = wanted or (account.robots if account else ())
+    if absent := [robot for robot in of_class if robot not in present and robot not in later]:
         note(
             f"Not online: {some(absent)}. Type the command again when they are; `beatrix top` shows what they lack."
         )

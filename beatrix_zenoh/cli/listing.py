@@ -11,6 +11,7 @@ import typer
 
 from beatrix_zenoh.account import Account, today
 from beatrix_zenoh.client.degrees import HeadAngles, RobotInfo
+from beatrix_zenoh.client.lease import pending
 from beatrix_zenoh.client.monitor import Monitor, Presence, RobotState, Seats, SeatStops, stops_by_seat
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract._generated.messages import Status
@@ -239,7 +240,11 @@ def messages(client: Client, rows: list[TableRow]) -> list[str]:
         return [LOST.format(client.bus.endpoint)]
     account = client.settings.account
     expiring = account.renewal(today()) if account else ""
-    return [*([expiring] if expiring else []), *(notes(rows, account) if rows else [NO_ROBOT])]
+    later = [
+        f"{robot} is not online. When it comes, the router of the class applies: {text}"
+        for robot, text in pending(client).items()
+    ]
+    return [*([expiring] if expiring else []), *(notes(rows, account) if rows else [NO_ROBOT]), *later]
 
 
 def seat_lines(settings: Settings, monitor: Monitor, seats: Seats) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from types import TracebackType
 from typing import Self
@@ -180,6 +180,23 @@ def govern(
         asked = {threads.submit(_ask, client, place, query): place for place in ordered}
         for answered in as_completed(asked):
             yield asked[answered], answered.result()
+
+
+def pending(client: Client, query: LeaseQuery | None = None, robots: Collection[str] = ()) -> dict[str, str]:
+    """Return what the router of the class will send to its robots that are not online, as text by name.
+
+    First let it keep one more decision for `robots`, by default for all of the class; call this after `govern`. Empty
+    without the account of a teacher, and if no router of a class answers.
+    """
+    account = client.settings.account
+    if account is None or account.role != "teacher":
+        return {}
+    found: dict[str, str] = {}
+    for name in robots or ["*"]:
+        request = GroupRequest(client, keys.pending(name, "*"), query, LeaseReply, SEAT_S)
+        found |= {robot: reply.message for (robot, _), reply in request.replies(SEAT_S)}
+    online = {robot for robot, _ in client.robots()} if found else set()
+    return {robot: text for robot, text in sorted(found.items()) if robot not in online}
 
 
 def of_seat(client: Client, place: Place) -> bool:

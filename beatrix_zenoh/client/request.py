@@ -31,6 +31,9 @@ NOTICE_S = 0.2
 """Time (s) to wait for the report of a loss: Zenoh ends the queries of a lost connection before it reports the loss."""
 BACK_S = 0.6
 """Zenoh restores a lost connection within this time (s) if the router answers."""
+RETURN_S = 10.0
+"""Time (s) after the loss of a router in which its robots may be absent: they reconnect, and so does a class's second
+router."""
 POLL_S = 0.02
 """Period (s) in which a restored connection is looked for."""
 ABSENT_S = 1.5
@@ -75,8 +78,7 @@ class Unanswered(msgspec.Struct, frozen=True):
         if self._lost():
             return self._interrupted()
         if self.place not in present:
-            known = received or self.place in self.client.seen
-            return self._lost_node() if known else absence(self.client, self.place, present)
+            return self._absent(present, received=received)
         if limit_s is not None:
             return self._late(limit_s)
         return self._lost_node(back=True) if received else self._refused()
@@ -122,9 +124,9 @@ class Unanswered(msgspec.Struct, frozen=True):
             time.sleep(POLL_S)
         return bus.refusal() or NoAnswer(
             Reason.NO_ROUTER,
-            f"The connection to the router at {bus.endpoint} was lost although the router is running: this program was "
-            "suspended or very busy, or the network was interrupted. Robots stop the motions of a lost connection. "
-            "This program reconnects by itself: send the request again.",
+            f"The connection to the router at {bus.endpoint} was lost, and a router answers there again: it was restarted, "
+            "this program was suspended or very busy, or the network was interrupted. Robots stop the motions of a lost "
+            "connection, and appear again within some seconds. This program reconnects by itself: send the request again.",
         )
 
     def _not_back(self) -> NoAnswer:
@@ -134,6 +136,13 @@ class Unanswered(msgspec.Struct, frozen=True):
         return error or NoAnswer(Reason.NO_ROUTER, zbus.hanging_router(bus.endpoint))
 
     # -- the robot ----------------------------------------------------------------------------------
+
+    def _absent(self, present: Collection[Place], *, received: bool) -> NoAnswer:
+        """Return the error of a robot that is not online; after the loss of a router it may be on its way back."""
+        if not (received or self.place in self.client.seen):
+            return absence(self.client, self.place, present)
+        lately = time.monotonic() - self.client.lost_s < RETURN_S
+        return self._interrupted() if lately else self._lost_node()
 
     def _lost_node(self, *, back: bool = False) -> NoAnswer:
         """Return the error of a node that received the query and did not answer; `back`: it is online again."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import heapq
 import itertools
 import logging
+import math
 import queue
 import threading
 import time
@@ -69,6 +70,8 @@ class Client(ProcessBound):
         self.bus: Bus = zbus.connect(settings.connect, label=settings.who, account=settings.account)
         self.losses = 0
         """Number of losses of the router so far; a query that was sent before a loss is lost too."""
+        self.lost_s = -math.inf
+        """Time of the last of them (monotonic clock, s)."""
         self.seen: set[Place] = set()
         """Robots that were online or have answered since the session began."""
         self.replied_s: dict[Place, float] = {}
@@ -106,6 +109,7 @@ class Client(ProcessBound):
     def _on_router(self, there: bool) -> None:  # noqa: FBT001
         if not there:
             self.losses += 1
+            self.lost_s = time.monotonic()
 
     def _describe(self, incoming: Incoming) -> None:
         """Answer on Zenoh's thread, without a lock, because `media` holds it while it opens a session."""
@@ -117,11 +121,12 @@ class Client(ProcessBound):
         """Return name and side of every robot online.
 
         Raises:
-            NoAnswer: ACCOUNT_REFUSED, there seems to be none because the router has put this account out.
+            NoAnswer: there seems to be none because the router has put this account out (ACCOUNT_REFUSED) or is stuck
+                (NO_ROUTER).
         """
         present = self.bus.robots()
-        if not present and (refused := self.bus.refusal()) is not None:
-            raise refused
+        if not present and (error := self.bus.refusal() or self.bus.silence()) is not None:
+            raise error
         self.seen.update(present)
         return present
 

@@ -12,6 +12,7 @@ from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, intents
 from gui.console.state.choices import Choices, changed
 from gui.console.state.saved import Saved
+from gui.console.state.sequence_intents import SetDuration
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
 Press = Annotated[int, Meta(ge=1, le=2**53)]
@@ -85,6 +86,7 @@ OWN: Final = (
     | intents.DismissNotice
     | intents.DeletePose
     | intents.SavePose
+    | SetDuration
     | actions.ChooseRobot
     | intents.EmergencyStop
 )
@@ -142,6 +144,11 @@ def _possible(request: Request) -> bool:
             possible = name in CHOICES and changed(UNCHANGED, name, value) is not None
         case intents.AimHead(yaw=yaw, pitch=pitch, roll=roll):
             possible = max(abs(yaw), abs(pitch), abs(roll)) <= ANGLE_MAX
-        case intents.SavePose(name=name) | intents.DeletePose(name=name) | intents.GoToPose(name=name):
+        case (
+            intents.SavePose(name=name)
+            | intents.DeletePose(name=name)
+            | intents.GoToPose(name=name)
+            | SetDuration(name=name)
+        ):
             possible = len(name) <= NAME_MAX
     return possible

@@ -11,6 +11,7 @@ from PyQt5.QtWidgets import QApplication, QMainWindow, QWidget
 from beatrix_zenoh.client import CameraImage
 from gui.console.link import Link
 from gui.console.state.actions import Action, AskLease, MakeReady, Outcome, Send, SendCommand
+from gui.console.state.connecting import CloseConnect
 from gui.console.state.intents import (
     EmergencyStop,
     GrabHead,
@@ -60,8 +61,8 @@ class Window(QMainWindow):
         self.keys.send.connect(lambda: self.handle(SendHead()))
         self.keys.undo.connect(lambda: self.handle(Undo()))
         self.keys.record.connect(lambda: self.panels.header.record.toggle.click())  # noqa: PLW0108 - panels are replaced
-        self.keys.help.connect(self._toggle_keys)
-        self.keys.escape.connect(lambda: self.panels.key_sheet.hide())  # noqa: PLW0108 - panels are replaced
+        self.keys.help.connect(lambda: self.panels.key_sheet.toggle())  # noqa: PLW0108 - panels are replaced
+        self.keys.escape.connect(self._close_sheets)
         self.keys.page.connect(lambda: self.handle(TogglePage()))
         self.keys.projector.connect(lambda: self._project(on=self.panels.projector.isHidden()))
         self.keys.install()
@@ -131,8 +132,10 @@ class Window(QMainWindow):
         super().closeEvent(event)
         self.closed.emit()
 
-    def _toggle_keys(self) -> None:
-        self.panels.key_sheet.toggle()
+    def _close_sheets(self) -> None:
+        self.panels.key_sheet.hide()
+        if self.panels.connect_sheet.isVisible():
+            self.handle(CloseConnect())
 
     def _project(self, *, on: bool) -> None:
         """Show the class in large type on the whole screen, with STOP below; only the teacher's window can."""

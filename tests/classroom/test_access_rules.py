@@ -43,6 +43,7 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
                 Answering(session, keys.follow(robot, "*"))
             session.declare_token(keys.alive(robot, side))
             made.settled(session)
+        Answering(made.session("teacher", "router"), keys.pending("bea1", HW))
         yield made
 
 
@@ -230,6 +231,15 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("bea1", asks, keys.note("bea1", ANY), False),
     ("bea1", serves, keys.note(ANY, "def"), False),
     ("teacher", serves, keys.note(ANY, "ghi"), True),
+    # only the teacher decides for robots that are not online, and only the router takes it (test_pending.py)
+    ("teacher", asks, keys.pending("bea1", HW), True),
+    ("teacher", asks, keys.pending(ANY, ANY), True),
+    ("ana", asks, keys.pending("bea1", HW), False),
+    ("ana", asks, keys.pending(ANY, ANY), False),
+    ("ana", puts, keys.pending("bea1", HW), False),
+    ("ana", serves, keys.pending("bea1", HW), False),
+    ("bea1", asks, keys.pending("bea1", HW), False),
+    ("bea1", serves, keys.pending("bea1", HW), False),
     # robots may serve and publish under their own names only
     ("bea1", puts, keys.positions("bea1", HW), True),
     ("ana", puts, keys.positions("ana", SIM), True),

@@ -18,12 +18,14 @@ from shell import beatrix
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
+from beatrix_zenoh.bus import credentials
 from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.output import exit_code
 from gui.console.state.actions import Retry
+from gui.console.state.state import State
 from gui.console.state.world import LinkPhase
 
 ROLES = {"ana": "the seat", "bea1": "the robot", "teacher": "the teacher"}
@@ -75,6 +77,14 @@ def test_a_seat_that_is_removed_is_put_out_at_once_and_others_notice_nothing(
         router.process.expect("Put out: ben.")
         assert losses.get(timeout=ANSWER_S) == "ben"
         until(lambda: ben.connection_error() is not None, "each new session ends, too")
+        said = credentials.refusal(removed.connect, removed)
+        assert "the teacher has removed it" in said, "also if the session ends before it is open"
+        with Linked(removed.connect, who="ben", account=removed) as linked:
+            banner = (
+                State().view(linked.until(lambda world: world.phase is LinkPhase.REFUSED, "refused")).banner
+            )
+            assert banner is not None
+            assert "the teacher has removed it" in banner.text
         monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
         file = tmp_path / "ben.toml"
         file.write_text(removed.text())

@@ -18,7 +18,7 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh.bus.access_control import DEPTH, below
 from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.classroom.router_process import OUT_S, TOKENS_MAX, WINDOW_S, Guests
-from beatrix_zenoh.classroom.routers import OFTEN, ended
+from beatrix_zenoh.classroom.routers import OFTEN, STUCK, ended
 from beatrix_zenoh.client import Client, lease
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -123,8 +123,11 @@ def test_what_a_seat_declares_reaches_neither_robots_nor_teacher(
     patiently(lambda: Client(Settings("bea1", account.connect, "ben", account=account))).close()
 
 
+@pytest.mark.parametrize(
+    ("how", "cause"), [(signal.SIGKILL, "SIGKILL"), (signal.SIGSTOP, STUCK)], ids=["ends", "is stuck"]
+)
 def test_both_routers_come_back_with_robots_seats_freeze_mute_and_lessons(
-    router: ClassRouter, teacher: Robot
+    router: ClassRouter, teacher: Robot, how: signal.Signals, cause: str
 ) -> None:
     ben = router.session("ben")
     report = codec.encode(LessonState(tries=2, passed=True, hints=0, stuck=0, version=1))
@@ -138,8 +141,8 @@ def test_both_routers_come_back_with_robots_seats_freeze_mute_and_lessons(
     until(arrived, "a report")
     for part in Part:
         begin_s = time.monotonic()
-        end(router, part)
-        router.process.expect(f"The {part.called} has ended (SIGKILL)")
+        end(router, part, how)
+        router.process.expect(f"The {part.called} has ended ({cause})")
         until(lambda: ben.connected and bool(ben.robots()), "the seat sees the robot")
         until(lambda: teacher.client.bus.connected and bool(teacher.client.bus.robots()), "the teacher, too")
         print(f"{part}: all connected again {time.monotonic() - begin_s:.2f} s after its end")
@@ -150,6 +153,21 @@ def test_both_routers_come_back_with_robots_seats_freeze_mute_and_lessons(
     ]
     lease.ask(teacher, LeaseAction.UNFREEZE)
     lease.ask(teacher, LeaseAction.UNMUTE, seat="ben")
+
+
+def test_seats_are_out_for_a_while_when_the_router_of_the_robots_ends_again_and_again(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path) as own:
+        teacher, ana = own.session("teacher"), own.session("ana")
+        report = ""
+        for _ in range(OFTEN):
+            until(lambda: teacher.connected and teacher.router_answers(1.0), "the teacher")
+            end(own, Part.ROBOTS)
+            report = own.process.expect(f"The {Part.ROBOTS.called} has ended")
+        assert report.endswith("Connected were: ana, teacher.")
+        own.process.expect("The seats are out for 60 s")
+        until(lambda: not ana.connected, "the seats are out")
+        until(lambda: teacher.router_answers(1.0), "the teacher")
+        assert not ana.connected
 
 
 def test_the_routers_end_with_their_parent_even_if_it_is_killed(tmp_path: Path) -> None:

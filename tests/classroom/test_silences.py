@@ -13,7 +13,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from class_router import Answering, ClassRouter, start_node
+from class_router import Answering, ClassRouter, end, process_of, start_node
 from gui_links import Linked
 from robots import PATIENCE_S, Process, free_endpoint, until
 from shell import beatrix
@@ -21,6 +21,7 @@ from shell import beatrix
 from beatrix_zenoh import NoAnswer, Robot
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Bus, Incoming
+from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.request import ABSENT_S
 from beatrix_zenoh.contract._generated import keys
@@ -304,6 +305,25 @@ def test_the_window_reports_that_the_router_refuses_the_account(lesson: Lesson) 
         assert "refuses account ana of class 8b" in world.trouble
         linked.do(SendStop(1))
         assert linked.end_of(1).reason is Reason.ACCOUNT_REFUSED
+
+
+def test_a_program_whose_router_was_lost_does_not_report_that_the_robot_was(tmp_path: Path) -> None:
+    """The new router of the seats has no robots until the other one answers it."""
+    with ClassRouter(tmp_path) as router:
+        Answering(router.session("bea1"), keys.command("bea1", HW, "*"))
+        router.session("bea1").declare_token(keys.alive("bea1", HW))
+        account, other = router.account("ana"), process_of(router, Part.ROBOTS)
+        with Client(Settings("bea1", account.connect, "ana", account=account)) as client:
+            until(lambda: client.robots() == [("bea1", HW)], "the robot is online")
+            os.kill(other, signal.SIGSTOP)
+            try:
+                end(router, Part.SEATS)
+                until(lambda: client.losses > 0 and client.bus.connected, "a new router of the seats")
+                with pytest.raises(NoAnswer, match="and a router answers there again") as caught:
+                    Robot("bea1", HW, client=client).enable()
+            finally:
+                os.kill(other, signal.SIGCONT)
+    assert caught.value.reason is Reason.NO_ROUTER
 
 
 def test_a_running_program_reports_that_its_account_was_replaced(tmp_path: Path) -> None:

@@ -64,7 +64,9 @@ def test_the_list_has_boards_first_and_always_the_virtual_robot() -> None:
     assert State().view(WITHOUT).connect is None
     state = opened()
     virtual = "Virtual robot, without a cable"
-    assert shown(state, WITHOUT) == ("Looking for the ports of this computer.", [virtual])
+    assert shown(state, WITHOUT) == ("Looking for the ports of this computer.", []), (
+        "no button that will move"
+    )
     text, ports = shown(state, replace(WITHOUT, ports=()))
     assert (text.partition(".")[0], ports) == ("No board was found", [virtual])
     text, ports = shown(state, replace(WITHOUT, ports=(BOARD, CABLE)))
@@ -76,6 +78,22 @@ def test_the_list_has_boards_first_and_always_the_virtual_robot() -> None:
     ]
     state.handle(CloseConnect(), WITHOUT)
     assert state.view(WITHOUT).connect is None
+
+
+def test_an_address_that_was_not_used_is_named_until_the_sheet_is_closed() -> None:
+    def seen() -> str:
+        found = state.view(wrong).connect
+        assert found is not None
+        return found.router.text
+
+    wrong = replace(WITHOUT, router_trouble=Trouble("connect.bad_address", slots={"address": "x:y"}))
+    state = opened()
+    assert "x:y" in seen()
+    state.handle(LookForPorts(), wrong)
+    assert "x:y" in seen(), "the sheet was open"
+    state.handle(CloseConnect(), wrong)
+    state.handle(LookForPorts(), wrong)
+    assert seen() == "The router answers. Robots online: 1."
 
 
 def test_a_choice_starts_the_hardware_once_and_the_list_goes_when_its_board_answers() -> None:
@@ -125,7 +143,7 @@ def test_a_virtual_robot_is_connected_with_two_presses(
     monkeypatch.chdir(tmp_path)
     with windowed(free_endpoint()) as user:
         panels = user.window.panels
-        user.until(lambda: len(panels.banner.buttons) > 1, "without a router the banner offers Connect")
+        user.until(panels.banner.buttons[1].isVisible, "without a router the banner offers Connect")
         user.press(panels.banner.buttons[1])
         sheet = panels.connect_sheet
         assert sheet.isVisible()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -54,6 +55,12 @@ def decoder(monkeypatch: pytest.MonkeyPatch) -> Decoder:
     made = Decoder()
     monkeypatch.setattr(eyes, "decode", made)
     return made
+
+
+def test_before_the_first_picture_the_window_says_that_it_waits(picture: CameraPicture) -> None:
+    shown = picture.grab().toImage()
+    picture.show_view(replace(ON, text=WORDS("eye.waiting")))
+    assert picture.grab().toImage() == shown
 
 
 @pytest.fixture

@@ -274,10 +274,23 @@ def test_a_table_has_no_columns_for_an_absent_robot() -> None:
     assert table({}, -1.0, 0.0) == "time_s\n"
 
 
+def test_in_a_low_panel_the_plots_stand_in_two_columns(plots: PlotsPanel) -> None:
+    plots.append(world_at(1.0))
+    plots.show()
+    for height in (220, 500):
+        plots.resize(545, height)
+        QApplication.processEvents()
+        assert all(curves.area.height() > 50 for curves in plots.plots.values())
+        assert len({curves.x() for curves in plots.plots.values()}) == (2 if height < 300 else 1)
+
+
 @pytest.mark.parametrize(
-    ("lowest", "highest", "limits"), [(0, 0, (-10, 10)), (-1, 62, (-5, 65)), (40, 41, (30, 50))]
+    ("lowest", "highest", "limits"),
+    [(0, 0, (-10, 10)), (-1, 62, (-5, 65)), (40, 41, (30, 50)), (-33, 0, (-35, 5))],
 )
-def test_an_axis_has_round_limits(lowest: float, highest: float, limits: tuple[float, float]) -> None:
+def test_an_axis_has_round_limits_beside_its_values(
+    lowest: float, highest: float, limits: tuple[float, float]
+) -> None:
     low, high = span(lowest, highest, 20.0)
     assert (low, high) == limits
 

@@ -122,6 +122,7 @@ def test_the_card_that_is_played_is_marked(window: Window, strip: Strip, link: R
         link.known = replace(link.known, playing="poses", playing_pose=number)
         window.refresh()
         assert strip.played == number
+        assert window.panels.sequence.loop.isEnabled() == (number < 0)
         pictures.append(strip.grab(strip.card(1)).toImage())
     assert pictures[0] != pictures[1]
 

@@ -162,6 +162,7 @@ def test_without_a_robot_the_banner_offers_the_next_step() -> None:
     found = State().view(world(sim, hw, names=("bea2",))).banner
     assert found is not None
     assert [button.intent for button in found.buttons] == [ChooseRobot("bea2"), StartSimulation()]
-    found = State().view(world(sim, hw, starting=True)).banner
-    assert found is not None
-    assert found.buttons == ()
+    starting = State().view(world(replace(sim, status=status("sim")), hw, starting=True))
+    assert starting.banner is not None
+    assert starting.banner.buttons == ()
+    assert starting.pills[0].text == "starting", "not lost"

@@ -61,6 +61,7 @@ def test_a_refusal_is_shown_at_the_pad_and_its_alternative_is_sent() -> None:
     assert isinstance(send.query, PoseQuery)
     assert (send.query.pitch, send.query.speed) == (math.radians(34), math.radians(30))
     assert state.view(world()).head.refusal is None
+    assert state.view(world()).head.target.pitch == pytest.approx(34)
 
 
 def test_an_alternative_speed_keeps_the_motion() -> None:

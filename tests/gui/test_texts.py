@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from gui_worlds import state_after, world
 
+from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.link.outcomes import WindowError, failed
@@ -107,6 +108,7 @@ def test_every_text_is_used() -> None:
     words = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
     words |= {
         *ARMS,
+        *GESTURES,
         *words_of_the_page(),
         *(f"{part}-{way}" for part in ROTATIONS for way in ("plus", "minus")),
     }

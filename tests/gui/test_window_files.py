@@ -69,6 +69,7 @@ def test_an_existing_file_is_overwritten_only_at_the_second_press(
 ) -> None:
     dialog = opened(qtbot, window, "save_file")
     intents()
+    assert dialog.selectedFiles() == [str(tmp_path / "beatrix.csv")], "Save works at once"
     enter(dialog, "dance")
     assert dialog.labelText(QFileDialog.DialogLabel.Accept) == "Overwrite"
     enter(dialog, "dance2")

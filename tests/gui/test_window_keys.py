@@ -16,7 +16,8 @@ from PyQt5.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink
 
-from gui.console.state.actions import BeginRecording, Send, SendStop
+from gui.console.state.actions import BeginRecording, LookForPorts, Send, SendStop
+from gui.console.state.connecting import CloseConnect
 from gui.console.state.intents import AimHead, EmergencyStop, Intent, Jog, SavePose, SendHead, Stop, Undo
 from gui.console.state.sequence_intents import RenamePose
 from gui.console.state.world import PlanPhase
@@ -175,6 +176,11 @@ def test_escape_sends_stop_and_closes_what_lies_over_the_window(window: Window, 
     press(Qt.Key.Key_Escape)
     assert not window.panels.header.menu.isVisible()
     assert intents() == [Stop(), Stop(), Stop()]
+    window.handle(LookForPorts())
+    assert window.panels.connect_sheet.isVisible()
+    press(Qt.Key.Key_Escape)
+    assert not window.panels.connect_sheet.isVisible()
+    assert intents() == [LookForPorts(), Stop(), CloseConnect()]
 
 
 @pytest.mark.parametrize("key", [*STOP_KEYS, Qt.Key.Key_Return, Qt.Key.Key_F1])
@@ -228,6 +234,7 @@ def test_tab_reaches_every_control_and_returns_to_the_first(qtbot: QtBot, window
     panels = window.panels
     order = [
         panels.header.menu_button,
+        *panels.guide.buttons[:2],
         panels.head.pad,
         panels.sending.sim,
         panels.sending.lead,

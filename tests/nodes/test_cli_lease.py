@@ -77,7 +77,10 @@ def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> N
     assert (refused.returncode, "20.0°/s" in refused.stderr) == (1, True)
     free.good("limit", "off", "--who", "teacher")
     assert {row["speed_limit_deg_s"] for row in free.json("top", "--once")["robots"]} == {0.0}
-    assert free.run("limit", "slow", "--who", "teacher").returncode == 2
+    for nonsense in (("slow",), ("--turn", "short")):
+        assert free.run("limit", *nonsense, "--who", "teacher").returncode == 2
+    for longest, words in (("60", "at most 60 s"), ("off", "at most 120 s")):
+        assert words in free.good("limit", "--turn", longest, "--who", "teacher")
 
 
 def test_a_robot_that_freeze_did_not_reach_is_named_and_shown_as_not_frozen() -> None:

@@ -148,13 +148,14 @@ def test_the_error_for_a_suspended_router_explains_that_robots_stop(stage: Stage
             with ThreadPoolExecutor() as pool:
                 stops = pool.submit(failed, robot.stop, 8.0)
                 opens = pool.submit(failed, lambda: Robot("bea", "hw", connect=endpoint, who="ben"), 3.0)
+                lists = pool.submit(failed, robot.client.robots, 6.0)
                 for verb in ("stop", "ls"):
                     began = time.monotonic()
                     done = shell.run(verb)
                     assert (done.returncode, bool(re.search(sentence, done.stderr))) == (3, True), done.stderr
                     assert time.monotonic() - began < 6.0, "an earlier version took 10 s"
                 assert stops.result().reason is Reason.NO_ROUTER
-            for error in (stops.result(), opens.result()):
+            for error in (stops.result(), opens.result(), lists.result()):
                 assert re.search(sentence, error.message)
     finally:
         router.send(signal.SIGCONT)
@@ -222,7 +223,10 @@ def test_the_error_of_a_suspended_program_does_not_name_the_router(
         assert not more_s
         assert "router" not in output
     else:
-        assert "was lost although the router is running: this program was suspended" in output
+        assert (
+            "was lost, and a router answers there again: it was restarted, this program was suspended"
+            in output
+        )
 
 
 @pytest.mark.parametrize("traffic", ["control", "motion", "queries"])

@@ -233,9 +233,9 @@ def process_of(router: ClassRouter, part: Part) -> int:
     )
 
 
-def end(router: ClassRouter, part: Part) -> None:
-    """Kill one of the two routers, which is then started again."""
-    os.kill(process_of(router, part), signal.SIGKILL)
+def end(router: ClassRouter, part: Part, how: signal.Signals = signal.SIGKILL) -> None:
+    """Kill one of the two routers, or suspend it; it is then started again."""
+    os.kill(process_of(router, part), how)
 
 
 def replies(bus: Bus, key: str) -> list[tuple[str, bytes]]:

@@ -10,7 +10,7 @@ from collections import Counter
 
 import pytest
 from golden import same
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from beatrix_zenoh import BeatrixError, NoAnswer, Refused
@@ -265,6 +265,7 @@ def test_a_limit_in_single_precision_is_shown_as_it_was_typed(tenths: int) -> No
 
 
 @given(st.floats(1e-3, 400))
+@example(0.9453125)
 def test_the_shown_limit_is_allowed(limit: float) -> None:
     assert float(templates.most(limit)) <= limit * (1 + 1e-6) + 1e-6
     assert float(templates.least(limit)) >= limit * (1 - 1e-6) - 1e-6

@@ -340,7 +340,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "data",
         "drop",
-        "Liveliness token of the router of the seats of a class, which only this router may declare. When it disappears, the tokens of all seats do, too: a node stops the motions of the seats, and keeps their leases and places until 3 s after its return.",
+        "Liveliness token of the router of the seats of a class, which only this router may declare. When it disappears, the tokens of all seats do, too: a node stops the motions of the seats, and keeps their leases and places until 3 s after its return. Both routers of a class answer a query on `robots` or `seats` in place of the session, with which `beatrix router` checks them.",
     ),
     "program": KeyRow(
         "beatrix/@program/{who}/{session}",
@@ -377,6 +377,18 @@ KEYS: Final[dict[str, KeyRow]] = {
         "data",
         "drop",
         "What a seat has reached in a lesson. The router of a class keeps the newest of each in memory until it ends. In a class each seat publishes only under its own name, and only the teacher reads.",
+    ),
+    "pending": KeyRow(
+        "beatrix/@pending/{robot}/{side}",
+        "query",
+        "LeaseQuery",
+        "LeaseReply",
+        ("hw", "sim"),
+        "queries",
+        "",
+        "interactive_high",
+        "drop",
+        "A decision of the teacher (freeze, mute, limit and their ends) for robots of a class that are not online: the router of the class keeps the newest of each kind in a file, and sends it to the robot when that comes. Each robot for which it keeps any has a reply that lists them; an empty query only reads them. In a class only the teacher may send it.",
     ),
 }
 
@@ -576,7 +588,7 @@ def seat(who: str, session: str) -> str:
 def seats_router(session: str) -> str:
     """Return the key `beatrix/@router/{session}`.
 
-    Liveliness token of the router of the seats of a class, which only this router may declare. When it disappears, the tokens of all seats do, too: a node stops the motions of the seats, and keeps their leases and places until 3 s after its return.
+    Liveliness token of the router of the seats of a class, which only this router may declare. When it disappears, the tokens of all seats do, too: a node stops the motions of the seats, and keeps their leases and places until 3 s after its return. Both routers of a class answer a query on `robots` or `seats` in place of the session, with which `beatrix router` checks them.
     """
     return f"beatrix/@router/{session}"
 
@@ -603,6 +615,14 @@ def lesson(who: str, lesson: str) -> str:
     What a seat has reached in a lesson. The router of a class keeps the newest of each in memory until it ends. In a class each seat publishes only under its own name, and only the teacher reads.
     """
     return f"beatrix/@lesson/{who}/{lesson}"
+
+
+def pending(robot: str, side: str) -> str:
+    """Return the key `beatrix/@pending/{robot}/{side}`.
+
+    A decision of the teacher (freeze, mute, limit and their ends) for robots of a class that are not online: the router of the class keeps the newest of each kind in a file, and sends it to the robot when that comes. Each robot for which it keeps any has a reply that lists them; an empty query only reads them. In a class only the teacher may send it.
+    """
+    return f"beatrix/@pending/{robot}/{side}"
 
 
 NAME: Final = re.compile(r"[a-z0-9-]{1,32}")

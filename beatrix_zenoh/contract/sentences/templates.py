@@ -154,14 +154,16 @@ def shown(number: float) -> str:
 
 def least(number: float) -> str:
     """Format a lower limit, rounded up, so that the shown number is allowed."""
-    scale = 10 ** decimals_of(number)
-    return shown(math.ceil(number * scale - _tolerance(number * scale)) / scale)
+    decimals = decimals_of(number)  # of the rounded number they may be fewer, which would round again
+    units = number * 10**decimals
+    return f"{math.ceil(units - _tolerance(units)) / 10**decimals:z.{decimals}f}"
 
 
 def most(number: float) -> str:
     """Format an upper limit, rounded down, so that the shown number is allowed."""
-    scale = 10 ** decimals_of(number)
-    return shown(math.floor(number * scale + _tolerance(number * scale)) / scale)
+    decimals = decimals_of(number)
+    units = number * 10**decimals
+    return f"{math.floor(units + _tolerance(units)) / 10**decimals:z.{decimals}f}"
 
 
 def _tolerance(units: float) -> float:

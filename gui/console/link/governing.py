@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from beatrix_zenoh.client import Presence, RobotState
-from beatrix_zenoh.client.lease import govern
+from beatrix_zenoh.client.lease import govern, pending
 from beatrix_zenoh.contract._generated.messages import LeaseQuery
 from beatrix_zenoh.contract.errors import BeatrixError
 from gui.console.link.connection import Session
@@ -55,5 +55,6 @@ class Governing(Worker):
         places = action.places or tuple(sorted(session.monitor.present()))
         query = LeaseQuery(action=action.action, speed=action.speed, seat=action.seat)
         results = dict(govern(session.client, places, query))
+        later = {} if action.places else pending(session.client, query)
         failed = {place: found for place, found in results.items() if isinstance(found, BeatrixError)}
-        self._report(of_several(action.row, len(results), failed))
+        self._report(of_several(action.row, len(results) or len(later), failed))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -40,6 +41,8 @@ def view(memory: Memory, world: World) -> ConnectView | None:
     if not memory.connecting:
         return None
     texts, failed, here = memory.choices.texts, world.child_trouble, _serves(world)
+    if world.router_trouble is memory.read_trouble:
+        world = replace(world, router_trouble=None)
     if here:
         text = texts("connect.online", robot=world.robot)
     elif world.connecting:
@@ -59,7 +62,7 @@ def view(memory: Memory, world: World) -> ConnectView | None:
         router(world, texts),
         text,
         "" if failed is None or off else failed.detail,
-        () if here else (*ports, virtual),
+        () if here or world.ports is None else (*ports, virtual),  # all at once: none moves under the mouse
         ButtonView(texts("connect.again"), texts("connect.again_tip"), LookForPorts(), enabled=not off),
         ButtonView(texts("connect.close"), texts("connect.close_tip"), CloseConnect()),
     )
@@ -145,6 +148,8 @@ def simulate(_memory: Memory, world: World, intent: StartSimulation) -> list[Act
 
 def look_for_ports(memory: Memory, world: World, intent: LookForPorts) -> list[Action]:
     """Show the sheet; return the action that lists the ports, unless hardware is online."""
+    if not memory.connecting:
+        memory.read_trouble = world.router_trouble
     memory.connecting, memory.port_chosen = True, False
     return [] if _serves(world) else [intent]
 

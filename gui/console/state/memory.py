@@ -208,6 +208,8 @@ class Memory:
     """row of the newest hold until its end; 0: none"""
     connecting: bool = False
     """whether the sheet that connects is shown"""
+    read_trouble: Trouble | None = None
+    """why a router or account was not used, before the sheet was opened; no longer shown"""
     port_chosen: bool = False
     """whether the user has chosen a port in it"""
     router: tuple[str, str] = ("", "")

@@ -208,9 +208,9 @@ def working(status: Status, texts: Texts) -> RobotCondition:
 def _absent(world: World, side: str, texts: Texts) -> RobotCondition:
     found = _why_absent(world, side, texts)
     if side == "sim" and world.starting:
-        found = replace(found, reason=texts("reason.starting"))
+        found = replace(found, text=texts("condition.starting"), reason=texts("reason.starting"))
     if side == "hw" and world.connecting:
-        found = replace(found, reason=texts("connect.starting"))
+        found = replace(found, text=texts("condition.starting"), reason=texts("connect.starting"))
     if world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED):
         return found  # the banner has the reason and the buttons for both robots
     return replace(found, next_step="START" if side == "sim" else CONNECT)

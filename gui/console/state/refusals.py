@@ -33,7 +33,8 @@ from gui.console.state.intents import (
 from gui.console.state.memory import Memory, Refusal, RequestRow
 from gui.console.state.motions import Handles, again, begin
 from gui.console.state.pills import BRING_BACK, MAKE_READY, NEXT_STEPS, WAIT
-from gui.console.state.presence import commanded, unreachable
+from gui.console.state.presence import commanded, orientation, unreachable
+from gui.console.state.sequence_intents import SetDuration
 from gui.console.state.views import ButtonView, RefusalView
 from gui.console.state.world import World
 from gui.console.texts import Texts
@@ -156,6 +157,14 @@ def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> 
     if isinstance(request, Send):
         if unreachable(memory, world, memory.choices.sides, refusal.control):
             return []
+        if refusal.control == "head":
+            query = request.query
+            head = (
+                head_angles(Head(query.yaw, query.pitch, query.roll))
+                if isinstance(query, PoseQuery)
+                else None
+            )
+            memory.choices = msgspec.structs.replace(memory.choices, target=head and orientation(head))
         return begin(memory, world, again(memory, request), refusal.control)
     actions: list[Action] = []
     next_step, target = next_step_of(refusal), memory.choices.target
@@ -171,6 +180,10 @@ def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> 
 
 
 def _button(refusal: Refusal, texts: Texts) -> ButtonView | None:
+    if refusal.key == "cannot.too_short":
+        text = texts("alternative.duration", **refusal.slots)
+        longer = SetDuration(str(refusal.slots["name"]), float(refusal.slots["shortest"]))
+        return ButtonView(text, texts("tip.duration"), longer)
     request = _alternative_request(refusal)
     if isinstance(request, Send):
         return ButtonView(

@@ -12,7 +12,7 @@ const ROTATIONS = { yaw: [1, -1], pitch: [-1, 1], roll: [-1, 1] };
 const ARMS = ["short", "middle", "long"];
 const COLUMNS = ["robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks"];
 const KEYS = { ArrowLeft: "yaw-plus", ArrowRight: "yaw-minus", ArrowUp: "pitch-minus", ArrowDown: "pitch-plus" };
-const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "SavePose", "DeletePose"];
+const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "SavePose", "DeletePose", "SetDuration"];
 
 const byId = (id) => document.getElementById(id);
 const token = document.querySelector("meta[name=token]").content;
@@ -208,6 +208,11 @@ function showPill(pill, index) {
   button.classList.toggle("next", Boolean(pill.next_step));
 }
 
+// A line may end between the robots, not between a robot and its angle.
+function bothAngles(angle) {
+  return ["sim", "hw"].filter(angle).map((side) => `${text(`label.${side}`)}\u00a0${angle(side)}`).join("\u2002");
+}
+
 function showHead(head) {
   const signed = (angle) => `${(Math.round(10 * angle) / 10 || 0).toFixed(1).replace("-", "−")}°`.replace(".", view.language === "de" ? "," : ".");
   for (const part of Object.keys(ROTATIONS)) {
@@ -216,9 +221,7 @@ function showHead(head) {
     slider.max = most;
     slider.min = -most;
     if (performance.now() - aimed > 400) slider.value = head.target[part] * direction(part);
-    const shown = ["sim", "hw"].filter((side) => head[side]);
-    const angles = shown.map((side) => `${text(`page.${side}`)} ${signed(head[side][part])}`);
-    set(byId(`value-${part}`), angles.join("  "));
+    set(byId(`value-${part}`), bothAngles((side) => head[side] && signed(head[side][part])));
     set(byId(`target-${part}`), `${text(`label.${part}`)} ${signed(aim(part))}`);
     slider.ariaLabel = text(`label.${part}`);
     slider.ariaValueText = signed(aim(part));
@@ -230,8 +233,7 @@ function showHead(head) {
 function showArms(arms) {
   for (const row of arms.rows.filter((one) => ARMS.includes(one.arm))) {
     set(byId(`name-${row.arm}`), row.title);
-    const angles = ["sim", "hw"].filter((side) => row[side] && row[side] !== "–");
-    set(byId(`value-${row.arm}`), angles.map((side) => `${text(`page.${side}`)} ${row[side]}`).join("  ") || "–");
+    set(byId(`value-${row.arm}`), bothAngles((side) => row[side] !== "–" && row[side]) || "–");
   }
   showRefusal("refusal-arms", arms.refusal);
   showChoices();

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QSignalBlocker, pyqtSignal
+from PyQt5.QtCore import QSignalBlocker, Qt, pyqtSignal
 from PyQt5.QtGui import QFontDatabase, QGuiApplication
 from PyQt5.QtWidgets import QFileDialog, QHBoxLayout, QListWidget, QPushButton, QVBoxLayout
 
@@ -25,7 +25,8 @@ class CodePanel(FilePanel):
         self.list = QListWidget()
         self.list.setAccessibleName(texts("label.code"))
         self.list.setMinimumHeight(40)
-        self.list.setProperty("code", True)  # noqa: FBT003
+        self.list.setWordWrap(True)  # a line is wider than the panel
+        self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.list.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
         self.list.currentRowChanged.connect(self._report_row)
         self.copy = self._button(texts, "copy")

@@ -53,7 +53,7 @@ class CameraPicture(QWidget):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
-        self._damaged = texts("label.picture_damaged")
+        self._damaged, self._waiting = texts("label.picture_damaged"), texts("eye.waiting")
         self._style = style_of(Theme.DARK)
         self._view: EyeView | None = None
         self._newest: CameraImage | None = None
@@ -159,7 +159,7 @@ class CameraPicture(QWidget):
         """Return the decoded picture or None, and the text that replaces a missing picture."""
         text = "" if self._view is None else self._view.text
         if text or self._newest is None:
-            return None, text
+            return None, text or self._waiting
         if self._image is None or self._image[0] is not self._newest:
             self._image = self._newest, decode(self._newest.jpeg)
         return self._image[1], self._damaged

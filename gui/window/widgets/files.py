@@ -44,6 +44,7 @@ class FileDialog(QFileDialog):
             self.setFileMode(QFileDialog.FileMode.ExistingFile)
         else:
             self.setDefaultSuffix(suffix)  # Qt adds it only to a name without a dot
+            self.selectFile(f"beatrix.{suffix}")
         self.notice = label(role="warn", wrap=True)
         self._overwrites: Path | None = None
         """the existing file that the next press of Overwrite replaces"""

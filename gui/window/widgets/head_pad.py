@@ -99,7 +99,17 @@ class HeadPad(QWidget):
 
     @property
     def _outer(self) -> float:
-        return min(self.width(), self.height() - 2 * self._line) / 2 - 2
+        return min(self.width(), self.height() - 2 * self._line) / 2 - 6
+
+    @property
+    def _mark(self) -> float:
+        """Half the width of the mark of the hardware (px); the others are larger."""
+        return max(3.0, self._disc * 0.075)
+
+    @property
+    def _reach(self) -> float:
+        """Distance (px) from the middle to the outside of a mark on the ring, where no caption may be."""
+        return self._outer * (1 - RING / 2) + 2 * self._mark + 1
 
     @property
     def _line(self) -> float:
@@ -245,8 +255,8 @@ class HeadPad(QWidget):
 
     def _caption_places(self) -> dict[str, QRectF]:
         """Return the places of the captions: those of the disc on it, or beside it if it is small and there is room."""
-        limit, line, outer = self._disc / BEYOND, self._line, self._outer
-        noses = limit - line if limit > 3 * line else outer + line / 2
+        limit, line = self._disc / BEYOND, self._line
+        noses = limit - line if limit > 3 * line else self._reach + line / 2
         """distance of two captions from the middle"""
         places = {
             "yaw_left": self._beside_ring("yaw_left", -1, -1),
@@ -268,7 +278,7 @@ class HeadPad(QWidget):
         off = place.translated(-self._centre)
         return (
             math.hypot(min(abs(off.left()), abs(off.right())), min(abs(off.top()), abs(off.bottom())))
-            < self._outer
+            < self._reach
         )
 
     def _inside_disc(self, name: str, across: int) -> QRectF:
@@ -281,8 +291,8 @@ class HeadPad(QWidget):
         """Return the place of a caption above (`down` is -1) or below, as near to the ring as the widget is wide."""
         wide, high = self._wide(name), 2 * self._line
         level = self._outer + self._line - high  # from the middle to the edge of the box that is nearer to it
-        ring = math.sqrt(max(0.0, self._outer**2 - level**2))
-        off = min(ring + self._line / 2, self.width() / 2 - wide)
+        ring = math.sqrt(max(0.0, self._reach**2 - level**2))
+        off = min(max(ring, self._wide("up") / 2) + 2, self.width() / 2 - wide)
         left = off if across > 0 else -off - wide
         return QRectF(left, level if down > 0 else -level - high, wide, high).translated(self._centre)
 
@@ -304,7 +314,7 @@ class HeadPad(QWidget):
             painter.drawEllipse(self.yaw_point(at.yaw), 1.8, 1.8)
 
     def _paint_heads(self, painter: QPainter, view: HeadView) -> None:
-        size = max(5.0, self._disc * 0.075)
+        size = self._mark
         if view.hw is not None:  # a solid square
             painter.setPen(QPen(QColor(self._style.field), 1))
             painter.setBrush(QColor(self._style.hw))

@@ -52,7 +52,7 @@ class LessonsTable(QFrame):
         self.list.setMinimumHeight(60)
         self.empty, self.notice = label(role="dim", wrap=True), label(role="warn", wrap=True)
         layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setContentsMargins(6, 6, 6, 6)
         layout.addWidget(self.notice)
         layout.addWidget(self.list, 1)
         layout.addWidget(self.empty, 1)

@@ -13,6 +13,8 @@ from gui.console.texts import Texts
 from gui.window.widgets.controls import IntentButton, Panel, label, set_text
 
 WIDTH_PX = 290
+BUTTONS = 4
+"""Largest number of buttons of a banner."""
 
 
 class Banner(Panel):
@@ -22,13 +24,15 @@ class Banner(Panel):
         """Create a hidden banner; a `quiet` one looks like a panel, because nothing is wrong."""
         super().__init__("panel" if quiet else "notice")
         self._view: BannerView | None = None
-        self._quiet = quiet
         self.text = label(role="" if quiet else "title", wrap=True)
-        self.buttons: list[IntentButton] = []
-        self._layout = QHBoxLayout(self)
+        self.buttons = [IntentButton(main=not number and not quiet) for number in range(BUTTONS)]
+        layout = QHBoxLayout(self)
         above = 1 if quiet else 4
-        self._layout.setContentsMargins(10, above, 6, above)
-        self._layout.addWidget(self.text, 1)
+        layout.setContentsMargins(10, above, 6, above)
+        layout.addWidget(self.text, 1)
+        for button in self.buttons:  # all now: Tab reaches widgets in the order of their creation
+            button.intent.connect(self.intent)
+            layout.addWidget(button)
         self.hide()
 
     def show_view(self, view: BannerView | None) -> None:
@@ -38,11 +42,6 @@ class Banner(Panel):
         self._view = view
         if view is not None:
             set_text(self.text, view.text)
-            while len(self.buttons) < len(view.buttons):
-                button = IntentButton(main=not self.buttons and not self._quiet)
-                button.intent.connect(self.intent)
-                self.buttons.append(button)
-                self._layout.addWidget(button)
             for button, shown in zip(self.buttons, view.buttons, strict=False):
                 button.show_view(shown)
             for number, button in enumerate(self.buttons):

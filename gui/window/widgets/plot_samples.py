@@ -122,8 +122,8 @@ def _interpolated(rows: Samples, times: Samples) -> Samples:
 
 
 def span(lowest: float, highest: float, least: float) -> tuple[float, float]:
-    """Return limits of an axis around these values: round numbers, at least `least` apart."""
+    """Return limits of an axis around these values, not at them: round numbers, at least `least` apart."""
     step = least / 4
-    low, high = math.floor(lowest / step) * step, math.ceil(highest / step) * step
+    low, high = math.floor(lowest / step - 0.2) * step, math.ceil(highest / step + 0.2) * step
     missing = max(0, round((least - (high - low)) / step))
     return low - (missing - missing // 2) * step, high + missing // 2 * step

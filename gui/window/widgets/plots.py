@@ -8,10 +8,11 @@ from typing import Final
 
 import pyqtgraph as pg
 from PyQt5.QtCore import QBuffer, QIODevice, QPoint, Qt
-from PyQt5.QtGui import QColor, QShowEvent
+from PyQt5.QtGui import QColor, QResizeEvent, QShowEvent
 from PyQt5.QtWidgets import (
     QAction,
     QFileDialog,
+    QGridLayout,
     QHBoxLayout,
     QLabel,
     QMenu,
@@ -58,6 +59,8 @@ SIGNS: Final = ("—", "– –", "···")
 BOTH: Final = ("hw", "sim")
 """The robots in the order in which they are drawn."""
 DIFFERENCE: Final = "difference"
+LOW: Final = 20
+"""Height of the panel, in lines of text, below which the plots stand in two columns."""
 
 
 class PlotBar(QWidget):
@@ -177,14 +180,12 @@ class PlotsPanel(FilePanel):
         }
 
     def _lay_out(self) -> None:
-        column = QVBoxLayout(self._graphics)
-        column.setContentsMargins(4, 2, 4, 2)
-        column.setSpacing(0)
-        for name, curves in self.plots.items():
-            column.addWidget(curves, 3 if name == DIFFERENCE else 2)  # its legend may need two lines
+        self._grid = QGridLayout(self._graphics)
+        self._grid.setContentsMargins(4, 2, 4, 2)
+        self._grid.setVerticalSpacing(0)
         self.none: QLabel = label(self._texts("label.plots_none"), wrap=True)
         self.none.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        column.addWidget(self.none, 1)
+        self._grid.addWidget(self.none, len(self.plots), 0)
         drawing = QWidget()
         inner = QVBoxLayout(drawing)
         inner.setContentsMargins(0, 0, 0, 0)
@@ -258,8 +259,7 @@ class PlotsPanel(FilePanel):
                 apart = difference(hw, sim)
                 curves.draw([(apart[:, 0], apart[:, arm]) for arm in range(1, 1 + len(ARMS))])
             else:
-                column = 1 + ARMS.index(name)
-                curves.draw([(rows[:, 0], rows[:, column]) for rows in (hw, sim)])
+                curves.draw([(rows[:, 0], rows[:, 1 + ARMS.index(name)]) for rows in (hw, sim)])
         if self._cursor_s is not None:
             self._read()
 
@@ -319,14 +319,25 @@ class PlotsPanel(FilePanel):
         set_text(self.bar.time, "" if at_s is None else self._texts("plot.time", seconds=at_s))
 
     def _choose(self) -> None:
-        """Show the chosen plots; the lowest one has the labels of the time."""
-        shown = [curves for name, curves in self.plots.items() if self.bar.chosen(name)]
+        """Show the chosen plots."""
         for name, curves in self.plots.items():
             curves.choose([self.bar.chosen(part) for part in (ARMS if name == DIFFERENCE else BOTH)])
-            curves.setVisible(curves in shown)
-            curves.show_time_axis(shown=curves is shown[-1] if shown else False)
-        self.none.setVisible(not shown)
+            curves.setVisible(self.bar.chosen(name))
+        self._arrange()
         self._draw()
+
+    def _arrange(self) -> None:
+        """Put the chosen plots into one column or, in a low panel, into two; the lowest have the labels of the time."""
+        shown = [curves for name, curves in self.plots.items() if self.bar.chosen(name)]
+        columns = 1 if self.height() >= LOW * self.fontMetrics().lineSpacing() else 2
+        for number, curves in enumerate(shown):
+            self._grid.addWidget(curves, *divmod(number, columns))
+            curves.show_time_axis(shown=number + columns >= len(shown))
+        self.none.setVisible(not shown)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        super().resizeEvent(event)
+        self._arrange()
 
     # -- export -------------------------------------------------------------------------------------
 
@@ -355,6 +366,7 @@ class PlotsPanel(FilePanel):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme; lines for a projector are wider."""
         colours = style_of(theme)
+        self._arrange()
         thin = 3.0 if theme is Theme.PROJECTOR else 1.5
         pale = QColor(colours.hw)
         pale.setAlphaF(0.55)

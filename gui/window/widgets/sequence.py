@@ -172,6 +172,7 @@ class SequencePanel(FilePanel):
         self.play.show_view(view.play)
         self.hardware.show_view(view.hardware)
         self.loop.setChecked(view.loop)
+        self.loop.setEnabled(view.played < 0)
         self.entries["undo"].setEnabled(view.undo.enabled)
         self._show_chosen()
         number = view.played if view.played >= 0 else self.strip.current

@@ -7,7 +7,7 @@ import signal
 from pathlib import Path
 
 import pytest
-from class_router import ClassRouter, process_of, start_node
+from class_router import ClassRouter, process_of, replies, start_node
 from gui_links import Linked
 from gui_views import lesson
 from robots import Stage
@@ -64,6 +64,7 @@ def test_the_window_of_a_class_mutes_the_seat_of_a_named_pupil(tmp_path: Path) -
                 (seat,) = page_seats(linked.world)
                 linked.do(Govern(1, LeaseAction.MUTE, seat=seat))
                 assert linked.end_of(1).accepted
+                assert replies(router.session("teacher"), keys.pending("bea2", "hw")), "bea2 gets it later"
         finally:
             node.end()
 

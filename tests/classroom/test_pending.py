@@ -1,0 +1,107 @@
+"""Decisions of the teacher for robots of the class that are not online: kept by the router, applied when they come."""
+
+from __future__ import annotations
+
+import math
+import signal
+from functools import partial
+from pathlib import Path
+
+import pytest
+from class_router import ClassRouter, start_node
+from patient_connections import PATIENCE_S, patiently
+from robots import until
+from shell import beatrix
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh.classroom.pending import Kept, decide, words
+from beatrix_zenoh.client import Client
+from beatrix_zenoh.contract import codec
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery
+from beatrix_zenoh.settings import Settings
+
+BEA2 = keys.pending("bea2", "hw")
+MUTE, UNMUTE = (LeaseQuery(action=action, seat="cem") for action in (LeaseAction.MUTE, LeaseAction.UNMUTE))
+LIMIT = LeaseQuery(action=LeaseAction.LIMIT, speed=math.radians(20))
+NO_LIMIT = LeaseQuery(action=LeaseAction.LIMIT)
+
+
+@pytest.mark.parametrize(
+    ("decisions", "kept"),
+    [
+        ([MUTE, LIMIT], ["mute cem", "limit 20"]),
+        ([MUTE, LIMIT, UNMUTE], ["limit 20", "unmute cem"]),
+        ([LIMIT, NO_LIMIT], ["limit off"]),
+        ([MUTE, LeaseQuery(action=LeaseAction.MUTE, seat="ben")], ["mute cem", "mute ben"]),
+        ([LeaseQuery(action=LeaseAction.FREEZE), LeaseQuery(action=LeaseAction.UNFREEZE)], ["unfreeze"]),
+        ([LeaseQuery(action=LeaseAction.TURN, longest_s=60)], ["limit --turn 60"]),
+        ([LIMIT, LeaseQuery(action=LeaseAction.TURN)], ["limit 20", "limit --turn off"]),
+    ],
+)
+def test_of_each_kind_the_newest_decision_is_kept(decisions: list[LeaseQuery], kept: list[str]) -> None:
+    found: Kept = {}
+    for query in decisions:
+        decide(found, BEA2, query, online=False)
+    assert [words(query) for query in found[BEA2].values()] == kept
+
+
+def test_for_a_robot_online_only_what_it_has_not_taken_is_replaced() -> None:
+    found: Kept = {}
+    decide(found, BEA2, MUTE, online=True)
+    assert found == {}, "the teacher's program sends it"
+    decide(found, BEA2, MUTE, online=False)
+    decide(found, BEA2, LIMIT, online=True)
+    decide(found, BEA2, UNMUTE, online=True)
+    assert [*found[BEA2].values()] == [UNMUTE], "the mute may be on its way"
+
+
+def good(*command: str) -> str:
+    done = beatrix(*command)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_a_robot_that_was_away_gets_the_decisions_of_the_teacher_and_none_of_a_seat(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with ClassRouter(tmp_path) as router:
+        monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("teacher")))
+        wrong = beatrix("mute", "cem")
+        assert (wrong.returncode, "Its seats are: ana, ben." in wrong.stderr) == (2, True)
+        for command in (("mute", "ben"), ("mute", "ana"), ("limit", "20"), ("limit", "--turn", "60")):
+            later = "bea1, bea2: not online. The router of the class applies it when the robot comes."
+            assert later in patiently(partial(good, *command))
+        good("unmute", "ana", "--name", "bea2")
+
+        ana = router.session("ana")
+        for key in (BEA2, keys.pending("*", "*")):
+            for forged in (None, codec.encode(LeaseQuery(action=LeaseAction.UNMUTE, seat="ben"))):
+                sent = ana.query(key, forged, codec.MSGPACK, timeout_s=5.0)
+                assert list(sent.replies(5.0)) == [], key
+        router.settled(ana)
+
+        router.process.end(signal.SIGKILL)
+        router.start_again()
+        line = "bea2 is not online. When it comes, the router of the class applies: "
+        assert f"{line}mute ben, limit 20, limit --turn 60, unmute ana" in patiently(
+            lambda: good("top", "--once")
+        )
+        with monkeypatch.context() as of_node:
+            of_node.delenv("BEATRIX_ACCOUNT")
+            node = start_node(tmp_path, router.path("bea2"))
+        try:
+            account = router.account("teacher")
+            settings = Settings("bea2", account.connect, "teacher", account=account)
+            with patiently(lambda: Client(settings)) as client:
+                robot = Robot("bea2", "hw", client=client, timeout_s=PATIENCE_S)
+
+                def applied() -> bool:
+                    status = patiently(robot.status)
+                    return (status.muted, round(math.degrees(status.speed_limit))) == (["ben"], 20)
+
+                until(applied, "the robot has the decisions")
+            shown = good("top", "--once")
+            assert (line in shown, "bea1 is not online." in shown) == (False, True)
+        finally:
+            node.end()
