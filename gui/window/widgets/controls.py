@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Never
 
-from PyQt5.QtCore import QPointF, QRect, QRectF, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
-from PyQt5.QtGui import QColor, QFocusEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from PyQt5.QtCore import QRect, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
+from PyQt5.QtGui import QFocusEvent, QPainter, QPaintEvent
 from PyQt5.QtWidgets import (
-    QAbstractButton,
     QCheckBox,
     QFrame,
     QHBoxLayout,
@@ -95,10 +94,7 @@ class IntentButton(QPushButton):
 
 
 class Check(QCheckBox):
-    """A check box that changes only with its view.
-
-    It draws itself, because Fusion's box is invisible on a dark background.
-    """
+    """A check box that changes only with its view."""
 
     asked = pyqtSignal(bool)
     """the state that the user wants"""
@@ -112,15 +108,6 @@ class Check(QCheckBox):
 
     def nextCheckState(self) -> None:  # noqa: N802
         """Keep the state until the view changes it."""
-
-    def sizeHint(self) -> QSize:  # noqa: N802
-        return indicator_size(self)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return indicator_size(self)
-
-    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
-        paint_indicator(self, round_=False)
 
 
 class Panel(QFrame):
@@ -167,61 +154,6 @@ class Radio(QRadioButton):
 
     def nextCheckState(self) -> None:  # noqa: N802
         """Keep the state until the view changes it."""
-
-    def sizeHint(self) -> QSize:  # noqa: N802
-        return indicator_size(self)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return indicator_size(self)
-
-    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
-        paint_indicator(self, round_=True)
-
-
-def indicator_size(button: QAbstractButton) -> QSize:
-    """Return the size of indicator and text."""
-    metrics = button.fontMetrics()
-    width = metrics.height() + GAP_PX + metrics.horizontalAdvance(button.text()) + 4
-    return QSize(width, metrics.height() + GAP_PX)
-
-
-def paint_indicator(button: QAbstractButton, *, round_: bool) -> None:
-    """Draw a box with a tick, or a ring with a dot, and the text."""
-    painter = QPainter(button)
-    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    palette, metrics = button.palette(), button.fontMetrics()
-    group = palette.Active if button.isEnabled() else palette.Disabled
-    text, edge = palette.color(group, palette.WindowText), palette.color(palette.Light)
-    side = metrics.height() - 3.0
-    box = QRectF(2.0, (button.height() - side) / 2, side, side)
-    painter.setPen(QPen(edge if button.isEnabled() else text, 1.5))
-    painter.setBrush(palette.color(palette.Base))
-    if round_:
-        painter.drawEllipse(box)
-    else:
-        painter.drawRoundedRect(box, 2, 2)
-    if button.isChecked():
-        paint_mark(painter, box, text, round_=round_)
-    painter.setPen(text)
-    words = QRectF(box.right() + GAP_PX, 0, button.width(), button.height())
-    painter.drawText(words, int(Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft), button.text())
-    if button.hasFocus():
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.setPen(QPen(palette.color(palette.Highlight), 2))
-        painter.drawRoundedRect(QRectF(button.rect()).adjusted(0.5, 0.5, -0.5, -0.5), 3, 3)
-
-
-def paint_mark(painter: QPainter, box: QRectF, colour: QColor, *, round_: bool) -> None:
-    """Draw the tick or the dot."""
-    side = box.width()
-    if round_:
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(colour)
-        painter.drawEllipse(box.center(), side * 0.26, side * 0.26)
-        return
-    painter.setPen(QPen(colour, 2.2))
-    tick = [QPointF(0.2, 0.55), QPointF(0.42, 0.76), QPointF(0.8, 0.26)]
-    painter.drawPolyline(QPolygonF([box.topLeft() + point * side for point in tick]))
 
 
 class SliderBox(QWidget):
