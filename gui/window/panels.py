@@ -22,7 +22,7 @@ from gui.window.widgets.class_page import ClassPage
 from gui.window.widgets.code import CodePanel
 from gui.window.widgets.commands import CommandsPanel, StopBar
 from gui.window.widgets.connect import ConnectSheet
-from gui.window.widgets.controls import ChoiceCheck, Panel
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, spaced
 from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
@@ -134,14 +134,11 @@ class Panels(QWidget):
             self.tabs.addTab(page, self._texts(f"label.tab_{name}"))
         self.low_area.addTab(self.gestures, self._texts("label.gestures"))
         self._lay_out_columns()
-        inner = QVBoxLayout()
-        inner.setContentsMargins(8, 8, 8, 8)
-        inner.setSpacing(8)
+        inner = spaced(QVBoxLayout(), 8, (8, 8, 8, 8))
         inner.addWidget(self.header)
         inner.addWidget(self.banner)
         inner.addWidget(self.guide)
-        pages = QVBoxLayout(self.pages)
-        pages.setContentsMargins(0, 0, 0, 0)
+        pages = spaced(QVBoxLayout(self.pages), None, NO_MARGINS)
         pages.addWidget(self.body)
         pages.addWidget(self.class_page)
         inner.addWidget(self.pages, 1)
@@ -150,12 +147,9 @@ class Panels(QWidget):
         content = QWidget()
         content.setLayout(inner)
         self.area.setWidget(content)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(0)
+        layout = spaced(QVBoxLayout(self), 0, NO_MARGINS)
         layout.addWidget(self.area, 1)
-        bottom = QHBoxLayout()
-        bottom.setSpacing(0)
+        bottom = spaced(QHBoxLayout(), 0)
         bottom.addWidget(self.stop_bar, 3)
         bottom.addWidget(self.stop_bar.last, 2)
         layout.addLayout(bottom)

@@ -13,7 +13,16 @@ from gui.console.state.holding import HoldArm, ReleaseArm
 from gui.console.state.intents import ALL_ARMS, Choose
 from gui.console.state.views import ArmRowView, ArmsView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, Panel, Radio, SliderBox, label, set_text
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    IntentButton,
+    Panel,
+    Radio,
+    SliderBox,
+    label,
+    set_text,
+    spaced,
+)
 
 LEAST_INCREMENT = 0.1
 """deg"""
@@ -137,20 +146,16 @@ class ArmsPanel(Panel):
         self.speed = SliderBox(texts, "speed", least=LEAST_SPEED)
         for slider in (self.increment, self.speed):
             slider.intent.connect(self.intent)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(8, 4, 8, 4)
-        layout.setSpacing(2)
+        layout = spaced(QVBoxLayout(self), 2, (8, 4, 8, 4))
         layout.addLayout(grid)
-        self._sliders = QBoxLayout(QBoxLayout.Direction.TopToBottom)
-        self._sliders.setSpacing(2)
+        self._sliders = spaced(QBoxLayout(QBoxLayout.Direction.TopToBottom), 2)
         self._sliders.addWidget(self.increment)
         self._sliders.addWidget(self.speed)
         layout.addLayout(self._sliders)
 
     def _modes(self) -> QWidget:
         widget = QWidget()
-        layout = QHBoxLayout(widget)
-        layout.setContentsMargins(0, 0, 0, 0)
+        layout = spaced(QHBoxLayout(widget), None, NO_MARGINS)
         layout.addWidget(self.relative)
         layout.addWidget(self.absolute)
         layout.addStretch(1)

@@ -8,7 +8,7 @@ from PyQt5.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
 from gui.console.state.intents import WindowPage
 from gui.console.state.views import CommandsView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, Panel, label, set_text
+from gui.window.widgets.controls import IntentButton, Panel, label, set_text, spaced
 
 NAMES = ("home", "undo")
 """Commands of every day; the menus of the pills contain the others."""
@@ -24,9 +24,7 @@ class CommandsPanel(Panel):
         self._view: CommandsView | None = None
         self.setAccessibleName(texts("label.commands"))
         self.buttons = {name: IntentButton() for name in NAMES}
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(8, 8, 8, 8)
-        layout.setSpacing(8)
+        layout = spaced(QVBoxLayout(self), 8, (8, 8, 8, 8))
         for button in self.buttons.values():
             button.setProperty("daily", True)  # noqa: FBT003
             layout.addWidget(button)
@@ -56,14 +54,12 @@ class StopBar(QPushButton):
         self.emergency.intent.connect(self.intent)
         self.emergency.asking.connect(self._ask)
         self.setObjectName("stop")
-        self.setAutoDefault(False)
         self.word, self.last = label(role="stop_word"), label(role="message", wrap=True)
         """STOP, and the last request with its outcome, which stands beside this button"""
         self.keys = label(texts("label.keys_stop").partition(": ")[0], "stop")
         self.last.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
         self.last.setFixedHeight(HEIGHT_PX)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(20, 2, 12, 2)
+        layout = spaced(QHBoxLayout(self), None, (20, 2, 12, 2))
         layout.setSizeConstraint(
             QHBoxLayout.SizeConstraint.SetMinimumSize
         )  # a button alone would not count these

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Never
+from typing import Never, TypeVar
 
 from PyQt5.QtCore import QRect, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QFocusEvent, QPainter, QPaintEvent
@@ -11,6 +11,7 @@ from PyQt5.QtWidgets import (
     QFrame,
     QHBoxLayout,
     QLabel,
+    QLayout,
     QPushButton,
     QRadioButton,
     QSizePolicy,
@@ -33,6 +34,27 @@ ARMED_MS = 6000
 """Time in which a button with a question accepts its second press."""
 
 
+NO_MARGINS = 0, 0, 0, 0
+L = TypeVar("L", bound=QLayout)
+
+
+def spaced(layout: L, gap: int | None, margins: tuple[int, int, int, int] | None = None) -> L:
+    """Return the layout with this gap between its parts and these margins (px); None: those of the style."""
+    if gap is not None:
+        layout.setSpacing(gap)
+    if margins is not None:
+        layout.setContentsMargins(*margins)
+    return layout
+
+
+def plain_button(text: str, tooltip: str, name: str = "") -> QPushButton:
+    """Return a button with a tooltip and an accessible name, which is the text by default."""
+    button = QPushButton(text)
+    button.setToolTip(tooltip)
+    button.setAccessibleName(name or text)
+    return button
+
+
 class IntentButton(QPushButton):
     """A button that reports the intent of its view; if the view has a question, only at the second press."""
 
@@ -48,7 +70,6 @@ class IntentButton(QPushButton):
         self._armed.setInterval(ARMED_MS)
         self._armed.timeout.connect(self.disarm)
         self.setProperty("main", main)
-        self.setAutoDefault(False)
         self.clicked.connect(self._press)
 
     def show_view(self, view: ButtonView) -> None:
@@ -175,9 +196,7 @@ class SliderBox(QWidget):
         for control in (self.slider, self.box):
             control.setToolTip(texts(f"tip.{name}"))
             control.setAccessibleName(f"{title} ({unit.strip()})")
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(GAP_PX)
+        layout = spaced(QHBoxLayout(self), GAP_PX, NO_MARGINS)
         for part in (self._name, self.slider, self.box):
             layout.addWidget(part)
         layout.setStretch(1, 1)

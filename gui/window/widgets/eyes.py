@@ -16,7 +16,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.views import EyeView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import ChoiceCheck, Panel
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, spaced
 from gui.window.widgets.levels import LevelsPanel
 
 PERIOD_MS: Final = 33
@@ -191,17 +191,14 @@ class EyesPanel(Panel):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 0, 0, 0)
-        grid.setSpacing(6)
+        grid = spaced(QGridLayout(self), 6, NO_MARGINS)
         self.pictures = {(side, eye): CameraPicture(texts) for side in SIDES for eye in EYES}
         for (side, eye), picture in self.pictures.items():
             grid.addWidget(picture, SIDES.index(side), EYES.index(eye))
         self.cameras = ChoiceCheck(texts, "cameras")
         self.cameras.intent.connect(self.intent)
         self.sound = LevelsPanel(texts)
-        below = QHBoxLayout()
-        below.setSpacing(12)
+        below = spaced(QHBoxLayout(), 12)
         below.addWidget(self.cameras, 0, Qt.AlignmentFlag.AlignTop)
         below.addWidget(self.sound, 1)
         grid.addLayout(below, len(SIDES), 0, 1, len(EYES))

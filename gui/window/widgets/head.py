@@ -9,7 +9,7 @@ from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QLabel, QVBoxLayout
 from gui.console.state.intents import Theme
 from gui.console.state.views import HeadOrientation, HeadView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import Panel, label, set_text
+from gui.window.widgets.controls import Panel, label, set_text, spaced
 from gui.window.widgets.head_pad import HeadPad
 
 AXES = ("yaw", "pitch", "roll")
@@ -37,8 +37,7 @@ class HeadPanel(Panel):
         self._legend = [label(f"{SYMBOLS[name]} {self._names[name]}", role) for name, role in ROBOTS.items()]
         """the symbols of the robots, where the columns are too narrow for words"""
         self.pad.intent.connect(self.intent)
-        self._numbers = QVBoxLayout()
-        self._numbers.setSpacing(4)
+        self._numbers = spaced(QVBoxLayout(), 4)
         self._numbers.addStretch(1)
         for line in self._legend:
             line.setAlignment(Qt.AlignmentFlag.AlignRight)
@@ -48,9 +47,7 @@ class HeadPanel(Panel):
         """the numbers, and the width (px) that they need without words over the columns of the robots"""
         self._fill(texts)
         self._numbers.addLayout(self._table)
-        self._layout = QBoxLayout(QBoxLayout.Direction.TopToBottom, self)
-        self._layout.setContentsMargins(6, 6, 6, 6)
-        self._layout.setSpacing(4)
+        self._layout = spaced(QBoxLayout(QBoxLayout.Direction.TopToBottom, self), 4, (6, 6, 6, 6))
         self._layout.addWidget(self.pad, 1)
         self._layout.addLayout(self._numbers)
 

@@ -9,7 +9,7 @@ from typing import Final
 
 from PyQt5.QtCore import QPoint, QPointF, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QFocusEvent, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
-from PyQt5.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
 
 from gui.console.state.intents import (
     AimHead,
@@ -21,7 +21,7 @@ from gui.console.state.intents import (
 from gui.console.state.views import HeadOrientation, HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
-from gui.window.widgets.controls import ChoiceCheck, Panel
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, plain_button, spaced
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import (
     GHOST,
@@ -260,16 +260,13 @@ class Head3dPanel(Panel):
         super().__init__()
         self.head = Head3d(texts)
         self.head.setProperty("sends", True)  # noqa: FBT003
-        self.views = {name: QPushButton(texts(f"view.{name}")) for name in VIEWS}
+        self.views = {name: plain_button(texts(f"view.{name}"), texts("tip.view")) for name in VIEWS}
         self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
         over, row = QHBoxLayout(), QHBoxLayout()
         over.addStretch(1)
         row.setContentsMargins(6, 0, 6, 4)
         for name, button in self.views.items():
             button.setCheckable(True)
-            button.setAutoDefault(False)
-            button.setToolTip(texts("tip.view"))
-            button.setAccessibleName(button.text())
             button.clicked.connect(lambda _, name=name: self._look(name))
             over.addWidget(button)
         on_picture = QVBoxLayout(self.head)
@@ -278,9 +275,7 @@ class Head3dPanel(Panel):
         row.addWidget(self.live)
         row.addWidget(self.send)
         row.addStretch(1)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(4)
+        layout = spaced(QVBoxLayout(self), 4, NO_MARGINS)
         layout.addWidget(self.head, 1)
         layout.addLayout(row)
         for part in (self.live, self.send, self.head):

@@ -21,6 +21,7 @@ from gui.console.state.views import ButtonView, PillView, RecordView, View
 from gui.console.texts import LANGUAGES, Texts
 from gui.window.theme import CONDITION_ROLES
 from gui.window.widgets.controls import (
+    NO_MARGINS,
     SEPARATOR,
     ElidedLabel,
     IntentButton,
@@ -28,8 +29,10 @@ from gui.window.widgets.controls import (
     Panel,
     PartsLabel,
     label,
+    plain_button,
     set_role,
     set_text,
+    spaced,
 )
 from gui.window.widgets.robot_menu import RobotMenu
 
@@ -81,9 +84,7 @@ class RecordButtons(Panel):
         super().__init__()
         self._view: RecordView | None = None
         self.open, self.toggle = IntentButton(), RecordButton()
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(4)
+        layout = spaced(QHBoxLayout(self), 4, NO_MARGINS)
         for button in (self.open, self.toggle):
             layout.addWidget(button)
             button.intent.connect(self.intent)
@@ -115,16 +116,13 @@ class Pill(Panel):
         self.lease.intent.connect(self.intent)
         self.next_step.setProperty("next_step", True)  # noqa: FBT003
         self.next_step.intent.connect(self.intent)
-        first = QHBoxLayout()
-        first.setSpacing(8)
+        first = spaced(QHBoxLayout(), 8)
         first.addWidget(self.title)
         first.addWidget(self.notes, 1)
-        words = QVBoxLayout()
-        words.setSpacing(0)
+        words = spaced(QVBoxLayout(), 0)
         words.addLayout(first)
         words.addWidget(self.state)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(6, 2, 6, 2)
+        layout = spaced(QHBoxLayout(self), None, (6, 2, 6, 2))
         self.reason = OptionalLabel("dim")
         layout.addLayout(words)
         layout.addWidget(self.reason, 1)
@@ -135,10 +133,8 @@ class Pill(Panel):
         self.lease.hide()
 
     def _menu_button(self, texts: Texts) -> QPushButton:
-        self.menu, self.more = RobotMenu(self), QPushButton("⋮")
+        self.menu, self.more = RobotMenu(self), plain_button("⋮", texts("tip.robot_menu"))
         self.more.setProperty("jog", True)  # noqa: FBT003
-        self.more.setAutoDefault(False)
-        self.more.setToolTip(texts("tip.robot_menu"))
         self._menu_name = texts("label.robot_menu")
         self.more.setFixedWidth(MORE_PX)
         self.more.clicked.connect(lambda: self.menu.open(self.more))
@@ -195,15 +191,10 @@ class Header(Panel):
         self.page.intent.connect(self.intent)
         self.page.hide()
         self.record = RecordButtons()
-        self.menu_button = QPushButton("≡")
-        self.menu_button.setAutoDefault(False)
-        self.menu_button.setToolTip(texts("tip.menu"))
-        self.menu_button.setAccessibleName(texts("label.menu"))
+        self.menu_button = plain_button("≡", texts("tip.menu"), texts("label.menu"))
         self.menu, self.choices = self._menu(texts)
         self.menu_button.clicked.connect(self._open_menu)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(4)
+        layout = spaced(QHBoxLayout(self), 4, NO_MARGINS)
         layout.addWidget(self.robots)
         layout.addWidget(self.page)
         for pill in self.pills.values():

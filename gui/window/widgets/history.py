@@ -9,7 +9,6 @@ from PyQt5.QtWidgets import (
     QLabel,
     QListWidget,
     QListWidgetItem,
-    QPushButton,
     QSizePolicy,
     QVBoxLayout,
     QWidget,
@@ -19,7 +18,7 @@ from gui.console.state.intents import Repeat, Theme
 from gui.console.state.views import HistoryRowView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import Panel, label, set_role, set_text
+from gui.window.widgets.controls import Panel, label, plain_button, set_role, set_text, spaced
 
 ICON_PX = 16
 
@@ -43,11 +42,12 @@ class HistoryPanel(Panel):
         self.details = label(wrap=True)
         """time, seat and result of the selected row"""
         self.details.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.repeat = self._button(texts, "repeat", texts("label.repeat"))
-        self.python = self._button(texts, "copy_python", "Python")
-        self.command_line = self._button(texts, "copy_command_line", texts("label.command_line"))
-        copies = QHBoxLayout()
-        copies.setSpacing(4)
+        self.repeat = plain_button(texts("label.repeat"), texts("tip.repeat"), texts("label.repeat"))
+        self.python = plain_button("Python", texts("tip.copy_python"), texts("label.copy_python"))
+        self.command_line = plain_button(
+            texts("label.command_line"), texts("tip.copy_command_line"), texts("label.copy_command_line")
+        )
+        copies = spaced(QHBoxLayout(), 4)
         copies.addWidget(label(texts("label.copy")))
         copies.addWidget(self.python, 1)
         copies.addWidget(self.command_line, 1)
@@ -59,9 +59,7 @@ class HistoryPanel(Panel):
         uses.addWidget(self.repeat)
         uses.addLayout(copies)
         self.uses.setLayout(uses)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 6, 6, 6)
-        layout.setSpacing(4)
+        layout = spaced(QVBoxLayout(self), 4, (6, 6, 6, 6))
         layout.addWidget(self.empty)
         layout.addWidget(self.list, 1)
         layout.addWidget(self.uses)
@@ -72,14 +70,6 @@ class HistoryPanel(Panel):
         self.list.currentRowChanged.connect(self._report_row)
         self.list.itemActivated.connect(self._repeat)
         self._fill((), 0)
-
-    @staticmethod
-    def _button(texts: Texts, name: str, text: str) -> QPushButton:
-        button = QPushButton(text)
-        button.setAutoDefault(False)
-        button.setToolTip(texts(f"tip.{name}"))
-        button.setAccessibleName(texts(f"label.{name}"))
-        return button
 
     def show_view(self, rows: tuple[HistoryRowView, ...]) -> None:
         """Show the rows; the selected one stays selected while it exists."""

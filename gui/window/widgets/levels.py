@@ -9,7 +9,7 @@ from PyQt5.QtWidgets import QGridLayout, QLabel, QProgressBar, QSizePolicy
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.views import SoundView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import ChoiceCheck, ElidedLabel, Panel
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, ElidedLabel, Panel, spaced
 
 STEPS: Final = 100
 BAR_PX: Final = 8
@@ -26,9 +26,7 @@ class LevelsPanel(Panel):
         self.bars = {(side, ear): QProgressBar() for side in SIDES for ear in (0, 1)}
         self.titles = {side: QLabel() for side in SIDES}
         self.texts = {side: ElidedLabel() for side in SIDES}
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 0, 0, 0)
-        grid.setSpacing(4)
+        grid = spaced(QGridLayout(self), 4, NO_MARGINS)
         grid.addWidget(self.box, 0, 0, len(SIDES), 1)
         for row, side in enumerate(SIDES):
             grid.addWidget(self.titles[side], row, 1)

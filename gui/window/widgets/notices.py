@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from PyQt5.QtCore import QPoint, QRect
-from PyQt5.QtWidgets import QFrame, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QFrame, QHBoxLayout, QVBoxLayout, QWidget
 
 from gui.console.state.intents import DismissRefusal
 from gui.console.state.views import BannerView, ButtonView, RefusalView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, Panel, label, set_text
+from gui.window.widgets.controls import IntentButton, Panel, label, plain_button, set_text, spaced
 
 WIDTH_PX = 290
 BUTTONS = 4
@@ -56,13 +56,9 @@ class TroubleNotice(QFrame):
         super().__init__(parent)
         self.setProperty("notice", True)  # noqa: FBT003
         self.text = label(wrap=True)
-        self.close_button = QPushButton(texts("label.dismiss"))
-        self.close_button.setAutoDefault(False)
-        self.close_button.setToolTip(texts("tip.dismiss"))
-        self.close_button.setAccessibleName(texts("label.dismiss"))
+        self.close_button = plain_button(texts("label.dismiss"), texts("tip.dismiss"))
         self.close_button.clicked.connect(self.hide)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(10, 4, 6, 4)
+        layout = spaced(QHBoxLayout(self), None, (10, 4, 6, 4))
         layout.addWidget(self.text, 1)
         layout.addWidget(self.close_button)
         self.hide()
@@ -100,8 +96,7 @@ class RefusalNotice(Panel):
         buttons = QHBoxLayout()
         buttons.addWidget(self.alternative, 1)
         buttons.addWidget(self.dismiss)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(10, 8, 10, 8)
+        layout = spaced(QVBoxLayout(self), None, (10, 8, 10, 8))
         layout.addWidget(self.text)
         layout.addLayout(buttons)
         self.hide()

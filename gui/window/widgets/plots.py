@@ -29,7 +29,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import label, set_text
+from gui.window.widgets.controls import NO_MARGINS, label, plain_button, set_text, spaced
 from gui.window.widgets.files import FilePanel
 from gui.window.widgets.plot_curves import Curves, Name
 from gui.window.widgets.plot_samples import (
@@ -63,26 +63,29 @@ LOW: Final = 20
 """Height of the panel, in lines of text, below which the plots stand in two columns."""
 
 
+def described(text: str, tooltip: str) -> QPushButton:
+    """Return a button whose text is too short to be its name."""
+    return plain_button(text, tooltip, tooltip)
+
+
 class PlotBar(QWidget):
     """The buttons above the plots."""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
-        row = QHBoxLayout(self)
-        row.setContentsMargins(4, 4, 4, 0)
-        row.setSpacing(4)
+        row = spaced(QHBoxLayout(self), 4, (4, 4, 4, 0))
         self.spans = {
-            seconds: self._button(f"{seconds} s", texts("tip.plot_span", seconds=str(seconds)))
+            seconds: described(f"{seconds} s", texts("tip.plot_span", seconds=str(seconds)))
             for seconds in SPANS
         }
-        self.pause = self._button(texts("plot.pause"), texts("tip.plot_pause"))
+        self.pause = described(texts("plot.pause"), texts("tip.plot_pause"))
         for button in (*self.spans.values(), self.pause):
             button.setCheckable(True)
-        self.curves = self._button(f"{texts('plot.curves')} ▾", texts("tip.plot_curves"))
+        self.curves = described(f"{texts('plot.curves')} ▾", texts("tip.plot_curves"))
         self.time = label(role="dim")
         """time at the cursor"""
-        self.csv = self._button("CSV", texts("tip.plot_csv"))
-        self.png = self._button("PNG", texts("tip.plot_png"))
+        self.csv = described("CSV", texts("tip.plot_csv"))
+        self.png = described("PNG", texts("tip.plot_png"))
         for button in (*self.spans.values(), self.pause, self.curves):
             row.addWidget(button)
         row.addWidget(self.time, 1)
@@ -95,14 +98,6 @@ class PlotBar(QWidget):
         }
         """by side, arm or DIFFERENCE"""
         self.curves.clicked.connect(self._open_menu)
-
-    @staticmethod
-    def _button(text: str, tooltip: str) -> QPushButton:
-        button = QPushButton(text)
-        button.setAutoDefault(False)
-        button.setToolTip(tooltip)
-        button.setAccessibleName(tooltip)
-        return button
 
     def _choice(self, text: str) -> QAction:
         action = QAction(text, self.menu)
@@ -180,16 +175,13 @@ class PlotsPanel(FilePanel):
         }
 
     def _lay_out(self) -> None:
-        self._grid = QGridLayout(self._graphics)
-        self._grid.setContentsMargins(4, 2, 4, 2)
+        self._grid = spaced(QGridLayout(self._graphics), None, (4, 2, 4, 2))
         self._grid.setVerticalSpacing(0)
         self.none: QLabel = label(self._texts("label.plots_none"), wrap=True)
         self.none.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._grid.addWidget(self.none, len(self.plots), 0)
         drawing = QWidget()
-        inner = QVBoxLayout(drawing)
-        inner.setContentsMargins(0, 0, 0, 0)
-        inner.setSpacing(0)
+        inner = spaced(QVBoxLayout(drawing), 0, NO_MARGINS)
         inner.addWidget(self.bar)
         inner.addWidget(self._graphics, 1)
         self._stack = QStackedLayout(self)

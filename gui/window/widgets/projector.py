@@ -11,7 +11,7 @@ from PyQt5.QtGui import QFont, QFontMetrics, QPainter, QPaintEvent, QResizeEvent
 from PyQt5.QtWidgets import QFrame, QGridLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from gui.console.state.views import ProjectorRowView, ProjectorView
-from gui.window.widgets.controls import label, set_role
+from gui.window.widgets.controls import NO_MARGINS, label, set_role, spaced
 
 GAP_PX: Final = 8
 LINE: Final = 1.2
@@ -169,12 +169,9 @@ class ProjectorScreen(QFrame):
         self._view: ProjectorView | None = None
         self.cards: list[RobotCard] = []
         self._robots = QWidget()
-        self._grid = QGridLayout(self._robots)
-        self._grid.setContentsMargins(0, 0, 0, 0)
-        self._grid.setSpacing(GAP_PX)
+        self._grid = spaced(QGridLayout(self._robots), GAP_PX, NO_MARGINS)
         self.empty, self.hint = label(wrap=True), FittedLabel(bold=True)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
+        layout = spaced(QVBoxLayout(self), None, NO_MARGINS)
         layout.addWidget(self.empty)
         layout.addWidget(self._robots, 1)
         layout.addWidget(self.hint)

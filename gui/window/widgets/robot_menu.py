@@ -9,7 +9,7 @@ from PyQt5.QtWidgets import QAbstractButton, QVBoxLayout, QWidget
 from gui.console.state.intents import EmergencyStop, Intent
 from gui.console.state.views import ButtonView
 from gui.window.keys import SEND_KEYS
-from gui.window.widgets.controls import IntentButton, Panel, label, set_text
+from gui.window.widgets.controls import IntentButton, Panel, label, set_text, spaced
 
 WIDTH_PX = 230
 
@@ -25,9 +25,7 @@ class RobotMenu(Panel):
         self.buttons: list[IntentButton] = []
         self.question = label(wrap=True)
         self.question.hide()
-        self._column = QVBoxLayout(self)
-        self._column.setContentsMargins(8, 8, 8, 8)
-        self._column.setSpacing(8)
+        self._column = spaced(QVBoxLayout(self), 8, (8, 8, 8, 8))
         self._column.addWidget(self.question)
 
     def show_view(self, views: tuple[ButtonView, ...]) -> None:

@@ -8,7 +8,7 @@ from PyQt5.QtWidgets import QHBoxLayout, QProgressBar, QSizePolicy, QVBoxLayout,
 from gui.console.state.intents import Choose
 from gui.console.state.views import SendingView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import ChoiceCheck, IntentButton, Panel, label, set_role, set_text
+from gui.window.widgets.controls import ChoiceCheck, IntentButton, Panel, label, set_role, set_text, spaced
 from gui.window.widgets.number_box import NumberBox
 
 LEAD_MAX_S = 60.0
@@ -64,9 +64,7 @@ class SendingPanel(Panel):
         self.text.setAlignment(Qt.AlignmentFlag.AlignTop)
         for part in (self.title, self.countdown, self.text):  # longer texts must not widen the column
             part.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(8, 8, 8, 8)
-        layout.setSpacing(4)
+        layout = spaced(QVBoxLayout(self), 4, (8, 8, 8, 8))
         layout.addLayout(to)
         layout.addLayout(send)
         layout.addWidget(self.text)

@@ -36,7 +36,7 @@ from gui.console.state.sequence_intents import (
 )
 from gui.console.state.views import CardView, SequenceView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import Check, IntentButton
+from gui.window.widgets.controls import Check, IntentButton, plain_button, spaced
 from gui.window.widgets.files import FilePanel
 from gui.window.widgets.number_box import NumberBox
 from gui.window.widgets.strip import Strip
@@ -75,11 +75,7 @@ class SequencePanel(FilePanel):
         self._connect()
 
     def _button(self, name: str) -> QPushButton:
-        button = QPushButton(self._texts(f"sequence.{name}"))
-        button.setAutoDefault(False)
-        button.setToolTip(self._texts(f"sequence.{name}_tip"))
-        button.setAccessibleName(self._texts(f"sequence.{name}"))
-        return button
+        return plain_button(self._texts(f"sequence.{name}"), self._texts(f"sequence.{name}_tip"))
 
     def _lay_out(self) -> None:
         scroll = QScrollArea()
@@ -91,12 +87,9 @@ class SequencePanel(FilePanel):
         scroll.setMinimumWidth(80)
         self.area = scroll
         self.name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # cards need the width
-        self._grid = QGridLayout()
-        self._grid.setSpacing(3)
+        self._grid = spaced(QGridLayout(), 3)
         self._grid.setColumnMinimumWidth(0, NAME_PX)
-        self._layout = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
-        self._layout.setContentsMargins(4, 4, 4, 4)
-        self._layout.setSpacing(6)
+        self._layout = spaced(QBoxLayout(QBoxLayout.Direction.LeftToRight, self), 6, (4, 4, 4, 4))
         self._layout.addWidget(scroll, 1)
         self._layout.addLayout(self._grid)
         self._arrange(below=False)
