@@ -26,7 +26,7 @@ from gui.console.state.actions import MakeReady, Outcome, Play, WriteFile
 from gui.console.state.intents import AimHead, Intent, Jog, RunCommand, SendHead
 from gui.console.state.program import SaveProgram
 from gui.console.state.saved import Saved, SavedPose
-from gui.console.state.sequence_intents import PlaySequence, SetLoop
+from gui.console.state.sequence_intents import PlaySequence
 from gui.console.state.state import State
 from gui.window.window import Window
 
@@ -131,7 +131,7 @@ def test_a_played_sequence_is_repeated_with_its_pauses(monkeypatch: pytest.Monke
 @pytest.mark.parametrize("rounds", [1, 2, 4])
 def test_a_loop_is_repeated_as_often_as_it_was_played(rounds: int, monkeypatch: pytest.MonkeyPatch) -> None:
     state = State(Saved(poses=THREE))
-    state.handle(SetLoop(on=True), world())
+    state.handle(intents.Choose("loop", value=True), world())
     (play,) = state.handle(PlaySequence("sim"), world())
     assert isinstance(play, Play)
     for played in range(rounds + 1):
@@ -149,7 +149,7 @@ def test_a_loop_is_repeated_as_often_as_it_was_played(rounds: int, monkeypatch: 
 
 def test_one_loop_is_copied_as_a_program_without_an_end() -> None:
     state = State(Saved(poses=THREE))
-    state.handle(SetLoop(on=True), world())
+    state.handle(intents.Choose("loop", value=True), world())
     state.handle(PlaySequence("sim"), world())
     (row,) = state.view(world()).history
     ast.parse(row.program)

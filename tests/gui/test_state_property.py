@@ -63,7 +63,6 @@ from gui.console.state.sequence_intents import (
     RenamePose,
     SaveSequence,
     SetDuration,
-    SetLoop,
     UndoSequence,
 )
 from gui.console.state.state import State
@@ -146,7 +145,7 @@ INTENTS: st.SearchStrategy[Intent] = st.one_of(
     st.builds(MovePose, NAMES, st.integers(-1, 5)),
     st.builds(RenamePose, NAMES, NAMES),
     st.builds(SetDuration, NAMES, st.floats()),
-    st.builds(SetLoop, st.booleans()),
+    st.builds(intents.Choose, st.just("loop"), st.booleans()),
     st.builds(SaveSequence, FILES, st.booleans()),
     st.builds(OpenSequence, FILES, st.text(max_size=20), NAMES),
     st.builds(SaveProgram, FILES),

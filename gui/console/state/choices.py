@@ -26,6 +26,8 @@ class Choices(Remembered, frozen=True):
     """never saved: each window begins without listening"""
     live: bool = False
     """whether the simulation follows a drag; never saved: each window begins without motions that no press has sent"""
+    loop: bool = False
+    """whether a play of the sequence repeats until STOP or a newer request"""
     tab: Tab = Tab.HEADS
     page: WindowPage = WindowPage.ROBOT
     target: HeadOrientation | None = None

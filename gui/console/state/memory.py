@@ -166,7 +166,6 @@ class CodeCache:
 class Sequence:
     """What the sequence editor knows beside its poses."""
 
-    loop: bool = False
     undo: tuple[tuple[SavedPose, ...], ...] = ()
     """the poses before each change, oldest first"""
     begun: tuple[int, tuple[object, ...]] = (0, ())

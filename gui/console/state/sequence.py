@@ -32,7 +32,6 @@ from gui.console.state.sequence_intents import (
     RenamePose,
     SaveSequence,
     SetDuration,
-    SetLoop,
     UndoSequence,
 )
 from gui.console.state.views import ButtonView, CardView, CodeLine, SequenceView
@@ -53,7 +52,7 @@ STARTS: Final = {"sim": ("sim", "hw"), "hw": ("hw",)}
 
 def view(memory: Memory, world: World) -> SequenceView:
     """Return the strip and its buttons."""
-    texts, poses, loop = memory.choices.texts, memory.poses, memory.sequence.loop
+    texts, poses, loop = memory.choices.texts, memory.poses, memory.choices.loop
     start = None if world.playing else commanded(world, STARTS["sim"])
     limits = timing.pace(world)
     short = timing.too_short(poses, start, limits, loop=loop)
@@ -80,7 +79,6 @@ def view(memory: Memory, world: World) -> SequenceView:
 
     return SequenceView(
         cards=tuple(card(number, pose) for number, pose in enumerate(poses)),
-        loop=loop,
         add=button("add", AddPose(), full),
         undo=button("undo", UndoSequence(), undo),
         play=button(
@@ -94,7 +92,7 @@ def view(memory: Memory, world: World) -> SequenceView:
 def _beyond(memory: Memory, limits: timing.Pace) -> dict[int, tuple[str, str]]:
     """Return a word and a sentence for each pose that the limits do not allow, by its number."""
     texts, poses, found = memory.choices.texts, memory.poses, {}
-    for number, (refusal, on_way) in timing.beyond(poses, limits, loop=memory.sequence.loop).items():
+    for number, (refusal, on_way) in timing.beyond(poses, limits, loop=memory.choices.loop).items():
         detail = (
             None
             if refusal.detail is None
@@ -115,16 +113,10 @@ def _hardware_off(memory: Memory, world: World) -> str:
 
 def _rehearsal(memory: Memory, world: World) -> tuple[object, ...]:
     """Return what a play on the simulation must have played before it may be played on the hardware."""
-    return (world.robot, memory.sequence.loop, *((*pose.arms, pose.duration_s) for pose in memory.poses))
+    return (world.robot, memory.choices.loop, *((*pose.arms, pose.duration_s) for pose in memory.poses))
 
 
 # -- changes ----------------------------------------------------------------------------------------
-
-
-def set_loop(memory: Memory, _world: World, intent: SetLoop) -> list[Action]:
-    """Choose whether plays repeat."""
-    memory.sequence = replace(memory.sequence, loop=intent.on)
-    return []
 
 
 def undo(memory: Memory, _world: World, _intent: UndoSequence) -> list[Action]:
@@ -217,7 +209,7 @@ def _refuse(memory: Memory, error: BeatrixError) -> list[Action]:
 
 def play(memory: Memory, world: World, sides: tuple[str, ...], lead_s: float = 0.0) -> list[Action]:
     """Return the action that plays the sequence; none if a pose cannot be reached in its duration."""
-    poses, loop = memory.poses, memory.sequence.loop and len(sides) < 2
+    poses, loop = memory.poses, memory.choices.loop and len(sides) < 2
     if not poses:
         return memory.refuse(CONTROL, "off.no_sequence")
     if unreachable(memory, world, sides, CONTROL):
@@ -277,7 +269,7 @@ def _save(memory: Memory, world: World, intent: SaveSequence) -> list[Action]:
         return memory.refuse(CONTROL, "off.no_sequence")
     if not intent.file.name:
         return memory.refuse(CONTROL, "cannot.file")
-    limits, loop = timing.pace(world), intent.program and memory.sequence.loop
+    limits, loop = timing.pace(world), intent.program and memory.choices.loop
     if _refuse_short(memory, timing.HOME, limits, loop=loop):
         return []
     text = program_of(memory, world, limits) if intent.program else choreography_of(memory.poses, limits)
@@ -303,7 +295,7 @@ def program_of(memory: Memory, world: World, limits: timing.Pace) -> str:
         "robot.home()",
         *_calls(poses, timing.HOME, limits),
     ]
-    if memory.sequence.loop:
+    if memory.choices.loop:
         lines.append(f"while True:  # {texts('sequence.program_loop')}")
         lines += [f"    {line}" for line in _calls(poses, ArmAngles(*poses[-1].arms), limits)]
     title = texts("sequence.program_title", count=float(len(poses)), robot=world.robot)
@@ -364,7 +356,6 @@ def _read(steps: list[tuple[str, Step]], limits: timing.Pace) -> tuple[SavedPose
 HANDLES: Handles = {
     AddPose: _add,
     **dict.fromkeys((MovePose, DuplicatePose, SetDuration, RenamePose), edit),
-    SetLoop: set_loop,
     UndoSequence: undo,
     PlaySequence: lambda memory, world, intent: play(memory, world, (intent.side,)),
     SaveSequence: _save,

@@ -39,12 +39,6 @@ class RenamePose(Intent, frozen=True):
     new: str
 
 
-class SetLoop(Intent, frozen=True):
-    """Choose whether a play repeats until STOP or a newer request."""
-
-    on: bool
-
-
 class UndoSequence(Intent, frozen=True):
     """Undo the last change of the poses, for example a deletion."""
 

@@ -298,7 +298,6 @@ class SequenceView:
     """The sequence editor."""
 
     cards: tuple[CardView, ...]
-    loop: bool
     add: ButtonView
     undo: ButtonView
     play: ButtonView

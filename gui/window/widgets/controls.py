@@ -114,23 +114,6 @@ class IntentButton(QPushButton):
             self.setText(f"{text}?" if self.property("armed") else text)
 
 
-class Check(QCheckBox):
-    """A check box that changes only with its view."""
-
-    asked = pyqtSignal(bool)
-    """the state that the user wants"""
-
-    def __init__(self, text: str, tooltip: str) -> None:
-        super().__init__(text)
-        self.setToolTip(tooltip)
-        self.setAccessibleName(text)
-        self.setAccessibleDescription(tooltip)
-        self.clicked.connect(lambda: self.asked.emit(not self.isChecked()))
-
-    def nextCheckState(self) -> None:  # noqa: N802
-        """Keep the state until the view changes it."""
-
-
 class Panel(QFrame):
     """A part of the window: it shows its part of a view, and reports intents."""
 
@@ -149,19 +132,25 @@ class Panel(QFrame):
         """Use the colours and sizes of a theme that the style sheet does not set."""
 
 
-class ChoiceCheck(Check):
-    """The box of a choice that is on or off; the window shows its present value."""
+class ChoiceCheck(QCheckBox):
+    """The box of a choice that is on or off; the window shows its present value, so it changes only with a view."""
 
     intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts, name: str) -> None:
-        super().__init__(texts(f"label.{name}"), texts(f"tip.{name}"))
+        super().__init__(texts(f"label.{name}"))
         self.name = name
-        self.asked.connect(lambda on: self.intent.emit(Choose(name, value=on)))
+        self.setToolTip(texts(f"tip.{name}"))
+        self.setAccessibleName(self.text())
+        self.setAccessibleDescription(self.toolTip())
+        self.clicked.connect(lambda: self.intent.emit(Choose(name, value=not self.isChecked())))
+
+    def nextCheckState(self) -> None:  # noqa: N802
+        """Keep the state until the view changes it."""
 
 
 class Radio(QRadioButton):
-    """A radio button that changes only with its view, like `Check`."""
+    """A radio button that changes only with its view, like `ChoiceCheck`."""
 
     asked = pyqtSignal()
 

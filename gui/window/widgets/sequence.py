@@ -31,12 +31,11 @@ from gui.console.state.sequence_intents import (
     RenamePose,
     SaveSequence,
     SetDuration,
-    SetLoop,
     UndoSequence,
 )
 from gui.console.state.views import CardView, SequenceView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import Check, IntentButton, plain_button, spaced
+from gui.window.widgets.controls import ChoiceCheck, IntentButton, plain_button, spaced
 from gui.window.widgets.files import FilePanel
 from gui.window.widgets.number_box import NumberBox
 from gui.window.widgets.strip import Strip
@@ -68,7 +67,7 @@ class SequencePanel(FilePanel):
         self.duration.setToolTip(texts("tip.duration"))
         self.add, self.play, self.hardware = IntentButton(), IntentButton(main=True), IntentButton()
         self.delete, self.more = self._button("delete"), self._button("more")
-        self.loop = Check(texts("sequence.loop"), texts("sequence.loop_tip"))
+        self.loop = ChoiceCheck(texts, "loop")
         self.entries: dict[str, QAction] = {}
         """entries of the menu More"""
         self._lay_out()
@@ -121,7 +120,7 @@ class SequencePanel(FilePanel):
     def _connect(self) -> None:
         for button in (self.add, self.play, self.hardware):
             button.intent.connect(self.intent)
-        self.loop.asked.connect(lambda on: self.intent.emit(SetLoop(on)))
+        self.loop.intent.connect(self.intent)
         self.delete.clicked.connect(lambda: self._about(DeletePose))
         self.strip.chosen.connect(self._show_chosen)
         self.strip.chosen.connect(self._reveal)
@@ -164,7 +163,6 @@ class SequencePanel(FilePanel):
         self.add.show_view(view.add)
         self.play.show_view(view.play)
         self.hardware.show_view(view.hardware)
-        self.loop.setChecked(view.loop)
         self.loop.setEnabled(view.played < 0)
         self.entries["undo"].setEnabled(view.undo.enabled)
         self._show_chosen()
