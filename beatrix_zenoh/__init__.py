@@ -52,7 +52,7 @@ else:
             raise ImportError(why, name=__name__)
         from beatrix_zenoh.contract import tracebacks  # noqa: PLC0415
 
-        tracebacks.install(client.BeatrixError)
+        tracebacks.install(client.BeatrixError, lambda error: error.data)
         return value
 
     def __dir__():

@@ -19,6 +19,9 @@ MICROSTEPS = (1, 2, 4, 8, 16, 32)
 SPEED_TOP = 2**16 - 1
 """Highest speed that fits into a frame, in quarter microsteps per second: the speeds of MOVE are u16."""
 
+SHOWN = ("doc", "group", "title", "decimals")
+"""Entries of a row that say how programs show it, and change no message."""
+
 Table = dict[str, dict[str, object]]
 
 
@@ -38,7 +41,7 @@ class Contract:
 
 
 def digest(*tables: object) -> int:
-    """Return the first 32 bits of the SHA-256 of the tables as canonical JSON, without comments and `doc`.
+    """Return the first 32 bits of the SHA-256 of the tables as canonical JSON, without comments and the entries SHOWN.
 
     A better explanation must not require every board to be flashed again. A field with a new meaning gets a new name.
     """
@@ -52,9 +55,11 @@ def names_of(enums: Table) -> dict[str, list[str]]:
 
 
 def bare(value: object) -> object:
-    """Return a nested value without the entries `doc` of its tables; tuples become lists."""
+    """Return a nested value without the entries SHOWN of its tables; tuples become lists."""
     if isinstance(value, dict):
-        return {name: bare(entry) for name, entry in value.items() if name != "doc"}
+        # A table of such a name is a field of a message, such as the title of a note.
+        kept = {name: entry for name, entry in value.items() if name not in SHOWN or isinstance(entry, dict)}
+        return {name: bare(entry) for name, entry in kept.items()}
     return [bare(entry) for entry in value] if isinstance(value, list | tuple) else value
 
 

@@ -8,6 +8,7 @@ import struct
 from contract import Contract
 from golden_bytes import cobs, crc16, msgpack, payload
 from media_examples import MEDIA
+from state_examples import STATES
 
 POSE: dict[str, object] = {
     "absolute": True,
@@ -181,21 +182,6 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "position": {"x": 0.5, "y": 0.5, "z": 0.5},
         },
     ),
-    (
-        "Positions",
-        {
-            "seq": 4294967295,
-            "t_mono_ns": 123456789012345,
-            "t_wall_ns": 1700000000123456789,
-            "position": {"x": 0.1, "y": -0.25, "z": 1.5},
-            "velocity": {"x": 0.0, "y": 0.0, "z": -0.5},
-            "commanded": {"x": 0.1, "y": -0.25, "z": 1.5},
-            "steps": {"x": 73, "y": -183, "z": 1100},
-            "head": {"yaw": 0.5, "pitch": -0.125, "roll": 0.0},
-            "head_measured": None,
-            "repeated": True,
-        },
-    ),
     ("NoteQuery", {"text": "trial 3 begins"}),
     (
         "NoteReply",
@@ -222,6 +208,7 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
         },
     ),
     *MEDIA,
+    *STATES,
 ]
 
 FRAMES: list[tuple[str, int, dict[str, object]]] = [

@@ -13,6 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import emit_board
 import emit_cpp
 import emit_python
 import emit_reference
@@ -48,7 +49,7 @@ def main() -> int:
         contract = load()
     except (ValueError, OverflowError) as error:
         parser.error(f"schemas: {error}")
-    emitters = (emit_python, emit_cpp, emit_reference, emit_vectors)
+    emitters = (emit_python, emit_board, emit_cpp, emit_reference, emit_vectors)
     wanted = {
         path: formatted(path, text) for emitter in emitters for path, text in emitter.files(contract).items()
     }

@@ -55,7 +55,7 @@ class VirtualTimeRobot:
             try:
                 self._begin([math.radians(angle) for angle in target])
             except BeatrixError as error:
-                return {"refused": error.message}
+                return {"refused": error.data}
         self._pass(TICK_MS)
         commanded = self._planner.gear.to_rad(self._firmware.set_points())
         plant = self._plant

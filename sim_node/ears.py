@@ -2,29 +2,62 @@
 
 from __future__ import annotations
 
-import logging
 import threading
 from collections.abc import Callable
 from typing import Final
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.robot import RobotData
-from beatrix_zenoh.node import Component, MicrophonesPublisher, Node, SoundBlock, StatusFields
-from beatrix_zenoh.node.sensors import RATE, BlockClock, to_pcm
+from beatrix_zenoh.node import Node, SoundBlock, microphones_publisher
+from beatrix_zenoh.node.sensor_thread import Sensor
+from beatrix_zenoh.node.sensors import RATE, TITLE, BlockClock, to_pcm
 from sim_node.hearing import Ears, Hearing
 from sim_node.sounds import PlayingSound
 
-SOURCE: Final = "simulation"
-WAIT_S: Final = 0.2
-RETRY_S: Final = 1.0
-FAILED: Final = "The simulated ears have failed; the log of the simulation shows why. They are tried again."
-log = logging.getLogger(__name__)
+
+class SimulatedSound:
+    """What both ears hear, as a `SensorSource`."""
+
+    name: Final = "simulation"
+
+    def __init__(
+        self, robot: RobotData, hearing: Callable[[], Hearing], playing: Callable[[], PlayingSound | None]
+    ) -> None:
+        self._hearing, self._playing = hearing, playing
+        self._ears, self._clock = Ears(robot), BlockClock()
+
+    def trouble(self) -> str:
+        """Return an empty text: simulated ears are always present."""
+        return ""
+
+    def open(self) -> None:
+        """Restart the clock and the echo."""
+        self._clock.restart()
+        self._ears.restart()
+
+    def next(self, timeout_s: float) -> SoundBlock | None:
+        """Wait for the next block and return it; None if it is complete after `timeout_s`."""
+        dropped = self._clock.dropped
+        begin_ns = self._clock.wait(timeout_s)
+        if begin_ns is None:
+            return None
+        if self._clock.dropped != dropped:
+            self._ears.restart()
+        sound = self._playing()
+        began = 0.0 if sound is None else (begin_ns / 1e9 - sound.began_s) * RATE
+        signal = None if sound is None else sound.emitted
+        pcm = to_pcm(self._ears.block(self._hearing(), signal, began))
+        return SoundBlock(pcm, begin_ns, self.name, self._clock.dropped)
+
+    def close(self) -> None:
+        """Do nothing: there are no resources to free."""
 
 
-class SimulatedMicrophones(Component):
+class SimulatedMicrophones(Sensor[SoundBlock]):
     """Publishes the sound of both ears; without a subscriber its thread sleeps."""
+
+    check_s = None
 
     def __init__(
         self,
@@ -41,56 +74,12 @@ class SimulatedMicrophones(Component):
             hearing: returns ears, source and arms at the last step of the physics.
             playing: returns the sound of the source, None for silence.
         """
-        self._hearing, self._playing = hearing, playing
-        self._ears, self._clock = Ears(robot), BlockClock()
-        self._wake, self._closed = threading.Event(), False
+        source, wake = SimulatedSound(robot, hearing, playing), threading.Event()
         # Simulated ears hear no person, so no event says that they are on.
         key = keys.microphones(node.name, node.side)
-        self._publisher = MicrophonesPublisher(key, node.events, SOURCE, self._wake.set, announce=False)
-        self._thread: threading.Thread | None = None
+        publisher = microphones_publisher(key, node.events, source.name, wake.set, announce=False)
+        super().__init__(TITLE, source, publisher, wake, "")
 
-    def start(self, sessions: Sessions) -> None:
-        self._publisher.start(sessions)
-        self._publisher.report("")
-        self._thread = threads.start(self._run, "ears")
-
-    def contribute(self, status: StatusFields) -> None:
-        self._publisher.contribute(status)
-
-    def _run(self) -> None:
-        while not self._closed:
-            self._wake.clear()
-            if not self._publisher.subscribed:
-                self._wake.wait()
-                continue
-            try:
-                self._publish()
-            except Exception:  # a bug here must not end the simulation
-                log.exception("The simulated ears have failed.")
-                self._publisher.report(FAILED)
-                self._wake.wait(RETRY_S)
-            finally:
-                self._publisher.ended()
-
-    def _publish(self) -> None:
-        self._clock.restart()
-        self._ears.restart()
-        while self._publisher.subscribed and not self._closed:
-            dropped = self._clock.dropped
-            begin_ns = self._clock.wait(WAIT_S)
-            if begin_ns is None:
-                continue
-            if self._clock.dropped != dropped:
-                self._ears.restart()
-            sound = self._playing()
-            began = 0.0 if sound is None else (begin_ns / 1e9 - sound.began_s) * RATE
-            signal = None if sound is None else sound.emitted
-            pcm = to_pcm(self._ears.block(self._hearing(), signal, began))
-            self._publisher.publish(SoundBlock(pcm, begin_ns, SOURCE, self._clock.dropped))
-
-    def close(self) -> None:
-        """End the thread."""
-        self._closed = True
-        self._wake.set()
-        if self._thread is not None:
-            self._thread.join(timeout=2.0)
+    def start_thread(self) -> threading.Thread:
+        """Start the thread."""
+        return threads.start(self.run, "ears")

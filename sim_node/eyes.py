@@ -15,7 +15,8 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.node import CameraPublisher, Component, Node, StatusFields
+from beatrix_zenoh.contract._generated.messages import CameraStatus
+from beatrix_zenoh.node import Component, Node, StatusFields, camera_publisher
 from sim_node.drawing import Drawing
 from sim_node.painter import SceneState
 from sim_node.rays import RayPainter
@@ -117,7 +118,7 @@ class Eyes(Component):
         self._rate = FrameRate(hz)
         self._wake, self._closed = threading.Event(), threading.Event()
         self._publishers = {
-            view: CameraPublisher(keys.camera(node.name, node.side, view), node.events, "", self._wake.set)
+            view: camera_publisher(keys.camera(node.name, node.side, view), node.events, "", self._wake.set)
             for view in names.VIEWS
         }
         self._rounds = 0
@@ -133,8 +134,11 @@ class Eyes(Component):
         """Add both eyes and a warning about coarse pictures; the outside view is not a camera of the robot."""
         for eye in names.EYES:
             self._publishers[eye].contribute(status)
-        views = [publisher.status() for publisher in self._publishers.values()]
-        if any(view.streaming and view.source == RayPainter.source for view in views):
+        views = [publisher.state() for publisher in self._publishers.values()]
+        if any(
+            isinstance(view, CameraStatus) and view.streaming and view.source == RayPainter.source
+            for view in views
+        ):
             status.warnings.append(COARSE if self._drawing.steady else UNSTEADY)
 
     def _run(self) -> None:

@@ -1,26 +1,33 @@
-"""Verbs that list robots: ls, info, top."""
+"""Verbs that show robots: ls, status, info, top."""
 
 from __future__ import annotations
 
 import os
 import time
 from collections import Counter
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
+from msgspec import Struct
 
 from beatrix_zenoh.account import Account, today
-from beatrix_zenoh.client.degrees import HeadAngles, RobotInfo
+from beatrix_zenoh.client.degrees import HeadAngles
 from beatrix_zenoh.client.lease import pending
 from beatrix_zenoh.client.monitor import Monitor, Presence, RobotState, Seats, SeatStops, stops_by_seat
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.contract._generated.messages import Status
+from beatrix_zenoh.contract import printable
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Info, Status
+from beatrix_zenoh.contract.values import as_data, grouped
 from beatrix_zenoh.output import STDOUT, columns, print_json, say
 from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.terminal.states import (
+    CELL,
+    PROBLEM,
     ListedRobot,
-    lease_row,
     look_up,
     problems,
     short,
@@ -34,6 +41,7 @@ from beatrix_zenoh.terminal.targets import Selection, open_targets
 if TYPE_CHECKING:  # importing rich would delay every verb
     from rich.console import RenderableType
 
+VALUE_HEADS = ("group", "value", "now")
 LIST_HEADS = ("robot", "side", "state", "driver", "version", "firmware")
 
 
@@ -92,58 +100,52 @@ def as_row(robot: ListedRobot) -> dict[str, object]:
     return row
 
 
+def status(
+    name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
+) -> None:
+    """Show all values of a robot, in groups. Angles are in degrees."""
+    with open_targets(Selection(name, connect, who), on) as targets:
+        found = [robot.status() for robot in targets.robots()]
+    if as_json:
+        print_json({"result": True, "robots": [state_row(status) for status in found]})
+        return
+    for one in found:
+        say(f"{one.robot} ({one.side}): {state(one)}")
+        show_values(one)
+
+
+def show_values(message: Struct, groups: Sequence[str] = ()) -> None:
+    """Print a table of the values of a message, or of some groups; the first value of a group begins with its name."""
+    rows = [
+        (
+            printable.line(group, CELL) if one is members[0] else "",
+            one.title,
+            printable.line(one.text(), PROBLEM),
+        )
+        for group, members in grouped(message).items()
+        if not groups or group in groups
+        for one in members
+    ]
+    say(columns(VALUE_HEADS, rows))
+
+
 def info(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
     """Show versions, limits, commands and keys. Programs in other languages need only this. Angles are in degrees."""
     with open_targets(Selection(name, connect, who), on) as targets:
-        infos = [robot.info() for robot in targets.robots()]
+        infos = [
+            ask(robot.client, robot.place, keys.info(*robot.place), None, Info, robot.timeout_s)
+            for robot in targets.robots()
+        ]
     if as_json:
-        print_json({"result": True, "robots": [info_row(info) for info in infos]})
+        print_json({"result": True, "robots": [as_data(info) for info in infos]})
         return
-    for info in infos:
-        show_info(info)
-
-
-def info_row(info: RobotInfo) -> dict[str, object]:
-    """Return an info for JSON output, with angles in degrees."""
-    return {
-        "robot": info.robot,
-        "side": info.side,
-        "version": info.version,
-        "contract": info.contract,
-        "firmware": info.firmware,
-        "steps_per_turn": info.steps_per_turn,
-        "arms": info.arms,
-        "limits_deg": info.limits._asdict(),
-        "geometry_deg": info.geometry._asdict() if info.geometry else {},
-        "fingerprint": info.fingerprint,
-        "commands": info.commands,
-        "reasons": info.reasons,
-        "keys": info.keys,
-        "examples": info.examples,
-    }
-
-
-def show_info(info: RobotInfo) -> None:
-    """Print an info as text."""
-    limits = info.limits
-    say(
-        f"{info.robot} ({info.side}), beatrix-zenoh {info.version}, firmware {info.firmware or 'none: no board'}"
-    )
-    say(
-        f"limits: head tilts up to {limits.tilt_max:g}°, turns up to {limits.yaw_max:g}° to each side; "
-        f"arms stay {limits.gap_min:g}° apart"
-    )
-    say(
-        f"speed: {limits.speed_default:g}°/s by default, at most {limits.speed_max:g}°/s; "
-        f"{limits.acceleration:g}°/s2; one arm turn is {info.steps_per_turn:.1f} microsteps"
-    )
-    if shape := info.geometry:
-        say(f"neck: at home the short arm points {shape.arm0_azimuth:g}° to the left of straight ahead")
-    say("\ncommands:\n  " + "\n  ".join(info.commands))
-    say("\n" + columns(("key", "kind", "purpose"), [(row.key, row.kind, row.doc_) for row in info.keys]))
-    say("\nexamples, for any Zenoh program (rad):\n  " + "\n  ".join(info.examples))
+    for one in infos:
+        show_values(one, ("robot", "limits", "geometry"))
+        say("\ncommands:\n  " + "\n  ".join(one.commands))
+        say("\n" + columns(("key", "kind", "purpose"), [(row.key, row.kind, row.doc_) for row in one.keys]))
+        say("\nexamples, for any Zenoh program (rad):\n  " + "\n  ".join(one.examples))
 
 
 NO_ROBOT = "No robot is online. Start a simulation: beatrix sim"
@@ -280,6 +282,7 @@ def text(client: Client, rows: list[TableRow], seats: list[str]) -> str:
 def as_dict(row: TableRow) -> dict[str, object]:
     """Return a row for JSON output."""
     return {
+        **({} if row.status is None else state_row(row.status)),
         "robot": row.place[0],
         "side": row.place[1],
         "state": row.state,
@@ -289,7 +292,6 @@ def as_dict(row: TableRow) -> dict[str, object]:
         "hz": round(row.hz, 2),
         "silent_s": None if row.silent_s is None else round(row.silent_s, 3),
         "driver": row.driver,
-        **({} if row.status is None else lease_row(row.status)),
         "warnings": row.problems,
     }
 

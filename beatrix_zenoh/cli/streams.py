@@ -13,38 +13,37 @@ from typing import Annotated, NamedTuple, Protocol, TypeVar, cast
 import msgspec
 import typer
 
+from beatrix_zenoh.client import streams as client_streams
 from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_base import clock_offsets
 from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, Arrival, CameraImage, Subscription, images
+from beatrix_zenoh.client.streams import CAMERA, periodic, streams
+from beatrix_zenoh.client.subscription import Arrival, CameraImage, Subscription
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.sentences.events import sentence
+from beatrix_zenoh.contract.values import as_data, values
 from beatrix_zenoh.output import columns, print_json, say
 from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.terminal.states import problems, state, state_row
-from beatrix_zenoh.terminal.targets import Selection, Targets, open_targets, reading_row
+from beatrix_zenoh.terminal.targets import Selection, Targets, degrees, open_targets
 
 T = TypeVar("T")
 PAST = 10
 """Number of past events that are printed first, without --count."""
 
 
-class EchoStream(StrEnum):
-    """Publications of a robot that `beatrix echo` prints."""
-
-    POSITIONS = "positions"
-    STATUS = "status"
-    EVENTS = "events"
-    CAMERA_LEFT = "camera/left"
-    CAMERA_RIGHT = "camera/right"
-    CAMERA_OUTSIDE = "camera/outside"
+Stream = StrEnum("Stream", {name: name for name in streams()})  # type: ignore[misc] # follows from the contract
+"""What `beatrix echo` prints."""
+PeriodicStream = StrEnum("PeriodicStream", {name: name for name in periodic()})  # type: ignore[misc]
+"""What `beatrix hz` measures."""
+POSITIONS, EVENTS = "positions", "events"
 
 
 def echo(
-    stream: Annotated[EchoStream, typer.Argument(help="The stream to print.")] = EchoStream.POSITIONS,
+    stream: Annotated[Stream, typer.Argument(help="The stream to print.")] = Stream(POSITIONS),
     count: Annotated[int, typer.Option(min=0, help="End after this many lines; 0: run until Ctrl-C.")] = 0,
     name: Name = None,
     connect: Connect = None,
@@ -52,34 +51,26 @@ def echo(
     on: On = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON document a line.")] = False,
 ) -> None:
-    """Print positions, status, events or pictures as they arrive. Angles are in degrees. Ends with Ctrl-C or --count.
+    """Print positions, status, events and more as they arrive. Angles are in degrees. Ends with Ctrl-C or --count.
 
     Events are requests, refusals, STOPs, changes of driver and board, and warnings. Without --on, events of both
     simulation and robot are printed. The last ten events, or --count of them, come first. For a picture the number,
-    size and source are printed.
+    size and source are printed, for sound the header of each block.
     """
-    with open_targets(Selection(name, connect, who), on, both=stream is EchoStream.EVENTS) as targets:
-        robots = {robot.place: robot for robot in targets.robots()}
-        for robot in robots.values():
+    with open_targets(Selection(name, connect, who), on, both=stream == EVENTS) as targets:
+        robots = targets.robots()
+        for robot in robots:
             robot.status()  # raises NoAnswer for a robot that is not online
-        if stream is EchoStream.EVENTS:
+        if stream == EVENTS:
             past = count or PAST
-            for place, event in limited(follow_events(list(robots.values()), past), count):
+            for place, event in limited(follow_events(robots, past), count):
                 show_event(place, event, as_json=as_json)
-        elif stream is EchoStream.POSITIONS:
-            positions = subscription.positions(targets.client, targets.name, side_key(targets)).arrivals()
-            for arrival in limited(positions, count):
-                show_positions(robots[arrival.robot, arrival.side], arrival.value, as_json=as_json)
-        elif stream is EchoStream.STATUS:
-            for update in limited(
-                subscription.status(targets.client, targets.name, side_key(targets)), count
-            ):
-                show_status(update, as_json=as_json)
-        else:
-            eye = stream.removeprefix("camera/")
-            pictures = images(targets.client, targets.name, side_key(targets), eye, timeout_s=FIRST_PICTURE_S)
-            for picture in limited(pictures.arrivals(), count):
-                show_picture(picture, as_json=as_json)
+            return
+        arrivals = client_streams.stream(
+            targets.client, stream.value, targets.name, side_key(targets)
+        ).arrivals()
+        for arrival in limited(arrivals, count):
+            show(arrival, as_json=as_json)
 
 
 def side_key(targets: Targets) -> str:
@@ -92,32 +83,28 @@ def limited(messages: Iterable[T], count: int) -> Iterator[T]:
     return itertools.islice(messages, count or None)
 
 
-def show_positions(robot: Robot, positions: Positions, *, as_json: bool) -> None:
-    """Print positions on one line; `t_s` is the time by the robot's monotonic clock (s)."""
-    now = reading(positions)
+def show(arrival: Arrival[object], *, as_json: bool) -> None:
+    """Print a message on one line: positions, status and pictures in words of their own, others as their values."""
+    data: Mapping[str, object]
+    match arrival.value:
+        case Positions() as positions:
+            now = reading(positions)
+            words, data = str(now), {**degrees(now), "seq": positions.seq, "t_s": round(now.t, 6)}
+        case Status() as status:
+            words = "; ".join([state(status), f"driver {status.holder or '-'}", *problems(status)])
+            data = state_row(status)
+        case CameraImage() as image:
+            header = {name: value for name, value in asdict(image).items() if name != "jpeg"}
+            words, data = str(image), {**header, "bytes": len(image.jpeg)}
+        case msgspec.Struct() as message:
+            words = ", ".join(f"{value.title} {value.text()}" for value in values(message))
+            data = as_data(message)
+        case _:
+            return
     if as_json:
-        print_json({**reading_row(robot, now), "seq": positions.seq, "t_s": round(now.t, 6)})
+        print_json({"robot": arrival.robot, "side": arrival.side, **data})
     else:
-        say(f"{robot}  {now}")
-
-
-def show_status(status: Status, *, as_json: bool) -> None:
-    """Print a status on one line."""
-    if as_json:
-        print_json({"robot": status.robot, "side": status.side, **state_row(status)})
-    else:
-        words = [state(status), f"driver {status.holder or '-'}", *problems(status)]
-        say(f"{status.robot} ({status.side})  {'; '.join(words)}")
-
-
-def show_picture(arrival: Arrival[CameraImage], *, as_json: bool) -> None:
-    """Print the header of a picture on one line; `bytes` is the length of its JPEG file."""
-    image = arrival.value
-    if as_json:
-        header = {name: value for name, value in asdict(image).items() if name != "jpeg"}
-        print_json({"robot": arrival.robot, "side": arrival.side, **header, "bytes": len(image.jpeg)})
-    else:
-        say(f"{arrival.robot} ({arrival.side})  {image}")
+        say(f"{arrival.robot} ({arrival.side})  {words}")
 
 
 def show_event(place: Place, event: Event, *, as_json: bool) -> None:
@@ -168,25 +155,8 @@ def follow_events(robots: Sequence[Robot], past: int) -> Iterator[tuple[Place, E
 
 
 TAKE_S = 0.5
-PICTURES = 100
-"""Length of the queue of a subscription to pictures."""
 FEWEST = 3
 """Fewest publications for a standard deviation of their periods."""
-
-
-class PeriodicStream(StrEnum):
-    """A stream that a robot publishes at a constant rate."""
-
-    POSITIONS = "positions"
-    CAMERA_LEFT = "camera/left"
-    CAMERA_RIGHT = "camera/right"
-    CAMERA_OUTSIDE = "camera/outside"
-    MICROPHONES = "microphones"
-
-    @property
-    def what(self) -> str:
-        """What is published, in the plural."""
-        return {"positions": "positions", "microphones": "blocks"}.get(self.value, "pictures")
 
 
 class Numbered(Protocol):
@@ -211,9 +181,9 @@ class Rate(NamedTuple):
 
 
 def hz(
-    stream: Annotated[
-        PeriodicStream, typer.Argument(help="The stream to measure.")
-    ] = PeriodicStream.POSITIONS,
+    stream: Annotated[PeriodicStream, typer.Argument(help="The stream to measure.")] = PeriodicStream(
+        POSITIONS
+    ),
     seconds: Annotated[
         float, typer.Option(min=0.2, callback=finite, help="Length of the measurement, seconds.")
     ] = 3.0,
@@ -227,7 +197,10 @@ def hz(
     with open_targets(Selection(name, connect, who), on) as targets:
         robots = targets.robots()
         offsets = [clock_offsets(targets.client, *robot.place).wall.offset for robot in robots]
-        subscriptions = [subscribe(robot, stream) for robot in robots]
+        subscriptions = [
+            cast("Subscription[Numbered]", client_streams.stream(targets.client, stream.value, *robot.place))
+            for robot in robots
+        ]
         arrivals: list[list[Arrival[Numbered]]] = [[] for _ in robots]
         deadline = time.monotonic() + seconds
         while (left_s := deadline - time.monotonic()) > 0:
@@ -243,19 +216,14 @@ def hz(
     else:
         show_rates(
             {str(robot): found for robot, found in rates.items()},
-            stream.what,
+            plural(stream.value),
         )
 
 
-def subscribe(robot: Robot, stream: PeriodicStream) -> Subscription[Numbered]:
-    """Return a subscription to the stream of a robot."""
-    if stream is PeriodicStream.POSITIONS:
-        return cast("Subscription[Numbered]", robot.positions_stream())
-    if stream is PeriodicStream.MICROPHONES:
-        return cast("Subscription[Numbered]", robot.microphones())
-    eye = stream.removeprefix("camera/")
-    pictures = subscription.images(robot.client, *robot.place, eye, timeout_s=None, length=PICTURES)
-    return cast("Subscription[Numbered]", pictures)
+def plural(stream: str) -> str:
+    """Return what a stream consists of, in the plural."""
+    words = {POSITIONS: "positions", "microphones": "blocks"}
+    return words.get(stream, "pictures" if stream.startswith(CAMERA) else "messages")
 
 
 def rate(arrivals: Sequence[Arrival[Numbered]], offset_s: float) -> Rate:

@@ -23,6 +23,7 @@ VERBS = {
     "gui": "cli.serving",
     "web": "cli.serving",
     "ls": "cli.listing",
+    "status": "cli.listing",
     "info": "cli.listing",
     "echo": "cli.streams",
     "hz": "cli.streams",

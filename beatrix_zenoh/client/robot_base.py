@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import os
 import time
-from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, Self
-
-import msgspec
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client import subscription
@@ -41,6 +37,7 @@ from beatrix_zenoh.contract._generated.messages import (
     TargetReply,
 )
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.contract.values import values
 from beatrix_zenoh.settings import resolve
 
 if TYPE_CHECKING:
@@ -54,34 +51,17 @@ class RobotStatus(Status, frozen=True, kw_only=True):
     """The message Status; it shows itself in lines, without clocks and empty fields."""
 
     def __repr__(self) -> str:
-        fields = msgspec.structs.asdict(self)
-        for name in ("robot", "side", "t_mono_ns", "t_wall_ns"):
-            del fields[name]
-        limit = fields.pop("speed_limit")
-        lines = [f"{self.robot} ({self.side})", *_lines(fields, "  ")]
-        if limit:
-            lines.append(f"  speed_limit: {math.degrees(limit):.1f} °/s")
+        lines = [f"{self.robot} ({self.side})"]
+        for one in values(self):
+            if one.group not in ("robot", "clocks") and (
+                isinstance(one.value, bool) or one.value not in ("", 0, None, [])
+            ):
+                shown = one.value if isinstance(one.value, bool) else one.text()
+                lines.append(f"  {one.field}: {shown}")
         return "\n".join(lines)
 
 
 codec.prepare(RobotStatus)
-
-
-def _lines(fields: dict[str, object], indent: str) -> list[str]:
-    """Return one line per field, without empty fields; those of a message in the message are indented."""
-    lines = []
-    for name, value in fields.items():
-        if isinstance(value, msgspec.Struct):
-            lines += [f"{indent}{name}:", *_lines(msgspec.structs.asdict(value), indent + "  ")]
-        elif isinstance(value, list) and value and isinstance(value[0], msgspec.Struct):
-            for one in value:
-                lines += _lines({name: one}, indent)
-        elif isinstance(value, bool) or value not in ("", 0, None, []):
-            shown = value.value if isinstance(value, Enum) else value
-            lines.append(
-                f"{indent}{name}: {shown:.4g}" if isinstance(shown, float) else f"{indent}{name}: {shown}"
-            )
-    return lines
 
 
 class RobotBase(ProcessBound, Suggesting):

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Self
 
+import msgspec
+
 from beatrix_zenoh.contract import sentences, tracebacks
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
 
@@ -28,6 +30,19 @@ class BeatrixError(Exception):
         self.reason = reason
         self.message = message
         self.detail = detail
+
+    @property
+    def data(self) -> dict[str, object]:
+        """The error as values of JSON, for another process that makes its sentence in another language.
+
+        A user's program can make an error of anything: what is no reason, or no detail, is left out.
+        """
+        return {
+            "kind": type(self).__name__,
+            "message": self.message,
+            "reason": self.reason if self.reason in tuple(Reason) else None,
+            "detail": msgspec.to_builtins(self.detail) if isinstance(self.detail, Detail) else None,
+        }
 
     def __reduce__(self) -> tuple[type[Self], tuple[Reason, str, Detail | None]]:
         """Describe the error for pickle, so that one of a child process reaches its parent."""

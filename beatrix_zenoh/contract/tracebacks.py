@@ -5,23 +5,38 @@ from __future__ import annotations
 import os
 import sys
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
+from typing import TypeVar
+
+import msgspec
 
 VARIABLE = "BEATRIX_TRACEBACK"
 """Environment variable; with the value `full` tracebacks are complete."""
+DATA = "data"
+"""Value of VARIABLE with which a line of JSON follows a traceback: the error as data, for the parent process."""
 LIBRARIES = tuple(f"{Path(file).parent}{os.sep}" for file in (str(Path(__file__).parent), os.__file__))
 """Folders of BEATRIX and of Python's own modules."""
 INSTALLED = f"-packages{os.sep}"
 """Part of the paths of installed packages, such as IPython, which runs the cells of a notebook."""
 
 
-def install(kind: type[Exception]) -> None:
-    """Print errors of this kind with a short traceback, unless the program has a hook of its own."""
+E = TypeVar("E", bound=Exception)
+
+
+def install(kind: type[E], data: Callable[[E], object]) -> None:
+    """Print errors of this kind with a short traceback, unless the program has a hook of its own and VARIABLE is not DATA.
+
+    `data` returns an error as values of JSON.
+    """
+    for_parent = os.environ.get(VARIABLE) == DATA
 
     def show(of: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
         if isinstance(error, kind):
             sys.stderr.write(text(error))
+            if for_parent:
+                sys.stderr.write(msgspec.json.encode(data(error)).decode() + "\n")
         else:
             sys.__excepthook__(of, error, trace)
 
@@ -32,7 +47,7 @@ def install(kind: type[Exception]) -> None:
         else:
             threading.__excepthook__(args)
 
-    if sys.excepthook is sys.__excepthook__:
+    if for_parent or sys.excepthook is sys.__excepthook__:
         sys.excepthook = show
     if threading.excepthook is threading.__excepthook__:
         threading.excepthook = show_in_thread

@@ -16,6 +16,7 @@ from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CONTRACT, Fault, Info, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
+from beatrix_zenoh.contract.values import grouped, lines
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.terminal.states import ListedRobot, listed, problems, state
 
@@ -159,20 +160,17 @@ def contract(title: str, info: Info) -> CheckResult:
 
 
 def devices(name: str, status: Status) -> Iterator[CheckResult]:
-    """Yield findings about a connected board and the cameras; `one_robot` reports why no board is connected."""
-    board = status.board
-    if board.connected:
-        yield CheckResult(name, f"board {board.name or 'without a name'} at {board.port}")
-    for camera in status.cameras:
-        text = f"camera {camera.eye}: {camera.source or 'runs only while a client subscribes'}"
-        if camera.connected and not camera.trouble:
-            yield CheckResult(name, text)
-        else:
-            yield CheckResult(name, f"{text}, no pictures", camera.trouble or "plug the camera in")
-    ears = status.microphones
-    if ears is not None:
-        text = f"microphones: {ears.source}, {'on: a client listens' if ears.streaming else 'off'}"
-        yield CheckResult(name, text, ears.trouble)
+    """Yield findings about what is connected to the robot: its board, and each camera and other sensor.
+
+    `one_robot` reports why no board is connected.
+    """
+    about = lines(status)
+    for group, members in grouped(status).items():
+        found = {one.field.rpartition(".")[2]: one.value for one in members}
+        if "connected" not in found or (group == "board" and not status.board.connected):
+            continue
+        trouble = "" if found["connected"] else f"plug in what belongs to `{group}`"
+        yield CheckResult(name, f"{group}: {about[group]}", str(found.get("trouble") or trouble))
 
 
 def unlike_sides(infos: Mapping[Place, Info]) -> Iterator[CheckResult]:

@@ -21,16 +21,20 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Self
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from beatrix_zenoh import processes
+from beatrix_zenoh.contract import tracebacks
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import bench, slips
 from beatrix_zenoh.lessons.bench import Bench, Course
 from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER
 from beatrix_zenoh.lessons.guarded import Guarded
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
+from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, phrase, shown
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
 from beatrix_zenoh.lessons.sandbox import Sandbox
@@ -49,7 +53,6 @@ PATIENCE = 15.0
 """After this many times its limit without an answer, it is the computer that is slow."""
 OWN_ERROR = re.compile(r"(\w*Error|WrongUsage)\b")
 """Errors that no busy computer causes: those of Python, such as NameError, and values that no robot was asked for."""
-WATCHES = "Your program runs, and the check watches the simulated robot: at most {:.0f} s."
 TAIL_S = 0.4
 """Time (s) that is observed after the end of the program."""
 NO_ROUTER = "tcp/127.0.0.1:1"
@@ -83,8 +86,8 @@ class Attempt:
         self._open = ExitStack()
         self._functions: LineChild | None = None
         self._file = program.path
-        self.doubt = ""
-        """why a figure that is not met may be the fault of this computer; empty: it was fast enough"""
+        self.doubt: Phrase | None = None
+        """why a figure that is not met may be the fault of this computer; None: it was fast enough"""
         self.used_s = 0.0
         """processor time (s) of the last call of a function"""
         self.cores = 0.0
@@ -127,11 +130,11 @@ class Attempt:
         """
         value = self.value(function, *arguments)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise Unmet("returns", function=function, value=_shown(value), wanted="a number")
+            raise Unmet("returns", function=function, value=shown(value), wanted=phrase("number"))
         try:
             return float(value)
         except OverflowError:  # an integer of more than 308 digits
-            raise Unmet("returns", function=function, value="a huge number", wanted="a number") from None
+            raise Unmet("returns", function=function, value=phrase("huge"), wanted=phrase("number")) from None
 
     def call_array(
         self, function: str, *arguments: object, shape: tuple[int, ...] = (-1,)
@@ -146,33 +149,36 @@ class Attempt:
             want in (-1, have) for want, have in zip(shape, found.shape, strict=True)
         )
         if not fits or isinstance(value, str):
-            wanted = "a list of numbers" if shape == (-1,) else f"{' x '.join(map(str, shape))} numbers"
-            raise Unmet("returns", function=function, value=_shown(value), wanted=wanted)
+            wanted = phrase("list") if shape == (-1,) else phrase("array", shape=" x ".join(map(str, shape)))
+            raise Unmet("returns", function=function, value=shown(value), wanted=wanted)
         return found
 
     def value(self, function: str, *arguments: object) -> object:
         """As `call`, for a function that returns anything that JSON can hold."""
         child = self._child()
+        own = phrase("function", name=function)
         request = {"function": function, "arguments": [_plain(one) for one in arguments], "limit_s": CALL_S}
         began_s = time.monotonic()
         try:
             reply = child.ask(request, PATIENCE * CALL_S)
         except NoReply as error:
-            raise _without_reply(error, began_s, CALL_S, "Your function", f" {function}") from None
+            raise _without_reply(error, began_s, CALL_S, own) from None
         if "missing" in reply:
             found = reply["missing"]
-            names = ", ".join(map(str, found)) if isinstance(found, list) and found else "none"
+            names = ", ".join(map(str, found)) if isinstance(found, list) and found else phrase("none")
             raise Unmet("function", function=function, names=names)
         if "limit" in reply:
-            raise Unmet("ends", what="Your function", name=f" {function}", limit=CALL_S)
+            raise Unmet("ends", what=own, limit=CALL_S)
         if "error" in reply:
-            if NO_ROUTER in str(reply["error"]):
-                raise Unmet("calculates", function=function, where=self._where(reply))
+            failed, where = _error(reply), self._where(reply)
+            if failed.reason is Reason.NO_ROUTER:
+                raise Unmet("calculates", function=function, where=where)
             given = ", ".join(str(one) for one in arguments)
-            where = f" in {function}({given}){self._where(reply)}" if len(given) < 60 else self._where(reply)
-            raise Unmet(_failure(reply, "runs"), error=reply["error"], where=where)
+            if len(given) < 60:
+                where = phrase("call", call=f"{function}({given})", where=where)
+            raise Unmet(_failure(failed, "runs"), error=failed, where=where)
         if "odd" in reply:
-            raise Unmet("returns", function=function, value=reply["odd"], wanted="numbers")
+            raise Unmet("returns", function=function, value=reply["odd"], wanted=phrase("numbers"))
         self.used_s = float(str(reply["used_s"]))
         return reply["value"]
 
@@ -189,22 +195,23 @@ class Attempt:
             )
             child = LineChild(guarded.process, guarded.requests, guarded.end)
             self._open.callback(child.close)
-            what, began_s = "Your file, when it is imported,", time.monotonic()
+            what, began_s = phrase("import"), time.monotonic()
             try:
                 reply = child.reply(PATIENCE * IMPORT_S)
             except NoReply as error:
                 raise _without_reply(error, began_s, IMPORT_S, what) from None
             if "limit" in reply:
-                raise Unmet("ends", what=what, name="", limit=IMPORT_S)
+                raise Unmet("ends", what=what, limit=IMPORT_S)
             if "error" in reply:
-                figure = _failure(reply, "import" if NO_ROUTER in str(reply["error"]) else "runs")
-                raise Unmet(figure, error=reply["error"], where=self._where(reply))
+                failed = _error(reply)
+                figure = _failure(failed, "import" if failed.reason is Reason.NO_ROUTER else "runs")
+                raise Unmet(figure, error=failed, where=self._where(reply))
             self._functions = child
         return self._functions
 
-    def _where(self, reply: dict[str, object]) -> str:
+    def _where(self, reply: dict[str, object]) -> Phrase | str:
         line = reply.get("line")
-        return f" ({self._program.place(line)})" if isinstance(line, int) and line else ""
+        return self._program.where(line if isinstance(line, int) else None)
 
     # -- bench ----------------------------------------------------------------------------------
 
@@ -293,7 +300,7 @@ class Attempt:
 
         With `within_s` the program must end so soon (s) after `during`, whatever time it has had before.
         """
-        self.doubt = ""
+        self.doubt = None
         with ExitStack() as running:
             stage = self._stage(running, tuple(robots), path, robot_file)
             if target is not None:
@@ -307,11 +314,12 @@ class Attempt:
                 "BEATRIX_CONNECT": stage.endpoint,
                 "BEATRIX_ROBOT": robots[0],
                 "BEATRIX_WHO": PUPIL,
+                tracebacks.VARIABLE: tracebacks.DATA,
             }
             run = Run(self._file, self._program, self._sandbox, environment)
             running.callback(self._close, run)
             limit_s = self._limit_s if seconds is None else seconds
-            self._tell(WATCHES.format(limit_s))
+            self._tell(phrase("watches", seconds=limit_s))
             if during is not None:
                 self._let(during, run, stage)
             if within_s is not None:
@@ -337,7 +345,7 @@ class Attempt:
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
         """Return what the robots did, and set `doubt`; raises NotMeasurable."""
         found = {name: watch.end(run.began_ns, run.output) for name, watch in stage.watches.items()}
-        self.doubt = next((seen.doubt for seen in found.values() if seen.doubt), "")
+        self.doubt = next((seen.doubt for seen in found.values() if seen.doubt), None)
         return found
 
     @staticmethod
@@ -359,7 +367,7 @@ class Attempt:
         except Unmet as unmet:
             if unmet.figure == "ends":
                 unmet.values |= pace(self._judge_endless(stage, run))
-                self.doubt = ""  # short gaps do not make a program endless
+                self.doubt = None  # short gaps do not make a program endless
             elif unmet.figure in ("runs", "uncaught", "other_robot") and not OWN_ERROR.match(
                 str(unmet.values["error"])
             ):
@@ -375,21 +383,20 @@ class Attempt:
         try:
             return self._judge(stage, run)
         except NotMeasurable as why:
-            limit = f"{self._limit_s:.0f} s"
-            raise NotMeasurable(f"{why} (It did not end within {limit}: is there a `while True`?)") from None
+            raise NotMeasurable(phrase("endless", why=why.why, seconds=self._limit_s)) from None
 
     def _wait(self, run: Run, stage: Stage, limit_s: float, *, ends: bool) -> None:
         """Wait for the end of the program, and keep what the robots publish meanwhile.
 
         Raises Unmet, `ends`, if the program must end (`ends`) and still runs `limit_s` (s) after its start.
         """
-        still = Still(self._tell, "Your program still runs: at most {:.0f} s more.", limit_s - run.seconds)
+        still = Still(self._tell, "still_runs", limit_s - run.seconds)
         while run.running and run.seconds < limit_s:
             _watch(stage, POLL_S)
             still.look()
         if run.running:
             if ends:
-                raise Unmet("ends", what="Your program", name="", limit=limit_s)
+                raise Unmet("ends", what=phrase("program"), limit=limit_s)
         else:
             run.check()
             _watch(stage, TAIL_S)
@@ -401,27 +408,25 @@ def _watch(stage: Stage, seconds: float) -> None:
         watch.take()
 
 
-def _without_reply(
-    error: NoReply, began_s: float, limit_s: float, what: str, name: str = ""
-) -> Unmet | NotMeasurable:
+def _without_reply(error: NoReply, began_s: float, limit_s: float, what: Phrase) -> Unmet | NotMeasurable:
     """Return what it means that the child process gave no answer to a request made at `began_s` (monotonic clock, s)."""
     if error.code is None:
-        return busy(f"{what}{name} did not answer.")
+        return busy(phrase("no_answer", what=what))
     if error.code == ALARM_CODE or time.monotonic() - began_s > SLOWER * limit_s:
-        return Unmet("ends", what=what, name=name, limit=limit_s)
-    return Unmet("runs", error=f"{what}{name} has ended Python ({processes.in_words(error.code)})", where="")
+        return Unmet("ends", what=what, limit=limit_s)
+    return Unmet(
+        "runs", error=phrase("ended_python", what=what, code=processes.in_words(error.code)), where=""
+    )
 
 
-def _failure(reply: dict[str, object], figure: str) -> str:
+def _error(reply: dict[str, object]) -> ErrorData:
+    return msgspec.convert(reply["error"], ErrorData)
+
+
+def _failure(error: ErrorData, figure: str) -> str:
     """Return `keyboard` for an error of `input()`, otherwise `figure`."""
-    return "keyboard" if str(reply["error"]).startswith("EOFError") else figure
+    return "keyboard" if error.kind == "EOFError" else figure
 
 
 def _plain(argument: object) -> object:
     return argument.tolist() if isinstance(argument, np.ndarray | np.generic) else argument
-
-
-def _shown(value: object) -> str:
-    """Return a value as a pupil knows it, at most 60 characters of it."""
-    text = "nothing (None): is a `return` missing?" if value is None else repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from importlib import metadata
 from typing import Literal
 
+import msgspec
 import numpy as np
 
 from beatrix_zenoh import processes
@@ -16,6 +17,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
+from beatrix_zenoh.lessons.phrases import ErrorData, phrase, shown
 from beatrix_zenoh.lessons.still import Still, Tell
 from beatrix_zenoh.lessons.unmet import Unmet, busy
 
@@ -58,9 +60,8 @@ class TargetFunction:
             found = np.array([])
         fits = found.shape == (1,) or (found.shape == (3,) and self._result == "angle")
         if isinstance(value, str) or not fits or not np.isfinite(found).all():
-            wanted = "a number, or yaw, pitch, roll" if self._result == "angle" else "a number"
-            shown = "nothing (None): is a `return` missing?" if value is None else repr(value)[:60]
-            raise Unmet("returns", function=self._name, value=shown, wanted=wanted)
+            wanted = phrase("pose" if self._result == "angle" else "number")
+            raise Unmet("returns", function=self._name, value=shown(value), wanted=wanted)
         numbers: list[float] = found.tolist()
         if len(numbers) == 3:
             return numbers
@@ -92,7 +93,7 @@ def start(speed: float | None) -> LineChild:
     except NoReply as error:
         child.close()
         if error.code is None:
-            raise busy("The bench did not answer.") from None
+            raise busy(phrase("no_bench")) from None
         raise Refused(
             Reason.BAD_VALUE,
             f"The bench ended at its start ({processes.in_words(error.code)}). If the simulation is not installed, run "
@@ -113,7 +114,7 @@ def run(
     tell: Tell,
 ) -> Bench:
     """Drive the bench for some time (s); see `Attempt.bench`."""
-    still = Still(tell, f"The bench is at {{:.0f}} of {seconds:.0f} s.")
+    still = Still(tell, "bench_at", whole=seconds)
     ticks, late = round(seconds / TICK_S), round(delay_s / TICK_S)
     states: list[dict[str, list[float]]] = []
     asked: list[list[float]] = []
@@ -146,7 +147,7 @@ def _tick(plant: LineChild, target: list[float], t: float) -> dict[str, list[flo
     try:
         answer = plant.ask({"head": target}, ANSWER_S)
     except NoReply:
-        raise busy("The bench did not answer.") from None
+        raise busy(phrase("no_bench")) from None
     if "refused" in answer:
-        raise Unmet("refused", message=answer["refused"], t=t)
+        raise Unmet("refused", message=msgspec.convert(answer["refused"], ErrorData).unnamed, t=t)
     return {name: list(map(float, value)) for name, value in answer.items() if isinstance(value, list)}

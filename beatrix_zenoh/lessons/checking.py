@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
@@ -9,17 +10,14 @@ from pathlib import Path
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons.attempt import Attempt
 from beatrix_zenoh.lessons.lesson import Lesson
+from beatrix_zenoh.lessons.phrases import Phrase, error_data, phrase, said
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.lessons.stage import Stage
-from beatrix_zenoh.lessons.still import Tell
 from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
-
-CHANGED = "{file} was saved while it was checked, so it is not known which program has run. Check it again."
 
 BUSY_CORES = 0.5
 """A program that uses a larger part of a core keeps the computer busy itself."""
-OWN_SHARE = " Your program itself used {cores:.1f} of a core: does a loop run without `time.sleep`, or calculate for long?"
 
 
 class Result(Enum):
@@ -53,7 +51,7 @@ def check(
     *,
     stage: Stage | None = None,
     keep: Path | None = None,
-    tell: Tell = lambda _: None,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> Verdict:
     """Check a program.
 
@@ -69,7 +67,7 @@ def check(
         limit_s=lesson.about.limit_s,
         stage=stage,
         keep=keep,
-        tell=lambda text: tell(lesson.phrase(text)),
+        tell=lambda text: tell(str(said(text, lesson.language))),
     )
     try:
         with attempt:
@@ -77,25 +75,22 @@ def check(
             lesson.check()(attempt)
     except Unmet as unmet:
         if attempt.doubt:
-            return not_measurable(lesson, str(busy(attempt.doubt)) + own_share(attempt))
+            return not_measurable(lesson, busy(attempt.doubt).why, attempt.cores)
         return verdict(lesson, unmet)
     except NotMeasurable as why:
-        return not_measurable(lesson, str(why) + own_share(attempt))
+        return not_measurable(lesson, why.why, attempt.cores)
     except BeatrixError as error:
-        return not_measurable(lesson, f"The check itself could not go on. {error}")
+        return not_measurable(lesson, phrase("stuck", error=error_data(error).unnamed))
     if program.changed():
-        return not_measurable(lesson, CHANGED.format(file=program.path.name))
+        return not_measurable(lesson, phrase("changed", file=program.path.name))
     return Verdict(Result.PASSED)
 
 
-def not_measurable(lesson: Lesson, why: str) -> Verdict:
-    """Return the verdict of a check that has judged nothing, in the language of the lesson."""
-    return Verdict(Result.NOT_MEASURABLE, means=lesson.phrase(why))
-
-
-def own_share(attempt: Attempt) -> str:
-    """Return what to add if the program itself has kept the computer busy."""
-    return OWN_SHARE.format(cores=attempt.cores) if attempt.cores > BUSY_CORES else ""
+def not_measurable(lesson: Lesson, why: Phrase, cores: float = 0.0) -> Verdict:
+    """Return the verdict of a check that has judged nothing; the program has used this part of a core."""
+    if cores > BUSY_CORES:
+        why = phrase("own_share", why=why, cores=cores)
+    return Verdict(Result.NOT_MEASURABLE, means=str(said(why, lesson.language)))
 
 
 def count(record: Record, verdict: Verdict, entry: str) -> None:
@@ -123,14 +118,13 @@ def _shown(value: object) -> object:
 def verdict(lesson: Lesson, unmet: Unmet) -> Verdict:
     """Return what to say about a figure that is not met."""
     figure = lesson.figure(unmet.figure)
-    values = {name: _shown(value) for name, value in unmet.values.items()}
-    said = {name: lesson.phrase(value) if isinstance(value, str) else value for name, value in values.items()}
+    values = {name: said(_shown(value), lesson.language) for name, value in unmet.values.items()}
     return Verdict(
         Result.NOT_YET,
         unmet.figure,
-        asked=figure.asked.format(**said),
-        found=figure.found.format(**said),
-        means=figure.means.format(**said),
+        asked=figure.asked.format(**values),
+        found=figure.found.format(**values),
+        means=figure.means.format(**values),
         hint=figure.hint,
         values=values,
     )

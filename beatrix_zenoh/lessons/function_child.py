@@ -20,6 +20,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import IO
 
+import msgspec
+
+from beatrix_zenoh.lessons.phrases import ErrorData, error_data
+
 SLOWER = 10.0
 """A call may take this many times its limit on a busy computer, as long as it does not use the processor."""
 LOOK_S = 0.05
@@ -107,13 +111,14 @@ def plain(value: object) -> object:
 
 
 def failed(error: BaseException, path: Path) -> Reply:
-    """Return the last line of the traceback, and the number of the last line of the pupil's file in it."""
+    """Return the error, and the number of the last line of the pupil's file in its traceback."""
     if isinstance(error, SyntaxError):
-        return {"error": f"{type(error).__name__}: {error.msg}", "line": error.lineno or 0}
+        said = ErrorData(error.msg, type(error).__name__)
+        return {"error": msgspec.to_builtins(said), "line": error.lineno or 0}
     lines = [
         frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
     ]
-    return {"error": f"{type(error).__name__}: {error}", "line": (lines[-1] if lines else None) or 0}
+    return {"error": msgspec.to_builtins(error_data(error)), "line": (lines[-1] if lines else None) or 0}
 
 
 @contextlib.contextmanager

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
-import re
 import tomllib
-from collections.abc import Callable, Mapping
-from functools import cache, partial
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeVar
 
@@ -14,19 +12,13 @@ import msgspec
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lessons.phrases import ENGLISH
 
 if TYPE_CHECKING:
     from beatrix_zenoh.lessons.attempt import Attempt
 
 T = TypeVar("T", bound=msgspec.Struct)
 LIBRARY = Path(__file__).parent / "library"
-ENGLISH = "en"
-ANY = "{}"
-"""Any text in a phrase."""
-PUNCTUATION = (".", " ")
-"""Last characters of a phrase that is a whole sentence, or the beginning of one; such a phrase may stand between others."""
-NEXT_NUMBER = re.compile(r", (?=-?\d)")
-DECIMAL = re.compile(r"(\d)\.(\d)")
 GENERAL = "figures"
 """Name of the file, beside the lessons, with the figures that every lesson has."""
 
@@ -46,8 +38,6 @@ class _Texts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     hints: list[str] = []
     figures: dict[str, FigureTexts] = {}
-    phrases: dict[str, str] = {}
-    """English phrases that checks insert into the sentences, in the language of the file; `{}` is any text or number"""
 
 
 class LessonFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -116,16 +106,6 @@ class Lesson:
             return self._texts.figures[name]
         return self._general().figures[name]
 
-    def phrase(self, text: str) -> str:
-        """Return a text that a check inserts into a sentence with its phrases in the language of this lesson."""
-        phrases = self._general().phrases
-        if text in phrases:
-            return phrases[text]
-        for english in sorted(phrases, key=len, reverse=True):  # a short phrase may be a part of a long one
-            if ANY in english or english[-1] in PUNCTUATION:
-                text = _pattern(english).sub(partial(_filled, phrases[english], phrases), text)
-        return text
-
     def _general(self) -> _Texts:
         return _read(self._translated(LIBRARY / f"{GENERAL}.toml"), _Texts)
 
@@ -143,22 +123,6 @@ class Lesson:
     def _translated(self, path: Path) -> Path:
         translated = path.with_name(f"{path.stem}.{self.language}{path.suffix}")
         return translated if translated.is_file() else path
-
-
-@cache
-def _pattern(phrase: str) -> re.Pattern[str]:
-    """Return the pattern of a phrase; what stands for `{}` at its end is a whole number."""
-    # a full stop is no decimal point
-    first, *parts = (re.escape(part).replace(r"\.", r"\.(?!\d)") for part in phrase.split(ANY))
-    return re.compile(first + "".join((r"(.+?)" if part else r"(\d+)") + part for part in parts))
-
-
-def _filled(phrase: str, phrases: Mapping[str, str], found: re.Match[str]) -> str:
-    """Return a translated phrase with the texts that were found; its language has a decimal comma."""
-    for text in found.groups():
-        own = phrases.get(text) or DECIMAL.sub(r"\1,\2", NEXT_NUMBER.sub("; ", text))
-        phrase = phrase.replace(ANY, own, 1)
-    return phrase
 
 
 def names() -> list[str]:

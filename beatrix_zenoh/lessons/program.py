@@ -13,6 +13,7 @@ from pathlib import Path
 from beatrix_zenoh import files
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, phrase
 from beatrix_zenoh.lessons.unmet import Unmet
 
 FORMAT = {"nbformat": 4, "nbformat_minor": 5}
@@ -65,18 +66,25 @@ class Program:
                 warnings.simplefilter("ignore")
                 compile(self.text, str(self.path), "exec", dont_inherit=True)
         except SyntaxError as error:
-            where = f" ({self.place(error.lineno)})" if error.lineno else ""
-            raise Unmet("runs", error=f"{type(error).__name__}: {error.msg}", where=where) from None
+            raise Unmet(
+                "runs", error=ErrorData(error.msg, type(error).__name__), where=self.where(error.lineno)
+            ) from None
         except (ValueError, MemoryError, RecursionError):
             return  # a text that only Python itself can explain
 
-    def place(self, line: int) -> str:
+    def where(self, line: int | None) -> Phrase | str:
+        """Return the place of a line in brackets; empty: it is not known (None or 0)."""
+        return phrase("where", place=self.place(line)) if line else ""
+
+    def place(self, line: int) -> Phrase:
         """Return where a line of the program is, for the pupil: `line 12`, or `cell 3, line 2`."""
         if self.path.suffix != ".ipynb":
-            return f"line {line}"
+            return phrase("line", line=line)
         before = self.text.splitlines()[:line]
         starts = [number for number, written in enumerate(before, start=1) if written == CELL]
-        return f"cell {len(starts)}, line {line - starts[-1]}" if starts else f"line {line}"
+        if not starts:
+            return phrase("line", line=line)
+        return phrase("cell", cell=len(starts), line=line - starts[-1])
 
 
 def read(path: Path) -> Program:

@@ -10,7 +10,7 @@ import msgspec
 from beatrix_zenoh import files
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.lessons.lesson import ENGLISH
+from beatrix_zenoh.lessons.phrases import ENGLISH
 
 FOLDER, FILE = "lessons", "progress.json"
 LONGEST = 256 * 1024

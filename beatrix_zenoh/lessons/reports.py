@@ -16,7 +16,8 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LessonState, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.contract.names import TEACHER
-from beatrix_zenoh.lessons.lesson import ENGLISH, LIBRARY, Lesson, names
+from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson, names
+from beatrix_zenoh.lessons.phrases import ENGLISH
 from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.settings import Settings, resolve
 

@@ -13,8 +13,13 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 
+import msgspec
+
 from beatrix_zenoh import threads
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.codec import UNREADABLE
 from beatrix_zenoh.lessons.guarded import Guarded, exit_code
+from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, phrase
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.sandbox import Sandbox
 from beatrix_zenoh.lessons.unmet import Unmet
@@ -30,8 +35,6 @@ LONGEST_ERROR = 500
 """Longest text of an error that is shown (characters)."""
 REFUSED = "Refused:"
 """Beginning of the last line of a traceback, if the robot has refused a request."""
-NO_ROBOT = " is not online"
-"""Part of the error of a program that names a robot which is not there."""
 PREFIX = re.compile(r"^[\w.]+\.(?=\w+(:|$))")
 """The module of an exception's name, as in `beatrix_zenoh.contract.errors.Refused`."""
 
@@ -85,21 +88,27 @@ class Run:
         if lines and lines[-1].startswith("EOFError"):
             raise Unmet("keyboard", where=self._where())
         error = self._error(lines)
-        figure = "uncaught" if error.startswith(REFUSED) else "runs"
-        raise Unmet("other_robot" if NO_ROBOT in error else figure, error=error, where=self._where())
+        figure = "uncaught" if str(error).startswith(REFUSED) else "runs"
+        raise Unmet("other_robot" if _names_other_robot(error) else figure, error=error, where=self._where())
 
-    def _error(self, lines: list[str]) -> str:
-        """Return the last line of the traceback, or how the program has ended without one."""
+    def _error(self, lines: list[str]) -> ErrorData | Phrase:
+        """Return the error of the traceback, or how the program has ended without one."""
         code = exit_code(self._process)
         if code < 0:
-            return f"the program was ended by the signal {signal.Signals(-code).name}, as after a crash"
-        return PREFIX.sub("", lines[-1])[:LONGEST_ERROR] if lines else f"exit code {code}"
+            return phrase("signal", name=signal.Signals(-code).name)
+        if not lines:
+            return ErrorData(f"exit code {code}")
+        with contextlib.suppress(*UNREADABLE):  # an error of BEATRIX, if Attempt has asked for data
+            found = msgspec.json.decode(lines[-1], type=ErrorData)
+            if found.kind:
+                return found
+        return ErrorData(PREFIX.sub("", lines[-1])[:LONGEST_ERROR])
 
-    def _where(self) -> str:
+    def _where(self) -> Phrase | str:
         """Return the place in the pupil's program that the last traceback names."""
         frames = [match for line in self._output if (match := FRAME.match(line))]
         own = [int(match["line"]) for match in frames if Path(match["file"]) == self._file]
-        return f" ({self._program.place(own[-1])})" if own else ""
+        return self._program.where(own[-1] if own else None)
 
     def close(self) -> None:
         """End the program, first as Ctrl-C does, so that it can bring its robot to rest."""
@@ -115,3 +124,10 @@ class Run:
             self._process.stdout is not None and not self._reader.is_alive()
         ):  # else closing would wait for the reader
             self._process.stdout.close()
+
+
+def _names_other_robot(error: ErrorData | Phrase) -> bool:
+    """Return whether this is the error of a program that names a robot which is not online."""
+    if not isinstance(error, ErrorData) or error.reason not in (Reason.NO_ANSWER, Reason.NO_SUCH_ROBOT):
+        return False
+    return error.detail is not None and error.detail.field not in ("", *error.detail.known)

@@ -24,6 +24,7 @@ from beatrix_zenoh.contract._generated.messages import Event, EventKind, Positio
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import scratch
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
+from beatrix_zenoh.lessons.phrases import Phrase, error_data, phrase
 from beatrix_zenoh.lessons.still import Still, Tell
 from beatrix_zenoh.lessons.unmet import busy
 from beatrix_zenoh.processes import Child, Supervisor
@@ -64,8 +65,8 @@ class Seen(HeadCurves):
     """of `events`"""
     output: list[str] = field(default_factory=list)
     """the last lines that the program has printed"""
-    doubt: str = ""
-    """why a figure that is not met may be the fault of this computer; empty: it was fast enough"""
+    doubt: Phrase | None = None
+    """why a figure that is not met may be the fault of this computer; None: it was fast enough"""
 
     @property
     def motions(self) -> list[tuple[float, Event]]:
@@ -145,17 +146,17 @@ class RobotWatch:
         seen = [positions for positions in self._seen if positions.t_mono_ns >= began_ns]
         t = (np.array([positions.t_mono_ns for positions in seen], dtype=float) - began_ns) / 1e9
         if len(t) < 2:
-            raise busy("The simulation has published no positions.")
+            raise busy(phrase("no_positions"))
         readings = [reading(positions) for positions in seen]
         commanded = np.array([one.commanded for one in readings])
         gap, factor = float(np.diff(t).max()), min(self._factors, default=1.0)
-        doubt = ""
+        doubt: Phrase | None = None
         if gap > GAP_S:
-            doubt = f"For {gap * 1000:.0f} ms there was no position; {GAP_S * 1000:.0f} ms are allowed."
+            doubt = phrase("gap", ms=gap * 1000, allowed=GAP_S * 1000)
         elif factor < SLOWEST:
-            doubt = f"The simulation ran at {factor:.2f} times the speed of reality."
+            doubt = phrase("slow", factor=factor)
         if hidden_s(t, np.array([positions.seq for positions in seen]), commanded) > LONGEST_GAP_S:
-            raise busy(doubt)
+            raise busy(phrase("gap", ms=gap * 1000, allowed=GAP_S * 1000))
         happened = [event for event in self._happened if event.t_mono_ns >= began_ns]
         return Seen(
             t,
@@ -218,11 +219,11 @@ class Stage:
     def _wait(self, child: Child, robots: int = 1) -> None:
         """Wait until a child is ready with its robots; raises NotMeasurable after START_S, Refused if it has ended."""
         deadline_s = time.monotonic() + START_S
-        still = Still(self._tell, "The simulation still starts: at most {:.0f} s more.", START_S)
+        still = Still(self._tell, "still_starts", START_S)
         while sum(line.startswith("ready ") for line in child.lines()) < robots:
             self._supervisor.check()
             if time.monotonic() > deadline_s:
-                raise busy(f"The simulation was not ready within {START_S:.0f} s.")
+                raise busy(phrase("not_ready", seconds=START_S))
             still.look()
             time.sleep(POLL_S)
 
@@ -263,4 +264,4 @@ class Stage:
                         robot.home()
                         robot.move_target(*self._person)
             except BeatrixError as error:
-                raise busy(f"The simulation did not go home: {error}") from error
+                raise busy(phrase("not_home", error=error_data(error).unnamed)) from error

@@ -14,6 +14,7 @@ from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.contract.names import TEACHER
+from beatrix_zenoh.lessons.phrases import said
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
 from beatrix_zenoh.lessons.sandbox import Sandbox, refuse_teacher
@@ -224,10 +225,9 @@ def _check(running: Run) -> None:
     try:
         running.check()
     except Unmet as unmet:
-        error = str(unmet.values.get("error", unmet.figure)).removesuffix(".")
-        raise Refused(
-            Reason.BAD_VALUE, f"Your program has ended with an error: {error}{unmet.values.get('where', '')}."
-        ) from unmet
+        error = str(said(unmet.values.get("error", unmet.figure))).removesuffix(".")
+        where = said(unmet.values.get("where", ""))
+        raise Refused(Reason.BAD_VALUE, f"Your program has ended with an error: {error}{where}.") from unmet
 
 
 def _ended_early(status: Status, seat: str, *, teacher: bool) -> str:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from beatrix_zenoh.lessons.phrases import Phrase, phrase, said
+
 
 class Unmet(Exception):
-    """A figure is not met; `values` fill the sentences of hints.toml."""
+    """A figure is not met; `values` fill the sentences of hints.toml, and may be phrases."""
 
     def __init__(self, figure: str, **values: object) -> None:
         super().__init__(figure)
@@ -14,12 +16,13 @@ class Unmet(Exception):
 
 
 class NotMeasurable(Exception):
-    """The check cannot judge the program; the message says why, and what to do."""
+    """The check cannot judge the program; `why` says why, and what to do."""
+
+    def __init__(self, why: Phrase) -> None:
+        super().__init__(said(why))
+        self.why = why
 
 
-BUSY = "This computer was too busy to measure; your program may be right. {why} Close other programs, and check again."
-
-
-def busy(why: str) -> NotMeasurable:
+def busy(why: Phrase | str) -> NotMeasurable:
     """Return the error of a computer that was too slow; `why` is a sentence with what was measured."""
-    return NotMeasurable(BUSY.format(why=why))
+    return NotMeasurable(phrase("busy", why=why))

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from msgspec import Struct
+
 from beatrix_zenoh.board.state import Port, TimedPort
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.contract._generated.messages import CameraStatus, Fault, PlantStatus
+from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.serial import Telemetry
 from beatrix_zenoh.motion.gear import Arms
 
@@ -18,7 +21,8 @@ class StatusFields:
 
     values: dict[str, object] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
-    cameras: list[CameraStatus] = field(default_factory=list)
+    lists: defaultdict[str, list[Struct]] = field(default_factory=lambda: defaultdict(list))
+    """by field: the states of sensors of which a robot has several"""
 
 
 class Component(Protocol):

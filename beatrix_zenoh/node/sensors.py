@@ -1,10 +1,10 @@
-"""Publish pictures and sound while a client subscribes, and report the state of cameras and microphones in the status.
+"""Publish what a sensor delivers while a client subscribes, and report the state of the sensor in the status.
 
-A component that makes pictures (the renderer of a simulation, or the thread of a USB camera) has a `CameraPublisher`
-for each camera; with a `SoundBlock` in place of a picture, a `MicrophonesPublisher` is used in the same way:
+A component that makes pictures (the renderer of a simulation, or the thread of a USB camera) has a publisher for each
+camera; microphones, with a `SoundBlock` in place of a picture, and every other sensor use one in the same way:
 
     self._wake = threading.Event()
-    self._left = CameraPublisher(key, events, "egl", self._wake.set)
+    self._left = camera_publisher(key, events, "egl", self._wake.set)
     ...
     def start(self, sessions):      self._left.start(sessions)
     def contribute(self, status):   self._left.contribute(status)
@@ -24,11 +24,12 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Protocol
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
+from msgspec import Struct
+from msgspec.structs import replace
 
 from beatrix_zenoh.bus import Publication, Sessions
 from beatrix_zenoh.contract import codec, names
@@ -54,6 +55,7 @@ BLOCK: Final = 960
 BLOCK_NS: Final = BLOCK * 1_000_000_000 // RATE
 FULL_SCALE: Final = 32768
 TITLE: Final = "microphones"
+SWITCHED: Final = ("The microphones are off.", "The microphones are on: a client listens.")
 BEHIND: Final = 5
 """Blocks by which a source may be late; of more the oldest are dropped, so that no burst of old sound follows."""
 _SEQS: Final = 2**32
@@ -74,6 +76,14 @@ class SoundBlock:
     """`device`, `file`, `tone` or `simulation`"""
     dropped: int = 0
     """frames that were lost before they reached the node, since the source was made"""
+
+    def sent(self) -> tuple[bytes, SoundHeader]:
+        """Return payload and header, which `SensorPublisher` numbers."""
+        dropped = self.dropped % _SEQS
+        header = SoundHeader(
+            seq=0, t_mono_ns=self.t_mono_ns, t_wall_ns=0, rate=RATE, dropped=dropped, source=self.source
+        )
+        return self.samples, header
 
 
 def to_pcm(samples: Samples) -> bytes:
@@ -115,101 +125,6 @@ class BlockClock:
         return begin_ns
 
 
-class MicrophonesPublisher:
-    """Publishes the sound of both microphones; one thread may publish, any thread may read the status."""
-
-    def __init__(
-        self, key: str, events: NodeEvents, source: str, on_subscribed: Callable[[], None], *, announce: bool
-    ) -> None:
-        """Store the arguments; `start` declares the publication.
-
-        Args:
-            key: key of the publication.
-            events: the events of the node.
-            source: source of the sound, as in `SoundBlock`.
-            on_subscribed: called when `subscribed` may have changed; may run on Zenoh's thread, must return at once.
-            announce: record an event when the microphones are switched on and off, as real ones must.
-        """
-        self._key, self._events, self._on_subscribed = key, events, on_subscribed
-        self._announce = announce
-        self._publication: Publication | None = None
-        self._lock = threading.Lock()
-        self._seq = 0
-        self._on = False
-        self._status = MicrophonesStatus(connected=False, streaming=False, rate=RATE, source=source)
-
-    def start(self, sessions: Sessions) -> None:
-        """Declare the publication."""
-        self._publication = sessions.publication(self._key, PCM, self._on_subscribed)
-
-    @property
-    def subscribed(self) -> bool:
-        """Whether a client subscribes; listen only while this is True."""
-        return self._publication is not None and self._publication.subscribed
-
-    def publish(self, block: SoundBlock, /) -> None:
-        """Publish a block, and report that the microphones work."""
-        if self._publication is None:
-            return
-        self._seq = (self._seq + 1) % _SEQS
-        header = SoundHeader(
-            seq=self._seq,
-            t_mono_ns=block.t_mono_ns,
-            t_wall_ns=block.t_mono_ns + time.time_ns() - time.monotonic_ns(),
-            rate=RATE,
-            dropped=block.dropped % _SEQS,
-            source=block.source,
-        )
-        self.report("")
-        self._switch(on=True)
-        if (block.source, header.dropped) != (self._status.source, self._status.dropped):
-            with self._lock:
-                self._status = msgspec.structs.replace(
-                    self._status, source=block.source, dropped=header.dropped
-                )
-        # Publish last, so that a client that has the block reads a status that includes it.
-        self._publication.put(block.samples, codec.encode(header))
-
-    def ended(self) -> None:
-        """Report that the microphones are off; the sensor calls it when no client subscribes any more."""
-        self._switch(on=False)
-
-    def _switch(self, *, on: bool) -> None:
-        with self._lock:
-            changed, self._on = on != self._on, on
-        if changed and self._announce:
-            text = "The microphones are on: a client listens." if on else "The microphones are off."
-            self._events.add(EventKind.MICROPHONES, action="on" if on else "off", message=text)
-
-    def report(self, trouble: str) -> None:
-        """Set the fault of the microphones, and record a change as an event.
-
-        `trouble`: a sentence with the cause and what to do; empty if they work.
-        """
-        with self._lock:
-            before = self._status.trouble
-            if self._status.connected == (not trouble) and before == trouble:
-                return
-            self._status = msgspec.structs.replace(self._status, connected=not trouble, trouble=trouble)
-        if trouble == before:
-            return
-        reason = Reason.FAULT if trouble else Reason.OK
-        text = trouble or "The microphones are connected again."
-        self._events.add(EventKind.MICROPHONES, reason=reason, message=text)
-
-    def status(self) -> MicrophonesStatus:
-        """Return the present state of the microphones."""
-        with self._lock:
-            return msgspec.structs.replace(self._status, streaming=self._on)
-
-    def contribute(self, status: StatusFields) -> None:
-        """Add the state of the microphones to a status, and their fault as a warning."""
-        state = self.status()
-        status.values["microphones"] = state
-        if state.trouble:
-            status.warnings.append(f"{TITLE}: {state.trouble}")
-
-
 @dataclass(frozen=True)
 class CameraFrame:
     """One picture."""
@@ -224,100 +139,164 @@ class CameraFrame:
     source: str
     """`v4l2`, `opencv`, `pattern`, `file`, `egl`, `osmesa` or `rays`"""
 
+    def sent(self) -> tuple[bytes, FrameHeader]:
+        """Return payload and header, which `SensorPublisher` numbers."""
+        header = FrameHeader(
+            seq=0,
+            t_mono_ns=self.t_mono_ns,
+            t_wall_ns=0,
+            width=self.width,
+            height=self.height,
+            source=self.source,
+        )
+        return self.jpeg, header
 
-class CameraPublisher:
-    """Publishes the pictures of one camera; one thread may publish, any thread may read its status."""
 
-    def __init__(self, key: str, events: NodeEvents, source: str, on_subscribed: Callable[[], None]) -> None:
+class SensorFrame(Protocol):
+    """What a sensor delivers: a picture, a block of sound, or a measurement."""
+
+    @property
+    def t_mono_ns(self) -> int:
+        """Monotonic clock of this computer at that time."""
+
+    def sent(self) -> tuple[bytes, Struct]:
+        """Return payload, and the header with fields `seq` and `t_wall_ns`, which the publisher fills in."""
+
+
+@dataclass(frozen=True)
+class SensorKind:
+    """What a publisher has to know about a sensor."""
+
+    title: str
+    """the sensor in warnings"""
+    field: str
+    """field of Status with its state"""
+    event: EventKind
+    encoding: str
+    name: str = ""
+    """which of several sensors it is; the field is then a list"""
+    switched: tuple[str, str] | None = None
+    """events that record that a client has switched the sensor off or on; None: no such events"""
+
+
+class SensorPublisher:
+    """Publishes the frames of one sensor; one thread may publish, any thread may read the status."""
+
+    def __init__(
+        self, key: str, events: NodeEvents, kind: SensorKind, state: Struct, on_subscribed: Callable[[], None]
+    ) -> None:
         """Store the arguments; `start` declares the publication.
 
         Args:
-            key: key of the publication, which ends with `left` or `right`; of simulations also with `outside`.
+            key: key of the publication.
             events: the events of the node.
-            source: source of the pictures, as in `CameraFrame`.
+            kind: what the sensor is.
+            state: state of the sensor before its first frame: a message with `connected`, `streaming` and `trouble`.
+                Fields that the headers of its frames have, too, follow them.
             on_subscribed: called when `subscribed` may have changed; may run on Zenoh's thread, must return at once.
         """
-        self._key, self._events, self._on_subscribed = key, events, on_subscribed
-        self._eye = eye = key.rpartition("/")[2]
+        self._key, self._events, self._kind, self._on_subscribed = key, events, kind, on_subscribed
         self._publication: Publication | None = None
         self._lock = threading.Lock()
         self._times_s: deque[float] = deque()
         self._seq = 0
-        self._status = CameraStatus(
-            eye=eye, connected=False, streaming=False, hz=0.0, width=0, height=0, source=source
-        )
+        self._on = False
+        self._state, self._trouble = state, ""
 
     def start(self, sessions: Sessions) -> None:
         """Declare the publication."""
-        self._publication = sessions.publication(self._key, JPEG, self._on_subscribed)
+        self._publication = sessions.publication(self._key, self._kind.encoding, self._on_subscribed)
 
     @property
     def subscribed(self) -> bool:
-        """Whether a client subscribes; take pictures only while this is True."""
+        """Whether a client subscribes; measure only while this is True."""
         return self._publication is not None and self._publication.subscribed
 
-    def publish(self, frame: CameraFrame, /) -> None:
-        """Publish a picture, and report that the camera works."""
+    def publish(self, frame: SensorFrame, /) -> None:
+        """Publish a frame, and report that the sensor works."""
         if self._publication is None:
             return
         self._seq = (self._seq + 1) % _SEQS
-        header = FrameHeader(
-            seq=self._seq,
-            t_mono_ns=frame.t_mono_ns,
-            t_wall_ns=frame.t_mono_ns + time.time_ns() - time.monotonic_ns(),
-            width=frame.width,
-            height=frame.height,
-            source=frame.source,
-        )
+        payload, unnumbered = frame.sent()
+        t_wall_ns = frame.t_mono_ns + time.time_ns() - time.monotonic_ns()
+        header = replace(unnumbered, seq=self._seq, t_wall_ns=t_wall_ns)
         self.report("")
+        self._switch(on=True)
         now_s = time.monotonic()
         with self._lock:
             self._times_s.append(now_s)
             self._forget(now_s)
-            self._status = msgspec.structs.replace(
-                self._status, width=frame.width, height=frame.height, source=frame.source
-            )
-        # Publish last, so that a client that has the picture reads a status that includes it.
-        self._publication.put(frame.jpeg, codec.encode(header))
+            shared = {*header.__struct_fields__}.intersection(self._state.__struct_fields__)
+            self._state = replace(self._state, **{name: getattr(header, name) for name in shared})
+        # Publish last, so that a client that has the frame reads a status that includes it.
+        self._publication.put(payload, codec.encode(header))
 
     def ended(self) -> None:
-        """Do nothing: `streaming` follows from the subscribers."""
+        """Report that the sensor is off; the sensor calls it when no client subscribes any more."""
+        self._switch(on=False)
+
+    def _switch(self, *, on: bool) -> None:
+        with self._lock:
+            changed, self._on = on != self._on, on
+        if changed and self._kind.switched is not None:
+            action = self._kind.name or ("on" if on else "off")
+            self._events.add(self._kind.event, action=action, message=self._kind.switched[on])
 
     def report(self, trouble: str) -> None:
-        """Set the fault of the camera, and record a change as an event.
+        """Set the fault of the sensor, and record a change as an event.
 
-        `trouble`: a sentence with the cause and what to do; empty if the camera works.
+        `trouble`: a sentence with the cause and what to do; empty if the sensor works.
         """
         with self._lock:
-            before = self._status.trouble
-            self._status = msgspec.structs.replace(self._status, connected=not trouble, trouble=trouble)
+            before, self._trouble = self._trouble, trouble
+            self._state = replace(self._state, connected=not trouble, trouble=trouble)
         if trouble == before:
             return
-        reason = Reason.FAULT if trouble else Reason.OK
-        text = trouble or "The camera is connected again."
-        self._events.add(EventKind.CAMERA, action=self._eye, reason=reason, message=self._named(text))
+        reason, kind = Reason.FAULT if trouble else Reason.OK, self._kind
+        text = f"{kind.title}: {trouble or 'connected again.'}"
+        self._events.add(kind.event, action=kind.name, reason=reason, message=text)
 
-    def status(self) -> CameraStatus:
-        """Return the present state of the camera."""
+    def state(self) -> Struct:
+        """Return the present state of the sensor."""
         subscribed = self.subscribed
         with self._lock:
             self._forget(time.monotonic())
-            times_s, camera = self._times_s, self._status
+            times_s, state = self._times_s, self._state
             span_s = times_s[-1] - times_s[0] if times_s else 0.0
             rate = (len(times_s) - 1) / span_s if subscribed and span_s else 0.0
-            streaming = subscribed and bool(times_s)
-        return msgspec.structs.replace(camera, streaming=streaming, hz=rate)
+            # Microphones are on until their device is closed, which may be later than the last client leaves.
+            streaming = self._on if self._kind.switched else subscribed and bool(times_s)
+        found = {"hz": rate} if "hz" in state.__struct_fields__ else {}
+        return replace(state, streaming=streaming, **found)
 
     def contribute(self, status: StatusFields) -> None:
-        """Add the state of this camera to a status, and its fault as a warning."""
-        camera = self.status()
-        status.cameras.append(camera)
-        if camera.trouble:
-            status.warnings.append(self._named(camera.trouble))
-
-    def _named(self, text: str) -> str:
-        return f"{names.view_title(self._eye)}: {text}"
+        """Add the state of the sensor to a status, and its fault as a warning."""
+        if self._kind.name:
+            status.lists[self._kind.field].append(self.state())
+        else:
+            status.values[self._kind.field] = self.state()
+        if trouble := self._trouble:
+            status.warnings.append(f"{self._kind.title}: {trouble}")
 
     def _forget(self, now_s: float) -> None:
         while self._times_s and now_s - self._times_s[0] > WINDOW_S:
             self._times_s.popleft()
+
+
+def camera_publisher(
+    key: str, events: NodeEvents, source: str, on_subscribed: Callable[[], None]
+) -> SensorPublisher:
+    """Return the publisher of a camera; the key ends with `left` or `right`, of simulations also with `outside`."""
+    eye = key.rpartition("/")[2]
+    kind = SensorKind(names.view_title(eye), "cameras", EventKind.CAMERA, JPEG, eye)
+    state = CameraStatus(eye=eye, connected=False, streaming=False, hz=0.0, width=0, height=0, source=source)
+    return SensorPublisher(key, events, kind, state, on_subscribed)
+
+
+def microphones_publisher(
+    key: str, events: NodeEvents, source: str, on_subscribed: Callable[[], None], *, announce: bool
+) -> SensorPublisher:
+    """Return the publisher of both microphones; `announce`: an event says when real ones are switched on and off."""
+    kind = SensorKind(TITLE, TITLE, EventKind.MICROPHONES, PCM, switched=SWITCHED if announce else None)
+    state = MicrophonesStatus(connected=False, streaming=False, rate=RATE, source=source)
+    return SensorPublisher(key, events, kind, state, on_subscribed)

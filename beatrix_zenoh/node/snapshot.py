@@ -95,7 +95,7 @@ class Snapshot:
             "side": self.side,
             "plant": self._hardware.plant(),
             "warnings": fields.warnings,
-            "cameras": fields.cameras,
+            **fields.lists,
             **fields.values,
         }
         return Status(**values)  # type: ignore[arg-type]  # the constructor checks the names

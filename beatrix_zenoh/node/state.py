@@ -19,7 +19,6 @@ from beatrix_zenoh.bus import Incoming, Publication, Sessions
 from beatrix_zenoh.contract import codec, refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import (
-    NOT_ON_CHANGE,
     Detail,
     ErrorReply,
     EventKind,
@@ -27,7 +26,9 @@ from beatrix_zenoh.contract._generated.messages import (
     Reason,
     Status,
 )
+from beatrix_zenoh.contract._generated.values import VALUES
 from beatrix_zenoh.contract.errors import quoted
+from beatrix_zenoh.contract.values import rows
 from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.events import NodeEvents
 from beatrix_zenoh.node.interfaces import Component
@@ -70,8 +71,9 @@ CHECK_S = 0.2
 neck. After each change of the board's state and each request the controller calls `changed`: it takes more time to
 assemble a status than to publish positions."""
 ON_CHANGE = {
-    kind: [name for name in kind.__struct_fields__ if name not in quiet]
-    for kind, quiet in NOT_ON_CHANGE.items()
+    kind: [name for name, row in rows(kind).items() if row.on_change]
+    for kind, known in VALUES.items()
+    if not all(row.on_change for row in known.values())
 }
 """Fields whose change is published at once, by message; clocks and rates, which always change, are left out."""
 

@@ -14,6 +14,7 @@ from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, FollowState, Info, Status
+from beatrix_zenoh.contract.values import as_data
 from beatrix_zenoh.output import typed
 
 CELL, PROBLEM = 60, 400
@@ -152,28 +153,5 @@ def unlike_notes(statuses: Mapping[Place, Status], account: Account | None) -> l
 
 
 def state_row(status: Status) -> dict[str, object]:
-    """Return the state of a robot for JSON output."""
-    return {
-        "state": state(status),
-        "enabled": status.enabled,
-        "calibrated": status.calibrated,
-        "moving": status.moving,
-        "following": status.following,
-        **lease_row(status),
-        "fault": status.fault,
-        "warnings": status.warnings,
-    }
-
-
-def lease_row(status: Status) -> dict[str, object]:
-    """Return the holder, the waiting seats, and the teacher's freeze and speed limit, for JSON output."""
-    return {
-        "driver": status.holder,
-        "lease": status.lease,
-        "waiting": status.waiting,
-        "turn_left_s": status.turn_s,
-        "frozen": status.frozen,
-        "muted": status.muted,
-        "teacher_latch": status.teacher_latch,
-        "speed_limit_deg_s": round(math.degrees(status.speed_limit), 1),
-    }
+    """Return the state of a robot, its driver and all values of its status, for JSON output."""
+    return {"state": state(status), "driver": status.holder, **as_data(status)}

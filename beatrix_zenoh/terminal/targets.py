@@ -134,10 +134,13 @@ def show_positions(robots: list[Robot], *, as_json: bool) -> None:
 
 
 def reading_row(robot: Robot, reading: Reading) -> Mapping[str, object]:
-    """Return a robot and its angles in degrees, for JSON output."""
+    """Return a robot and its angles, for JSON output."""
+    return {"robot": robot.name, "side": robot.side, **degrees(reading)}
+
+
+def degrees(reading: Reading) -> Mapping[str, object]:
+    """Return the angles of a robot in degrees, for JSON output."""
     return {
-        "robot": robot.name,
-        "side": robot.side,
         "head_deg": {axis: round(angle, 3) + 0.0 for axis, angle in reading.head._asdict().items()},
         "arms_deg": {arm: round(angle, 3) + 0.0 for arm, angle in reading.arms._asdict().items()},
     }

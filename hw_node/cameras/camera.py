@@ -15,10 +15,10 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage, quoted
-from beatrix_zenoh.node import CameraFrame, CameraPublisher, Node
+from beatrix_zenoh.node import CameraFrame, Node, camera_publisher
+from beatrix_zenoh.node.sensor_thread import SILENT_S, Sensor
 from hw_node.cameras.source import FrameSource
 from hw_node.cameras.stand_ins import Pattern, PictureFiles
-from hw_node.sensor import SILENT_S, Sensor
 
 SILENCE: Final = f"The camera is plugged in but has delivered no picture for {SILENT_S:g} s. Unplug it, and plug it in again."
 
@@ -29,7 +29,7 @@ class CameraSensor(Sensor[CameraFrame]):
     def __init__(self, node: Node, eye: str, source: FrameSource) -> None:
         wake = threading.Event()
         key = keys.camera(node.name, node.side, eye)
-        publisher = CameraPublisher(key, node.events, source.name, wake.set)
+        publisher = camera_publisher(key, node.events, source.name, wake.set)
         super().__init__(f"{eye} eye", source, publisher, wake, SILENCE)
         self._eye = eye
 

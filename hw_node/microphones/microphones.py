@@ -16,9 +16,9 @@ from beatrix_zenoh import threads, wav
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
-from beatrix_zenoh.node import MicrophonesPublisher, Node, SoundBlock
+from beatrix_zenoh.node import Node, SoundBlock, microphones_publisher
+from beatrix_zenoh.node.sensor_thread import SILENT_S, Sensor, SensorSource
 from beatrix_zenoh.node.sensors import BLOCK, RATE, TITLE, BlockClock, to_pcm
-from hw_node.sensor import SILENT_S, Sensor, SensorSource
 
 TONES_HZ: Final = (500.0, 1000.0)
 """Frequencies of the test tone in the left and the right ear; a block contains whole periods of both."""
@@ -34,7 +34,7 @@ class MicrophoneSensor(Sensor[SoundBlock]):
     def __init__(self, node: Node, source: SoundSource) -> None:
         wake = threading.Event()
         key = keys.microphones(node.name, node.side)
-        publisher = MicrophonesPublisher(key, node.events, source.name, wake.set, announce=True)
+        publisher = microphones_publisher(key, node.events, source.name, wake.set, announce=True)
         super().__init__(TITLE, source, publisher, wake, SILENCE)
 
     def start_thread(self) -> threading.Thread:

@@ -18,6 +18,7 @@ from pyqtgraph import PlotDataItem
 from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.actions import WriteFile
 from gui.console.state.intents import Intent
 from gui.console.state.state import State
@@ -269,9 +270,59 @@ def test_the_export_has_what_is_shown_with_units(filled: PlotsPanel, tmp_path: P
 
 def test_a_table_has_no_columns_for_an_absent_robot() -> None:
     sim = np.array([[-1.0, 1, 2, 3], [0.0, 4, 5, 6]])
-    text = table({"hw": sim[:0], "sim": sim}, -0.5, 0.0)
+    text = table({"hw": sim[:0], "sim": sim}, [f"{arm}_deg" for arm in ARMS], -0.5, 0.0)
     assert text == "time_s,sim_short_deg,sim_middle_deg,sim_long_deg\n0.000,4.000,5.000,6.000\n"
-    assert table({}, -1.0, 0.0) == "time_s\n"
+    assert table({}, [], -1.0, 0.0) == "time_s\n"
+
+
+def choose(plots: PlotsPanel, group: str, name: str) -> None:
+    """Choose one of the other values in the menu."""
+    plots.bar.menu.aboutToShow.emit()
+    groups = {one.text(): one.menu() for one in plots.bar.values.actions()}
+    next(one for one in groups[group].actions() if one.text() == name).trigger()
+
+
+def test_any_number_of_the_robots_can_be_shown(filled: PlotsPanel, tmp_path: Path) -> None:
+    assert not any(one.isVisible() for one in filled.slots), "arms and their difference are the default"
+    choose(filled, "board", "boot")
+    choose(filled, "velocity", "short")
+    assert [one.isVisible() for one in filled.slots] == [True, True, False]
+    assert "velocity short (°/s)" in filled.slots[1].label.text()
+    fill(filled, lambda _: (0, 0, 0), 71.0)
+    hw, sim = (curve(line) for line in filled.slots[0].lines)
+    assert hw[1, -1] == sim[1, -1] == 1
+    choose(filled, "velocity", "short")
+    choose(filled, "head", "pitch")
+    choose(filled, "head", "roll")
+    choose(filled, "lease", "frozen")
+    assert "boot" not in filled.slots[0].label.text(), "the first choice makes room for a fourth"
+    asked: list[Intent] = []
+    filled.intent.connect(asked.append)
+    QTest.mouseClick(filled.bar.csv, Qt.MouseButton.LeftButton)
+    assert filled.dialog is not None
+    filled.dialog.fileSelected.emit(str(tmp_path / "plots.csv"))
+    (saved,) = asked
+    assert isinstance(saved, WriteFile)
+    header = str(saved.content).splitlines()[0].split(",")
+    assert header[1:7] == [
+        "hw_short_deg",
+        "hw_middle_deg",
+        "hw_long_deg",
+        "hw_frozen",
+        "hw_head.pitch",
+        "hw_head.roll",
+    ]
+
+
+def test_the_chosen_values_stay_when_the_language_changes(qtbot: QtBot, filled: PlotsPanel) -> None:
+    choose(filled, "board", "retries")
+    german = PlotsPanel(Texts("de"))
+    qtbot.addWidget(german)
+    german.keep(filled)
+    german.append(world_at(71.0))
+    german.show()
+    assert german.slots[0].isVisible()
+    assert "Platine Wiederholungen" in german.slots[0].label.text()
 
 
 def test_in_a_low_panel_the_plots_stand_in_two_columns(plots: PlotsPanel) -> None:
@@ -280,8 +331,9 @@ def test_in_a_low_panel_the_plots_stand_in_two_columns(plots: PlotsPanel) -> Non
     for height in (220, 500):
         plots.resize(545, height)
         QApplication.processEvents()
-        assert all(curves.area.height() > 50 for curves in plots.plots.values())
-        assert len({curves.x() for curves in plots.plots.values()}) == (2 if height < 300 else 1)
+        shown = [*plots.arms, plots.difference]
+        assert all(curves.area.height() > 50 for curves in shown)
+        assert len({curves.x() for curves in shown}) == (2 if height < 300 else 1)
 
 
 @pytest.mark.parametrize(

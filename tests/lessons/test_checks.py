@@ -17,6 +17,7 @@ from beatrix_zenoh.lessons import attempt, bench
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
 from beatrix_zenoh.lessons.lesson import find
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
+from beatrix_zenoh.lessons.phrases import phrase
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.stage import ROBOT, SEAT, Stage
 from beatrix_zenoh.lessons.unmet import NotMeasurable, busy
@@ -24,6 +25,7 @@ from beatrix_zenoh.lessons.unmet import NotMeasurable, busy
 PERIOD_S, MOTION_S = 0.02, 0.4
 NODS = [(0.0, pitch, 0.0) for pitch in (15, -5, 15, -5, 0)]
 SHAKE = [25.0, -25.0]
+SLOW = phrase("slow", factor=0.52)
 
 
 def drawn(poses: Sequence[tuple[float, float, float]], *events: Event) -> Seen:
@@ -88,7 +90,7 @@ class FakeStage:
 
     def end(self, *_arguments: object) -> Seen:
         if self._seen is None:
-            raise busy("For 2126 ms there was no position.")
+            raise busy(SLOW)
         return self._seen
 
 
@@ -96,7 +98,7 @@ class FakeStage:
     ("seen", "error"),
     [
         (drawn([]), Unmet),
-        (replace(drawn([]), doubt="For 120 ms there was no position."), Unmet),
+        (replace(drawn([]), doubt=SLOW), Unmet),
         (None, NotMeasurable),
     ],
 )

@@ -1,35 +1,53 @@
-"""Every wrong program of a lesson fails with the figure in its first line. A file of its own, to run beside the solutions."""
+"""Every wrong program of a lesson fails with its figure. A file of its own, to run beside the solutions."""
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import msgspec
 import pytest
-from lesson_checks import checked, of_lesson
+from lesson_checks import Wrong, checked, of_lesson, wrong_programs
 
-from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson
+from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson, names
 from beatrix_zenoh.lessons.stage import Stage
 
-EXPECTS = re.compile(r"^# expects: (\S+)")
 pytestmark = pytest.mark.timeout(400)  # a check may take two minutes, and is tried twice
 
 PROGRAMS = [
-    of_lesson(path, path.parent.parent.name, f"{path.parent.parent.name}/{path.stem}")
-    for path in sorted(LIBRARY.glob("*/wrong/*.py"))
+    of_lesson((lesson, wrong), lesson, f"{lesson}/{name}")
+    for lesson in names()
+    for name, wrong in wrong_programs(lesson).items()
 ]
 ENDLESS_S = 5.0
 """Limit (s) of programs that never end: their lessons allow more."""
 
 
-@pytest.mark.parametrize("path", PROGRAMS)
-def test_a_wrong_program_fails_with_its_figure(path: Path, stage: Stage) -> None:
-    lesson = Lesson(path.parent.parent)
-    expected = EXPECTS.match(path.read_text(encoding="utf-8"))
-    assert expected, "the first line is `# expects: FIGURE`"
-    if expected[1] == "ends":
+def solution(lesson: Lesson) -> str:
+    return (lesson.folder / "solution.py").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", names())
+def test_wrong_programs_differ_from_their_solution(name: str) -> None:
+    right = solution(Lesson(LIBRARY / name))
+    programs = [wrong.program(right) for wrong in wrong_programs(name).values()]
+    assert 2 <= len({*programs} - {right}) == len(programs) <= 5
+    for text in programs:
+        compile(text, name, "exec")
+
+
+@pytest.mark.parametrize("right", ["yaw = 2\n", "yaw = 1\nyaw = 1\n"], ids=["changed", "ambiguous"])
+def test_a_change_that_does_not_fit_the_solution_is_an_error(right: str) -> None:
+    with pytest.raises(ValueError, match="yaw = 1"):
+        Wrong("yaw", (("yaw = 1", "yaw = 0"),)).program(right)
+
+
+@pytest.mark.parametrize("case", PROGRAMS)
+def test_a_wrong_program_fails_with_its_figure(case: tuple[str, Wrong], stage: Stage, tmp_path: Path) -> None:
+    lesson, wrong = Lesson(LIBRARY / case[0]), case[1]
+    path = tmp_path / "start.py"
+    path.write_text(wrong.program(solution(lesson)), encoding="utf-8")
+    if wrong.expects == "ends":
         lesson.about = msgspec.structs.replace(lesson.about, limit_s=ENDLESS_S)
     verdict = checked(lesson, path, stage)
-    assert verdict.figure == expected[1], verdict
+    assert verdict.figure == wrong.expects, verdict
     assert verdict.means

@@ -17,7 +17,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
-from beatrix_zenoh.node import CameraFrame, CameraPublisher, Component, Node, StatusFields
+from beatrix_zenoh.node import CameraFrame, Component, Node, StatusFields, camera_publisher
 from hw_node.body import VirtualHardware
 
 PERIOD_S = 0.02
@@ -38,7 +38,7 @@ class Eyes(Component):
     def __init__(self, node: Node) -> None:
         self._wake = threading.Event()
         self.eyes = {
-            eye: CameraPublisher(keys.camera(node.name, "hw", eye), node.events, "test", self._wake.set)
+            eye: camera_publisher(keys.camera(node.name, "hw", eye), node.events, "test", self._wake.set)
             for eye in ("left", "right")
         }
         self.taken = {"left": 0, "right": 0}
@@ -167,4 +167,4 @@ def test_a_lost_camera_is_an_event_and_a_warning(eyes: Eyes, robot: Robot) -> No
         eyes.eyes["right"].report("")
         lost, found = islice((event for event in events if event.kind is EventKind.CAMERA), 2)
     assert (lost.kind, lost.action, lost.reason) == (EventKind.CAMERA, "right", Reason.FAULT)
-    assert (found.reason, found.message) == (Reason.OK, "right eye: The camera is connected again.")
+    assert (found.reason, found.message) == (Reason.OK, "right eye: connected again.")

@@ -15,8 +15,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import CameraFrame, Component, Node
-from hw_node import sensor
+from beatrix_zenoh.node import CameraFrame, Component, Node, sensor_thread
 from hw_node.body import VirtualHardware
 from hw_node.cameras.camera import CameraSensor
 
@@ -65,7 +64,7 @@ class HardwareWithOneEye(VirtualHardware):
 
 @pytest.fixture
 def source(monkeypatch: pytest.MonkeyPatch) -> FakeSource:
-    monkeypatch.setattr(sensor, "CHECK_S", 0.05)
+    monkeypatch.setattr(sensor_thread, "CHECK_S", 0.05)
     return FakeSource()
 
 
@@ -135,7 +134,7 @@ def test_a_camera_fault_is_shown_until_the_next_picture(source: FakeSource, robo
         messages = [event.message for event in islice((one for one in events if one.kind == "camera"), 2)]
     assert messages == [
         "left eye: It is used by another program.",
-        "left eye: The camera is connected again.",
+        "left eye: connected again.",
     ]
 
 

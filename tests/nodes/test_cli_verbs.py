@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import signal
 import subprocess
 import sys
@@ -50,8 +51,23 @@ def test_ls_warns_of_two_nodes_under_one_name(shell: Shell) -> None:
 
 def test_info_gives_limits_in_degrees(shell: Shell) -> None:
     (row,) = shell.json("info", "--on", "hw")["robots"]
-    assert row["limits_deg"]["tilt_max"] == pytest.approx(35)
-    assert "35°" in shell.good("info")
+    assert row["limits"]["tilt_max_deg"] == pytest.approx(35)
+    assert "35.0°" in shell.good("info")
+
+
+def test_status_shows_all_values_in_groups_with_units(shell: Shell) -> None:
+    text = shell.good("status", "--on", "hw")
+    assert text.splitlines()[0] == f"{NAME} (hw): ready"
+    for group, value in (
+        ("state", "enabled"),
+        ("lease", "holder"),
+        ("board", "connected"),
+        ("camera left", "connected"),
+    ):
+        assert re.search(rf"^{group} +{value} ", text, re.MULTILINE), group
+    assert re.search(r"^ +speed limit +0\.0°/s$", text, re.MULTILINE)
+    (row,) = shell.json("status", "--on", "hw")["robots"]
+    assert (row["state"], row["board"]["connected"], row["speed_limit_deg_s"]) == ("ready", True, 0.0)
 
 
 def test_echo_shows_the_requested_number(shell: Shell) -> None:

@@ -1,9 +1,11 @@
-"""Checks of the programs of lessons."""
+"""Checks of the programs of lessons, and their wrong programs: small differences to the solutions."""
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
+import msgspec
 import pytest
 from _pytest.mark import ParameterSet
 
@@ -15,6 +17,30 @@ from beatrix_zenoh.lessons.stage import Stage
 BUSY_TRIES = 2
 ALWAYS = "02-"
 """The lesson that `make test` checks: it observes a robot and calls functions."""
+WRONG = Path(__file__).resolve().parents[1] / "lessons/wrong"
+
+
+class Wrong(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A wrong program of a lesson, as its table in `tests/lessons/wrong`."""
+
+    expects: str
+    """the figure with which it fails"""
+    changes: tuple[tuple[str, str], ...]
+    """what it has instead of which part of the solution"""
+
+    def program(self, solution: str) -> str:
+        """Return the program; raises ValueError if a part is not, or more than once, in the solution."""
+        for old, new in self.changes:
+            if solution.count(old) != 1:
+                raise ValueError(f"{old!r} is {solution.count(old)} times in the solution: change this row.")
+            solution = solution.replace(old, new)
+        return solution
+
+
+def wrong_programs(lesson: str) -> dict[str, Wrong]:
+    """Return the wrong programs of a lesson by name."""
+    table = tomllib.loads((WRONG / f"{lesson}.toml").read_text(encoding="utf-8"))
+    return msgspec.convert(table, dict[str, Wrong])
 
 
 def of_lesson(value: object, lesson: str, name: str) -> ParameterSet:

@@ -18,6 +18,8 @@ from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Positions, Status
+from beatrix_zenoh.contract.values import values
+from beatrix_zenoh.node.state import change_fields
 
 M = TypeVar("M", bound=msgspec.Struct)
 AT_ONCE_S = 0.3
@@ -71,10 +73,9 @@ def published_statuses(robot: Robot) -> Published[Status]:
     return statuses
 
 
-def without_clocks(status: Status) -> Status:
-    """Return a status without the fields that differ in each publication: clocks, physics counters, camera rates."""
-    cameras = [msgspec.structs.replace(camera, hz=0.0) for camera in status.cameras]
-    return msgspec.structs.replace(status, t_mono_ns=0, t_wall_ns=0, plant=None, cameras=cameras)
+def without_clocks(status: Status) -> object:
+    """Return the values of a status whose change is published: no clocks, rates and counters of the physics."""
+    return change_fields(status)
 
 
 def at_once(status: Status, since_ns: float) -> None:
@@ -91,9 +92,12 @@ def regular(statuses: Published[Status]) -> Status:
     before = ask(
         robot.client, robot.place, keys.status(robot.name, robot.side), None, Status, robot.timeout_s
     )
-    while True:
+    deadline, changed = time.monotonic() + EVENT_S, list[str]()
+    while time.monotonic() < deadline:
         status = statuses.next()
         if without_clocks(status) != without_clocks(before):
-            before = status
+            pairs = zip(values(status), values(before), strict=False)
+            changed, before = [one.field for one, other in pairs if one != other], status
         elif status.holder == "" and status.t_mono_ns - before.t_mono_ns > AT_ONCE_S * 1e9:
             return status
+    raise AssertionError(f"no status without a change within {EVENT_S} s; last changed: {', '.join(changed)}")

@@ -7,6 +7,7 @@ import threading
 import wave
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import cast
 
 import numpy as np
 import pytest
@@ -14,13 +15,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh import NoAnswer
-from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.node import SoundBlock
-from beatrix_zenoh.node.interfaces import StatusFields
+from beatrix_zenoh.node import SensorPublisher, SoundBlock
+from beatrix_zenoh.node.sensor_thread import Sensor
 from beatrix_zenoh.node.sensors import BEHIND, BLOCK, BLOCK_NS, RATE, BlockClock
 from hw_node.microphones.microphones import SoundFile, SoundSource, Tone, choose
-from hw_node.sensor import Sensor
 
 
 def written(path: Path, samples: list[list[int]], *, rate: int = RATE, width: int = 2) -> Path:
@@ -118,16 +117,13 @@ def test_a_failure_that_repeats_is_logged_once(caplog: pytest.LogCaptureFixture)
             self.reports.append(trouble)
 
         def ended(self) -> None: ...
-        def start(self, _sessions: Sessions) -> None: ...
-        def publish(self, _frame: SoundBlock, /) -> None: ...
-        def contribute(self, _status: StatusFields) -> None: ...
 
     class Ears(Sensor[SoundBlock]):
         def start_thread(self) -> threading.Thread:
             raise NotImplementedError
 
     publisher = Publisher()
-    ears = Ears("microphones", Broken(), publisher, threading.Event(), "")
+    ears = Ears("microphones", Broken(), cast("SensorPublisher", publisher), threading.Event(), "")
     assert [ears._take() for _ in range(3)] == [False] * 3
     assert publisher.reports == ["The device failed: a bug. The node retries every second."] * 3
     assert [record.message for record in caplog.records] == ["microphones: failed."]

@@ -29,7 +29,7 @@ def test_a_status_has_lines_without_clocks_and_empty_fields() -> None:
     fields = {**msgspec.structs.asdict(READY), "speed_limit": math.radians(20), "warnings": ["too hot"]}
     lines = repr(RobotStatus(**fields)).splitlines()
     assert lines[:3] == ["bea (hw)", "  enabled: True", "  calibrated: True"]
-    assert {"  speed_limit: 20.0 °/s", "  warnings: ['too hot']", "    name: bea"} <= set(lines)
+    assert {"  speed_limit: 20.0°/s", "  warnings: too hot", "  board.name: bea"} <= set(lines)
     assert not [line for line in lines if "t_mono_ns" in line or "waiting" in line]
 
 

@@ -12,13 +12,14 @@ import pytest
 from golden import same
 from hypothesis import example, given
 from hypothesis import strategies as st
+from msgspec import structs
 
 from beatrix_zenoh import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.contract import codec, refusals, sentences
 from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Head, Limit, Reason, Vector3
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.contract.sentences import templates
-from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson
+from beatrix_zenoh.lessons.phrases import error_data, said
 from gui.console import texts
 
 LANGUAGES = {code: texts.load(code)[1] for code in texts.LANGUAGES}
@@ -217,24 +218,15 @@ def test_sentences_are_those_of_the_golden_file(language: str) -> None:
         )
 
 
-PUPILS = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT, Reason.SPEED_LIMIT, Reason.NOT_AT_REST)
-"""Reasons that the program of a pupil meets in the check of a lesson."""
-WORDS = {"\N{MINUS SIGN}": "-"} | {
-    rf" {word} (?=[-\d])": f" {angle} "
-    for word, angle in {"Drehen": "yaw", "Nicken": "pitch", "Neigen": "roll"}.items()
-}
-"""What the window writes for a person, and Python for a program."""
-
-
-def test_german_lessons_say_what_the_german_window_says() -> None:
-    german = Lesson(LIBRARY / "01-hello", "de")
-    said = [one for one in REFUSALS if one.reason in PUPILS and one.detail and one.detail.leaves_s != 0]
-    assert len(said) > 10
-    for refusal in (*said, refusals.coming_to_rest()):
-        shown = texts.Texts("de").refusal(refusal.reason, refusal.detail)
-        for in_window, in_program in WORDS.items():
-            shown = re.sub(in_window, in_program, shown)
-        assert german.phrase(refusal.message) == shown
+def test_lessons_make_every_sentence_in_their_language_from_its_data() -> None:
+    german = sentences.language("de")
+    for refusal in REFUSALS:
+        data = error_data(refusal)
+        own = sentences.render(refusal.reason, refusal.detail, german)
+        assert said(data) == f"{type(refusal).__name__}: {refusal.message}"
+        assert said(data, "de") == f"{type(refusal).__name__}: {own}"
+        named = structs.replace(data.unnamed, message=f"bea1 (sim): {refusal.message}")
+        assert said(named, "de") == f"bea1 (sim): {own}"
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

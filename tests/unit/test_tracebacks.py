@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -81,6 +82,12 @@ def test_a_traceback_is_complete(case: str, tmp_path: Path) -> None:
 )
 def test_other_errors_are_shown_as_python_shows_them(text: str, last: str, tmp_path: Path) -> None:
     assert errors_of(tmp_path, text)[-1] == last
+
+
+def test_a_parent_process_gets_the_error_as_data_whatever_hook_the_system_has(tmp_path: Path) -> None:
+    program = f"import sys\nsys.excepthook = print\nfrom beatrix_zenoh import Twin\n{CALL}\n"
+    *_, data = errors_of(tmp_path, program, BEATRIX_TRACEBACK="data")
+    assert json.loads(data)["reason"] == "BAD_VALUE"
 
 
 def test_a_notebook_shows_the_short_traceback() -> None:

@@ -25,6 +25,8 @@ class KeyRow(NamedTuple):
     priority: str
     congestion: str
     doc: str
+    rate_hz: int = 0
+    """Publications per second; 0: not at a constant rate."""
 
 
 class Parts(NamedTuple):
@@ -149,6 +151,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "interactive_high",
         "drop",
         "Positions of the robot, at 50 Hz while a client subscribes; a query returns the newest.",
+        rate_hz=50,
     ),
     "positions_json": KeyRow(
         "beatrix/{robot}/{side}/state/positions/json",
@@ -161,6 +164,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "data",
         "drop",
         "Positions as JSON text, published only while a client subscribes.",
+        rate_hz=50,
     ),
     "status": KeyRow(
         "beatrix/{robot}/{side}/state/status",
@@ -173,6 +177,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "interactive_high",
         "drop",
         "State of the robot, on change and once a second; a query returns the newest.",
+        rate_hz=1,
     ),
     "status_json": KeyRow(
         "beatrix/{robot}/{side}/state/status/json",
@@ -185,6 +190,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "data",
         "drop",
         "Status as JSON text, published only while a client subscribes.",
+        rate_hz=1,
     ),
     "events": KeyRow(
         "beatrix/{robot}/{side}/state/events",
@@ -233,6 +239,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "data_low",
         "drop",
         "Blocks of 20 ms of sound: 960 frames of two int16 samples, little-endian, left first; `audio/pcm`, published only while a client subscribes. The attachment is in msgpack.",
+        rate_hz=50,
     ),
     "target": KeyRow(
         "beatrix/{robot}/sim/scene/target",
@@ -662,4 +669,7 @@ def _parts(name: str, pattern: list[str], chunks: list[str]) -> Parts | None:
 
 
 POSITIONS_HZ: Final = 50
+POSITIONS_JSON_HZ: Final = 50
 STATUS_HZ: Final = 1
+STATUS_JSON_HZ: Final = 1
+MICROPHONES_HZ: Final = 50

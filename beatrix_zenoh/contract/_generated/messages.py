@@ -1021,11 +1021,3 @@ class ProgramInfo(Struct, frozen=True, kw_only=True):
     """keys of its subscriptions"""
     asks: list[Label] = []
     """keys of its queries and puts of the last 60 s"""
-
-
-NOT_ON_CHANGE: Final[dict[type[Struct], frozenset[str]]] = {
-    CameraStatus: frozenset(["hz"]),
-    MicrophonesStatus: frozenset(["dropped"]),
-    Status: frozenset(["t_mono_ns", "t_wall_ns", "turn_s", "stops", "plant"]),
-}
-"""Fields of Status and its parts whose change alone is not published: clocks, rates, physics."""

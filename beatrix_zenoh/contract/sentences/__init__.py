@@ -1,7 +1,7 @@
 """Sentences of refusals, made from reason and detail only; in English, unless the caller has another language.
 
 A sentence states the event, the allowed values and what to do. Its template depends on the reason, the limit and a case
-that `case_of` finds from the detail; a language is a table of templates. Angles are rad in a detail and degrees in a
+that `case_of` finds from the detail; a language is a table of templates, a TOML file of this folder. Angles are rad in a detail and degrees in a
 sentence.
 """
 
@@ -11,11 +11,12 @@ from collections.abc import Callable
 from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
-from beatrix_zenoh.contract.sentences.english import ENGLISH
-from beatrix_zenoh.contract.sentences.templates import Language, slots_of
+from beatrix_zenoh.contract.sentences.templates import Language, language, slots_of
 
-__all__ = ["BOTH_LIMITS", "TEACHER_LIMIT", "TURN_LIMIT", "case_of", "render"]
+__all__ = ["BOTH_LIMITS", "ENGLISH", "TEACHER_LIMIT", "TURN_LIMIT", "case_of", "language", "render"]
 
+ENGLISH: Final = language("en")
+"""read once, at the import: no refusal waits for a file"""
 TEACHER_LIMIT: Final = "speed_limit"
 """`Detail.field` of a speed above the teacher's limit: the field of the status that shows the limit."""
 TURN_LIMIT: Final = "turn_speed"

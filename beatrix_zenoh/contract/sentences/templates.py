@@ -6,8 +6,11 @@ Numbers have degrees instead of radians, and enough digits to distinguish a valu
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Final, NamedTuple
+from functools import cache
+from pathlib import Path
+from typing import Final, NamedTuple, Self
 
 from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason, Vector3
 
@@ -47,6 +50,39 @@ class Language(NamedTuple):
     """speeds that would be accepted"""
     nothing: str
     """sentence if no alternative was found"""
+
+
+@cache
+def language(code: str) -> Language:
+    """Return the sentences of a language, from its file in this folder; `code` as in ISO 639-1."""
+    table = tomllib.loads(Path(__file__).with_name(f"{code}.toml").read_text(encoding="utf-8"))
+    return Language(refusals=by_key(table.pop("refusals")), **table)
+
+
+def by_key(table: Mapping[str, str]) -> Mapping[Key, str]:
+    """Return sentences by their keys instead of names such as `OUT_OF_REACH TILT goal unfit`."""
+    return {_key(name): text for name, text in table.items()}
+
+
+def _key(name: str) -> Key:
+    reason, *words = name.split()
+    limit = Limit[words.pop(0)] if words and words[0] in Limit.__members__ else None
+    return Reason[reason], limit, " ".join(words)
+
+
+class Number(float):
+    """A number that is formatted with the decimal sign and the minus sign of a language."""
+
+    _language: Language
+
+    def __new__(cls, value: float, language: Language) -> Self:
+        """Format `value` as this language does."""
+        number = super().__new__(cls, value)
+        number._language = language
+        return number
+
+    def __format__(self, format_spec: str) -> str:
+        return _decimal(super().__format__(format_spec), self._language)
 
 
 def slots_of(detail: Detail, language: Language) -> dict[str, str]:

@@ -15,6 +15,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Status,
 )
 from beatrix_zenoh.contract.names import SIDES
+from beatrix_zenoh.contract.values import lines
 from gui.console.state import actions, connecting, intents, leases
 from gui.console.state.actions import ChooseRobot, Retry, StartSimulation
 from gui.console.state.intents import Intent, RunCommand
@@ -66,6 +67,8 @@ FOLLOWING: Final = {
     FollowState.FOLLOWING: "follow_following",
     FollowState.PARTED: "follow_parted",
 }
+TREATED: Final = ("clocks", "robot", "state", "stops")
+"""Groups of values that the pill shows in its own words, and those that people do not read."""
 CHOICES = 3
 """Largest number of robots that the banner offers; the list of robots contains all."""
 
@@ -274,27 +277,10 @@ def next_step_intent(next_step: str, side: str) -> Intent:
 
 
 def details(status: Status, texts: Texts) -> str:
-    """Return lines about the board and each camera, and one about all waiting seats."""
-    board = status.board
-    lines = [
-        texts(
-            "pill.details",
-            name=board.name or texts("unknown"),
-            port=board.port or texts("unknown"),
-            firmware=board.firmware or texts("unknown"),
-        )
-    ]
-    for camera in status.cameras:
-        eye = texts(f"eye.{camera.eye}") if camera.eye in ("left", "right") else camera.eye
-        lines.append(camera.trouble or texts("pill.camera", eye=eye, source=camera.source, hz=camera.hz))
-    if not status.cameras:
-        lines.append(texts("pill.no_cameras"))
-    if texts.code != DEFAULT_LANGUAGE:
-        lines += status.warnings
-        lines += [status.microphones.trouble] if status.microphones and status.microphones.trouble else []
-    if status.waiting:
-        lines.append(texts("pill.waiting", seats=", ".join(status.waiting)))
-    return "\n".join(lines)
+    """Return a line for each group of values that the rest of the pill does not show: lease, board, sensors."""
+    shown = lines(status, TREATED, texts.word, texts.decimal)
+    found = [f"{texts.word(group)}: {line}" for group, line in shown.items()]
+    return "\n".join(found if texts.code == DEFAULT_LANGUAGE else [*found, *status.warnings])
 
 
 def banner(memory: Memory, world: World) -> BannerView | None:

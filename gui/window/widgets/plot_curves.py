@@ -144,6 +144,11 @@ class Curves(QWidget):
             line.setVisible(shown)
         self._show_legend()
 
+    def rename(self, title: str) -> None:
+        """Show another quantity and unit."""
+        self._title = title
+        self._show_legend()
+
     def draw(self, curves: Sequence[tuple[Samples, Samples]]) -> None:
         """Draw times (s, before now) and angles (deg) of each curve."""
         self._shown = list(curves)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.contract.names import ARMS
+from beatrix_zenoh.contract.values import Value, values
 
 Samples = npt.NDArray[np.float64]
 
@@ -25,11 +26,12 @@ FOREIGN_S: Final = 1.0
 
 
 class History:
-    """Samples of one robot in a buffer of constant size: time (s) and angles of the arms (deg), shape (n, 4)."""
+    """Samples of one robot in a buffer of constant size: time (s), angles of the arms (deg) and other columns."""
 
-    def __init__(self, capacity: int = CAPACITY) -> None:
+    def __init__(self, columns: Sequence[str] = ARMS, capacity: int = CAPACITY) -> None:
         # Twice the capacity: the newest samples are always contiguous, and are moved only once per `capacity` samples.
-        self._rows: Samples = np.empty((2 * capacity, 1 + len(ARMS)))
+        self._rows: Samples = np.empty((2 * capacity, 1 + len(columns)))
+        self._columns = [*columns]
         self._capacity, self._end, self._size = capacity, 0, 0
 
     @property
@@ -37,7 +39,11 @@ class History:
         """All samples, oldest first; valid until the next `add`."""
         return self._rows[self._end - self._size : self._end]
 
-    def add(self, time_s: float, angles: tuple[float, float, float]) -> None:
+    def forget(self, column: str) -> None:
+        """Clear a column, whose values from now on are another quantity."""
+        self._rows[:, 1 + self._columns.index(column)] = math.nan
+
+    def add(self, time_s: float, values: Sequence[float]) -> None:
         """Add a sample if it is newer than the last; a clock set back by more than GAP_S clears the samples."""
         if self._size:
             last_s = float(self._rows[self._end - 1, 0])
@@ -48,17 +54,28 @@ class History:
             elif time_s < last_s:
                 return
             elif time_s > last_s + GAP_S:
-                self._put(last_s, (math.nan,) * 3)
-        self._put(time_s, angles)
+                self._put(last_s, [math.nan] * len(self._columns))
+        self._put(time_s, values)
 
-    def _put(self, time_s: float, angles: tuple[float, ...]) -> None:
+    def _put(self, time_s: float, values: Sequence[float]) -> None:
         if self._end == len(self._rows):
             kept = self._capacity - 1
             self._rows[:kept] = self._rows[self._end - kept :]
             self._end = self._size = kept
-        self._rows[self._end] = (time_s, *angles)
+        self._rows[self._end] = (time_s, *values)
         self._end += 1
         self._size = min(self._size + 1, self._capacity)
+
+
+def numbers(state: RobotState) -> dict[str, Value]:
+    """Return the numbers in the newest messages of a robot by their field, but no arm angles and no clocks."""
+    messages = [message for message in (state.positions, state.status) if message is not None]
+    return {
+        one.field: one
+        for message in messages
+        for one in values(message)
+        if isinstance(one.value, int | float) and one.unit != "ns" and one.group not in ("", "position")
+    }
 
 
 def sample_time_s(state: RobotState, now_s: float) -> float:
@@ -83,24 +100,25 @@ def difference(hw: Samples, sim: Samples) -> Samples:
     """
     if len(sim) < 2 or len(hw) == 0:
         return np.empty((0, 1 + len(ARMS)))
-    apart = hw.copy()
-    apart[:, 1:] -= _interpolated(sim, hw[:, 0])
+    apart = hw[:, : 1 + len(ARMS)].copy()
+    apart[:, 1:] -= _interpolated(sim[:, : 1 + len(ARMS)], hw[:, 0])
     return apart
 
 
-def table(samples: Mapping[str, Samples], begin_s: float, end_s: float) -> str:
-    """Return the samples between two times as comma-separated text; its header has the units.
+def table(samples: Mapping[str, Samples], names: Sequence[str], begin_s: float, end_s: float) -> str:
+    """Return the samples between two times as comma-separated text; its header has the names.
 
     Args:
         samples: by side; a side without samples has no columns.
+        names: names of the columns after the time, such as `short_deg`.
         begin_s: time of the first row at the earliest.
         end_s: time of the last row at the latest.
 
-    The rows have the times of the first side that has samples. Angles of the other side are interpolated linearly; a
+    The rows have the times of the first side that has samples. Values of the other side are interpolated linearly; a
     field is empty where there are none.
     """
     found = {side: rows for side, rows in samples.items() if len(rows)}
-    lines = [",".join(("time_s", *(f"{side}_{arm}_deg" for side in found for arm in ARMS)))]
+    lines = [",".join(("time_s", *(f"{side}_{name}" for side in found for name in names)))]
     times = next(iter(found.values()))[:, 0] if found else np.empty(0)
     times = times[(times >= begin_s) & (times <= end_s)]
     columns = [_interpolated(rows, times) for rows in found.values()]
@@ -113,10 +131,10 @@ def table(samples: Mapping[str, Samples], begin_s: float, end_s: float) -> str:
 
 
 def _interpolated(rows: Samples, times: Samples) -> Samples:
-    """Return the angles (deg) at some times (s), shape (n, 3); NaN before the first sample and after the last."""
+    """Return all columns at some times (s), without the time; NaN before the first sample and after the last."""
     columns = [
         np.interp(times, rows[:, 0], rows[:, arm], left=math.nan, right=math.nan)
-        for arm in range(1, 1 + len(ARMS))
+        for arm in range(1, rows.shape[1])
     ]
     return np.stack(columns, axis=1)
 

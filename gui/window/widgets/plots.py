@@ -1,4 +1,4 @@
-"""Arm angles of both robots over time, and their difference: zoom, pause, cursor, choice of curves and export."""
+"""Arm angles of both robots over time, their difference, and any other value: zoom, pause, cursor, choice of curves and export."""
 
 from __future__ import annotations
 
@@ -7,30 +7,29 @@ import time
 from typing import Final
 
 import pyqtgraph as pg
-from PyQt5.QtCore import QBuffer, QIODevice, QPoint, Qt
+from PyQt5.QtCore import QBuffer, QIODevice, Qt
 from PyQt5.QtGui import QColor, QResizeEvent, QShowEvent
 from PyQt5.QtWidgets import (
-    QAction,
     QFileDialog,
     QGridLayout,
-    QHBoxLayout,
     QLabel,
-    QMenu,
-    QPushButton,
     QStackedLayout,
     QVBoxLayout,
     QWidget,
 )
 
 from beatrix_zenoh import colours as hues
-from beatrix_zenoh.contract.names import ARMS, SIDES
+from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.contract.names import ARMS
+from beatrix_zenoh.contract.values import Value
 from gui.console.state.actions import NEW, WriteFile
 from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, label, plain_button, set_text, spaced
+from gui.window.widgets.controls import NO_MARGINS, label, set_text, spaced
 from gui.window.widgets.files import FilePanel
+from gui.window.widgets.plot_bar import BOTH, DIFFERENCE, PlotBar
 from gui.window.widgets.plot_curves import Curves, Name
 from gui.window.widgets.plot_samples import (
     SPAN_MAX_S,
@@ -38,12 +37,11 @@ from gui.window.widgets.plot_samples import (
     Samples,
     between,
     difference,
+    numbers,
     sample_time_s,
     table,
 )
 
-SPANS: Final = (5, 20, 60)
-"""Times that the plots show at the press of a button (s)."""
 SPAN_S: Final = 20.0
 """Time that the plots show at first."""
 SPAN_MIN_S: Final = 1.0
@@ -51,72 +49,25 @@ PERIOD_S: Final = 0.045
 """Shortest time between two drawings: 20 a second with some slack."""
 LEAST_ARM_DEG: Final = 20.0
 """Smallest range (deg) of the vertical axis of an arm's plot."""
+LEAST_VALUE: Final = 1.0
+"""Smallest range of the vertical axis of another value's plot."""
+SLOTS: Final = ("value 1", "value 2", "value 3")
+"""Plots of other values."""
+COLUMNS: Final = (*ARMS, *SLOTS)
+"""What the samples contain beside their time."""
 LEAST_DIFFERENCE_DEG: Final = 2.0
 """Smallest range (deg) of the vertical axis of the difference plot."""
 STYLES: Final = (Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine, Qt.PenStyle.DotLine)
 SIGNS: Final = ("—", "– –", "···")
 """Line styles of the difference, and signs that look like them: short, middle, long arm."""
-BOTH: Final = ("hw", "sim")
-"""The robots in the order in which they are drawn."""
-DIFFERENCE: Final = "difference"
 LOW: Final = 20
 """Height of the panel, in lines of text, below which the plots stand in two columns."""
 
 
-def described(text: str, tooltip: str) -> QPushButton:
-    """Return a button whose text is too short to be its name."""
-    return plain_button(text, tooltip, tooltip)
-
-
-class PlotBar(QWidget):
-    """The buttons above the plots."""
-
-    def __init__(self, texts: Texts) -> None:
-        super().__init__()
-        row = spaced(QHBoxLayout(self), 4, (4, 4, 4, 0))
-        self.spans = {
-            seconds: described(f"{seconds} s", texts("tip.plot_span", seconds=str(seconds)))
-            for seconds in SPANS
-        }
-        self.pause = described(texts("plot.pause"), texts("tip.plot_pause"))
-        for button in (*self.spans.values(), self.pause):
-            button.setCheckable(True)
-        self.curves = described(f"{texts('plot.curves')} ▾", texts("tip.plot_curves"))
-        self.time = label(role="dim")
-        """time at the cursor"""
-        self.csv = described("CSV", texts("tip.plot_csv"))
-        self.png = described("PNG", texts("tip.plot_png"))
-        for button in (*self.spans.values(), self.pause, self.curves):
-            row.addWidget(button)
-        row.addWidget(self.time, 1)
-        row.addWidget(self.csv)
-        row.addWidget(self.png)
-        self.menu = QMenu(self)
-        self.choices = {
-            name: self._choice(texts(f"label.{name}" if name in (*SIDES, DIFFERENCE) else f"arm.{name}"))
-            for name in (*BOTH, *ARMS, DIFFERENCE)
-        }
-        """by side, arm or DIFFERENCE"""
-        self.curves.clicked.connect(self._open_menu)
-
-    def _choice(self, text: str) -> QAction:
-        action = QAction(text, self.menu)
-        action.setCheckable(True)
-        action.setChecked(True)
-        self.menu.addAction(action)
-        return action
-
-    def _open_menu(self) -> None:
-        """Open the menu without blocking the window."""
-        self.menu.popup(self.curves.mapToGlobal(QPoint(0, self.curves.height())))
-
-    def chosen(self, name: str) -> bool:
-        """Return whether a side, an arm or the difference is shown."""
-        return self.choices[name].isChecked()
-
-
 class PlotsPanel(FilePanel):
     """A plot for each arm, thin for the simulation and wide for the hardware, and one of their difference.
+
+    The user can also choose other numbers that the robots publish.
 
     The times are the robots' own stamps, so that a lag of the hardware is visible. While the widget is hidden or
     paused, samples are kept but not drawn.
@@ -124,7 +75,9 @@ class PlotsPanel(FilePanel):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts)
-        self._robot, self._histories = "", {side: History() for side in BOTH}
+        self._robot, self._histories = "", {side: History(COLUMNS) for side in BOTH}
+        self._watched: dict[str, Value] = {}
+        """the other values that are shown, by slot"""
         self._now_s = 0.0
         self._drawn_s = -math.inf
         self._begin_s, self._end_s = -SPAN_S, 0.0
@@ -132,11 +85,12 @@ class PlotsPanel(FilePanel):
         self._paused: dict[str, Samples] | None = None
         """the samples while the plots are paused"""
         self._cursor_s: float | None = None
+        self._world: World | None = None
         self.bar = PlotBar(texts)
         self._graphics = QWidget()
         self._graphics.setAutoFillBackground(True)
         self.plots = self._made_plots(texts)
-        """by arm, and DIFFERENCE"""
+        """by arm, slot, and DIFFERENCE"""
         self.empty = label(texts("label.plots_empty"), wrap=True)
         self.empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._lay_out()
@@ -149,6 +103,11 @@ class PlotsPanel(FilePanel):
     def arms(self) -> list[Curves]:
         """The plots of the arms."""
         return [self.plots[arm] for arm in ARMS]
+
+    @property
+    def slots(self) -> list[Curves]:
+        """The plots of other values, which are hidden until the user chooses one."""
+        return [self.plots[slot] for slot in SLOTS]
 
     @property
     def difference(self) -> Curves:
@@ -169,12 +128,15 @@ class PlotsPanel(FilePanel):
             )
             for arm in ARMS
         }
+        plots |= {slot: Curves(texts, "", LEAST_VALUE, sides) for slot in SLOTS}
         arms = [Name(sign, texts(f"arm.{arm}")) for sign, arm in zip(SIGNS, ARMS, strict=True)]
         return plots | {
             DIFFERENCE: Curves(texts, f"{texts('label.difference')} (°)", LEAST_DIFFERENCE_DEG, arms)
         }
 
     def _lay_out(self) -> None:
+        for curves in self.plots.values():
+            curves.setParent(self._graphics)  # before it is in the grid, a plot must not become a window
         self._grid = spaced(QGridLayout(self._graphics), None, (4, 2, 4, 2))
         self._grid.setVerticalSpacing(0)
         self.none: QLabel = label(self._texts("label.plots_none"), wrap=True)
@@ -192,6 +154,7 @@ class PlotsPanel(FilePanel):
         for seconds, button in self.bar.spans.items():
             button.clicked.connect(lambda _, seconds=seconds: self.show_span(float(seconds)))
         self.bar.pause.clicked.connect(self.pause)
+        self.bar.menu.aboutToShow.connect(self._offer)
         for action in self.bar.choices.values():
             action.toggled.connect(self._choose)
         self.bar.csv.clicked.connect(self._export_table)
@@ -206,15 +169,15 @@ class PlotsPanel(FilePanel):
     def append(self, world: World) -> None:
         """Add the newest positions, and draw them if the plots are visible and not paused."""
         if world.robot != self._robot:
-            self._robot, self._histories = world.robot, {side: History() for side in BOTH}
+            self._robot, self._histories = world.robot, {side: History(COLUMNS) for side in BOTH}
             self.pause(on=False)
         for side, history in self._histories.items():
             state = world.side(side)
             reading = state.reading
             if reading is not None:
                 arms = reading.arms
-                history.add(sample_time_s(state, world.now_s), (arms.short, arms.middle, arms.long))
-        self._now_s = world.now_s
+                history.add(sample_time_s(state, world.now_s), (*arms, *self._others(state)))
+        self._now_s, self._world = world.now_s, world
         if self._paused is None and self.isVisible() and time.monotonic() - self._drawn_s > PERIOD_S:
             self._draw()
 
@@ -222,10 +185,38 @@ class PlotsPanel(FilePanel):
         """Go on with the samples, times and choices of a panel in another language."""
         self._robot, self._histories, self._now_s = before._robot, before._histories, before._now_s
         self._paused, self._begin_s, self._end_s = before._paused, before._begin_s, before._end_s
+        self._watched, self._world = before._watched, before._world
+        self._choose()
         for name, action in self.bar.choices.items():
             action.setChecked(before.bar.chosen(name))
         self.bar.pause.setChecked(self._paused is not None)
         self._show_times()
+
+    def _others(self, state: RobotState) -> list[float]:
+        """Return the present values of all slots; NaN of an empty one, and of a value that this robot does not have."""
+        found = numbers(state) if self._watched else {}
+        present = [found.get(self._watched[slot].field) if slot in self._watched else None for slot in SLOTS]
+        return [math.nan if value is None else value.number for value in present]
+
+    def _offer(self) -> None:
+        """Offer all numbers of both robots in the menu."""
+        found: dict[str, Value] = {}
+        if self._world is not None:
+            for side in BOTH:
+                found |= numbers(self._world.side(side))
+        self.bar.offer(found.values(), {value.field for value in self._watched.values()}, self.watch)
+
+    def watch(self, value: Value, on: bool) -> None:  # noqa: FBT001 - Qt's signal has it
+        """Show a value from now on in a slot, if all are in use in that of the value chosen first; or show it no longer."""
+        slots = [slot for slot, shown in self._watched.items() if shown.field == value.field]
+        free = [slot for slot in SLOTS if slot not in self._watched] or [*self._watched]
+        for slot in slots or free[:1]:
+            self._watched.pop(slot, None)
+            for history in self._histories.values():
+                history.forget(slot)
+            if on:
+                self._watched[slot] = value
+        self._choose()
 
     def _samples(self) -> dict[str, Samples]:
         """Return the samples of the chosen robots, with times before now or before the pause."""
@@ -251,7 +242,7 @@ class PlotsPanel(FilePanel):
                 apart = difference(hw, sim)
                 curves.draw([(apart[:, 0], apart[:, arm]) for arm in range(1, 1 + len(ARMS))])
             else:
-                curves.draw([(rows[:, 0], rows[:, 1 + ARMS.index(name)]) for rows in (hw, sim)])
+                curves.draw([(rows[:, 0], rows[:, 1 + COLUMNS.index(name)]) for rows in (hw, sim)])
         if self._cursor_s is not None:
             self._read()
 
@@ -312,15 +303,21 @@ class PlotsPanel(FilePanel):
 
     def _choose(self) -> None:
         """Show the chosen plots."""
+        for slot, value in self._watched.items():
+            words = " ".join(self._texts.word(part) for part in (value.group, value.title))
+            self.plots[slot].rename(f"{words} ({value.unit})" if value.unit else words)
         for name, curves in self.plots.items():
             curves.choose([self.bar.chosen(part) for part in (ARMS if name == DIFFERENCE else BOTH)])
-            curves.setVisible(self.bar.chosen(name))
+            curves.setVisible(self._shown(name))
         self._arrange()
         self._draw()
 
+    def _shown(self, name: str) -> bool:
+        return name in self._watched if name in SLOTS else self.bar.chosen(name)
+
     def _arrange(self) -> None:
         """Put the chosen plots into one column or, in a low panel, into two; the lowest have the labels of the time."""
-        shown = [curves for name, curves in self.plots.items() if self.bar.chosen(name)]
+        shown = [curves for name, curves in self.plots.items() if self._shown(name)]
         columns = 1 if self.height() >= LOW * self.fontMetrics().lineSpacing() else 2
         for number, curves in enumerate(shown):
             self._grid.addWidget(curves, *divmod(number, columns))
@@ -334,8 +331,11 @@ class PlotsPanel(FilePanel):
     # -- export -------------------------------------------------------------------------------------
 
     def _export_table(self) -> None:
-        samples = {side: rows for side, rows in self._samples().items() if self.bar.chosen(side)}
-        self._save("plot_csv", table(samples, self._begin_s, self._end_s))
+        names = {arm: f"{arm}_deg" for arm in ARMS}
+        names |= {slot: self._watched[slot].field for slot in SLOTS if slot in self._watched}
+        columns = [0, *(1 + COLUMNS.index(name) for name in names)]
+        samples = {side: rows[:, columns] for side, rows in self._samples().items() if self.bar.chosen(side)}
+        self._save("plot_csv", table(samples, [*names.values()], self._begin_s, self._end_s))
 
     def _export_picture(self) -> None:
         buffer = QBuffer()
@@ -366,7 +366,7 @@ class PlotsPanel(FilePanel):
         ground.setColor(self._graphics.backgroundRole(), QColor(colours.field))
         self._graphics.setPalette(ground)
         pens = [pg.mkPen(pale, width=3 * thin), pg.mkPen(colours.sim, width=thin)]
-        for curves in self.arms:
+        for curves in (*self.arms, *self.slots):
             curves.show_theme(pens, colours)
         self.difference.show_theme(
             [

@@ -123,7 +123,7 @@ def light(attempt: Attempt, picture_ms: float) -> None:
     share = f"your program itself used {attempt.cores:.1f} of a core; " if attempt.cores > BUSY_CORES else ""
     fast = picture_ms <= PICTURE_MS and attempt.cores <= BUSY_CORES
     if not fast:
-        attempt.doubt = ""
+        attempt.doubt = None
     attempt.require("slow", fast, share=share, took=picture_ms, allowed=PICTURE_MS)
 
 

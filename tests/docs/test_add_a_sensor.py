@@ -1,0 +1,81 @@
+"""The page about a new sensor: its changes apply, and all programs show the switch without a change of their own."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from shutil import copytree, ignore_patterns
+
+import pytest
+from robots import ROOT, Stage, until
+
+PAGE = ROOT / "docs/how-to/add-a-sensor.md"
+CHANGED = re.compile(r"^\+\+\+ b/(\S+)", re.MULTILINE)
+DETAILS = """
+import sys
+from beatrix_zenoh import Robot
+from gui.console.state.pills import details
+from gui.console.texts import Texts
+with Robot("bea", "hw", connect=sys.argv[1]) as robot:
+    print(details(robot.status(), Texts("en")))
+"""
+
+pytestmark = pytest.mark.no_cover  # a copy of the packages
+
+
+@pytest.fixture(scope="module")
+def stage() -> Iterator[Stage]:
+    with Stage() as made:
+        yield made
+
+
+def run(folder: Path, *words: str) -> str:
+    """Run Python with the packages of a folder, and return its output."""
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    command = [sys.executable, *words]
+    done = subprocess.run(
+        command, check=False, cwd=folder, env=environment, capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_a_switch_in_six_files_is_shown_by_all_programs(stage: Stage, tmp_path: Path) -> None:
+    changes = "".join(re.findall(r"^```diff\n(.*?)^```", PAGE.read_text(), re.MULTILINE | re.DOTALL))
+    assert len(CHANGED.findall(changes)) == 6
+    folder = tmp_path / "beatrix"
+    for part in ("beatrix_zenoh", "hw_node", "gui", "schemas", "firmware/beatrix", "docs/reference"):
+        copytree(ROOT / part, folder / part, ignore=ignore_patterns("__pycache__"))
+    (folder / "pyproject.toml").write_bytes((ROOT / "pyproject.toml").read_bytes())
+    subprocess.run(["git", "apply", "-"], input=changes, text=True, cwd=folder, check=True, timeout=10)
+    run(folder, "schemas/generate.py")
+
+    switch = tmp_path / "value"
+    switch.write_text("1\n")
+    where = ("--name", "bea", "--connect", stage.endpoint)
+    beatrix = ("-m", "beatrix_zenoh.cli")
+    words = [sys.executable, *beatrix, "hw", "--port", "virtual:", "--touch", str(switch), *where]
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    with subprocess.Popen(words, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True) as node:
+        try:
+            assert node.stdout is not None
+            assert "ready" in node.stdout.readline()
+
+            def pressed() -> bool:
+                (row,) = json.loads(run(folder, *beatrix, "status", "--json", *where))["robots"]
+                return bool(row["pressed"])
+
+            until(pressed, "the switch is read")
+            text = run(folder, *beatrix, "status", *where)
+            assert re.search(r"^touch +pressed +yes$", text, re.MULTILINE)
+            line = run(folder, *beatrix, "echo", "touch", "--count", "1", *where)
+            assert line.startswith("bea (hw)  seq ")
+            assert line.endswith(", pressed yes\n")
+            assert "touch: pressed\n" in run(folder, "-c", DETAILS, stage.endpoint)
+        finally:
+            node.terminate()
