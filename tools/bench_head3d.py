@@ -14,8 +14,9 @@ from PyQt5.QtTest import QTest
 
 from gui.console.link.connection import absent
 from gui.console.state.intents import Theme
+from gui.console.state.orientation import HeadOrientation
 from gui.console.state.state import State
-from gui.console.state.views import HeadOrientation, HeadView
+from gui.console.state.views import HeadView
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 from gui.window.run import qt_application

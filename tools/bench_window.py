@@ -21,7 +21,7 @@ from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.stopping import QueuedStop
 from beatrix_zenoh.settings import Settings
 from gui.console.state.actions import Outcome
-from gui.console.state.intents import SetCameras, SetDestination, SetIncrement, SetSpeed, ShowTab, Tab
+from gui.console.state.intents import Choose, Tab
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.window.run import SIZE, linked_window, qt_application
@@ -121,8 +121,8 @@ def click(widget: QWidget) -> float:
 def stops(window: Window, times: Times) -> tuple[list[float], list[float]]:
     """Press Space during motions; return the times (s) until STOP was sent, and until arms at rest were shown."""
     sent, shown = [], []
-    window.handle(SetIncrement(60.0))
-    window.handle(SetSpeed(30.0))
+    window.handle(Choose("increment", 60.0))
+    window.handle(Choose("speed", 30.0))
     row = window.panels.arms.rows["all"]
     for number in range(STOPS):
         times.shown.clear()
@@ -149,7 +149,7 @@ def stops(window: Window, times: Times) -> tuple[list[float], list[float]]:
 
 def show(window: Window, tab: Tab) -> None:
     """Show a tab of the middle, and let it settle."""
-    window.handle(ShowTab(tab))
+    window.handle(Choose("tab", tab))
     window.panels.tabs.setCurrentIndex(list(Tab).index(tab))
     QTest.qWait(1500)
 
@@ -195,9 +195,9 @@ def measure(window: Window, endpoint: str) -> None:
     with Robot(NAME, "hw", connect=endpoint, who="bench") as robot:
         robot.make_ready()
         drawn, moving = turning(window, times, robot)
-    window.handle(SetDestination("sim", checked=False))
-    window.handle(SetDestination("hw", checked=True))
-    window.handle(SetCameras(on=True))
+    window.handle(Choose("sim", value=False))
+    window.handle(Choose("hw", value=True))
+    window.handle(Choose("cameras", value=True))
     until(lambda: "ms" in window.panels.header.pills["hw"].notes.text())
     plots = cpu(window, Tab.PLOTS)
     eyes = cpu(window, Tab.EYES)

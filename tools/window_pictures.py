@@ -41,9 +41,9 @@ def draw(view: View, size: tuple[int, int] | None, file: Path, part: str) -> Non
     size: of the window; None: the window has the size that it chooses, and the picture is that of the screen.
     """
     window = QMainWindow()
-    panels = Panels(Texts(view.language))
+    panels = Panels(Texts(view.choices.language))
     window.setCentralWidget(panels)
-    apply_theme(window, style_of(view.theme))
+    apply_theme(window, style_of(view.choices.theme))
     screen = QApplication.primaryScreen()
     if size is None:
         show(window, screen.availableGeometry().size())
@@ -51,7 +51,7 @@ def draw(view: View, size: tuple[int, int] | None, file: Path, part: str) -> Non
     else:
         window.resize(*size)
         window.show()
-    panels.show_theme(view.theme)
+    panels.show_theme(view.choices.theme)
     panels.show_view(view)
     panels.header.setVisible(part != "projector")
     panels.class_page.show_large(on=part == "projector")

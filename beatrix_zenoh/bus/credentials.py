@@ -92,7 +92,8 @@ def no_router(error: NoAnswer, account: Account | None) -> NoAnswer:
         return error
     return NoAnswer(
         error.reason,
-        f"No router of class {account.class_name} at {account.connect}. The teacher starts it with `beatrix router --class "
+        f"No router of class {account.class_name} at {account.connect}. If it has ended, it is back within some seconds, or "
+        "after a minute if the seats are out: try again. Otherwise the teacher starts it with `beatrix router --class "
         "class.toml`. If it runs, check that this computer is in the same network and that no firewall blocks the "
         "port.",
     )

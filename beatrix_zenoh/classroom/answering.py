@@ -12,9 +12,9 @@ from beatrix_zenoh.contract.errors import NoAnswer
 
 PERIOD_S, ANSWER_S = 1.0, 2.0
 """Time between two queries, and longest time until an answer (s)."""
-FAILURES: Final = 2
-"""Queries without an answer, one after the other, after which a router counts as stuck. One may also fail because this
-process was suspended."""
+FAILURES: Final = 3
+"""Queries without an answer, one after the other, after which a router counts as stuck. Two may also fail because the
+computer was asleep."""
 
 
 class Answering:

@@ -124,11 +124,14 @@ class PendingDecisions:
             if next(query.replies(ANSWER_S), None) is None:
                 return
             del self._kept[key][kind]
+            self._write()
         del self._kept[key]
-        self._write()
 
     def _write(self) -> None:
         try:
             files.write_private(self._place, msgspec.json.encode(self._kept).decode())
         except OSError as error:
-            note(f"The decisions for robots that are not online end with this program: {error}.")
+            note(
+                f"The decisions for robots that are not online cannot be stored ({error}): after the next start of this "
+                "program the routers apply those that were stored last."
+            )

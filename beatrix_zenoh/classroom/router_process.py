@@ -7,6 +7,7 @@ its parent. It prints lines of JSON, each a list: what has happened, and its dat
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import queue
@@ -170,11 +171,11 @@ def _limit_memory() -> None:
 
 
 def _print(event: str, *data: object) -> None:
-    sys.stdout.write(msgspec.json.encode([event, *data]).decode() + "\n")
-    sys.stdout.flush()
+    with contextlib.suppress(BrokenPipeError):  # the parent was killed, and this process ends, too
+        sys.stdout.write(msgspec.json.encode([event, *data]).decode() + "\n")
+        sys.stdout.flush()
 
 
 if __name__ == "__main__":
     code = main()
-    sys.stdout.flush()
     os._exit(code)  # closing the session would wait for clients that do not read

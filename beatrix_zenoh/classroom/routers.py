@@ -23,7 +23,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
 from beatrix_zenoh.account import today
 from beatrix_zenoh.classroom import router_file
-from beatrix_zenoh.classroom.answering import ANSWER_S, FAILURES, PERIOD_S, Answering
+from beatrix_zenoh.classroom.answering import FAILURES, Answering
 from beatrix_zenoh.classroom.pending import PendingDecisions
 from beatrix_zenoh.classroom.router_file import Part, RouterFile
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -41,7 +41,7 @@ AGAIN_S: Final = 1.0
 STACK: Final = str(8 << 20)
 """Stack (bytes) of each of Zenoh's threads. A key of 8 000 chunks overflows the usual 2 MiB; with 64 MiB the stacks alone
 would exceed the memory of `router_process.MEMORY` (decision 0092)."""
-STUCK: Final = f"it did not answer for {FAILURES * (PERIOD_S + ANSWER_S):.0f} s and was ended"
+STUCK: Final = f"it did not answer {FAILURES} times, so it was ended"
 PUT_OUT: Final = "take it out of class.toml and run `beatrix classroom init class.toml`."
 OFTEN, OFTEN_S = 3, 60.0
 """A router that has ended OFTEN times in OFTEN_S is probably ended on purpose."""
@@ -226,6 +226,8 @@ class ClassRouters:
         except BeatrixError as error:
             note(f"The {part.called} cannot start. {error.message} It tries again in {AGAIN_S:.0f} s.")
             self._put_off(part, AGAIN_S)
+        else:
+            note(f"The {part.called} runs again.")
 
     def _changed(self) -> RouterFile | None:
         """Return the file if it has changed since the last call; None if it has not or cannot be read."""

@@ -16,6 +16,7 @@ from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.twin import check_reachable
+from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import (
     Command,
     LeaseAction,
@@ -272,6 +273,8 @@ def _govern(
     as_json: bool,
 ) -> None:
     """Send a lease query to the robots `wanted`, or to all; exit with the first failure's code."""
+    for robot in wanted or ():
+        names.check_name(robot)
     settings = resolve(None, connect, who)
     if settings.account and query.action is LeaseAction.MUTE:
         settings.account.check_muted(query.seat)
@@ -296,7 +299,10 @@ def _govern(
         if not as_json:
             _name_absent(client, silent, {robot for robot, _ in present}, [*later], wanted)
     failed = [place for place in places if results[place].reason is not Reason.OK and place not in silent]
-    code = exit_code(results[failed[0]].reason) if failed else 0
+    unknown = {*(wanted or ())} - {robot for robot, _ in places} - {*later}
+    code = (
+        exit_code(results[failed[0]].reason if failed else Reason.NO_SUCH_ROBOT) if failed or unknown else 0
+    )
     if as_json:
         rows = [_row(place, results[place]) for place in places]
         print_json({"result": not failed, "robots": rows, "pending": [*later]})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import time
 from collections.abc import Collection, Iterator, Sequence
 from typing import Annotated, NamedTuple
 
@@ -16,10 +17,12 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, WrongUsage
 from beatrix_zenoh.output import USAGE, exit_code, note, print_json, say
-from beatrix_zenoh.settings import resolve_valid
+from beatrix_zenoh.settings import Settings, resolve_valid
 from beatrix_zenoh.terminal.options import Connect, Json, Which, Who
 
 ALL = "*"
+AGAIN_S, PAUSE_S = 8.0, 0.2
+"""Longest time (s) to send STOP again in a class without its router, and pause before each attempt."""
 
 Emergency = Annotated[
     bool,
@@ -74,7 +77,38 @@ def stop(
         show(wrong_names, as_json=as_json)
     sides = {*(on or ())}
     side = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else ALL
-    with noting(wrong_settings), Client(settings, source=Source.CLI) as client:
+    with noting(wrong_settings):
+        answers, present = send(settings, asked, side, emergency=emergency)
+    if not (answers or wrong_names):
+        raise nothing_to_stop(settings.connect, asked, present)
+    missing = absent(asked, side, answers, present, settings.connect)
+    show([*itertools.starmap(outcome_of, answers.items()), *missing, *wrong_names], as_json=as_json)
+
+
+def send(
+    settings: Settings, asked: Sequence[str], side: str, *, emergency: bool
+) -> tuple[dict[Place, Answer], Sequence[Place]]:
+    """Send STOP; return the answers and the robots online.
+
+    The router of a class is started again if it ends or is stuck, so STOP is sent again, for AGAIN_S.
+    """
+    deadline_s = time.monotonic() + (AGAIN_S if settings.account else 0.0)
+    for attempt in itertools.count():
+        try:
+            return _send(settings, asked, side, emergency=emergency)
+        except NoAnswer as error:
+            if error.reason is not Reason.NO_ROUTER or time.monotonic() > deadline_s:
+                raise
+            if not attempt:
+                note(f"The router does not answer. STOP is sent again, for at most {AGAIN_S:.0f} s.")
+            time.sleep(PAUSE_S)
+    raise AssertionError
+
+
+def _send(
+    settings: Settings, asked: Sequence[str], side: str, *, emergency: bool
+) -> tuple[dict[Place, Answer], Sequence[Place]]:
+    with Client(settings, source=Source.CLI) as client:
         sent = [SentGroupStop(client, (robot, side), emergency=emergency) for robot in asked]
         present = client.robots()  # after STOP is sent, but before a node that hangs loses its token
         found = [place for place in present if any(matches((robot, side), place) for robot in asked)]
@@ -82,10 +116,7 @@ def stop(
             sent = [*stop_simulations(client, asked, side), *sent, *emergency_by_name(client, found)]
         answers = {place: answer for stop in sent for place, answer in stop.replies().items()}
         answers |= silences(client.bus, [place for place in found if place not in answers])
-    if not (answers or wrong_names):
-        raise nothing_to_stop(settings.connect, asked, present)
-    missing = absent(asked, side, answers, present, settings.connect)
-    show([*itertools.starmap(outcome_of, answers.items()), *missing, *wrong_names], as_json=as_json)
+        return answers, present
 
 
 def stop_simulations(client: Client, asked: Sequence[str], side: str) -> list[SentGroupStop]:

@@ -16,8 +16,15 @@ from gui.console.link import Link
 from gui.console.link.jogging import Press
 from gui.console.link.moving import robots_of
 from gui.console.state import class_page, intents, projector
-from gui.console.state.actions import Action, Outcome, SendStop, WatchMicrophones
-from gui.console.state.connecting import ConnectIntent
+from gui.console.state.actions import (
+    Action,
+    AskLease,
+    LookForPorts,
+    Outcome,
+    SendStop,
+    StartSimulation,
+    WatchMicrophones,
+)
 from gui.console.state.holding import AHEAD_S, ROTATIONS, jog_query
 from gui.console.state.intents import Intent, Tab
 from gui.console.state.presence import online
@@ -101,7 +108,7 @@ class Face:
     def open(self, saved: Saved) -> None:
         """Begin with the choices that the browser has kept."""
         self.state, self._aimed = State(saved), False
-        self.state.handle(intents.ShowTab(Tab.EYES), self._world)
+        self.state.handle(intents.Choose("tab", Tab.EYES), self._world)
 
     def notify(self, key: str, **slots: str) -> None:
         """Show a sentence beside the button *Drive*; no key: none."""
@@ -133,15 +140,15 @@ class Face:
         here = [side for side in SIDES if online(world, side)]
         if here and not self._aimed:
             self._aimed = True
-            self.state.handle(intents.SetDestination("sim", checked="sim" in here), world)
-            self.state.handle(intents.SetDestination("hw", checked="sim" not in here), world)
+            self.state.handle(intents.Choose("sim", value="sim" in here), world)
+            self.state.handle(intents.Choose("hw", value="sim" not in here), world)
         driver = self.driver
         if driver is not None:
             driver.asked &= set(here)
             for side in here:
                 if side not in driver.asked:
                     driver.asked.add(side)
-                    self.carry_out(intents.AskLease(LeaseAction.WAIT, side))
+                    self.carry_out(AskLease(LeaseAction.WAIT, side))
 
     def _parts(self, world: World, robots: tuple[str, ...]) -> dict[str, object]:
         view, driver, texts = self.state.view(world), self.driver, self.state.choices.texts
@@ -158,6 +165,8 @@ class Face:
                 "notice": texts(key, **slots) if key else "",
             },
             "saved": self.state.saved,
+            "choices": view.choices,
+            "language": texts.code,
             "texts": _texts_of_page(texts.code),
             "eyes": self._eyes(view, world),
             "sound": view.sound,
@@ -171,7 +180,7 @@ class Face:
                 name: getattr(view, name)
                 for name in (
                     *("title", "robot", "arms", "sending", "commands", "poses"),
-                    *("last", "stop", "emergency", "language"),
+                    *("last", "stop", "emergency"),
                 )
             },
         }
@@ -291,18 +300,18 @@ def _pill(pill: PillView) -> PillView:
 def _lease(button: ButtonView | None) -> ButtonView | None:
     """Return the button of a lease, unless it gives the robot back as the button beside *Drive* does for both robots."""
     match button:
-        case ButtonView(intent=intents.AskLease(action=LeaseAction.GIVE_BACK)):
+        case ButtonView(intent=AskLease(action=LeaseAction.GIVE_BACK)):
             return None
     return button
 
 
 def _banner(view: View, world: World) -> BannerView | None:
     """Return the banner without buttons that pages may not use; a text that mentions them is replaced."""
-    banner, texts = view.banner, Texts(view.language)
+    banner, texts = view.banner, view.choices.texts
     if banner is None:
         return None
     buttons = tuple(button for button in banner.buttons if _offered(button))
-    if any(isinstance(button.intent, intents.StartSimulation | ConnectIntent) for button in banner.buttons):
+    if any(isinstance(button.intent, StartSimulation | LookForPorts) for button in banner.buttons):
         key = "page.no_robot" if world.phase is LinkPhase.ONLINE else "page.no_router"
         return BannerView(texts(key, robot=view.robot), buttons)
     return BannerView(banner.text, buttons)

@@ -8,7 +8,7 @@ from typing import Final
 import msgspec
 from tornado import web, websocket
 
-from gui.console.state import intents
+from gui.console.state import actions, intents
 from gui.console.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 from gui.page import messages, protection
 from gui.page.hub import Camera, Hub
@@ -238,7 +238,7 @@ class Live(Socket):
                 face.release(press)
             case messages.ShowClass(on=on):
                 face.shows_class = on
-            case intents.ChooseRobot(name=name):
+            case actions.ChooseRobot(name=name):
                 self.hub.watch(self, name)
             case intents.Intent():
                 face.carry_out(request)

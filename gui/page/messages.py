@@ -9,10 +9,10 @@ from msgspec import Meta
 
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
 from beatrix_zenoh.contract.names import SIDES
-from gui.console.state import intents
-from gui.console.state.saved import LEAD_MAX_S, SPEED_MAX, Saved
+from gui.console.state import actions, intents
+from gui.console.state.choices import Choices, changed
+from gui.console.state.saved import Saved
 from gui.console.state.sequence_intents import SetDuration
-from gui.console.texts import LANGUAGES
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
 Press = Annotated[int, Meta(ge=1, le=2**53)]
@@ -80,30 +80,25 @@ class StopRobot(Message, frozen=True, tag="stop"):
 
 
 OWN: Final = (
-    intents.SetLanguage
-    | intents.SetSpeed
-    | intents.SetLead
-    | intents.SetDestination
-    | intents.SetCameras
-    | intents.SetMicrophones
+    intents.Choose
     | intents.AimHead
     | intents.DismissRefusal
     | intents.DismissNotice
     | intents.DeletePose
     | intents.SavePose
     | SetDuration
-    | intents.ChooseRobot
+    | actions.ChooseRobot
     | intents.EmergencyStop
 )
 """Intents of every page: they change only this page, or stop robots."""
 DRIVING: Final = (
     intents.SendHead
     | intents.RunCommand
-    | intents.MakeReady
-    | intents.AskLease
-    | intents.SendNow
+    | actions.MakeReady
+    | actions.AskLease
+    | actions.SendNow
     | intents.Change
-    | intents.Abort
+    | actions.Abort
     | intents.TakeAlternative
     | intents.Undo
     | intents.Repeat
@@ -111,6 +106,9 @@ DRIVING: Final = (
     | intents.PlayPoses
 )
 """Intents of a page that drives. No page may use other ones, for example those that start programs or name files."""
+CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras", "microphones")
+"""Choices that a page may change."""
+UNCHANGED: Final = Choices()
 LEASES: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
 COMMANDS: Final = (Command.ENABLE, Command.CALIBRATE, Command.HOME, Command.RESET)
 NAME_MAX: Final = 64
@@ -135,17 +133,15 @@ def read(text: str | bytes) -> Request:
 def _possible(request: Request) -> bool:
     """Return whether a page can send this: its buttons and fields have only such values."""
     possible = getattr(request, "side", "sim") in SIDES
+    if isinstance(request, actions.Action):
+        possible &= getattr(request, "row", actions.NEW) == actions.NEW
     match request:
-        case intents.AskLease(action=action):
+        case actions.AskLease(action=action):
             possible &= action in LEASES
         case intents.RunCommand(command=command, side=side):
             possible = command in COMMANDS and side in ("", *SIDES)
-        case intents.SetLanguage(code=code):
-            possible = code in LANGUAGES
-        case intents.SetSpeed(degrees_per_s=speed):
-            possible = 0 < speed <= SPEED_MAX
-        case intents.SetLead(seconds=lead_s):
-            possible = 0 <= lead_s <= LEAD_MAX_S
+        case intents.Choose(name=name, value=value):
+            possible = name in CHOICES and changed(UNCHANGED, name, value) is not None
         case intents.AimHead(yaw=yaw, pitch=pitch, roll=roll):
             possible = max(abs(yaw), abs(pitch), abs(roll)) <= ANGLE_MAX
         case (

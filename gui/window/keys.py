@@ -13,12 +13,11 @@ from PyQt5.QtWidgets import (
     QFrame,
     QGridLayout,
     QLineEdit,
-    QPushButton,
     QWidget,
 )
 
 from gui.console.texts import Texts
-from gui.window.widgets.controls import label
+from gui.window.widgets.controls import label, plain_button, spaced
 
 STOP_KEYS = {Qt.Key.Key_Space, Qt.Key.Key_Escape, Qt.Key.Key_Pause}
 SEND_KEYS = {Qt.Key.Key_Return, Qt.Key.Key_Enter}
@@ -146,18 +145,14 @@ class KeySheet(QFrame):
         super().__init__(parent)
         self.setProperty("notice", True)  # noqa: FBT003
         self.setAccessibleName(texts("label.keys"))
-        layout = QGridLayout(self)
-        layout.setContentsMargins(20, 14, 20, 14)
+        layout = spaced(QGridLayout(self), None, (20, 14, 20, 14))
         layout.setHorizontalSpacing(24)
         layout.addWidget(label(texts("label.keys"), "large"), 0, 0, 1, 2)
         for row, name in enumerate(SHEET, start=1):
             keys, _, meaning = texts(f"label.keys_{name}").partition(": ")
             layout.addWidget(label(keys, "title"), row, 0)
             layout.addWidget(label(meaning), row, 1)
-        self.close_button = QPushButton(texts("label.dismiss"))
-        self.close_button.setAutoDefault(False)
-        self.close_button.setToolTip(texts("label.keys_help"))
-        self.close_button.setAccessibleName(texts("label.dismiss"))
+        self.close_button = plain_button(texts("label.dismiss"), texts("label.keys_help"))
         self.close_button.clicked.connect(self.hide)
         layout.addWidget(self.close_button, len(SHEET) + 1, 1)
         self.hide()

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeVar
+
 from PyQt5.QtCore import QEvent, QLocale, QObject, QPoint, QRect, QSignalBlocker, Qt, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QTabWidget, QVBoxLayout, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import ARMS
-from gui.console.state.intents import ALL_ARMS, ShowTab, Tab, Theme, WindowPage
+from gui.console.state.intents import ALL_ARMS, Choose, Tab, Theme, WindowPage
 from gui.console.state.views import HistoryRowView, RefusalView, View
 from gui.console.state.world import World
 from gui.console.texts import Texts
@@ -19,6 +22,7 @@ from gui.window.widgets.class_page import ClassPage
 from gui.window.widgets.code import CodePanel
 from gui.window.widgets.commands import CommandsPanel, StopBar
 from gui.window.widgets.connect import ConnectSheet
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, spaced
 from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
@@ -30,6 +34,7 @@ from gui.window.widgets.plots import PlotsPanel
 from gui.window.widgets.sending import SendingPanel
 from gui.window.widgets.sequence import SequencePanel
 
+P = TypeVar("P", bound=Panel)
 LOW_PX = 680
 """Window height at scale 1 below which the tabs of the right column are tabs of the middle, and less room is reserved."""
 LOWER_PX = {540: 150, 0: 84}
@@ -80,26 +85,44 @@ class Panels(QWidget):
         self._theme = Theme.DARK
         self._low: bool | None = None
         self._refusal: RefusalView | None = None
-        self.header, self.banner, self.stop_bar = Header(texts), Banner(), StopBar(texts)
-        self.guide = Banner(quiet=True)
-        self.head, self.arms = HeadPanel(texts), ArmsPanel(texts)
-        self.head3d, self.eyes, self.plots = Head3dPanel(texts), EyesPanel(texts), PlotsPanel(texts)
-        self.sending, self.commands = SendingPanel(texts), CommandsPanel(texts)
-        self.history, self.sequence = HistoryPanel(texts), SequencePanel(texts)
-        self.code = CodePanel(texts)
-        self.tabs, self.side = QTabWidget(), QTabWidget()
-        self.low_area, self.gestures = QTabWidget(), GesturesPanel(texts)
-        """the low area of the middle column, visible beside every tab"""
-        self.body, self.class_page = QWidget(), ClassPage(texts)
+        self._parts: list[tuple[Panel, Callable[[View], object]]] = []
+        self.header = self._add(Header(texts), lambda view: view)
+        self.banner = self._add(Banner(), lambda view: view.banner)
+        self.guide = self._add(Banner(quiet=True), lambda view: view.guide)
+        self.head = self._add(HeadPanel(texts), lambda view: view.head)
+        self.head3d = self._add(Head3dPanel(texts), lambda view: view.head)
+        self.arms = self._add(ArmsPanel(texts), lambda view: view)
+        self.sending = self._add(SendingPanel(texts), lambda view: view)
+        self.commands = self._add(CommandsPanel(texts), lambda view: view.commands)
+        self.history = self._add(HistoryPanel(texts), lambda view: view.history)
+        self.code = self._add(CodePanel(texts), lambda view: view.code)
+        self.sequence = self._add(SequencePanel(texts), lambda view: view.sequence)
+        self.gestures = self._add(GesturesPanel(texts), lambda view: view.gestures)
+        self.eyes = self._add(EyesPanel(texts), lambda view: view.eyes)
+        self._add(self.eyes.sound, lambda view: view.sound)
+        self.plots = self._add(PlotsPanel(texts), lambda view: view)
+        self.class_page = self._add(ClassPage(texts), lambda view: view.class_page)
         self.class_page.hide()
+        self.stop_bar = StopBar(texts)
+        self.tabs, self.side, self.low_area = QTabWidget(), QTabWidget(), QTabWidget()
+        """the low area of the middle column is visible beside every tab"""
+        self.body = QWidget()
         self.pages, self.area = QWidget(), Scroll()
         self._lay_out()
+        self.connect_sheet = self._add(ConnectSheet(texts, self.pages), lambda view: view.connect)
         self.refusal, self.trouble = (
             RefusalNotice(texts, self.pages, self._picture),
             TroubleNotice(texts, self.pages),
         )
-        self.key_sheet, self.connect_sheet = KeySheet(texts, self.pages), ConnectSheet(texts, self.pages)
+        self.key_sheet = KeySheet(texts, self.pages)
+        self._boxes = self.findChildren(ChoiceCheck)
         self._connect()
+
+    def _add(self, panel: P, part: Callable[[View], object]) -> P:
+        """Return a panel, after connecting it: it shows its part of each view, and reports intents."""
+        panel.intent.connect(self.intent)
+        self._parts.append((panel, part))
+        return panel
 
     def _lay_out(self) -> None:
         for tabs in (self.tabs, self.side, self.low_area):
@@ -109,14 +132,11 @@ class Panels(QWidget):
             self.tabs.addTab(page, self._texts(f"label.tab_{name}"))
         self.low_area.addTab(self.gestures, self._texts("label.gestures"))
         self._lay_out_columns()
-        inner = QVBoxLayout()
-        inner.setContentsMargins(8, 8, 8, 8)
-        inner.setSpacing(8)
+        inner = spaced(QVBoxLayout(), 8, (8, 8, 8, 8))
         inner.addWidget(self.header)
         inner.addWidget(self.banner)
         inner.addWidget(self.guide)
-        pages = QVBoxLayout(self.pages)
-        pages.setContentsMargins(0, 0, 0, 0)
+        pages = spaced(QVBoxLayout(self.pages), None, NO_MARGINS)
         pages.addWidget(self.body)
         pages.addWidget(self.class_page)
         inner.addWidget(self.pages, 1)
@@ -124,12 +144,9 @@ class Panels(QWidget):
         content = QWidget()
         content.setLayout(inner)
         self.area.setWidget(content)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(0)
+        layout = spaced(QVBoxLayout(self), 0, NO_MARGINS)
         layout.addWidget(self.area, 1)
-        bottom = QHBoxLayout()
-        bottom.setSpacing(0)
+        bottom = spaced(QHBoxLayout(), 0)
         bottom.addWidget(self.stop_bar, 3)
         bottom.addWidget(self.stop_bar.last, 2)
         layout.addLayout(bottom)
@@ -157,27 +174,8 @@ class Panels(QWidget):
             columns.addLayout(column)
 
     def _connect(self) -> None:
-        for part in (
-            self.header,
-            self.banner,
-            self.guide,
-            self.class_page,
-            self.head,
-            self.head3d,
-            self.arms,
-            self.eyes,
-            self.plots,
-            self.sending,
-            self.commands,
-            self.history,
-            self.code,
-            self.sequence,
-            self.gestures,
-            self.refusal,
-            self.connect_sheet,
-            self.stop_bar,
-        ):
-            part.intent.connect(self.intent)
+        for notice in (self.refusal, self.stop_bar):
+            notice.intent.connect(self.intent)
         self.header.keys_asked.connect(self.key_sheet.toggle)
         self.history.row_chosen.connect(self.code.choose)
         self.code.row_chosen.connect(self.history.choose)
@@ -185,7 +183,7 @@ class Panels(QWidget):
 
     def _report_tab(self, number: int) -> None:
         if 0 <= number < len(Tab):
-            self.intent.emit(ShowTab(list(Tab)[number]))
+            self.intent.emit(Choose("tab", list(Tab)[number]))
 
     def _arrange(self) -> None:
         """Arrange the widgets for the height of the window.
@@ -226,39 +224,17 @@ class Panels(QWidget):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self._theme = theme
-        for part in (
-            self.head,
-            self.sequence,
-            self.gestures,
-            self.history,
-            self.head3d,
-            self.eyes,
-            self.plots,
-            self.class_page,
-        ):
-            part.show_theme(theme)
+        for panel, _ in self._parts:
+            panel.show_theme(theme)
         self._arrange()
 
     def show_view(self, view: View) -> None:
         """Pass each part of the view to its widget."""
-        self.header.show_view(view)
-        self.banner.show_view(view.banner)
-        self.guide.show_view(view.guide)
-        self.head.show_view(view.head)
-        self.head3d.show_view(view.head)
-        self.arms.show_view(view.arms)
-        self.sending.show_view(view.sending, view.head.send)
-        self.commands.show_view(view.commands)
-        self.history.show_view(view.history)
-        self.code.show_view(view.code)
-        self.sequence.show_view(view.sequence)
-        self.gestures.show_view(view.gestures)
-        self.eyes.show_view(view.eyes)
-        self.eyes.cameras.setChecked(view.sending.cameras)
-        self.eyes.sound.show_view(view.sound)
-        self.class_page.show_view(view.class_page)
-        self._show_page(view.page)
-        self.connect_sheet.show_view(view.connect)
+        for box in self._boxes:
+            box.setChecked(getattr(view.choices, box.name))
+        for panel, part in self._parts:
+            panel.show_view(part(view))  # type: ignore[arg-type]  # each panel shows the part that `_add` was given
+        self._show_page(view.choices.page)
         self.stop_bar.show_view(view)
         self.stop_bar.show_last(view.last)
         refusals = (view.head.refusal, view.arms.refusal, view.commands.refusal, view.gestures.refusal)
@@ -306,7 +282,7 @@ class Panels(QWidget):
 
     def _show_notice(self) -> None:
         shown = None if self.body.isHidden() else self._refusal
-        self.refusal.show_view(shown, None if shown is None else self._control(shown.control))
+        self.refusal.show_beside(shown, None if shown is None else self._control(shown.control))
         self._make_room()
 
     def _picture(self) -> QRect:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
+from pathlib import Path
 
 from PyQt5.QtGui import QColor, QPalette
 from PyQt5.QtWidgets import QApplication, QWidget
@@ -133,4 +134,7 @@ def style_sheet(style: Style) -> str:
         name, pixels, less = found.groups()
         return str(style.px(int(pixels)) - int(less or 0)) if pixels else getattr(style, name)
 
-    return re.sub(r"\$(px|\w+)(?:\((\d+)\)(?:-(\d))?)?", value, _file("window.qss"))
+    marks = "bright" if QColor(style.text).lightness() > QColor(style.field).lightness() else "black"
+    folder = Path(str(resources.files(__package__))) / "widgets" / "pictures" / marks
+    sheet = _file("window.qss").replace("@marks", folder.as_posix())
+    return re.sub(r"\$(px|\w+)(?:\((\d+)\)(?:-(\d))?)?", value, sheet)

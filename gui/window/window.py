@@ -10,7 +10,7 @@ from PyQt5.QtWidgets import QApplication, QMainWindow, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from gui.console.link import Link
-from gui.console.state.actions import Action, Outcome, Ready, Send, SendCommand, SendLease
+from gui.console.state.actions import Action, AskLease, MakeReady, Outcome, Send, SendCommand
 from gui.console.state.connecting import CloseConnect
 from gui.console.state.intents import (
     EmergencyStop,
@@ -21,7 +21,6 @@ from gui.console.state.intents import (
     Stop,
     Tab,
     TogglePage,
-    ToggleRecording,
     Undo,
     WindowPage,
 )
@@ -37,7 +36,7 @@ DRAG_PERIOD_MS = 33
 """Period while the user drags the head: 30 pictures a second look smooth, and cost half a core for two robots."""
 REFRESH_DELAY_MS = 10
 """Time between a request and the refresh that shows it: most replies come sooner, and drawing must not delay them."""
-ANSWERED = (Send, SendCommand, SendLease, Ready)
+ANSWERED = (Send, SendCommand, AskLease, MakeReady)
 """Actions that a robot answers within milliseconds."""
 YIELD_S = 0.0003
 """Pause in which the link's threads send, before the window draws: Python runs one thread at a time."""
@@ -61,7 +60,7 @@ class Window(QMainWindow):
         self.keys.stop.connect(lambda: self.handle(Stop()))
         self.keys.send.connect(lambda: self.handle(SendHead()))
         self.keys.undo.connect(lambda: self.handle(Undo()))
-        self.keys.record.connect(lambda: self.handle(ToggleRecording()))
+        self.keys.record.connect(lambda: self.panels.header.record.toggle.click())  # noqa: PLW0108 - panels are replaced
         self.keys.help.connect(lambda: self.panels.key_sheet.toggle())  # noqa: PLW0108 - panels are replaced
         self.keys.escape.connect(self._close_sheets)
         self.keys.page.connect(lambda: self.handle(TogglePage()))
@@ -142,7 +141,7 @@ class Window(QMainWindow):
         """Show the class in large type on the whole screen, with STOP below; only the teacher's window can."""
         if self._view is None or self._view.class_page is None:
             return
-        if on and self._view.page is not WindowPage.CLASS:
+        if on and self._view.choices.page is not WindowPage.CLASS:
             self.handle(TogglePage())
         full, panels = Qt.WindowState.WindowFullScreen, self.panels
         self.setWindowState(Qt.WindowStates(self.windowState() | full if on else self.windowState() & ~full))
@@ -157,10 +156,14 @@ class Window(QMainWindow):
 
     def _show(self, view: View) -> None:
         old, self._view = self._view, view
-        before = None if old is None or old.language == view.language else self.panels
+        before = None if old is None or old.choices.language == view.choices.language else self.panels
         if old is None or before is not None:
             self._build(view)
-        if old is None or old.theme != view.theme or old.language != view.language:
+        if (
+            old is None
+            or old.choices.theme != view.choices.theme
+            or old.choices.language != view.choices.language
+        ):
             self._apply_theme(view)
         if old is None or old.title != view.title:
             self.setWindowTitle(view.title)
@@ -169,21 +172,21 @@ class Window(QMainWindow):
         if before is not None:
             self.panels.keep(before)
         keep_focus(self.panels, focus)
-        if view.page is not WindowPage.CLASS and self.panels.class_page.large:
+        if view.choices.page is not WindowPage.CLASS and self.panels.class_page.large:
             self._project(on=False)
 
     def _build(self, view: View) -> None:
         """Create all widgets, at the start and for another language."""
-        self.panels = Panels(Texts(view.language))
-        self.panels.tabs.setCurrentIndex(list(Tab).index(view.tab))
+        self.panels = Panels(Texts(view.choices.language))
+        self.panels.tabs.setCurrentIndex(list(Tab).index(view.choices.tab))
         self.panels.intent.connect(self.handle)
         self.panels.class_page.projector_asked.connect(lambda: self._project(on=True))
         self.setCentralWidget(self.panels)
         self.panels.head.pad.setFocus()  # so that arrows and Enter work at once
 
     def _apply_theme(self, view: View) -> None:
-        apply_theme(self, style_of(view.theme))
-        self.panels.show_theme(view.theme)
+        apply_theme(self, style_of(view.choices.theme))
+        self.panels.show_theme(view.choices.theme)
 
 
 def keep_focus(panels: QWidget, focus: QWidget | None) -> None:

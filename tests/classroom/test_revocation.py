@@ -24,7 +24,7 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.output import exit_code
-from gui.console.state.actions import Connect
+from gui.console.state.actions import Retry
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase
 
@@ -128,7 +128,7 @@ def test_the_window_returns_when_the_router_restarts_with_another_card(tmp_path:
             assert session.client.bus.refusal() is None
             assert linked.world.phase is LinkPhase.ONLINE, "the account was checked"
             linked.link._connection._refused = True
-            linked.do(Connect())
+            linked.do(Retry())
             linked.until(lambda world: world.phase is LinkPhase.ONLINE, "Retry asks again")
             router.replace("ana")
             router.process.expect("ready")  # else its output says why it has not restarted

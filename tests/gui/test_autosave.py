@@ -26,7 +26,7 @@ def test_a_saved_pose_survives_the_save_of_a_second_window(file: Path) -> None:
     one.handle(intents.SavePose("nod"), world())
     first.save_changes()
     assert [pose.name for pose in saved.load(file)[0].poses] == ["nod"]
-    two.handle(intents.SetTheme(Theme.PROJECTOR), world())
+    two.handle(intents.Choose("theme", Theme.PROJECTOR), world())
     second.save_changes()
     first.save_changes()
     kept, _ = saved.load(file)
@@ -41,6 +41,6 @@ def test_a_folder_that_cannot_be_written_is_logged(file: Path, caplog: pytest.Lo
     file.parent.write_text("no folder")
     state = State()
     autosave = Autosave(state)
-    state.handle(intents.SetSpeed(40.0), world())
+    state.handle(intents.Choose("speed", 40.0), world())
     autosave.save_changes()
     assert "cannot be saved" in caplog.text

@@ -19,9 +19,9 @@ from robots import Stage, free_endpoint, start_router
 
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh.client import Presence
-from gui.console.state.actions import Action, JoinClass, Outcome, Send, UseEndpoint
-from gui.console.state.connecting import LookForPorts, UseAccount, UseRouter, completed
-from gui.console.state.intents import SendHead, SetDestination, SetLanguage, TogglePage, WindowPage
+from gui.console.state.actions import Action, LookForPorts, Outcome, Send, UseAccount, UseRouter
+from gui.console.state.connecting import completed
+from gui.console.state.intents import Choose, SendHead, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import RouterView
 from gui.console.state.world import LinkPhase, OwnAccount, Trouble, World
@@ -42,7 +42,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def sheet(now: World, language: str = "en") -> RouterView:
     """Return what the sheet, open since before the trouble, says about router and account."""
     state = State()
-    state.handle(SetLanguage(language), now)
+    state.handle(Choose("language", language), now)
     state.handle(LookForPorts(), replace(now, router_trouble=None))
     found = state.view(now).connect
     assert found is not None
@@ -65,7 +65,7 @@ def sheet(now: World, language: str = "en") -> RouterView:
 )
 def test_an_address_may_be_typed_without_protocol_and_port(typed: str, endpoint: str) -> None:
     assert completed(typed) == endpoint
-    assert State().handle(UseRouter(typed), ALONE) == [UseEndpoint(endpoint)]
+    assert State().handle(UseRouter(typed), ALONE) == [UseRouter(endpoint)]
 
 
 def test_the_sheet_shows_router_and_account() -> None:
@@ -129,18 +129,18 @@ def test_undo_and_the_page_of_the_class_belong_to_the_router_that_was_left() -> 
     teacher = replace(world(), seat="teacher", account=replace(ANA, name="teacher"))
     state = State()
     state.follow(teacher)
-    state.handle(SetDestination("hw", checked=False), teacher)
+    state.handle(Choose("hw", value=False), teacher)
     (send,) = state.handle(SendHead(), teacher)
     assert isinstance(send, Send)
     state.report(Outcome(send.row, "sim", accepted=True, done=True))
     assert state.view(teacher).commands.undo.enabled
     state.handle(TogglePage(), teacher)
     actions: list[Action] = state.handle(UseAccount(Path("ana.toml")), teacher)
-    assert JoinClass(Path("ana.toml")) in actions
+    assert UseAccount(Path("ana.toml")) in actions
     now = replace(teacher, seat="ana", endpoint="tls/lab:7447")
     state.follow(now)
     shown = state.view(now)
-    assert shown.page is WindowPage.ROBOT
+    assert shown.choices.page is WindowPage.ROBOT
     assert not shown.commands.undo.enabled
 
 
@@ -161,16 +161,16 @@ def test_another_router_is_used_and_its_only_robot_is_shown() -> None:
         there.simulation("anton")
         with Linked(here.endpoint) as linked:
             linked.online("hw")
-            assert refused(linked, UseEndpoint("nonsense")).key == "connect.bad_address"
-            assert refused(linked, UseEndpoint(free_endpoint())).key == "connect.unanswered"
+            assert refused(linked, UseRouter("nonsense")).key == "connect.bad_address"
+            assert refused(linked, UseRouter(free_endpoint())).key == "connect.unanswered"
             assert linked.world.phase is LinkPhase.ONLINE, "a wrong address costs no connection"
             assert linked.world.endpoint == here.endpoint
-            linked.do(UseEndpoint(there.endpoint))
+            linked.do(UseRouter(there.endpoint))
             linked.until(lambda world: world.robot == "anton", "the robot of the other router is shown")
             linked.until(lambda world: world.sim.presence is Presence.ONLINE, "its positions arrive")
             assert linked.world.endpoint == there.endpoint
             assert linked.world.hw.presence is Presence.ABSENT
-            linked.do(UseEndpoint(here.endpoint))
+            linked.do(UseRouter(here.endpoint))
             linked.until(lambda world: world.robot == "bea", "the first robot is shown again")
             linked.online("hw")
 
@@ -179,7 +179,7 @@ def test_a_window_without_a_router_waits_for_the_one_that_was_typed() -> None:
     later = free_endpoint()
     with Linked(free_endpoint()) as linked:
         linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "no router answers")
-        linked.do(UseEndpoint(later))
+        linked.do(UseRouter(later))
         linked.until(lambda world: world.endpoint == later, "the window looks for the other router")
         router = start_router(later)
         try:
@@ -196,7 +196,7 @@ def test_the_motion_of_the_window_ends_with_its_session() -> None:
             at_home(linked)
             linked.do(Send(1, look(120.0, 20.0), ("hw",)))
             linked.accepted(1, "hw")
-            linked.do(UseEndpoint(there.endpoint))
+            linked.do(UseRouter(there.endpoint))
             assert not linked.end_of(1, "hw").accepted
             robot = here.robot("bea", "hw")
             assert robot.positions().arms.long < 110.0
@@ -211,26 +211,26 @@ def test_account_files_are_checked_before_they_are_stored(folder: Path) -> None:
         junk.write_text("speed = 3\n")
         with Linked(stage.endpoint) as linked:
             linked.until(lambda world: world.phase is LinkPhase.ONLINE, "a session without an account")
-            assert refused(linked, JoinClass(folder / "none.toml")).key == "connect.no_file"
-            assert refused(linked, JoinClass(junk)).key == "connect.not_account"
-            expired = refused(linked, JoinClass(old))
+            assert refused(linked, UseAccount(folder / "none.toml")).key == "connect.no_file"
+            assert refused(linked, UseAccount(junk)).key == "connect.not_account"
+            expired = refused(linked, UseAccount(old))
             assert (expired.key, expired.slots["expires"]) == ("connect.expired", "2020-07-31")
-            assert refused(linked, UseEndpoint(ana.connect)).key == "connect.needs_account"
+            assert refused(linked, UseRouter(ana.connect)).key == "connect.needs_account"
             former = folder / "former.toml"
             former.write_text(router.replace("ana").text())
             router.process.expect("ready")  # until it has restarted, it accepts the former account
-            assert refused(linked, JoinClass(former)).key == "connect.foreign"
+            assert refused(linked, UseAccount(former)).key == "connect.foreign"
             assert linked.world.endpoint == stage.endpoint
             assert not accounts.joined().exists(), "nothing was stored"
-            linked.do(JoinClass(router.path("ana")))
+            linked.do(UseAccount(router.path("ana")))
             joined = linked.until(lambda world: world.account is not None, "the account is used")
             assert (joined.seat, joined.robot, joined.endpoint) == ("ana", "ana", ana.connect)
             linked.until(lambda world: world.phase is LinkPhase.ONLINE, "the router of the class accepts it")
             assert accounts.load(accounts.joined()).name == "ana"
-            linked.do(UseEndpoint(stage.endpoint))
+            linked.do(UseRouter(stage.endpoint))
             left = linked.until(lambda world: world.account is None, "no account at another router")
             assert left.endpoint == stage.endpoint
-            linked.do(UseEndpoint(ana.connect))
+            linked.do(UseRouter(ana.connect))
             linked.until(
                 lambda world: world.account is not None, "the account of this computer is used again"
             )

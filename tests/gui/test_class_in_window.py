@@ -11,7 +11,7 @@ from robots import Stage
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import lease
 from beatrix_zenoh.contract._generated.messages import LeaseAction
-from gui.console.state.intents import SetIncrement, SetRelative, SetSpeed
+from gui.console.state.intents import Choose
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def teacher(stage: Stage) -> Iterator[Windowed]:
 
 def moves(user: Windowed, robots: dict[str, Robot], goal: float = 60.0) -> None:
     """Let the student's window turn all arms to `goal` (deg), and wait until both robots move."""
-    for intent in (SetRelative(relative=False), SetSpeed(20.0), SetIncrement(goal)):
+    for intent in (Choose("relative", value=False), Choose("speed", 20.0), Choose("increment", goal)):
         user.window.handle(intent)
     user.press(user.window.panels.arms.rows["all"].plus)
     user.until(lambda: all(robot.status().moving for robot in robots.values()), "both move")
@@ -52,7 +52,7 @@ def test_freeze_all_stops_the_robots_and_refuses_students(
     user.until(lambda: "The teacher has frozen this robot" in panels.refusal.text.text(), "it is refused")
     teacher.press(page.unfreeze_all)
     user.until_ready("sim", "hw")
-    user.window.handle(SetIncrement(2.0))
+    user.window.handle(Choose("increment", 2.0))
     user.press(panels.arms.rows["all"].minus)
     user.until_last("move", "under way")
 

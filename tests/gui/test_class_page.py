@@ -14,8 +14,8 @@ from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, WatchedState
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction
-from gui.console.state.actions import Govern, SendLease, SendStop, WatchClass
-from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass
+from gui.console.state.actions import AskLease, ChooseRobot, Govern, SendStop, WatchClass
+from gui.console.state.intents import LimitClass
 from gui.window.widgets.class_page import ClassPage
 from gui.window.window import Window
 
@@ -102,10 +102,10 @@ def test_f11_opens_the_page_of_the_class_and_f2_ends_the_large_type(window: Wind
 
 def test_buttons_report_their_intents(page: ClassPage, state: WatchedState) -> None:
     for button, intent in (
-        (page.freeze_all, GovernClass(LeaseAction.FREEZE)),
-        (page.unfreeze_all, GovernClass(LeaseAction.UNFREEZE)),
-        (page.freeze, GovernClass(LeaseAction.FREEZE, ("bea1", "sim"))),
-        (page.take, GovernClass(LeaseAction.TAKE, ("bea1", "sim"))),
+        (page.freeze_all, Govern(0, LeaseAction.FREEZE)),
+        (page.unfreeze_all, Govern(0, LeaseAction.UNFREEZE)),
+        (page.freeze, Govern(0, LeaseAction.FREEZE, (("bea1", "sim"),))),
+        (page.take, Govern(0, LeaseAction.TAKE, (("bea1", "sim"),))),
         (page.show_robot, ChooseRobot("bea1")),
     ):
         assert button.toolTip()
@@ -139,7 +139,7 @@ def test_the_button_of_a_pill_takes_the_robot(window: Window, link: RecordingLin
     pill = window.panels.header.pills["sim"]
     assert pill.notes.text() == "waiting: 1 · limit 20 °/s · 2 ms"
     QTest.mouseClick(pill.lease, LEFT)
-    assert link.done[-1] == SendLease(1, LeaseAction.TAKE, "sim")
+    assert link.done[-1] == AskLease(LeaseAction.TAKE, "sim", 1)
 
 
 def test_the_lessons_of_a_class_fit_and_follow_the_reports(

@@ -15,9 +15,9 @@ from robots import free_endpoint
 
 from beatrix_zenoh.client import Presence
 from gui.console.link.ports import parsed
-from gui.console.state.actions import FindPorts, RunHardware
-from gui.console.state.connecting import VIRTUAL, CloseConnect, ConnectHardware, LookForPorts
-from gui.console.state.intents import SetLanguage
+from gui.console.state.actions import ConnectHardware, LookForPorts
+from gui.console.state.connecting import VIRTUAL, CloseConnect
+from gui.console.state.intents import Choose
 from gui.console.state.pills import pill
 from gui.console.state.state import State
 from gui.console.state.views import Condition
@@ -35,7 +35,7 @@ READY_S = 60.0
 
 def opened(now: World = WITHOUT) -> State:
     state = State()
-    assert state.handle(LookForPorts(), now) == [FindPorts()]
+    assert state.handle(LookForPorts(), now) == [LookForPorts()]
     return state
 
 
@@ -98,7 +98,7 @@ def test_an_address_that_was_not_used_is_named_until_the_sheet_is_closed() -> No
 
 def test_a_choice_starts_the_hardware_once_and_the_list_goes_when_its_board_answers() -> None:
     state = opened()
-    assert state.handle(ConnectHardware(VIRTUAL), WITHOUT) == [RunHardware(VIRTUAL)]
+    assert state.handle(ConnectHardware(VIRTUAL), WITHOUT) == [ConnectHardware(VIRTUAL)]
     starting = replace(WITHOUT, connecting=True, ports=(BOARD,))
     assert state.handle(ConnectHardware(VIRTUAL), starting) == []
     found = state.view(starting).connect
@@ -124,7 +124,7 @@ def test_the_sheet_stays_beside_hardware_that_is_online_and_offers_no_second_one
 def test_a_failure_is_shown_in_the_language_with_the_output_as_a_detail() -> None:
     failed = replace(WITHOUT, ports=(), child_trouble=Trouble("trouble.hardware", "1", "Its output: ..."))
     state = opened()
-    state.handle(SetLanguage("de"), failed)
+    state.handle(Choose("language", "de"), failed)
     found = state.view(failed).connect
     assert found is not None
     assert found.text == "Das Programm der Hardware ist zu Ende (1). Wähle noch einmal einen Anschluss."
@@ -159,9 +159,9 @@ def test_a_virtual_robot_is_connected_with_two_presses(
 
 def test_another_port_replaces_the_one_without_a_board(tmp_path: Path) -> None:
     with Linked(free_endpoint()) as linked:
-        linked.do(FindPorts())
+        linked.do(LookForPorts())
         linked.until(lambda world: world.ports is not None, "the ports were listed", READY_S)
-        linked.do(RunHardware(str(tmp_path / "no-port")))
+        linked.do(ConnectHardware(str(tmp_path / "no-port")))
         assert linked.world.connecting
         linked.until(lambda world: not world.connecting and world.own_hardware, "the program runs", READY_S)
 
@@ -170,7 +170,7 @@ def test_another_port_replaces_the_one_without_a_board(tmp_path: Path) -> None:
             return found.condition is Condition.FAULT and found.next_step is not None
 
         linked.until(offered, "its board is lost, and the pill offers other ports")
-        linked.do(RunHardware(VIRTUAL))
+        linked.do(ConnectHardware(VIRTUAL))
         linked.until(lambda world: not world.connecting and world.own_hardware, "it runs again", READY_S)
         linked.until(
             lambda world: pill(world, "hw", Texts("en")).condition is Condition.DISABLED, "it answers"
@@ -181,7 +181,7 @@ def test_another_port_replaces_the_one_without_a_board(tmp_path: Path) -> None:
 def test_a_failed_program_of_the_hardware_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BEATRIX_MICROPHONES", "file:none.wav")  # the program refuses to start
     with Linked(free_endpoint()) as linked:
-        linked.do(RunHardware(VIRTUAL))
+        linked.do(ConnectHardware(VIRTUAL))
         world = linked.until(lambda world: not world.connecting, "it is refused", READY_S)
         assert not world.own_hardware
         assert world.child_trouble is not None

@@ -15,8 +15,9 @@ from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import gestures
+from gui.console.state.actions import NEW, CopyProgram, FollowFace, Play
 from gui.console.state.choices import Choices
-from gui.console.state.intents import Intent, OpenProgram, PlayGesture, Theme, ToggleFollowing
+from gui.console.state.intents import Intent, Theme
 from gui.console.state.memory import Memory
 from gui.console.state.world import FaceProgress
 from gui.console.texts import LANGUAGES, Texts
@@ -79,7 +80,8 @@ def test_each_button_reports_its_intent(show: Show, *, by_key: bool) -> None:
             QTest.keyClick(button, Qt.Key.Key_Space)
         else:
             QTest.mouseClick(button, Qt.MouseButton.LeftButton)
-    assert given == [*(PlayGesture(name) for name in GESTURES), ToggleFollowing(), OpenProgram()]
+    gestures = (Play(NEW, (), gesture=name) for name in GESTURES)
+    assert given == [*gestures, FollowFace(NEW, ()), CopyProgram(NEW, OWN)]
 
 
 @pytest.mark.parametrize("theme", list(Theme))

@@ -22,9 +22,9 @@ from pytestqt.qtbot import QtBot
 from beatrix_zenoh.client.degrees import HeadAngles
 from beatrix_zenoh.recording.figure import Figure
 from gui.console.state import intents
-from gui.console.state.intents import AimHead, Intent, LiveHead, ReleaseHead, SetLive, SetSendOnRelease
+from gui.console.state.intents import AimHead, Choose, Intent, LiveHead, ReleaseHead
+from gui.console.state.orientation import HeadOrientation
 from gui.console.state.state import State
-from gui.console.state.views import HeadOrientation
 from gui.console.state.world import World
 from gui.console.texts import LANGUAGES, Texts
 from gui.window.widgets.head3d import VIEWS, Head3dPanel
@@ -254,7 +254,7 @@ def test_live_reports_while_the_mouse_moves_and_only_if_it_was_chosen(shown: Cal
     window.drag(SKULL, 40, 0)
     assert LiveHead() not in window.intents
     QTest.mouseClick(window.panel.live, LEFT, pos=window.panel.live.rect().center())
-    assert SetLive(on=True) in window.intents
+    assert Choose("live", value=True) in window.intents
     window.intents.clear()
     window.drag(SKULL, 40, 0)
     assert window.intents.count(LiveHead()) >= 2  # the first, and the last before the release
@@ -263,7 +263,7 @@ def test_live_reports_while_the_mouse_moves_and_only_if_it_was_chosen(shown: Cal
 
 def test_a_hidden_head_reports_no_more_live_targets(shown: Callable[..., Shown]) -> None:
     window = shown()
-    window.handle(SetLive(on=True))
+    window.handle(Choose("live", value=True))
     at = on_screen(window.panel.head.screen3d, window.target, SKULL)
     window.mouse(QEvent.Type.MouseButtonPress, QPointF(at[0], at[1]))
     window.mouse(QEvent.Type.MouseMove, QPointF(at[0] + 20, at[1]))
@@ -304,7 +304,7 @@ def test_the_checked_robot_is_solid_and_the_other_one_a_ghost(
         monkeypatch.setattr(place, lambda _image, head, *_, name=name, **__: drawn.update({name: head}))
     window = shown(ready())
     for side in ("sim", "hw"):
-        window.handle(intents.SetDestination(side, checked=side in checked))
+        window.handle(intents.Choose(side, value=side in checked))
     window.panel.grab()
     heads = {side: getattr(window.state.view(window.now).head, side) for side in ("sim", "hw")}
     assert drawn == {"paint_robot": heads.pop(solid), "paint_ghost": heads.popitem()[1]}
@@ -318,7 +318,7 @@ def test_a_gap_in_the_positions_greys_the_head_where_it_was(
     place = "gui.window.widgets.head3d.paint_robot"
     monkeypatch.setattr(place, lambda _, head, *__, grey: drawn.append((head, grey)))
     window = shown(ready())
-    window.handle(intents.SetLanguage(language))
+    window.handle(intents.Choose("language", language))
     window.panel.grab()
     here = window.state.view(window.now).head
     for side in ("sim", "hw"):
@@ -363,7 +363,7 @@ def test_every_state_can_be_drawn_in_every_language(qtbot: QtBot, code: str) -> 
 def test_the_release_is_remembered_but_live_is_not(shown: Callable[..., Shown]) -> None:
     window = shown()
     QTest.mouseClick(window.panel.send, LEFT, pos=window.panel.send.rect().center())
-    assert SetSendOnRelease(on=True) in window.intents
-    window.handle(SetLive(on=True))
+    assert Choose("send_on_release", value=True) in window.intents
+    window.handle(Choose("live", value=True))
     again = State(window.state.saved).choices
     assert (again.send_on_release, again.live) == (True, False)

@@ -17,7 +17,7 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import MotionQuery
 from gui.console.state.actions import Hold, Outcome, Release
 from gui.console.state.holding import AHEAD_S, FASTEST_DEG_S, HoldArm, ReleaseArm, jog_query
-from gui.console.state.intents import SetDestination, SetLanguage, SetSpeed, Stop
+from gui.console.state.intents import Choose, Stop
 from gui.console.state.state import State
 from gui.window.widgets.arms import HoldButton
 
@@ -28,7 +28,7 @@ pytestmark = pytest.mark.no_cover
 
 
 def test_all_heartbeats_of_a_press_are_one_row() -> None:
-    state = state_after(SetSpeed(30.0))
+    state = state_after(Choose("speed", 30.0))
     first, second = (state.handle(HoldArm("short", -1), world()) for _ in range(2))
     assert first == second == [Hold(1, "short", -1, 30.0, ("sim",))]
     assert state.handle(ReleaseArm(), world()) == [Release(1)]
@@ -39,7 +39,7 @@ def test_all_heartbeats_of_a_press_are_one_row() -> None:
 
 def test_a_refused_press_is_refused_once() -> None:
     state = State()
-    state.handle(SetDestination("sim", checked=False), world())
+    state.handle(Choose("sim", value=False), world())
     assert state.handle(HoldArm("short", 1), world()) == []
     assert state.handle(HoldArm("short", 1), world()) == []
     assert state.handle(ReleaseArm(), world()) == []
@@ -58,7 +58,7 @@ def test_the_row_of_a_hold_gets_the_angles_at_rest() -> None:
 
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_the_panel_says_that_both_move_at_once_while_a_button_is_held(language: str) -> None:
-    state = state_after(SetLanguage(language), BOTH)
+    state = state_after(Choose("language", language), BOTH)
     texts, idle = state.choices.texts, state.view(world()).sending
     state.handle(HoldArm("short", 1), world())
     held = state.view(world())

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from pytestqt.qtbot import QtBot
 
-from gui.console.state.intents import Intent, SetMicrophones
+from gui.console.state.intents import Choose, Intent
 from gui.console.state.views import LevelView, SoundView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import ElidedLabel
@@ -48,5 +48,5 @@ def test_the_box_reports_what_the_user_wants(qtbot: QtBot) -> None:
     panel.intent.connect(intents.append)
     panel.show_view(SoundView(False, (LOUD, ABSENT)))
     panel.box.click()
-    assert intents == [SetMicrophones(on=True)]
+    assert intents == [Choose("microphones", value=True)]
     assert not panel.box.isChecked(), "only the view changes it"

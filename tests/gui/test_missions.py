@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from gui.console.state.actions import Action, Outcome, Send, SendStop
-from gui.console.state.intents import Abort, AimHead, SendHead, SetDestination, Stop
+from gui.console.state.actions import Abort, Action, Outcome, Send, SendStop
+from gui.console.state.intents import AimHead, Choose, SendHead, Stop
 from gui.console.state.missions import MISSIONS, STEPS, SWINGS, TASKS, CloseGuide, SkipTask, Swings
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
@@ -120,7 +120,7 @@ def test_the_edge_is_found_by_a_refusal_because_of_the_place() -> None:
 )
 def test_the_lead_is_beaten_while_the_hardware_waits(later_s: float, aborts: bool, done: bool) -> None:
     state = begun("lead")
-    state.handle(SetDestination("hw", checked=True), WELL)
+    state.handle(Choose("hw", value=True), WELL)
     state.handle(AimHead(20.0, 5.0, 0.0), WELL)
     state.handle(SendHead(), WELL)
     leading = replace(WELL, plan=PlanProgress(PlanPhase.LEADING, lead_s=2.0, countdown_s=1.4))
@@ -134,7 +134,7 @@ def test_the_lead_is_beaten_while_the_hardware_waits(later_s: float, aborts: boo
 
 def test_sending_now_beats_the_lead() -> None:
     state = begun("lead")
-    state.handle(SetDestination("hw", checked=True), WELL)
+    state.handle(Choose("hw", value=True), WELL)
     state.handle(AimHead(20.0, 5.0, 0.0), WELL)
     state.handle(SendHead(), WELL)
     for later_s, phase, countdown_s, done in (

@@ -10,7 +10,7 @@ from robots import Process, Stage, until, wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import CameraImage, Client
-from gui.console.link.pictures import RobotPictures
+from gui.console.link.pictures import Camera, CameraStream, Streams
 
 FIRST_S = 20.0
 """Longest wait (s) for the first picture, which starts rendering."""
@@ -58,15 +58,20 @@ def images_taken() -> ImageLog:
     return ImageLog()
 
 
+def streams(client: Client, robot: str, images_taken: ImageLog) -> Streams[Camera, CameraStream]:
+    """Return the cameras of the robots of a name, without subscriptions."""
+    return Streams(lambda camera: CameraStream(client, (robot, *camera), images_taken.add))
+
+
 @pytest.fixture
-def pictures(client: Client, images_taken: ImageLog) -> Iterator[RobotPictures]:
-    made = RobotPictures(client, "bea", images_taken.add)
+def pictures(client: Client, images_taken: ImageLog) -> Iterator[Streams[Camera, CameraStream]]:
+    made = streams(client, "bea", images_taken)
     yield made
     made.close()
 
 
 def test_a_camera_streams_only_while_its_pictures_are_wanted(
-    pictures: RobotPictures, images_taken: ImageLog, hw: Robot
+    pictures: Streams[Camera, CameraStream], images_taken: ImageLog, hw: Robot
 ) -> None:
     pictures.watch(frozenset({LEFT}))
     until(lambda: images_taken.count(*LEFT) > 3, "pictures come", FIRST_S)
@@ -80,7 +85,7 @@ def test_a_camera_streams_only_while_its_pictures_are_wanted(
 
 
 def test_pictures_return_with_a_restarted_robot(stage: Stage, client: Client, images_taken: ImageLog) -> None:
-    pictures = RobotPictures(client, "mortal", images_taken.add)
+    pictures = streams(client, "mortal", images_taken)
     pictures.watch(frozenset({LEFT}))
 
     def born() -> Process:
@@ -100,7 +105,7 @@ def test_a_session_for_pictures_that_cannot_be_opened_is_tried_again(
     """The window's own session is open; the session for pictures cannot be opened at first."""
     endpoint = client.settings.connect
     client.settings = type(client.settings)("bea", "tcp/127.0.0.1:1", "window")
-    pictures = RobotPictures(client, "bea", images_taken.add)
+    pictures = streams(client, "bea", images_taken)
     monkeypatch.setattr("gui.console.link.pictures.RETRY_S", 0.1)
     pictures.watch(frozenset({LEFT}))
     client.settings = type(client.settings)("bea", endpoint, "window")

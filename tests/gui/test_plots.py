@@ -20,7 +20,7 @@ from pytestqt.qtbot import QtBot
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.actions import WriteFile
-from gui.console.state.intents import Intent, SavePlots
+from gui.console.state.intents import Intent
 from gui.console.state.state import State
 from gui.console.state.world import World
 from gui.console.texts import Texts
@@ -250,8 +250,8 @@ def test_the_export_has_what_is_shown_with_units(filled: PlotsPanel, tmp_path: P
         assert filled.dialog is not None
         filled.dialog.fileSelected.emit(str(tmp_path / f"plots.{suffix}"))
     table, picture = asked
-    assert isinstance(table, SavePlots)
-    assert isinstance(picture, SavePlots)
+    assert isinstance(table, WriteFile)
+    assert isinstance(picture, WriteFile)
     assert isinstance(table.content, str)
     header, first, *rows = table.content.splitlines()
     assert header == (
@@ -265,7 +265,7 @@ def test_the_export_has_what_is_shown_with_units(filled: PlotsPanel, tmp_path: P
     assert QImage.fromData(picture.content).width() == filled.width()
     (write,) = State().handle(table, world_at(1.0))
     assert write == WriteFile(1, tmp_path / "plots.csv", table.content)
-    assert State().handle(SavePlots(Path(), ""), world_at(1.0)) == []
+    assert State().handle(WriteFile(0, Path(), ""), world_at(1.0)) == []
 
 
 def test_a_table_has_no_columns_for_an_absent_robot() -> None:
@@ -302,7 +302,7 @@ def test_any_number_of_the_robots_can_be_shown(filled: PlotsPanel, tmp_path: Pat
     assert filled.dialog is not None
     filled.dialog.fileSelected.emit(str(tmp_path / "plots.csv"))
     (saved,) = asked
-    assert isinstance(saved, SavePlots)
+    assert isinstance(saved, WriteFile)
     header = str(saved.content).splitlines()[0].split(",")
     assert header[1:7] == [
         "hw_short_deg",

@@ -22,11 +22,11 @@ from beatrix_zenoh.client import choreography
 from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.contract._generated.messages import Command, Reason
 from gui.console.state import intents
-from gui.console.state.actions import Outcome, Play, WriteFile
+from gui.console.state.actions import MakeReady, Outcome, Play, WriteFile
 from gui.console.state.intents import AimHead, Intent, Jog, RunCommand, SendHead
 from gui.console.state.program import SaveProgram
 from gui.console.state.saved import Saved, SavedPose
-from gui.console.state.sequence_intents import PlaySequence, SetLoop
+from gui.console.state.sequence_intents import PlaySequence
 from gui.console.state.state import State
 from gui.window.window import Window
 
@@ -91,7 +91,7 @@ def test_a_program_without_a_motion_is_a_program(tmp_path: Path) -> None:
 
 
 def test_another_router_and_a_file_are_part_of_the_program() -> None:
-    state = state_after(intents.PlayFile(Path('my "best".csv')))
+    state = state_after(Play(0, (), Path('my "best".csv')))
     text = state.view(world()).code.text
     assert "from beatrix_zenoh.client.choreography import load, play" in text
     elsewhere = replace(world(), endpoint="tcp/10.0.0.1:7447")
@@ -131,7 +131,7 @@ def test_a_played_sequence_is_repeated_with_its_pauses(monkeypatch: pytest.Monke
 @pytest.mark.parametrize("rounds", [1, 2, 4])
 def test_a_loop_is_repeated_as_often_as_it_was_played(rounds: int, monkeypatch: pytest.MonkeyPatch) -> None:
     state = State(Saved(poses=THREE))
-    state.handle(SetLoop(on=True), world())
+    state.handle(intents.Choose("loop", value=True), world())
     (play,) = state.handle(PlaySequence("sim"), world())
     assert isinstance(play, Play)
     for played in range(rounds + 1):
@@ -149,7 +149,7 @@ def test_a_loop_is_repeated_as_often_as_it_was_played(rounds: int, monkeypatch: 
 
 def test_one_loop_is_copied_as_a_program_without_an_end() -> None:
     state = State(Saved(poses=THREE))
-    state.handle(SetLoop(on=True), world())
+    state.handle(intents.Choose("loop", value=True), world())
     state.handle(PlaySequence("sim"), world())
     (row,) = state.view(world()).history
     ast.parse(row.program)
@@ -165,12 +165,12 @@ PRESSES = st.sampled_from(
         SendHead(),
         RunCommand(Command.ENABLE),
         RunCommand(Command.HOME),
-        intents.MakeReady("hw"),
+        MakeReady("hw"),
         intents.Stop(),
         intents.EmergencyStop(),
         intents.Undo(),
-        intents.SetLanguage("de"),
-        intents.PlayFile(Path("it's\nmine.csv")),
+        intents.Choose("language", "de"),
+        Play(0, (), Path("it's\nmine.csv")),
         intents.SavePose("nod"),
         intents.PlayPoses(),
     ]

@@ -18,7 +18,8 @@ from beatrix_zenoh.contract.refusals import not_enabled
 from beatrix_zenoh.motion.trajectory import plan, shortest_s, speed_for
 from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Outcome, Play
-from gui.console.state.intents import AimHead, DeletePose, Intent, PlayPoses, SavePose
+from gui.console.state.intents import AimHead, Choose, DeletePose, Intent, PlayPoses, SavePose
+from gui.console.state.orientation import HeadOrientation
 from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.sequence import POSES_MAX, changed
 from gui.console.state.sequence_intents import (
@@ -28,14 +29,11 @@ from gui.console.state.sequence_intents import (
     PlaySequence,
     RenamePose,
     SaveSequence,
-    SequenceIntent,
     SetDuration,
-    SetLoop,
     UndoSequence,
 )
 from gui.console.state.sequence_timing import HOME, Pace, comfortable, timed, too_short
 from gui.console.state.state import State
-from gui.console.state.views import HeadOrientation
 from gui.console.state.world import World
 
 LIMITS = Pace()
@@ -262,7 +260,7 @@ def test_a_play_that_failed_does_not_free_the_hardware() -> None:
 
 def test_a_loop_frees_the_hardware_after_one_round() -> None:
     state = editing(NOD, LEFT, SavedPose("pause", *LEFT.arms, 1.5))
-    state.handle(SetLoop(on=True), world())
+    state.handle(Choose("loop", value=True), world())
     play = played(state, PlaySequence("sim"))
     assert [step.at for step in play.poses] == [0.0, 2.0, 3.5]
     assert [step.at for step in play.again] == [1.5, 3.5, 5.0], "the last pose is a pause of 1.5 s"
@@ -358,7 +356,7 @@ def test_the_page_plays_the_poses_on_the_checked_robots() -> None:
 
 
 def test_invalid_requests_are_refused_with_a_reason() -> None:
-    given_intents: list[tuple[SequenceIntent, str]] = [
+    given_intents: list[tuple[Intent, str]] = [
         (PlaySequence("sim"), "no pose yet"),
         (SaveSequence(Path("a.csv")), "no pose yet"),
     ]

@@ -11,10 +11,10 @@ from gui_worlds import world
 from beatrix_zenoh.client.choreography import ArmPose, choreography
 from beatrix_zenoh.client.motion_file import parse
 from gui.console.state.actions import WriteFile
-from gui.console.state.intents import DeletePose, SetLanguage
+from gui.console.state.intents import Choose, DeletePose
 from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.sequence import POSES_MAX
-from gui.console.state.sequence_intents import OpenSequence, SaveSequence, SetLoop
+from gui.console.state.sequence_intents import OpenSequence, SaveSequence
 from gui.console.state.state import State
 from gui.console.state.world import World
 
@@ -66,7 +66,7 @@ def test_a_file_that_is_no_choreography_is_explained_in_both_languages(
 ) -> None:
     state = editing(*THREE)
     for code, words in (("en", english), ("de", german)):
-        state.handle(SetLanguage(code), world())
+        state.handle(Choose("language", code), world())
         state.handle(OpenSequence(Path("dance.csv"), text), world())
         assert words in refusal_of(state)
     assert state.saved.poses == THREE
@@ -88,7 +88,7 @@ def test_a_saved_choreography_is_opened_as_the_same_sequence() -> None:
 @pytest.mark.parametrize("loop", [False, True])
 def test_a_saved_program_contains_the_motions(loop: bool) -> None:
     state = editing(*THREE, SavedPose("a\nb", *UP.arms, 2.5))
-    state.handle(SetLoop(loop), world())
+    state.handle(Choose("loop", value=loop), world())
     text = written(state, SaveSequence(Path("dance.py"), program=True))
     calls = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call)]
     moves = [call for call in calls if isinstance(call.func, ast.Attribute) and call.func.attr == "move"]

@@ -13,14 +13,13 @@ from PyQt5.QtTest import QTest
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, WatchedState
 
-from gui.console.state.intents import AimHead, DeletePose, Intent
+from gui.console.state.intents import AimHead, Choose, DeletePose, Intent
 from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.sequence_intents import (
     MovePose,
     OpenSequence,
     SaveSequence,
     SetDuration,
-    SetLoop,
     UndoSequence,
 )
 from gui.window.widgets.strip import Strip
@@ -163,7 +162,7 @@ def test_loop_and_files_report_their_intents(
 ) -> None:
     panel = window.panels.sequence
     QTest.mouseClick(panel.loop, LEFT, pos=QPoint(8, panel.loop.height() // 2))
-    assert intents() == [SetLoop(on=True)]
+    assert intents() == [Choose("loop", value=True)]
     dance = tmp_path / "dance.csv"
     dance.write_text("mine")
     for entry, file, made in (

@@ -25,16 +25,18 @@ from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Command
 from gui.console.state import intents
 from gui.console.state.actions import (
+    Action,
     BeginRecording,
+    ChooseRobot,
     EndRecording,
-    Ready,
-    Select,
+    MakeReady,
     SendCommand,
     SendStop,
+    StartSimulation,
     ViewRecording,
     WatchCameras,
 )
-from gui.console.state.intents import Jog, RunCommand, SetDestination, Tab
+from gui.console.state.intents import Choose, Jog, RunCommand, Tab
 from gui.console.state.state import State
 from gui.console.state.views import ButtonView, View
 from gui.console.state.world import LinkPhase, RecordingProgress, Trouble, World
@@ -74,7 +76,7 @@ def test_plus_and_minus_turn_by_or_to_the_increment(
     relative: bool, arm: str, sign: int, goal: tuple[int, ...]
 ) -> None:
     now = world(robot("sim", arms=(10, -20, 30)))
-    send = sent(state_after(intents.SetRelative(relative)).handle(Jog(arm, sign), now))
+    send = sent(state_after(intents.Choose("relative", value=relative)).handle(Jog(arm, sign), now))
     assert arms_of(send) == goal
     assert send.query.absolute is not relative
     assert send.sides == ("sim",)
@@ -87,7 +89,7 @@ def test_with_both_boxes_checked_one_motion_is_sent_with_the_lead() -> None:
     state = state_after(BOTH)
     send = sent(state.handle(Jog("all", 1), world()))
     assert (send.sides, send.lead_s) == (("sim", "hw"), 2.0)
-    state.handle(intents.SetLead(0.0), world())
+    state.handle(intents.Choose("lead_s", 0.0), world())
     assert sent(state.handle(intents.SendHead(), world())).lead_s == 0.0
     state.handle(NOT_SIM, world())
     send = sent(state.handle(intents.SendHead(), world()))
@@ -102,7 +104,7 @@ def test_commands_go_to_the_checked_robots_or_to_the_one_that_is_named() -> None
     (one,) = state.handle(RunCommand(Command.RESET, side="sim"), world())
     assert isinstance(one, SendCommand)
     assert one.sides == ("sim",)
-    assert state.handle(intents.MakeReady("hw"), world()) == [Ready(3, "hw")]
+    assert state.handle(MakeReady("hw"), world()) == [MakeReady("hw", 3)]
 
 
 def test_without_a_checked_box_motion_buttons_are_disabled_with_a_reason() -> None:
@@ -117,7 +119,7 @@ def test_without_a_checked_box_motion_buttons_are_disabled_with_a_reason() -> No
         "short",
         "Check Simulation, Hardware or both first",
     )
-    state.handle(SetDestination("sim", checked=True), world())
+    state.handle(Choose("sim", value=True), world())
     assert state.view(world()).arms.refusal is None
 
 
@@ -142,7 +144,7 @@ def test_a_request_that_cannot_be_sent_is_refused_beside_its_control(now: World,
 
 def test_an_absolute_jog_needs_the_angles_of_the_other_arms() -> None:
     now = world(robot("sim", arms=None))
-    state = state_after(intents.SetRelative(False))
+    state = state_after(intents.Choose("relative", value=False))
     assert state.handle(Jog("short", 1), now) == []
     refusal = state.view(now).arms.refusal
     assert refusal is not None
@@ -177,14 +179,14 @@ EYES = frozenset((side, eye) for side in ("sim", "hw") for eye in ("left", "righ
 
 def test_only_visible_pictures_are_subscribed_to() -> None:
     state = State()
-    assert state.handle(intents.ShowTab(Tab.HEADS), world()) == [WatchCameras(frozenset())]
-    assert state.handle(intents.ShowTab(Tab.EYES), world()) == [WatchCameras(frozenset())]
-    assert state.view(world()).tab is Tab.EYES
-    assert state.handle(intents.SetCameras(on=True), world()) == [WatchCameras(EYES)]
+    assert state.handle(intents.Choose("tab", Tab.HEADS), world()) == [WatchCameras(frozenset())]
+    assert state.handle(intents.Choose("tab", Tab.EYES), world()) == [WatchCameras(frozenset())]
+    assert state.view(world()).choices.tab is Tab.EYES
+    assert state.handle(intents.Choose("cameras", value=True), world()) == [WatchCameras(EYES)]
     watched = {(eye.side, eye.eye) for eye in state.view(world(hw=absent("hw"))).eyes if eye.watched}
     assert watched == {("sim", "left"), ("sim", "right")}
-    assert state.handle(intents.SetCameras(on=False), world()) == [WatchCameras(frozenset())]
-    assert state.handle(intents.ShowTab(Tab.PLOTS), world()) == [WatchCameras(frozenset())]
+    assert state.handle(intents.Choose("cameras", value=False), world()) == [WatchCameras(frozenset())]
+    assert state.handle(intents.Choose("tab", Tab.PLOTS), world()) == [WatchCameras(frozenset())]
 
 
 def camera(*, connected: bool = True, streaming: bool = True, trouble: str = "") -> CameraStatus:
@@ -213,7 +215,7 @@ def camera(*, connected: bool = True, streaming: bool = True, trouble: str = "")
 )
 def test_a_missing_picture_has_a_reason(cameras: tuple[CameraStatus, ...], left: str) -> None:
     now = world(robot("sim", known=status("sim", cameras=cameras)), absent("hw"))
-    state = state_after(intents.SetCameras(on=True))
+    state = state_after(intents.Choose("cameras", value=True))
     found = {(eye.side, eye.eye): eye.text for eye in state.view(now).eyes}
     assert found["sim", "left"].startswith(left)
     assert bool(found["sim", "left"]) is bool(left)
@@ -236,7 +238,7 @@ def test_the_failure_of_a_child_program_is_shown_in_banner_and_last_line() -> No
 @pytest.mark.parametrize("code", LANGUAGES)
 def test_the_output_of_a_child_program_is_a_detail(code: str) -> None:
     failed = replace(world(absent("sim"), absent("hw"), names=()), child_trouble=LOST_ROUTER)
-    state = state_after(intents.SetLanguage(code))
+    state = state_after(intents.Choose("language", code))
     view = state.view(failed)
     assert view.banner is not None
     assert not {text for text in (view.banner.text, view.last) if LOST_ROUTER.detail in text}
@@ -247,7 +249,7 @@ def test_a_simulation_that_another_program_started_first_is_no_failure() -> None
     """`beatrix up` starts a crashed simulation again, so the one of the window is refused: its name is taken."""
     second = Trouble("trouble.simulation", "1", "Its output: ...")
     state, here = State(), replace(world(), child_trouble=second)
-    state.handle(intents.StartSimulation(), world(absent("sim")))
+    state.handle(StartSimulation(), world(absent("sim")))
     state.follow(here)
     assert state.view(here).last == "No command yet."
     gone = replace(world(absent("sim")), child_trouble=second)
@@ -266,16 +268,23 @@ def test_the_failure_of_a_simulation_goes_when_one_is_online_again() -> None:
 
 def test_a_recording_is_begun_ended_and_opened() -> None:
     file, state = Path("a.rrd"), State()
-    assert state.handle(intents.ToggleRecording(), world()) == [BeginRecording()]
+
+    def pressed(now: World) -> list[Action]:
+        view = state.view(now).record
+        return state.handle(view.toggle.intent, now) if view.toggle.enabled else []
+
+    assert pressed(world()) == [BeginRecording()]
     running = world(recording=RecordingProgress(file, running=True, seconds=72.6))
     assert state.view(running).record.text == "1:12"
-    assert state.handle(intents.ToggleRecording(), running) == [EndRecording()]
-    assert state.handle(intents.OpenRecording(), running) == []
+    assert pressed(running) == [EndRecording()]
+    assert state.view(running).record.open is None
     ending = world(recording=RecordingProgress(file, running=True, seconds=72.6, ending=True))
     assert not State().view(ending).record.toggle.enabled
-    assert state.handle(intents.ToggleRecording(), ending) == []
+    assert pressed(ending) == []
     ended = world(recording=RecordingProgress(file, running=False, seconds=72.6, trouble=FULL))
-    assert state.handle(intents.OpenRecording(), ended) == [ViewRecording(file)]
+    opened = state.view(ended).record.open
+    assert opened is not None
+    assert state.handle(opened.intent, ended) == [ViewRecording(file)]
     saved = world(recording=RecordingProgress(file, running=False, seconds=72.6))
     assert state.view(saved).last == "recorded: a.rrd"
     same("state.a recording is begun ended and opened", state.view(ended).last)
@@ -288,7 +297,7 @@ def test_choosing_another_robot_selects_it_and_clears_the_undo_list() -> None:
     accept(state, 1)
     now = world(names=("bea2", "bea1"))
     assert state.view(now).robots == ("bea1", "bea2")
-    assert state.handle(intents.ChooseRobot("bea2"), now) == [Select("bea2")]
+    assert state.handle(ChooseRobot("bea2"), now) == [ChooseRobot("bea2")]
     assert not state.view(now).commands.undo.enabled
 
 

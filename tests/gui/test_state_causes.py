@@ -51,7 +51,7 @@ def test_a_refusal_goes_with_its_cause(reason: Reason) -> None:
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_a_stop_that_did_not_arrive_is_not_called_refused_when_the_router_is_back(language: str) -> None:
     lost = CAUSES[Reason.NO_ROUTER]
-    state = state_after(intents.SetLanguage(language), intents.Stop(), now=lost)
+    state = state_after(intents.Choose("language", language), intents.Stop(), now=lost)
     state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.NO_ROUTER, message="No router."))
     told = state.view(lost).last
     for now in (lost, WELL):

@@ -14,7 +14,7 @@ from msgspec import structs
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason, SeatCount
 from gui.console.state import intents
 from gui.console.state.actions import Govern, Outcome, SendStop, WatchCameras, WatchClass
-from gui.console.state.intents import GovernClass, Intent, LimitClass, MuteSeat, Stop, TogglePage, WindowPage
+from gui.console.state.intents import Intent, LimitClass, Stop, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import ClassView, Condition
 from gui.console.state.world import LinkPhase, OwnAccount, World
@@ -38,10 +38,10 @@ def opened() -> State:
 
 def test_only_the_teacher_has_the_page() -> None:
     state, student = State(), world()
-    for intent in (TogglePage(), GovernClass(LeaseAction.FREEZE), LimitClass("20")):
+    for intent in (TogglePage(), Govern(0, LeaseAction.FREEZE), LimitClass("20")):
         assert state.handle(intent, student) == []
     assert state.view(student).class_page is None
-    assert state.view(student).page is WindowPage.ROBOT
+    assert state.view(student).choices.page is WindowPage.ROBOT
 
 
 def test_a_row_shows_state_driver_queue_rate_and_age() -> None:
@@ -82,7 +82,7 @@ def test_the_page_shows_a_summary_and_the_speed_limit() -> None:
 def test_a_seat_is_muted_on_all_robots_and_shown_as_muted() -> None:
     state = opened()
     shown = {view.text: view.mute.intent for view in page(state).seats}
-    assert shown == {seat: MuteSeat(seat, on=True) for seat in ("ana", "ben", "cleo", "dora")}
+    assert shown == {seat: Govern(0, LeaseAction.MUTE, seat=seat) for seat in ("ana", "ben", "cleo", "dora")}
     assert state.handle(shown["cleo"], TEACHER) == [Govern(1, LeaseAction.MUTE, (), 0.0, "cleo")]
     view = state.view(TEACHER)
     assert view.history[0].what == "mute cleo, all robots"
@@ -91,9 +91,9 @@ def test_a_seat_is_muted_on_all_robots_and_shown_as_muted() -> None:
     muted = page(state, replace(TEACHER, robots=robots))
     assert "Muted: cleo, zoe." in muted.summary
     buttons = {view.text: view.mute.intent for view in muted.seats}
-    assert buttons["cleo (muted)"] == MuteSeat("cleo", on=False)
-    assert buttons["zoe (muted)"] == MuteSeat("zoe", on=False), "a seat that is not connected"
-    assert state.handle(MuteSeat("ana", on=True), world()) == [], "not the teacher's window"
+    assert buttons["cleo (muted)"] == Govern(0, LeaseAction.UNMUTE, seat="cleo")
+    assert buttons["zoe (muted)"] == Govern(0, LeaseAction.UNMUTE, seat="zoe"), "a seat that is not connected"
+    assert state.handle(Govern(0, LeaseAction.MUTE, seat="ana"), world()) == [], "not the teacher's window"
 
 
 def test_a_robot_that_was_away_when_a_seat_was_muted_is_named() -> None:
@@ -109,7 +109,7 @@ def test_a_pupil_is_shown_by_name_and_muted_by_seat() -> None:
     now = replace(TEACHER, pupils={"cleo": "Cléo Brun (cleo)"})
     same("state class.a pupil is shown by name and muted by seat", page(opened(), now).summary)
     (view,) = (view for view in page(opened(), now).seats if view.text == "Cléo Brun (cleo)")
-    assert view.mute.intent == MuteSeat("cleo", on=True)
+    assert view.mute.intent == Govern(0, LeaseAction.MUTE, seat="cleo")
     first, *others = TEACHER.robots
     muted = page(
         opened(), replace(now, robots=(replace(first, status=status("sim", muted=("cleo",))), *others))
@@ -157,9 +157,9 @@ def test_the_summary_announces_that_the_accounts_expire(expired: bool, expiring:
 @pytest.mark.parametrize(
     ("intent", "action"),
     [
-        (GovernClass(LeaseAction.FREEZE), Govern(1, LeaseAction.FREEZE)),
-        (GovernClass(LeaseAction.UNFREEZE), Govern(1, LeaseAction.UNFREEZE)),
-        (GovernClass(LeaseAction.TAKE, PLACE), Govern(1, LeaseAction.TAKE, (PLACE,))),
+        (Govern(0, LeaseAction.FREEZE), Govern(1, LeaseAction.FREEZE)),
+        (Govern(0, LeaseAction.UNFREEZE), Govern(1, LeaseAction.UNFREEZE)),
+        (Govern(0, LeaseAction.TAKE, (PLACE,)), Govern(1, LeaseAction.TAKE, (PLACE,))),
         (LimitClass("20"), Govern(1, LeaseAction.LIMIT, (), math.radians(20))),
         (LimitClass(" 12,5 °/s "), Govern(1, LeaseAction.LIMIT, (), math.radians(12.5))),
         (LimitClass(""), Govern(1, LeaseAction.LIMIT, (), 0.0)),
@@ -180,7 +180,7 @@ def test_an_invalid_speed_limit_is_not_sent(text: str) -> None:
 
 def test_the_outcome_is_shown_with_the_robots_that_failed() -> None:
     state = opened()
-    state.handle(GovernClass(LeaseAction.FREEZE), TEACHER)
+    state.handle(Govern(0, LeaseAction.FREEZE), TEACHER)
     assert page(state).good is None
     state.report(Outcome(1, "", accepted=True, done=True, robots=8))
     assert (page(state).result, page(state).good) == ("freeze, all robots: done by 8 robots", True)
@@ -204,7 +204,7 @@ def test_the_outcome_is_shown_with_the_robots_that_failed() -> None:
 def test_without_a_router_nothing_is_sent() -> None:
     state = opened()
     lost = replace(TEACHER, phase=LinkPhase.NO_ROUTER, robots=())
-    assert state.handle(GovernClass(LeaseAction.FREEZE), lost) == []
+    assert state.handle(Govern(0, LeaseAction.FREEZE), lost) == []
     assert "no router answers" in page(state, lost).result
 
 

@@ -12,17 +12,15 @@ from gui.console.state import intents
 from gui.console.state.actions import Send, SendStop
 from gui.console.state.intents import (
     AimHead,
+    Choose,
     GrabHead,
     LiveHead,
     ReleaseHead,
-    SetDestination,
-    SetLive,
-    SetSendOnRelease,
 )
+from gui.console.state.orientation import HeadOrientation
 from gui.console.state.state import State
-from gui.console.state.views import HeadOrientation
 
-LIVE = SetLive(on=True)
+LIVE = Choose("live", value=True)
 LIMITS = LimitInfo(
     tilt_max=math.radians(20),
     gap_min=math.radians(30),
@@ -47,7 +45,7 @@ def test_a_drag_sends_nothing_unless_the_user_has_chosen_it() -> None:
 
 
 def test_send_on_release_sends_the_target_to_the_checked_robots() -> None:
-    state = state_after(SetSendOnRelease(on=True), SetDestination("hw", checked=True))
+    state = state_after(Choose("send_on_release", value=True), Choose("hw", value=True))
     assert state.handle(ReleaseHead(), world()) == []  # a click without a drag has no target
     state.handle(AimHead(20.0, 5.0, 0.0), world())
     send = sent(state.handle(ReleaseHead(), world()))
@@ -57,7 +55,7 @@ def test_send_on_release_sends_the_target_to_the_checked_robots() -> None:
 
 @pytest.mark.parametrize("sides", [("sim",), ("hw",), ("sim", "hw"), ()])
 def test_live_moves_the_simulation_alone_in_one_row_of_the_history(sides: tuple[str, ...]) -> None:
-    state = state_after(LIVE, *(SetDestination(side, checked=side in sides) for side in ("sim", "hw")))
+    state = state_after(LIVE, *(Choose(side, value=side in sides) for side in ("sim", "hw")))
     rows = set()
     for yaw in (5.0, 10.0, 15.0):
         state.handle(AimHead(yaw, 0.0, 0.0), world())
@@ -91,7 +89,11 @@ def test_stop_ends_live_until_the_next_drag(stop: intents.Intent) -> None:
 @pytest.mark.parametrize("live", [True, False])
 def test_a_release_after_stop_sends_nothing(live: bool) -> None:
     state = state_after(
-        SetLive(on=live), SetSendOnRelease(on=True), GrabHead(), AimHead(5.0, 0.0, 0.0), LiveHead()
+        Choose("live", value=live),
+        Choose("send_on_release", value=True),
+        GrabHead(),
+        AimHead(5.0, 0.0, 0.0),
+        LiveHead(),
     )
     state.handle(intents.Stop(), world())
     assert state.handle(ReleaseHead(), world()) == []

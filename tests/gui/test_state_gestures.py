@@ -12,27 +12,13 @@ from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES, load, shipped
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Reason
 from beatrix_zenoh.contract.refusals import not_enabled
-from gui.console.state.actions import (
-    CopyProgram,
-    EndFollowing,
-    FollowFace,
-    Outcome,
-    Play,
-)
-from gui.console.state.intents import (
-    Intent,
-    OpenProgram,
-    PlayGesture,
-    Repeat,
-    SetDestination,
-    SetLanguage,
-    ToggleFollowing,
-)
+from gui.console.state.actions import CopyProgram, EndFollowing, FollowFace, Outcome, Play
+from gui.console.state.intents import Choose, Intent, Repeat
 from gui.console.state.state import State
 from gui.console.state.world import FaceProgress, World
 
 SHIPPED, OWN = Path("shipped/follow_the_face.py"), Path("beatrix-programs/follow_the_face.py")
-GERMAN = SetLanguage("de")
+GERMAN = Choose("language", "de")
 
 
 def seeing(side: str, *, connected: bool = True, source: str = "") -> RobotState:
@@ -59,7 +45,9 @@ def test_a_press_plays_a_gesture_on_the_checked_robots(
     gesture: str, given: tuple[Intent, ...], sides: tuple[str, ...], lead_s: float
 ) -> None:
     state = state_after(*given)
-    assert state.handle(PlayGesture(gesture), world()) == [Play(1, sides, lead_s=lead_s, gesture=gesture)]
+    assert state.handle(Play(0, (), gesture=gesture), world()) == [
+        Play(1, sides, lead_s=lead_s, gesture=gesture)
+    ]
     (row,) = state.view(world()).history
     twin = "twin" if len(sides) > 1 else "twin.sim"
     assert row.what.startswith(f"gesture: {gesture.capitalize()}")
@@ -68,19 +56,19 @@ def test_a_press_plays_a_gesture_on_the_checked_robots(
 
 
 def test_a_gesture_is_repeated_on_the_robots_that_are_checked_then() -> None:
-    state = state_after(PlayGesture("yes"), BOTH)
+    state = state_after(Play(0, (), gesture="yes"), BOTH)
     assert state.handle(Repeat(1), world()) == [Play(2, ("sim", "hw"), lead_s=2.0, gesture="yes")]
 
 
 def test_titles_are_in_the_language_of_the_window() -> None:
-    state = state_after(GERMAN, PlayGesture("sleepy"))
+    state = state_after(GERMAN, Play(0, (), gesture="sleepy"))
     view = state.view(world(playing="sleepy"))
     assert (view.history[0].what, view.sending.title) == ("Geste: Müde (Simulation)", "Spielt Müde")
     assert [button.text for _, button in view.gestures.gestures][:2] == ["Ja", "Nein"]
 
 
 def test_without_a_checked_robot_all_buttons_give_the_reason() -> None:
-    view = state_after(SetDestination("sim", checked=False)).view(faces()).gestures
+    view = state_after(Choose("sim", value=False)).view(faces()).gestures
     for button in (*(button for _, button in view.gestures), view.follow):
         assert not button.enabled
         assert "Check" in button.tooltip
@@ -89,7 +77,7 @@ def test_without_a_checked_robot_all_buttons_give_the_reason() -> None:
 
 def test_a_gesture_without_a_robot_is_refused_beside_the_gestures() -> None:
     state = State()
-    assert state.handle(PlayGesture("yes"), NOWHERE) == []
+    assert state.handle(Play(0, (), gesture="yes"), NOWHERE) == []
     refusal = state.view(NOWHERE).gestures.refusal
     assert refusal is not None
     assert refusal.control == "gestures"
@@ -110,7 +98,7 @@ def test_the_hardware_sees_if_it_moves_and_has_an_eye(
     given: tuple[Intent, ...], now: World, sides: tuple[str, ...]
 ) -> None:
     state = state_after(*given)
-    assert state.handle(ToggleFollowing(), now) == [FollowFace(1, sides)]
+    assert state.handle(FollowFace(0, ()), now) == [FollowFace(1, sides)]
 
 
 @pytest.mark.parametrize(
@@ -127,8 +115,8 @@ def test_the_hardware_sees_if_it_moves_and_has_an_eye(
 def test_a_robot_without_a_working_eye_follows_no_face(
     given: tuple[Intent, ...], now: World, language: str
 ) -> None:
-    state = state_after(*given, SetLanguage(language))
-    assert state.handle(ToggleFollowing(), now) == []
+    state = state_after(*given, Choose("language", language))
+    assert state.handle(FollowFace(0, ()), now) == []
     refusal = state.view(now).gestures.refusal
     assert refusal is not None
     assert ("eye" if language == "en" else "Auge") in refusal.text
@@ -141,9 +129,9 @@ def test_a_robot_without_a_working_eye_follows_no_face(
 def test_the_panel_says_that_the_program_runs_and_which_eye_sees(
     language: str, title: str, *, own: bool, hw: bool, eye: str
 ) -> None:
-    state, file = state_after(SetLanguage(language), BOTH), OWN if own else SHIPPED
+    state, file = state_after(Choose("language", language), BOTH), OWN if own else SHIPPED
     idle = state.view(faces()).sending
-    state.handle(ToggleFollowing(), faces(hw=hw))
+    state.handle(FollowFace(0, ()), faces(hw=hw))
     sending = state.view(faces(hw=hw, running=True, file=file)).sending
     assert sending.title == title
     assert sending.text.startswith(eye)
@@ -156,10 +144,10 @@ def test_the_panel_says_that_the_program_runs_and_which_eye_sees(
 
 
 def test_a_second_press_ends_the_program_even_if_no_robot_is_checked() -> None:
-    state, now = state_after(SetDestination("sim", checked=False)), faces(running=True)
+    state, now = state_after(Choose("sim", value=False)), faces(running=True)
     view = state.view(now).gestures
     assert (view.following, view.follow.enabled) == (True, True)
-    assert state.handle(ToggleFollowing(), now) == [EndFollowing()]
+    assert state.handle(view.follow.intent, now) == [EndFollowing()]
 
 
 def test_the_program_of_the_user_is_named_while_it_runs_and_while_it_waits() -> None:
@@ -172,7 +160,7 @@ def test_the_program_of_the_user_is_named_while_it_runs_and_while_it_waits() -> 
 
 def test_opening_the_program_copies_it_and_the_history_shows_the_path() -> None:
     state, now = State(), faces()
-    assert state.handle(OpenProgram(), now) == [CopyProgram(1, OWN)]
+    assert state.handle(state.view(now).gestures.open.intent, now) == [CopyProgram(1, OWN)]
     state.report(Outcome(1, "", accepted=True, done=True))
     assert str(OWN) in state.view(now).history[0].what
     assert str(OWN) in state.view(now).last
@@ -181,8 +169,8 @@ def test_opening_the_program_copies_it_and_the_history_shows_the_path() -> None:
 
 @pytest.mark.parametrize(("language", "word"), [("en", "failed"), ("de", "gescheitert")])
 def test_a_failed_program_is_a_sentence_and_its_last_line_a_detail(language: str, word: str) -> None:
-    state, now = state_after(SetLanguage(language)), faces()
-    state.handle(ToggleFollowing(), now)
+    state, now = state_after(Choose("language", language)), faces()
+    state.handle(FollowFace(0, ()), now)
     reason = Reason.BAD_VALUE
     state.report(Outcome(1, "", accepted=True, done=False))
     state.report(Outcome(1, "", accepted=False, done=True, reason=reason, key="result.program_failed"))
@@ -194,7 +182,7 @@ def test_a_failed_program_is_a_sentence_and_its_last_line_a_detail(language: str
 
 def test_a_refusal_of_the_robot_ends_the_program_in_the_language_of_the_window() -> None:
     state, now, refused = state_after(GERMAN), faces(), not_enabled()
-    state.handle(ToggleFollowing(), now)
+    state.handle(FollowFace(0, ()), now)
     end = Outcome(1, "", accepted=True, done=False)
     state.report(end)
     state.report(replace(end, accepted=False, done=True, reason=refused.reason, detail=refused.detail))

@@ -17,14 +17,14 @@ from beatrix_zenoh.client import Plan, Robot, Twin
 from beatrix_zenoh.contract._generated.messages import Command, Event, EventKind, LeaseAction, Phase, Reason
 from beatrix_zenoh.contract.refusals import not_enabled
 from gui.console.state import intents
-from gui.console.state.actions import Outcome, Play, Send, SendCommand
-from gui.console.state.intents import Intent, Jog, RunCommand, SetDestination
+from gui.console.state.actions import AskLease, MakeReady, Outcome, Play, Send, SendCommand
+from gui.console.state.intents import Choose, Intent, Jog, RunCommand
 from gui.console.state.state import State
 from gui.console.state.views import HistoryRowView
 from gui.console.state.world import World
 
-BOTH = SetDestination("hw", checked=True)
-HW_ONLY = (BOTH, SetDestination("sim", checked=False))
+BOTH = Choose("hw", value=True)
+HW_ONLY = (BOTH, Choose("sim", value=False))
 LOOK = (intents.AimHead(20, -10, 0), intents.SendHead())
 SEQ = count(1)
 
@@ -108,11 +108,11 @@ LINES: list[tuple[tuple[Intent, ...], str]] = [
         "twin.preview(yaw=20, pitch=-10, roll=0, speed=30).commit(lead_s=2)",
     ),
     (
-        (BOTH, intents.SetLead(0), *LOOK),
+        (BOTH, intents.Choose("lead_s", 0), *LOOK),
         "twin.preview(yaw=20, pitch=-10, roll=0, speed=30).commit()",
     ),
     (
-        (BOTH, intents.SetLead(0.5), Jog("all", -1)),
+        (BOTH, intents.Choose("lead_s", 0.5), Jog("all", -1)),
         "twin.preview_arms(-5, -5, -5, speed=30).commit(lead_s=0.5)",
     ),
     (
@@ -120,7 +120,7 @@ LINES: list[tuple[tuple[Intent, ...], str]] = [
         "twin.hw.look(yaw=20, pitch=-10, roll=0, speed=30)",
     ),
     (
-        (intents.SetRelative(False), intents.SetIncrement(2.345), Jog("middle", -1)),
+        (intents.Choose("relative", value=False), intents.Choose("increment", 2.345), Jog("middle", -1)),
         "twin.sim.move(0, -2.345, 0, speed=30)",
     ),
     ((RunCommand(Command.ENABLE),), "twin.sim.enable()"),
@@ -129,11 +129,11 @@ LINES: list[tuple[tuple[Intent, ...], str]] = [
     ((RunCommand(Command.RESET, side="hw"),), "twin.hw.reset()"),
     ((intents.Stop(),), "twin.stop()"),
     (
-        (intents.MakeReady("hw"),),
+        (MakeReady("hw"),),
         "twin.hw.make_ready()",
     ),
     (
-        (BOTH, intents.PlayFile(Path("my greeting.csv"))),
+        (BOTH, Play(0, (), Path("my greeting.csv"))),
         "play(twin, load('my greeting.csv'), lead_s=2)",
     ),
 ]
@@ -170,15 +170,15 @@ def calls_of(program: str, monkeypatch: pytest.MonkeyPatch) -> tuple[list[Any], 
 
 
 MORE: list[tuple[Intent, ...]] = [
-    (*HW_ONLY, intents.SetIncrement(12), Jog("long", 1)),
+    (*HW_ONLY, intents.Choose("increment", 12), Jog("long", 1)),
     (*HW_ONLY, RunCommand(Command.HOME)),
     (BOTH, RunCommand(Command.HOME)),
-    (intents.SetSpeed(55.5), *LOOK),
-    (intents.AskLease(LeaseAction.TAKE, "sim"),),
-    (intents.AskLease(LeaseAction.WAIT, "hw"),),
+    (intents.Choose("speed", 55.5), *LOOK),
+    (AskLease(LeaseAction.TAKE, "sim"),),
+    (AskLease(LeaseAction.WAIT, "hw"),),
     (intents.SavePose("a"), intents.SavePose("b"), intents.PlayPoses()),
     (BOTH, intents.SavePose("a"), intents.SavePose("b"), intents.PlayPoses()),
-    (intents.PlayFile(Path("it's.csv")),),
+    (Play(0, (), Path("it's.csv")),),
 ]
 
 

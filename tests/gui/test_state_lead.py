@@ -14,9 +14,9 @@ from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import intents
-from gui.console.state.actions import AbortPlan, Outcome, SendPlanNow
-from gui.console.state.intents import Jog, SetDestination
-from gui.console.state.views import HeadOrientation
+from gui.console.state.actions import Abort, Outcome, SendNow
+from gui.console.state.intents import Choose, Jog
+from gui.console.state.orientation import HeadOrientation
 from gui.console.state.world import PlanPhase
 
 
@@ -29,7 +29,7 @@ def test_what_the_preview_does_not_show_is_said_in_the_language_of_the_window(
     phase: PlanPhase, language: str, apart: str, unlike: str
 ) -> None:
     state, now = state_after(BOTH), plan(phase)
-    state.handle(intents.SetLanguage(language), now)
+    state.handle(intents.Choose("language", language), now)
     assert now.plan is not None
     far = replace(now, plan=replace(now.plan, apart_deg=5.7))
     assert apart in state.view(far).sending.text
@@ -54,33 +54,33 @@ def test_the_countdown_is_shown_with_its_buttons() -> None:
 def test_a_waiting_motion_is_sent_changed_or_aborted() -> None:
     waiting = plan(PlanPhase.LEADING, 1.0)
     state = state_after(BOTH, intents.AimHead(20, 10, 0), intents.SendHead(), intents.AimHead(-50, 0, 0))
-    assert state.handle(intents.SendNow(), waiting) == [SendPlanNow()]
-    assert state.handle(intents.Abort(), waiting) == [AbortPlan()]
+    assert state.handle(SendNow(), waiting) == [SendNow()]
+    assert state.handle(Abort(), waiting) == [Abort()]
     assert state.view(waiting).head.target.yaw == -50
-    assert state.handle(intents.Change(), waiting) == [AbortPlan()]
+    assert state.handle(intents.Change(), waiting) == [Abort()]
     target = state.view(waiting).head.target
     assert (round(target.yaw, 6), round(target.pitch, 6)) == (20, 10)
-    for intent in (intents.SendNow(), intents.Change(), intents.Abort()):
+    for intent in (SendNow(), intents.Change(), Abort()):
         assert state.handle(intent, world()) == []
 
 
 @pytest.mark.parametrize(
     ("intent", "phase", "aborts"),
     [
-        (SetDestination("hw", checked=False), PlanPhase.TRYING, True),
-        (SetDestination("hw", checked=False), PlanPhase.LEADING, True),
-        (SetDestination("hw", checked=False), PlanPhase.SENT, False),
-        (SetDestination("hw", checked=False), None, False),
-        (SetDestination("hw", checked=True), PlanPhase.LEADING, False),
-        (SetDestination("sim", checked=False), PlanPhase.LEADING, False),
+        (Choose("hw", value=False), PlanPhase.TRYING, True),
+        (Choose("hw", value=False), PlanPhase.LEADING, True),
+        (Choose("hw", value=False), PlanPhase.SENT, False),
+        (Choose("hw", value=False), None, False),
+        (Choose("hw", value=True), PlanPhase.LEADING, False),
+        (Choose("sim", value=False), PlanPhase.LEADING, False),
     ],
 )
 def test_hardware_that_is_unchecked_during_the_lead_does_not_move(
-    intent: SetDestination, phase: PlanPhase | None, *, aborts: bool
+    intent: Choose, phase: PlanPhase | None, *, aborts: bool
 ) -> None:
     state = state_after(BOTH, Jog("short", 1))
     now = world() if phase is None else plan(phase, 1.0)
-    assert state.handle(intent, now) == ([AbortPlan()] if aborts else [])
+    assert state.handle(intent, now) == ([Abort()] if aborts else [])
     state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
     assert state.view(world()).history[0].on_purpose is aborts
 
@@ -116,7 +116,7 @@ def test_plus_during_the_lead_adds_to_the_goal_of_both_robots() -> None:
 
 @pytest.mark.parametrize("side", ["sim", "hw"])
 def test_quick_presses_of_one_robot_add_up(side: str) -> None:
-    state = state_after(SetDestination(side, checked=True), *(() if side == "sim" else (NOT_SIM,)))
+    state = state_after(Choose(side, value=True), *(() if side == "sim" else (NOT_SIM,)))
     turning = world(robot("sim", arms=(2, 0, 0)), robot("hw", arms=(2, 0, 0)))
     first = sent(state.handle(Jog("short", 1), world()))
     assert (first.query.absolute, arms_of(first)) == (False, (5, 0, 0))
@@ -143,7 +143,7 @@ def test_a_press_after_stop_counts_from_where_the_arm_rests() -> None:
 def test_increments_of_both_robots_add_up_although_the_arms_stand_on_whole_microsteps(
     increment: float, times: int
 ) -> None:
-    state, gear = state_after(BOTH, intents.SetIncrement(increment)), Gear()
+    state, gear = state_after(BOTH, intents.Choose("increment", increment)), Gear()
     arms = (0.0, 0.0, 0.0)
     goal: tuple[float, ...] = ()
     for _ in range(times):
@@ -157,7 +157,7 @@ def test_increments_of_both_robots_add_up_although_the_arms_stand_on_whole_micro
 
 
 def test_after_a_stop_increments_of_both_robots_count_from_where_the_arms_rest() -> None:
-    state = state_after(BOTH, intents.SetIncrement(10), Jog("all", 1))
+    state = state_after(BOTH, intents.Choose("increment", 10), Jog("all", 1))
     rests = world(robot("sim", arms=(4, 4, 4)), robot("hw", arms=(4, 4, 4)))
     assert arms_of(sent(state.handle(Jog("all", 1), rests))) == pytest.approx((14, 14, 14))
 
@@ -166,7 +166,7 @@ def test_a_simulation_left_at_the_target_is_offered_its_way_back() -> None:
     moving = robot("sim", arms=(4, 4, 4), known=status("sim", moving=True))
     left = world(robot("sim", arms=(5, 0, 0)), robot("hw"))
     state = state_after(BOTH, Jog("short", 1))
-    state.handle(intents.Abort(), plan(PlanPhase.LEADING, 1.0))
+    state.handle(Abort(), plan(PlanPhase.LEADING, 1.0))
     state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
     for now in (plan(PlanPhase.LEADING, 1.0), world(moving), left):
         assert state.view(now).head.refusal is None
@@ -183,7 +183,7 @@ def test_a_simulation_left_at_the_target_is_offered_its_way_back() -> None:
 def test_the_offer_of_a_way_back_goes_when_both_robots_are_at_one_place() -> None:
     left = world(robot("sim", arms=(5, 0, 0)), robot("hw"))
     state = state_after(BOTH, Jog("short", 1))
-    state.handle(intents.Abort(), plan(PlanPhase.LEADING, 1.0))
+    state.handle(Abort(), plan(PlanPhase.LEADING, 1.0))
     state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
     for now, shown in ((left, True), (world(), False), (left, False)):
         state.follow(now)
@@ -192,8 +192,8 @@ def test_the_offer_of_a_way_back_goes_when_both_robots_are_at_one_place() -> Non
 
 def test_abort_just_after_the_lead_stops_both_robots() -> None:
     state = state_after(BOTH, Jog("short", 1))
-    assert state.handle(intents.Abort(), plan(PlanPhase.SENT)) == [AbortPlan()]
-    assert state.handle(intents.Abort(), world()) == []
+    assert state.handle(Abort(), plan(PlanPhase.SENT)) == [Abort()]
+    assert state.handle(Abort(), world()) == []
 
 
 def test_the_target_follows_the_head_until_the_user_aims() -> None:

@@ -11,9 +11,8 @@ from gui_worlds import ENDPOINT, absent, refused, robot, state_after, status, wo
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.contract.refusals import taken_by
-from gui.console.state import intents
-from gui.console.state.actions import Govern, Outcome, Select, SendLease
-from gui.console.state.intents import AskLease, DismissNotice, Jog, SetLanguage, TakeAlternative
+from gui.console.state.actions import AskLease, ChooseRobot, Govern, Outcome
+from gui.console.state.intents import Choose, DismissNotice, Jog, TakeAlternative
 from gui.console.state.state import State
 from gui.console.state.views import PillView
 from gui.console.state.world import LinkPhase, World
@@ -52,7 +51,7 @@ def test_the_button_of_a_lease_sends_its_query(
     assert button is not None
     assert (button.text, button.intent) == (text, AskLease(action, "sim"))
     assert button.tooltip
-    assert State().handle(button.intent, now) == [SendLease(1, action, "sim")]
+    assert State().handle(button.intent, now) == [AskLease(action, "sim", 1)]
 
 
 def test_no_lease_is_offered_for_a_robot_that_does_not_answer_or_needs_another_step() -> None:
@@ -95,7 +94,7 @@ def test_a_refusal_because_of_a_lease_offers_to_wait() -> None:
     same("state leases.a refusal because of a lease offers to wait 1", refusal.text)
     assert refusal.alternative is not None
     assert refusal.alternative.text == "Wait for my turn"
-    assert state.handle(TakeAlternative(), world()) == [SendLease(2, WAIT, "sim")]
+    assert state.handle(TakeAlternative(), world()) == [AskLease(WAIT, "sim", 2)]
     state.report(Outcome(2, "sim", accepted=True, done=True))
     row = state.view(world()).history[0]
     assert (row.what, row.result) == ("ask for the robot (simulation)", "done")
@@ -114,7 +113,7 @@ def test_the_banner_of_a_new_lease_is_shown_until_it_is_dismissed() -> None:
     mine = sim_with(holder="ben", lease=5)
     same("state leases.the banner of a new lease is shown until it is dismissed 1", banner_of(state, mine))
     assert "your turn" in banner_of(state, mine)
-    state.handle(SetLanguage("de"), mine)
+    state.handle(Choose("language", "de"), mine)
     same("state leases.the banner of a new lease is shown until it is dismissed 2", banner_of(state, mine))
     assert state.handle(DismissNotice(), mine) == []
     assert banner_of(state, mine) == ""
@@ -140,11 +139,11 @@ def test_a_lease_that_this_window_gives_back_has_no_banner() -> None:
 
 def test_a_taken_robot_is_given_back_before_another_is_shown() -> None:
     state, mine = State(), sim_with(holder="ben", lease=5)
-    assert state.handle(AskLease(TAKE, "sim"), mine) == [SendLease(1, TAKE, "sim")]
+    assert state.handle(AskLease(TAKE, "sim"), mine) == [AskLease(TAKE, "sim", 1)]
     state.follow(mine)
-    expected = [Govern(2, GIVE_BACK, (("bea1", "sim"),)), Select("bea2")]
-    assert state.handle(intents.ChooseRobot("bea2"), mine) == expected
-    assert state.handle(intents.ChooseRobot("bea2"), mine) == [Select("bea2")]
+    expected = [Govern(2, GIVE_BACK, (("bea1", "sim"),)), ChooseRobot("bea2")]
+    assert state.handle(ChooseRobot("bea2"), mine) == expected
+    assert state.handle(ChooseRobot("bea2"), mine) == [ChooseRobot("bea2")]
 
 
 def test_a_frozen_robot_has_a_banner_in_the_windows_of_students() -> None:

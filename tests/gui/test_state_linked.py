@@ -12,7 +12,7 @@ from robots import Stage, until
 
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import intents
-from gui.console.state.intents import Jog, RunCommand, SetDestination
+from gui.console.state.intents import Choose, Jog, RunCommand
 from gui.console.state.views import Condition
 
 
@@ -36,14 +36,14 @@ def changed(window: BareWindow, number: int, condition: Condition) -> bool:
 
 def test_both_robots_carry_out_next_steps_motions_alternatives_and_undo(linked: Linked) -> None:
     window = BareWindow(linked)
-    window.want(SetDestination("hw", checked=True))
+    window.want(Choose("hw", value=True))
     for number in (0, 1):
         while (pill := window.view().pills[number]).condition is not Condition.READY:
             assert pill.next_step is not None, pill
             window.want(pill.next_step.intent)
             assert window.ends(), window.view().last
             until(partial(changed, window, number, pill.condition), "the next step was made", 5.0)
-    window.want(intents.SetLead(0.3))
+    window.want(intents.Choose("lead_s", 0.3))
     window.want(Jog("all", 1))
     assert window.ends(), window.view().last
     assert [round(angle, 1) for angle in window.commanded("hw")] == [5, 5, 5]
@@ -63,7 +63,7 @@ def test_both_robots_carry_out_next_steps_motions_alternatives_and_undo(linked: 
     assert [round(angle, 1) for angle in window.commanded("hw")] == [5, 5, 5]
     run_copied(window.view().history[1].program)
     assert max(window.commanded("hw")) > 10, "the copied program does what the window did"
-    window.want(SetDestination("sim", checked=False))
+    window.want(Choose("sim", value=False))
     window.want(RunCommand(Command.HOME))
     assert window.ends(), window.view().last
     window.want(Jog("long", 1))

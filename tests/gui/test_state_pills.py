@@ -11,16 +11,8 @@ from gui_worlds import absent, robot, status, world
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Command, Fault, FollowState
-from gui.console.state.connecting import LookForPorts
-from gui.console.state.intents import (
-    ChooseRobot,
-    Intent,
-    MakeReady,
-    Retry,
-    RunCommand,
-    SetLanguage,
-    StartSimulation,
-)
+from gui.console.state.actions import ChooseRobot, LookForPorts, MakeReady, Retry, StartSimulation
+from gui.console.state.intents import Choose, Intent, RunCommand
 from gui.console.state.state import State
 from gui.console.state.views import Condition, PillView
 from gui.console.state.world import LinkPhase, OwnAccount, World
@@ -120,7 +112,7 @@ def test_a_window_whose_account_is_refused_offers_another_one() -> None:
         assert pill(now, side).next_step is None
     state = State()
     for language, text in (("en", "does not accept account ana"), ("de", "nimmt das Konto ana")):
-        state.handle(SetLanguage(language), now)
+        state.handle(Choose("language", language), now)
         banner = state.view(now).banner
         assert banner is not None
         assert text in banner.text

@@ -30,17 +30,28 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.state import intents
 from gui.console.state.actions import (
+    NEW,
+    Abort,
     Action,
+    AskLease,
+    BeginRecording,
+    ChooseRobot,
+    ConnectHardware,
+    EndRecording,
     Govern,
+    LookForPorts,
+    MakeReady,
     Outcome,
     Play,
-    Ready,
+    Retry,
     Send,
     SendCommand,
-    SendLease,
+    SendNow,
     SendStop,
+    StartSimulation,
+    WriteFile,
 )
-from gui.console.state.connecting import CloseConnect, ConnectHardware, LookForPorts
+from gui.console.state.connecting import CloseConnect
 from gui.console.state.intents import ALL_ARMS, Intent, Tab, Theme, WindowPage
 from gui.console.state.program import SaveProgram
 from gui.console.state.sequence_intents import (
@@ -52,7 +63,6 @@ from gui.console.state.sequence_intents import (
     RenamePose,
     SaveSequence,
     SetDuration,
-    SetLoop,
     UndoSequence,
 )
 from gui.console.state.state import State
@@ -96,57 +106,57 @@ INTENTS: st.SearchStrategy[Intent] = st.one_of(
     st.builds(intents.Jog, st.sampled_from([*ARMS, ALL_ARMS]), st.sampled_from([1, -1])),
     st.builds(intents.AimHead, ANY_NUMBER, ANY_NUMBER, ANY_NUMBER),
     st.builds(intents.SendHead),
-    st.builds(intents.SetRelative, st.booleans()),
-    st.builds(intents.SetIncrement, ANY_NUMBER),
-    st.builds(intents.SetSpeed, ANY_NUMBER),
-    st.builds(intents.SetDestination, SIDES, st.booleans()),
-    st.builds(intents.SetCameras, st.booleans()),
-    st.builds(intents.SetLead, ANY_NUMBER),
+    st.builds(intents.Choose, st.just("relative"), st.booleans()),
+    st.builds(intents.Choose, st.just("increment"), ANY_NUMBER),
+    st.builds(intents.Choose, st.just("speed"), ANY_NUMBER),
+    st.builds(intents.Choose, SIDES, st.booleans()),
+    st.builds(intents.Choose, st.just("cameras"), st.booleans()),
+    st.builds(intents.Choose, st.just("lead_s"), ANY_NUMBER),
     st.builds(
         intents.RunCommand, st.sampled_from(COMMANDS), st.booleans(), st.sampled_from(["", "sim", "hw"])
     ),
-    st.builds(intents.MakeReady, SIDES),
+    st.builds(MakeReady, SIDES),
     st.sampled_from(
         [
-            intents.SendNow(),
+            SendNow(),
             intents.Change(),
-            intents.Abort(),
+            Abort(),
             intents.TakeAlternative(),
             intents.DismissRefusal(),
             intents.Undo(),
             intents.PlayPoses(),
-            intents.ToggleRecording(),
-            intents.OpenRecording(),
-            intents.StartSimulation(),
-            intents.Retry(),
+            BeginRecording(),
+            EndRecording(),
+            StartSimulation(),
+            Retry(),
         ]
     ),
-    st.builds(intents.AskLease, st.sampled_from(LEASES), SIDES),
-    st.builds(intents.GovernClass, st.sampled_from(LeaseAction), st.none() | st.just(("bea1", "hw"))),
+    st.builds(AskLease, st.sampled_from(LEASES), SIDES),
+    st.builds(Govern, st.just(NEW), st.sampled_from(LeaseAction), st.sampled_from([(), (("bea1", "hw"),)])),
     st.builds(intents.LimitClass, st.sampled_from(["", "20", "-1", "fast"])),
     st.sampled_from([intents.TogglePage(), intents.DismissNotice()]),
     st.builds(intents.Repeat, st.integers(-1, 30)),
     st.builds(intents.SavePose, NAMES),
     st.builds(intents.DeletePose, NAMES),
     st.builds(intents.GoToPose, NAMES),
-    st.builds(intents.PlayFile, FILES),
+    st.builds(Play, st.just(NEW), st.just(()), FILES),
     st.sampled_from([AddPose(), UndoSequence(), PlaySequence("sim"), PlaySequence("hw")]),
     st.builds(DuplicatePose, NAMES),
     st.builds(MovePose, NAMES, st.integers(-1, 5)),
     st.builds(RenamePose, NAMES, NAMES),
     st.builds(SetDuration, NAMES, st.floats()),
-    st.builds(SetLoop, st.booleans()),
+    st.builds(intents.Choose, st.just("loop"), st.booleans()),
     st.builds(SaveSequence, FILES, st.booleans()),
     st.builds(OpenSequence, FILES, st.text(max_size=20), NAMES),
     st.builds(SaveProgram, FILES),
-    st.builds(intents.SavePlots, FILES, st.just(b"")),
-    st.builds(intents.ChooseRobot, NAMES),
+    st.builds(WriteFile, st.just(NEW), FILES, st.just(b"")),
+    st.builds(ChooseRobot, NAMES),
     st.builds(LookForPorts),
     st.builds(ConnectHardware, st.sampled_from(["virtual:", "COM4"])),
     st.builds(CloseConnect),
-    st.builds(intents.ShowTab, st.sampled_from(Tab)),
-    st.builds(intents.SetTheme, st.sampled_from(Theme)),
-    st.builds(intents.SetLanguage, st.sampled_from(["en", "de", "fr"])),
+    st.builds(intents.Choose, st.just("tab"), st.sampled_from(Tab)),
+    st.builds(intents.Choose, st.just("theme"), st.sampled_from(Theme)),
+    st.builds(intents.Choose, st.just("language"), st.sampled_from(["en", "de", "fr"])),
 )
 EVENTS = st.builds(
     Event,
@@ -241,20 +251,19 @@ class AnyOrder(RuleBasedStateMachine):
 
     @rule(intent=INTENTS)
     def handle_intent(self, intent: Intent) -> None:
-        sending = self.state.view(self.world).sending
+        asked = self.state.choices.sides
         actions = self.state.handle(intent, self.world)
-        asked = ("sim",) * sending.sim + ("hw",) * sending.hw
         for action in actions:
             self.check(action, asked)
         if isinstance(intent, intents.Stop | intents.EmergencyStop):
-            everywhere = self.state.view(self.world).page is WindowPage.CLASS
+            everywhere = self.state.view(self.world).choices.page is WindowPage.CLASS
             (action,) = actions
             assert isinstance(action, SendStop)
             emergency = isinstance(intent, intents.EmergencyStop)
             assert (action.everywhere, action.emergency) == (everywhere, emergency)
 
     def check(self, action: Action, asked: tuple[str, ...]) -> None:
-        if isinstance(action, Send | Play | SendCommand | SendLease | Ready | SendStop | Govern):
+        if isinstance(action, Send | Play | SendCommand | AskLease | MakeReady | SendStop | Govern):
             self.rows += 1
             assert action.row > 0
         if isinstance(action, Govern) and action.action is not LeaseAction.GIVE_BACK:
@@ -303,7 +312,7 @@ class AnyOrder(RuleBasedStateMachine):
             found.control for found in (view.head.refusal, view.arms.refusal, view.commands.refusal) if found
         ]
         assert len(places) <= 1, "one refusal at a time, where the request was made"
-        if not (view.sending.sim or view.sending.hw):
+        if not (view.choices.sides):
             buttons = [button for row in view.arms.rows for button in (row.minus, row.plus)]
             assert not any(button.enabled for button in [*buttons, view.head.send, view.commands.home])
         assert self.state.saved == self.state.saved

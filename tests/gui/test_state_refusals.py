@@ -29,7 +29,7 @@ from beatrix_zenoh.contract.refusals import (
     taken_by,
 )
 from gui.console.state import intents
-from gui.console.state.actions import Action, Outcome, Ready, SendCommand, SendLease
+from gui.console.state.actions import Abort, Action, AskLease, MakeReady, Outcome, Play, SendCommand
 from gui.console.state.holding import AHEAD_S, jog_query
 from gui.console.state.intents import Jog
 from gui.console.state.state import State
@@ -65,7 +65,7 @@ def test_a_refusal_is_shown_at_the_pad_and_its_alternative_is_sent() -> None:
 
 
 def test_an_alternative_speed_keeps_the_motion() -> None:
-    state = state_after(intents.SetSpeed(100), Jog("long", -1))
+    state = state_after(intents.Choose("speed", 100), Jog("long", -1))
     refused(
         state,
         Detail(limit=Limit.SPEED, alternative=Alternative(speed=vector(90, 90, 90))),
@@ -82,7 +82,7 @@ def test_an_alternative_speed_keeps_the_motion() -> None:
 @pytest.mark.parametrize(
     ("error", "text", "action"),
     [
-        (not_enabled(), "Make ready", Ready(2, "sim")),
+        (not_enabled(), "Make ready", MakeReady("sim", 2)),
         (
             Refused(Reason.NOT_ENABLED, detail=Detail(needs=["ENABLE"])),
             "Enable",
@@ -94,8 +94,8 @@ def test_an_alternative_speed_keeps_the_motion() -> None:
             "Clear the stop",
             SendCommand(2, Command.RESET, value=True, sides=("sim",)),
         ),
-        (driven_by("ana", 1.2), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
-        (taken_by("ana"), "Wait for my turn", SendLease(2, LeaseAction.WAIT, "sim")),
+        (driven_by("ana", 1.2), "Wait for my turn", AskLease(LeaseAction.WAIT, "sim", 2)),
+        (taken_by("ana"), "Wait for my turn", AskLease(LeaseAction.WAIT, "sim", 2)),
         (Refused(Reason.NOT_HOLDER, detail=Detail(holder="ana", field="lease", value=float(3))), None, None),
         (Refused(Reason.FROZEN), None, None),
     ],
@@ -117,7 +117,7 @@ def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> Non
     shown = state.view(world()).arms.refusal
     assert shown is not None
     same("state refusals.a refusal by one of two robots names it in the chosen language 1", shown.text)
-    state.handle(intents.SetLanguage("de"), world())
+    state.handle(intents.Choose("language", "de"), world())
     shown = state.view(world()).arms.refusal
     assert shown is not None
     same("state refusals.a refusal by one of two robots names it in the chosen language 2", shown.text)
@@ -131,7 +131,7 @@ def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> Non
 def test_the_next_step_of_a_refusal_keeps_the_target_of_the_pad() -> None:
     state = state_after(BOTH, intents.AimHead(20.0, 5.0, 0.0), intents.SendHead())
     refused(state, not_enabled().detail, Reason.NOT_ENABLED, side="sim")
-    assert state.handle(intents.TakeAlternative(), world()) == [Ready(2, "sim")]
+    assert state.handle(intents.TakeAlternative(), world()) == [MakeReady("sim", 2)]
     assert state.view(world()).head.target.yaw == 20.0
 
 
@@ -166,7 +166,7 @@ def test_the_end_of_an_accepted_motion_is_no_refusal() -> None:
 
 
 def test_a_motion_that_this_window_stops_or_aborts_is_not_a_refusal() -> None:
-    for intent, result in ((intents.Stop(), "stopped"), (intents.Abort(), "aborted by you")):
+    for intent, result in ((intents.Stop(), "stopped"), (Abort(), "aborted by you")):
         state, now = state_after(BOTH, Jog("short", 1)), plan(PlanPhase.TRYING)
         state.handle(intent, now)
         state.report(
@@ -177,7 +177,7 @@ def test_a_motion_that_this_window_stops_or_aborts_is_not_a_refusal() -> None:
         view = state.view(now)
         assert view.arms.refusal is None
         assert view.history[-1].result == result
-        assert view.history[-1].on_purpose is isinstance(intent, intents.Abort)
+        assert view.history[-1].on_purpose is isinstance(intent, Abort)
 
 
 def test_a_stop_of_another_seat_is_shown_with_its_pause() -> None:
@@ -203,7 +203,7 @@ def test_a_refusal_without_data_is_german_unless_only_its_message_explains_it(
     shown = state.view(world()).arms.refusal
     assert shown is not None
     assert shown.text == "Something is wrong."
-    state.handle(intents.SetLanguage("de"), world())
+    state.handle(intents.Choose("language", "de"), world())
     shown = state.view(world()).arms.refusal
     assert shown is not None
     assert shown.text == german
@@ -212,7 +212,7 @@ def test_a_refusal_without_data_is_german_unless_only_its_message_explains_it(
 def test_a_new_target_hides_the_refusal_of_the_pad() -> None:
     state = state_after(intents.SendHead())
     refused(state, tilt(), Reason.OUT_OF_REACH)
-    state.handle(intents.SetLanguage("de"), world())
+    state.handle(intents.Choose("language", "de"), world())
     assert state.view(world()).head.refusal is not None
     state.handle(intents.AimHead(1, 0, 0), world())
     assert state.view(world()).head.refusal is None
@@ -244,24 +244,24 @@ def test_undo_moves_no_robot_that_did_not_make_the_motion() -> None:
     state, start = state_after(BOTH), world(robot("sim", arms=(10, 0, 0)), robot("hw"))
     state.handle(Jog("short", 1), world())
     accept(state, 1)
-    state.handle(intents.SetDestination("hw", checked=False), start)
-    state.handle(intents.PlayGesture("yes"), start)
+    state.handle(intents.Choose("hw", value=False), start)
+    state.handle(Play(0, (), gesture="yes"), start)
     accept(state, 2)
-    for intent in (intents.SetDestination("sim", checked=False), BOTH):
+    for intent in (intents.Choose("sim", value=False), BOTH):
         state.handle(intent, start)
     only_hw = state.view(start).commands.undo
     assert "short 0.0°" in only_hw.tooltip, "the hardware did not make the gesture"
-    state.handle(intents.SetDestination("sim", checked=True), start)
+    state.handle(intents.Choose("sim", value=True), start)
     assert state.view(start).commands.undo.tooltip.startswith("Simulation: ")
     back = sent(state.handle(intents.Undo(), start))
     assert (back.sides, arms_of(back)) == (("sim",), (10, 0, 0))
     accept(state, back.row)
-    state.handle(intents.SetDestination("sim", checked=False), start)
+    state.handle(intents.Choose("sim", value=False), start)
     back = sent(state.handle(intents.Undo(), start))
     assert (back.sides, arms_of(back)) == (("hw",), (0, 0, 0))
     state.report(Outcome(back.row, "hw", accepted=True, done=True))
     assert not state.view(start).commands.undo.enabled
-    state.handle(intents.SetDestination("sim", checked=True), start)
+    state.handle(intents.Choose("sim", value=True), start)
     back = sent(state.handle(intents.Undo(), start))
     assert back.sides == ("sim",), "the hardware has gone back already"
 

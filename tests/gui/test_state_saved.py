@@ -17,11 +17,11 @@ def test_choices_and_poses_are_those_of_the_previous_window(tmp_path: Path) -> N
     file, now = tmp_path / "new" / "window.json", world(robot("sim", arms=(10, -5, 2.5)))
     state = State()
     for intent in (
-        intents.SetTheme(Theme.PROJECTOR),
-        intents.SetLanguage("de"),
-        intents.SetIncrement(2.5),
-        intents.SetSpeed(45),
-        intents.SetLead(0),
+        intents.Choose("theme", Theme.PROJECTOR),
+        intents.Choose("language", "de"),
+        intents.Choose("increment", 2.5),
+        intents.Choose("speed", 45),
+        intents.Choose("lead_s", 0),
         intents.SavePose("bow"),
     ):
         state.handle(intent, now)
@@ -29,10 +29,11 @@ def test_choices_and_poses_are_those_of_the_previous_window(tmp_path: Path) -> N
     assert [path.name for path in file.parent.iterdir()] == ["window.json"]
     found, sentence = saved.load(file)
     assert sentence == ""
-    assert found == Saved(Theme.PROJECTOR, "de", 2.5, 45, 0, (SavedPose("bow", 10, -5, 2.5, 1.0),))
+    assert found == Saved(Theme.PROJECTOR, "de", 2.5, 45, 0, poses=(SavedPose("bow", 10, -5, 2.5, 1.0),))
     view = State(found).view(now)
-    assert (view.theme, view.language, view.poses.names) == (Theme.PROJECTOR, "de", ("bow",))
-    assert (view.arms.increment, view.arms.speed, view.sending.lead_s) == (2.5, 45, 0)
+    chosen = view.choices
+    assert (chosen.theme, chosen.language, view.poses.names) == (Theme.PROJECTOR, "de", ("bow",))
+    assert (chosen.increment, chosen.speed, chosen.lead_s) == (2.5, 45, 0)
 
 
 @pytest.mark.parametrize(
@@ -57,7 +58,21 @@ def test_an_unknown_language_is_replaced_by_the_default(tmp_path: Path) -> None:
     file = tmp_path / "window.json"
     saved.save(file, Saved(language="fr"))
     found, _ = saved.load(file)
-    assert State(found).view(world()).language == "en"
+    assert State(found).view(world()).choices.language == "en"
+
+
+def test_the_file_of_an_earlier_window_is_read(tmp_path: Path) -> None:
+    file = tmp_path / "window.json"
+    file.write_text(
+        """{"theme": "light", "language": "de", "increment": 2.5, "speed": 45.0, "lead_s": 0.0,
+        "poses": [{"name": "bow", "short": 10.0, "middle": -5.0, "long": 2.5, "duration_s": 1.0}],
+        "send_on_release": true, "guided": 3}"""
+    )
+    found, sentence = saved.load(file)
+    poses = (SavedPose("bow", 10, -5, 2.5, 1.0),)
+    assert sentence == ""
+    assert found == Saved(Theme.LIGHT, "de", 2.5, 45, 0, send_on_release=True, poses=poses, guided=3)
+    assert State(found).saved == found
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from gui_worlds import robot, status, world
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import MicrophonesStatus
 from gui.console.state.actions import WatchCameras, WatchMicrophones
-from gui.console.state.intents import SetMicrophones, ShowTab, Tab, TogglePage
+from gui.console.state.intents import Choose, Tab, TogglePage
 from gui.console.state.state import State
 from gui.console.state.views import LevelView
 from gui.console.state.world import World
@@ -37,21 +37,23 @@ def test_microphones_are_on_only_while_their_levels_are_shown() -> None:
     state, both = State(), frozenset({"sim", "hw"})
     nothing: frozenset[str] = frozenset()
     assert not state.view(world()).sound.on, "no window begins with listening"
-    assert state.handle(SetMicrophones(on=True), world()) == [WatchMicrophones(nothing)], "the tab is another"
-    assert state.handle(ShowTab(Tab.EYES), world())[1:] == [WatchMicrophones(both)]
-    assert state.handle(ShowTab(Tab.PLOTS), world())[1:] == [WatchMicrophones(nothing)]
-    state.handle(ShowTab(Tab.EYES), world())
+    assert state.handle(Choose("microphones", value=True), world()) == [WatchMicrophones(nothing)], (
+        "the tab is another"
+    )
+    assert state.handle(Choose("tab", Tab.EYES), world())[1:] == [WatchMicrophones(both)]
+    assert state.handle(Choose("tab", Tab.PLOTS), world())[1:] == [WatchMicrophones(nothing)]
+    state.handle(Choose("tab", Tab.EYES), world())
     teacher = replace(world(), seat="teacher")
     assert state.handle(TogglePage(), teacher)[2:] == [WatchMicrophones(nothing)]
     assert state.handle(TogglePage(), teacher)[2:] == [WatchMicrophones(both)]
-    assert state.handle(SetMicrophones(on=False), world()) == [WatchMicrophones(nothing)]
-    assert state.handle(ShowTab(Tab.EYES), world()) == [WatchCameras(frozenset())]
+    assert state.handle(Choose("microphones", value=False), world()) == [WatchMicrophones(nothing)]
+    assert state.handle(Choose("tab", Tab.EYES), world()) == [WatchCameras(frozenset())]
 
 
 def levels(now: World, *, on: bool = True) -> tuple[LevelView, ...]:
     state = State()
-    state.handle(ShowTab(Tab.EYES), now)
-    state.handle(SetMicrophones(on=on), now)
+    state.handle(Choose("tab", Tab.EYES), now)
+    state.handle(Choose("microphones", value=on), now)
     return state.view(now).sound.levels
 
 

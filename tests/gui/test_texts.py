@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from gui_worlds import state_after, world
 
+from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.link.outcomes import WindowError, failed
@@ -107,6 +108,7 @@ def test_every_text_is_used() -> None:
     words = {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
     words |= {
         *ARMS,
+        *GESTURES,
         *words_of_the_page(),
         *(f"{part}-{way}" for part in ROTATIONS for way in ("plus", "minus")),
     }
@@ -125,7 +127,7 @@ def test_numbers_have_the_decimal_sign_of_the_language() -> None:
 
 @pytest.mark.parametrize("code", LANGUAGES)
 def test_the_failures_of_the_window_itself_are_in_its_language(code: str) -> None:
-    state = state_after(intents.SetLanguage(code), intents.Jog("short", 1))
+    state = state_after(intents.Choose("language", code), intents.Jog("short", 1))
     state.report(failed(1, "sim", WindowError(Reason.STOPPED, "result.deselected")))
     view = state.view(world())
     assert view.arms.refusal is not None

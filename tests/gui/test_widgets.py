@@ -22,10 +22,11 @@ from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
 
 from beatrix_zenoh.contract._generated.messages import Command
+from gui.console.state.actions import Abort, BeginRecording, EndRecording, SendNow, StartSimulation
 from gui.console.state.intents import (
-    Abort,
     AimHead,
     Change,
+    Choose,
     DeletePose,
     DismissRefusal,
     Intent,
@@ -33,16 +34,8 @@ from gui.console.state.intents import (
     Repeat,
     RunCommand,
     SendHead,
-    SendNow,
-    SetCameras,
-    SetDestination,
-    SetIncrement,
-    SetRelative,
-    SetSpeed,
-    StartSimulation,
     TakeAlternative,
     Theme,
-    ToggleRecording,
     Undo,
 )
 from gui.console.state.sequence_intents import AddPose, PlaySequence
@@ -60,11 +53,11 @@ BUTTONS: dict[str, tuple[Callable[[Window], QAbstractButton], Intent]] = {
         for sign in (-1, 1)
     },
     "send": (lambda window: window.panels.sending.send, SendHead()),
-    "relative": (lambda window: window.panels.arms.relative, SetRelative(relative=True)),
-    "absolute": (lambda window: window.panels.arms.absolute, SetRelative(relative=False)),
-    "simulation": (lambda window: window.panels.sending.sim, SetDestination("sim", checked=False)),
-    "hardware": (lambda window: window.panels.sending.hw, SetDestination("hw", checked=False)),
-    "cameras": (lambda window: window.panels.eyes.cameras, SetCameras(on=False)),
+    "relative": (lambda window: window.panels.arms.relative, Choose("relative", value=True)),
+    "absolute": (lambda window: window.panels.arms.absolute, Choose("relative", value=False)),
+    "simulation": (lambda window: window.panels.sending.sim, Choose("sim", value=False)),
+    "hardware": (lambda window: window.panels.sending.hw, Choose("hw", value=False)),
+    "cameras": (lambda window: window.panels.eyes.cameras, Choose("cameras", value=False)),
     "send now": (lambda window: window.panels.sending.send_now, SendNow()),
     "change": (lambda window: window.panels.sending.change, Change()),
     "abort": (lambda window: window.panels.sending.abort, Abort()),
@@ -78,7 +71,7 @@ BUTTONS: dict[str, tuple[Callable[[Window], QAbstractButton], Intent]] = {
         RunCommand(Command.RESET, side="sim"),
     ),
     "undo": (lambda window: window.panels.commands.buttons["undo"], Undo()),
-    "record": (lambda window: window.panels.header.record.toggle, ToggleRecording()),
+    "record": (lambda window: window.panels.header.record.toggle, BeginRecording()),
     "add": (lambda window: window.panels.sequence.add, AddPose()),
     "delete": (lambda window: window.panels.sequence.delete, DeletePose("nod")),
     "play": (lambda window: window.panels.sequence.play, PlaySequence("sim")),
@@ -154,18 +147,17 @@ def test_every_control_has_a_tooltip_and_a_name(window: Window) -> None:
 
 @pytest.mark.parametrize("name", ["increment", "speed"])
 def test_a_slider_and_its_box_report_the_same_intent(window: Window, intents: Taken, name: str) -> None:
-    intent = {"increment": SetIncrement, "speed": SetSpeed}[name]
     control = getattr(window.panels.arms, name)
     before = control.box.value()
     control.slider.setFocus()
     QTest.keyClick(control.slider, Qt.Key.Key_Right)
-    assert intents() == [intent(before + 1)]
+    assert intents() == [Choose(name, before + 1)]
     control.box.setFocus()
     control.box.selectAll()
     QTest.keyClicks(control.box, "12.5")
     assert intents() == []
     QTest.keyClick(control.box, Qt.Key.Key_Return)
-    assert intents() == [intent(12.5)]
+    assert intents() == [Choose(name, 12.5)]
 
 
 def test_a_row_of_the_history_is_sent_again_and_copied(window: Window, intents: Taken) -> None:
@@ -270,7 +262,7 @@ def test_record_stays_where_it_was_pressed(window: Window, shown: ShownState, th
     watched = (header.record.toggle, header.pills["sim"].lease, header.pills["hw"].lease)
     QApplication.processEvents()
     before = [widget.geometry() for widget in watched]
-    toggle = ButtonView("End recording", "End the recording", ToggleRecording())
+    toggle = ButtonView("End recording", "End the recording", EndRecording())
     shown.shown = replace(shown.shown, record=RecordView(toggle, running=True, text="12:34", open=None))
     window.refresh()
     QApplication.processEvents()

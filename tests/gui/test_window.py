@@ -6,6 +6,7 @@ import sys
 import threading
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,19 +22,8 @@ from recording_link import RecordingLink, WatchedState
 
 from beatrix_zenoh.client.degrees import HeadAngles
 from beatrix_zenoh.contract._generated.messages import Command
-from gui.console.state.actions import Outcome, Play, Send, WriteFile
-from gui.console.state.intents import (
-    ChooseRobot,
-    Intent,
-    Jog,
-    PlayFile,
-    RunCommand,
-    SavePose,
-    SetLanguage,
-    SetTheme,
-    Stop,
-    Theme,
-)
+from gui.console.state.actions import NEW, ChooseRobot, Outcome, Play, Send, WriteFile
+from gui.console.state.intents import Choose, Intent, Jog, RunCommand, SavePose, Stop, Theme
 from gui.console.state.sequence_intents import SaveSequence
 from gui.window.panels import PAGES
 from gui.window.run import Bridge, errors_shown
@@ -122,7 +112,7 @@ def test_enter_presses_a_button_of_a_menu_and_space_is_stop(window: Window, inte
 
 def test_a_theme_applies_to_all_widgets(window: Window) -> None:
     for theme in (Theme.LIGHT, Theme.PROJECTOR, Theme.DARK):
-        window.handle(SetTheme(theme))
+        window.handle(Choose("theme", theme))
         colours = style_of(theme)
         centre = window.grab().toImage().pixelColor(2, 100)
         assert centre.name() == colours.ground
@@ -135,7 +125,7 @@ def test_the_language_changes_while_the_window_runs(
 ) -> None:
     old = window.panels
     old.header.choices["de"].trigger()
-    assert intents() == [SetLanguage("de")]
+    assert intents() == [Choose("language", "de")]
     assert window.panels is not old
     assert window.panels.sending.send.text() == "Senden"
     assert window.panels.arms.increment.box.text() == "5,0 °"
@@ -184,7 +174,10 @@ def test_a_file_is_chosen_without_blocking_the_window(
 ) -> None:
     window.handle(SavePose("nod"))
     poses = window.panels.sequence
-    for entry, intent, action in (("save_file", SaveSequence, WriteFile), ("play_file", PlayFile, Play)):
+    for entry, intent, action in (
+        ("save_file", SaveSequence, WriteFile),
+        ("play_file", partial(Play, NEW, ()), Play),
+    ):
         intents()
         poses.entries[entry].trigger()
         dialog = poses.dialog

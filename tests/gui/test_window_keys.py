@@ -16,19 +16,9 @@ from PyQt5.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink
 
-from gui.console.state.actions import Send, SendStop
-from gui.console.state.connecting import CloseConnect, LookForPorts
-from gui.console.state.intents import (
-    AimHead,
-    EmergencyStop,
-    Intent,
-    Jog,
-    SavePose,
-    SendHead,
-    Stop,
-    ToggleRecording,
-    Undo,
-)
+from gui.console.state.actions import BeginRecording, LookForPorts, Send, SendStop
+from gui.console.state.connecting import CloseConnect
+from gui.console.state.intents import AimHead, EmergencyStop, Intent, Jog, SavePose, SendHead, Stop, Undo
 from gui.console.state.sequence_intents import RenamePose
 from gui.console.state.world import PlanPhase
 from gui.window.window import Window
@@ -209,7 +199,7 @@ def test_a_key_that_is_held_counts_once(qtbot: QtBot, window: Window, intents: T
 
 
 @pytest.mark.parametrize(
-    ("key", "intent"), [(Qt.Key.Key_Z, Undo()), (Qt.Key.Key_R, ToggleRecording())], ids=["undo", "record"]
+    ("key", "intent"), [(Qt.Key.Key_Z, Undo()), (Qt.Key.Key_R, BeginRecording())], ids=["undo", "record"]
 )
 @pytest.mark.parametrize("place", ["pad", "number", "list"])
 def test_ctrl_z_undoes_and_ctrl_r_records(

@@ -16,8 +16,8 @@ from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
 
-from gui.console.state.connecting import LookForPorts
-from gui.console.state.intents import SetLanguage, SetTheme, Theme
+from gui.console.state.actions import LookForPorts
+from gui.console.state.intents import Choose, Theme
 from gui.console.state.state import State
 from gui.console.state.views import Condition
 from gui.console.state.world import Trouble
@@ -202,7 +202,7 @@ def test_no_text_and_no_widget_is_cut_off(qtbot: QtBot, theme: Theme, language: 
 @pytest.mark.parametrize("theme", Theme)
 def test_the_sheet_that_connects_grows_with_its_message(qtbot: QtBot, theme: Theme, language: str) -> None:
     link, state = RecordingLink(), State()
-    for intent in (SetTheme(theme), SetLanguage(language)):
+    for intent in (Choose("theme", theme), Choose("language", language)):
         state.handle(intent, link.known)
     window = Window(link, state)
     qtbot.add_widget(window)

@@ -78,7 +78,7 @@ def at_limit(view: dict[str, Any]) -> bool:
 
 def slowly_home(page: WebSocket) -> None:
     """Begin a motion that takes longer than the test."""
-    page.send("SetSpeed", degrees_per_s=2)
+    page.send("Choose", name="speed", value=2)
     page.send("RunCommand", command=Command.HOME.value)
     page.state(lambda view: view["history"][0]["what"].startswith("home") and moving(view), "moves")
 
@@ -226,8 +226,8 @@ def test_two_browsers_drive_two_robots(driver: WebSocket, browser: WebClient, st
 def test_a_page_cannot_watch_an_unknown_robot(browser: WebClient) -> None:
     page = browser.connect()
     page.send("ChooseRobot", name="bea9")
-    page.send("SetSpeed", degrees_per_s=33)
-    assert page.state(lambda view: view["arms"]["speed"] == 33, "a later message")["robot"] == "bea1"
+    page.send("Choose", name="speed", value=33)
+    assert page.state(lambda view: view["choices"]["speed"] == 33, "a later message")["robot"] == "bea1"
 
 
 def test_the_class_is_a_table_of_all_robots(browser: WebClient) -> None:
@@ -265,8 +265,8 @@ def test_choices_of_the_browser_return_and_texts_follow_the_language(browser: We
     )
     view = page.state(lambda view: view["language"] == "de", "German")
     assert (view["texts"]["page.drive"], view["pills"][1]["title"]) == ("Steuern", "Hardware")
-    assert (view["arms"]["speed"], view["poses"]["names"]) == (12, ["hoch"])
-    page.send("SetLanguage", code="en")
+    assert (view["choices"]["speed"], view["poses"]["names"]) == (12, ["hoch"])
+    page.send("Choose", name="language", value="en")
     view = page.state(lambda view: view["saved"]["language"] == "en", "English")
     assert view["saved"]["poses"][0]["name"] == "hoch"
 

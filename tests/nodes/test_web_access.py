@@ -127,9 +127,9 @@ def test_the_files_of_the_page_load_nothing_from_elsewhere(browser: WebClient) -
         '{"do":"hold","press":1}',
         '{"do":"StartSimulation"}',
         '{"do":"SaveChoreography","file":"/tmp/a.csv"}',
-        '{"do":"PlayFile","file":"/tmp/a.csv"}',
-        '{"do":"GovernClass","action":"freeze"}',
-        '{"do":"ToggleRecording"}',
+        '{"do":"Play","row":1,"sides":["sim"],"file":"/tmp/a.csv"}',
+        '{"do":"Govern","row":1,"action":"freeze"}',
+        '{"do":"BeginRecording"}',
         "x" * 100,
     ],
 )

@@ -37,11 +37,11 @@ def presses(chance: random.Random) -> list[Intent]:
     """Return one request, and the choices before it."""
     on = chance.choice(((True, False), (False, True), (True, True)))
     choices: list[Intent] = [
-        *(intents.SetDestination(side, checked=checked) for side, checked in zip(SIDES, on, strict=True)),
-        intents.SetRelative(relative=chance.random() < 0.7),
-        intents.SetIncrement(float(chance.choice((1.8, 5, 9)))),
-        intents.SetSpeed(float(chance.choice((20, 40, 60)))),
-        intents.SetLead(chance.choice((0.0, 0.5))),
+        *(intents.Choose(side, value=checked) for side, checked in zip(SIDES, on, strict=True)),
+        intents.Choose("relative", value=chance.random() < 0.7),
+        intents.Choose("increment", float(chance.choice((1.8, 5, 9)))),
+        intents.Choose("speed", float(chance.choice((20, 40, 60)))),
+        intents.Choose("lead_s", chance.choice((0.0, 0.5))),
     ]
     head = (float(chance.randint(-20, 20)), float(chance.randint(-8, 8)), float(chance.randint(-8, 8)))
     jog = intents.Jog(chance.choice(("short", "middle", "long", "all")), chance.choice((1, -1)))

@@ -15,7 +15,7 @@ from beatrix_zenoh.client.degrees import ArmAngles, motion_query, pose_query
 from beatrix_zenoh.contract._generated.messages import Command, MotionQuery, PoseQuery
 from beatrix_zenoh.settings import Settings
 from gui.console.link import Link
-from gui.console.state.actions import Action, Outcome, Ready, SendCommand, SendStop
+from gui.console.state.actions import Action, MakeReady, Outcome, SendCommand, SendStop
 from gui.console.state.intents import Intent
 from gui.console.state.state import State
 from gui.console.state.views import View
@@ -137,7 +137,7 @@ def at_home(linked: Linked) -> None:
     for side in ("sim", "hw"):
         linked.end_of(-1, side)
         linked.do(SendCommand(-2, Command.ENABLE, value=False, sides=(side,)))
-        linked.do(Ready(-3, side))
+        linked.do(MakeReady(side, -3))
     for side in ("sim", "hw"):
         assert linked.end_of(-3, side).accepted
         linked.until(lambda world, side=side: is_home(world.side(side)), f"{side} at home")  # type: ignore[misc]

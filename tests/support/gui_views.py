@@ -25,15 +25,11 @@ from beatrix_zenoh.lessons.reports import STUCK, Row
 from gui.console.state.actions import Action, Govern, Outcome
 from gui.console.state.intents import (
     AimHead,
-    GovernClass,
+    Choose,
     Intent,
     Jog,
     SavePose,
     SendHead,
-    SetCameras,
-    SetDestination,
-    SetLanguage,
-    SetTheme,
     Theme,
     TogglePage,
 )
@@ -91,10 +87,10 @@ def driving(theme: Theme, language: str, now: World) -> State:
     """Return a state with some requests in its history."""
     state = State()
     for intent in (
-        SetTheme(theme),
-        SetLanguage(language),
-        SetDestination("hw", checked=True),
-        SetCameras(on=True),
+        Choose("theme", theme),
+        Choose("language", language),
+        Choose("hw", value=True),
+        Choose("cameras", value=True),
     ):
         state.handle(intent, now)
     for name in ("nod", "left", "shy"):
@@ -240,7 +236,7 @@ def example(state: str, theme: Theme, language: str) -> View:
     elif state in {"class", "class-full"}:
         now = class_world() if state == "class" else full_class()
         deciding.handle(TogglePage(), now)
-        reported(deciding, GovernClass(LeaseAction.FREEZE), now)
+        reported(deciding, Govern(0, LeaseAction.FREEZE), now)
     elif state == "driven":
         taken = {
             side: robot(side, arms=ARMS, known=status(side, holder="ana", moving=True))

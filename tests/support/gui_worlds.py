@@ -21,7 +21,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from gui.console.state.actions import Action, Outcome, Send
-from gui.console.state.intents import Intent, SetDestination
+from gui.console.state.intents import Choose, Intent
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, World
 
@@ -94,8 +94,8 @@ def world(
     )
 
 
-BOTH = SetDestination("hw", checked=True)
-NOT_SIM = SetDestination("sim", checked=False)
+BOTH = Choose("hw", value=True)
+NOT_SIM = Choose("sim", value=False)
 NOWHERE = world(absent("sim"), absent("hw"))
 
 

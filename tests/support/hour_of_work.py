@@ -26,7 +26,7 @@ from recording_link import RecordingLink, WatchedState
 from beatrix_zenoh.client import CameraImage, RobotState
 from beatrix_zenoh.contract._generated.messages import Event, EventKind
 from gui.console.state.actions import Outcome, Send
-from gui.console.state.intents import Jog, ShowTab, Tab
+from gui.console.state.intents import Choose, Jog, Tab
 from gui.console.state.world import World
 from gui.window.window import Window
 
@@ -110,7 +110,7 @@ def work(window: Window, link: RecordingLink, state: WatchedState) -> Kept:
         assert isinstance(sent, Send)
         for side in sent.sides:
             window.report(Outcome(sent.row, side, accepted=True, done=True, duration_s=1.0))
-        window.handle(ShowTab(list(Tab)[number // 20 % len(Tab)]))
+        window.handle(Choose("tab", list(Tab)[number // 20 % len(Tab)]))
         for seq in range(3):
             window.show_image("sim", picture(3 * number + seq, passed_s))
         if number % 20 == 0:

@@ -34,7 +34,7 @@ def hold_button(
         page.send("hold", press=press, part=part, sign=1)
         return False
 
-    page.send("SetSpeed", degrees_per_s=speed)
+    page.send("Choose", name="speed", value=speed)
     found = page.state(held, what)
     page.send("release", press=press)
     return found

@@ -10,7 +10,7 @@ import pytest
 from gui_worlds import absent, robot, status, world
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
-from gui.console.state.actions import SendLease
+from gui.console.state.actions import AskLease
 from gui.console.state.world import World
 from gui.page import messages
 from gui.page.face import Driver, Face
@@ -23,17 +23,18 @@ from gui.page.face import Driver, Face
         '{"do":"AskLease","action":"unmute","side":"hw"}',
         '{"do":"AskLease","action":"take","side":"zz"}',
         '{"do":"MakeReady","side":"*"}',
-        '{"do":"SetDestination","side":"xx","checked":true}',
+        '{"do":"MakeReady","side":"sim","row":1}',
+        '{"do":"Choose","name":"xx","value":true}',
         '{"do":"RunCommand","command":4}',
         '{"do":"RunCommand","command":1,"side":"both"}',
-        '{"do":"SetLanguage","code":"../en"}',
-        '{"do":"SetSpeed","degrees_per_s":1e308}',
-        '{"do":"SetSpeed","degrees_per_s":0}',
-        '{"do":"SetLead","seconds":1e300}',
+        '{"do":"Choose","name":"language","value":"../en"}',
+        '{"do":"Choose","name":"speed","value":1e308}',
+        '{"do":"Choose","name":"speed","value":0}',
+        '{"do":"Choose","name":"lead_s","value":1e300}',
         '{"do":"AimHead","yaw":1e9,"pitch":0,"roll":0}',
         '{"do":"SavePose","name":"' + "x" * 65 + '"}',
-        '{"do":"GovernClass","action":"freeze"}',
-        '{"do":"PlayFile","file":"/etc/passwd"}',
+        '{"do":"Govern","row":1,"action":"freeze"}',
+        '{"do":"Play","row":1,"sides":["sim"],"file":"/etc/passwd"}',
     ],
 )
 def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
@@ -48,7 +49,7 @@ def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
         '{"do":"MakeReady","side":"sim"}',
         '{"do":"RunCommand","command":1,"value":false}',
         '{"do":"RunCommand","command":6,"side":"hw"}',
-        '{"do":"SetLead","seconds":0}',
+        '{"do":"Choose","name":"lead_s","value":0}',
         '{"do":"AimHead","yaw":180,"pitch":-30,"roll":0}',
         '{"do":"SavePose","name":"Kopf hoch"}',
     ],
@@ -68,7 +69,7 @@ def asked(link: MagicMock) -> list[tuple[LeaseAction, str]]:
     """Return the leases that a page has asked for since the last call."""
     given = [call.args[0] for call in link.do.call_args_list]
     link.do.reset_mock()
-    return [(action.action, action.side) for action in given if isinstance(action, SendLease)]
+    return [(action.action, action.side) for action in given if isinstance(action, AskLease)]
 
 
 def test_a_page_that_drives_asks_for_each_side_that_comes_online() -> None:

@@ -15,7 +15,7 @@ from golden import same
 from beatrix_zenoh.contract._generated.messages import MotionQuery
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.link.jogging import BRAKE_S
-from gui.console.state import intents
+from gui.console.state import actions, intents
 from gui.console.state.holding import AHEAD_S, FASTEST_DEG_S, jog_query
 from gui.page import connections, messages, protection
 from gui.page.handlers import FULL
@@ -132,8 +132,9 @@ def test_a_page_cannot_name_files_or_start_programs() -> None:
     allowed = get_args(messages.OWN) + get_args(messages.DRIVING)
     for intent in allowed:
         assert not {"Path", "Place"} & {str(field.type) for field in msgspec.structs.fields(intent)}
-    local = (intents.StartSimulation, intents.Retry, intents.ToggleRecording, intents.OpenRecording)
-    assert not {*local, intents.GovernClass, intents.LimitClass, intents.MuteSeat} & {*allowed}
+    local = {action for action in vars(actions).values() if isinstance(action, type)} & {*allowed}
+    assert local == {actions.ChooseRobot, actions.MakeReady, actions.AskLease, actions.SendNow, actions.Abort}
+    assert intents.LimitClass not in allowed
 
 
 # -- the page ------------------------------------------------------------------------------------------

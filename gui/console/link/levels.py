@@ -9,9 +9,7 @@ from typing import Final
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.sound import Microphones, Sound
-from gui.console.link.connection import Session
-from gui.console.link.pictures import MediaStream
-from gui.console.link.worker import Worker
+from gui.console.link.pictures import MediaStream, Watcher
 
 SHOWN: Final = 5
 """Number of blocks (of 20 ms) of which the loudest is shown, so that a clap is seen."""
@@ -48,53 +46,16 @@ class LevelStream(MediaStream[Sound]):
         return max(left for left, _ in levels), max(right for _, right in levels)
 
 
-class Levels(Worker):
+class Levels(Watcher[str, LevelStream]):
     """Subscribes to the microphones of wanted sides of the selected robot."""
 
     def __init__(self) -> None:
         """Start the thread without subscriptions."""
-        super().__init__("window-levels")
-        self._wanted: frozenset[str] = frozenset()
-        self._session: Session | None = None
-        self._streams: dict[str, LevelStream] = {}
-
-    def watch(self, wanted: frozenset[str]) -> None:
-        """Subscribe to exactly these sides; returns at once."""
-
-        def apply() -> None:
-            self._wanted = wanted
-            self._apply()
-
-        self.put(apply)
-
-    def follow(self, session: Session) -> None:
-        """Subscribe to the microphones of this session's robots from now on; returns at once."""
-
-        def apply() -> None:
-            self._end()
-            self._session = session
-            self._apply()
-
-        self.put(apply)
+        super().__init__("window-levels", lambda client, robot, side: LevelStream(client, (robot, side)))
 
     @property
     def newest(self) -> dict[str, Level]:
         """The present level of each side from which sound arrives."""
-        levels = {side: stream.level for side, stream in dict(self._streams).items()}
+        streams = {} if self.streams is None else dict(self.streams.open)
+        levels = {side: stream.level for side, stream in streams.items()}
         return {side: level for side, level in levels.items() if level is not None}
-
-    def _apply(self) -> None:
-        for side in self._streams.keys() - self._wanted:
-            self._streams.pop(side).end()
-        if self._session is not None:
-            for side in self._wanted - self._streams.keys():
-                self._streams[side] = LevelStream(self._session.client, (self._session.twin.name, side))
-
-    def _end(self) -> None:
-        while self._streams:
-            self._streams.popitem()[1].end()
-
-    def close(self) -> None:
-        """End the subscriptions and the thread; returns at once."""
-        self.put(self._end)
-        super().close()

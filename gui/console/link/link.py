@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
+from typing import Never
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.client.stopping import StopSender
@@ -23,14 +24,44 @@ from gui.console.link.lesson_reports import LessonReports
 from gui.console.link.levels import Levels
 from gui.console.link.moving import Moving, Request, robots_of
 from gui.console.link.outcomes import WindowError, done, failed
-from gui.console.link.pictures import Cameras, OnImage
+from gui.console.link.pictures import OnImage, cameras
 from gui.console.link.ports import Ports
 from gui.console.link.probe import Probe
 from gui.console.link.routers import Routers, own_account
 from gui.console.link.stopping import send_stop
 from gui.console.link.worker import LinkPart, Worker
-from gui.console.state import actions
-from gui.console.state.actions import Action, Outcome
+from gui.console.state.actions import (
+    Abort,
+    Action,
+    AskLease,
+    BeginRecording,
+    ChooseRobot,
+    ConnectHardware,
+    CopyProgram,
+    EndFollowing,
+    EndRecording,
+    FollowFace,
+    Govern,
+    Hold,
+    LookForPorts,
+    MakeReady,
+    Outcome,
+    Play,
+    Release,
+    Retry,
+    Send,
+    SendCommand,
+    SendNow,
+    SendStop,
+    StartSimulation,
+    UseAccount,
+    UseRouter,
+    ViewRecording,
+    WatchCameras,
+    WatchClass,
+    WatchMicrophones,
+    WriteFile,
+)
 from gui.console.state.world import LinkPhase, World
 
 OnOutcome = Callable[[Outcome], None]
@@ -66,7 +97,7 @@ class Link:
         self._default_seat = names.default_seat()
         self._outcomes = Worker("window-outcomes")
         report = self._report
-        self._cameras, self._levels = Cameras(on_image), Levels()
+        self._cameras, self._levels = cameras(on_image), Levels()
         self._connection = Connection(
             settings, self._follow, name_given=name_given, source=source, shared=shared
         )
@@ -79,6 +110,7 @@ class Link:
         self._recordings, self._ports = Recordings(), Ports()
         self._routers = Routers(self._connection, self._leave)
         self._files = Worker("window-files")
+        self._table = self._carrying_out()
 
     def start(self) -> None:
         """Start to look for the router."""
@@ -144,39 +176,43 @@ class Link:
 
     def do(self, action: Action) -> None:
         """Carry out an action; its results are reported as `Outcome`s."""
-        match action:
-            case actions.SendStop():
-                self._stop(action)
-            case actions.SendPlanNow():
-                self._moving.plans.send_now()
-            case actions.AbortPlan():
-                self._moving.plans.abort()
-            case actions.Hold() | actions.Release():
-                self._hold(action)
-            case actions.Connect():
-                self._connection.try_now()
-            case actions.Select():
-                self._select(action.robot)
-            case actions.WatchCameras():
-                self._cameras.watch(action.wanted)
-            case actions.WatchMicrophones():
-                self._levels.watch(action.sides)
-            case actions.WatchClass():
-                self._class.watch(on=action.on)
-                self._lessons.watch(on=action.on)
-            case actions.Govern():
-                self._govern(action)
-            case (
-                actions.Send()
-                | actions.Play()
-                | actions.SendCommand()
-                | actions.SendLease()
-                | actions.Ready()
-                | actions.FollowFace()
-            ):
-                self._request(action)
-            case _:
-                self._do_here(action)
+        self._table[type(action)](action)  # type: ignore[arg-type]  # each function takes actions of this class
+
+    def _carrying_out(self) -> Mapping[type[Action], Callable[[Never], None]]:
+        """Return what carries out the actions of each class."""
+        moving, connection, children = self._moving, self._connection, self._children
+        requests = (Send, Play, SendCommand, AskLease, MakeReady, FollowFace)
+        return {
+            **dict.fromkeys(requests, self._request),
+            SendStop: self._stop,
+            SendNow: lambda _: moving.plans.send_now(),
+            Abort: lambda _: moving.plans.abort(),
+            Hold: self._hold,
+            Release: lambda action: self.jogging.release(action.row),
+            Retry: lambda _: connection.try_now(),
+            ChooseRobot: lambda action: self._select(action.name),
+            WatchCameras: lambda action: self._cameras.watch(action.wanted),
+            WatchMicrophones: lambda action: self._levels.watch(action.sides),
+            WatchClass: self._watch_class,
+            Govern: self._govern,
+            BeginRecording: lambda _: self._recordings.begin(connection.robot, connection.settings.connect),
+            EndRecording: lambda _: self._recordings.end(),
+            ViewRecording: lambda action: children.view(action.file),
+            StartSimulation: lambda _: children.simulate(connection.robot, connection.settings.connect),
+            LookForPorts: lambda _: self._ports.look(),
+            ConnectHardware: lambda action: children.connect(
+                connection.robot, connection.settings.connect, action.port
+            ),
+            UseRouter: self._routers.choose,
+            UseAccount: self._routers.choose,
+            EndFollowing: lambda _: moving.face.end(None),
+            CopyProgram: moving.face.copy,
+            WriteFile: lambda action: self._files.put(lambda: self._write(action)),
+        }
+
+    def _watch_class(self, action: WatchClass) -> None:
+        self._class.watch(on=action.on)
+        self._lessons.watch(on=action.on)
 
     def _follow(self, session: Session) -> None:
         """Receive pictures and levels of this session's robots from now on."""
@@ -193,34 +229,7 @@ class Link:
         self.jogging.end()
         self._moving.deselect()
 
-    def _do_here(self, action: Action) -> None:
-        """Carry out an action on files and processes of this computer."""
-        connection = self._connection
-        match action:
-            case actions.BeginRecording():
-                self._recordings.begin(connection.robot, connection.settings.connect)
-            case actions.EndRecording():
-                self._recordings.end()
-            case actions.ViewRecording():
-                self._children.view(action.file)
-            case actions.RunSimulation():
-                self._children.simulate(connection.robot, connection.settings.connect)
-            case actions.FindPorts():
-                self._ports.look()
-            case actions.RunHardware():
-                self._children.connect(connection.robot, connection.settings.connect, action.port)
-            case actions.UseEndpoint() | actions.JoinClass():
-                self._routers.choose(action)
-            case actions.EndFollowing():
-                self._moving.face.end(None)
-            case actions.CopyProgram():
-                self._moving.face.copy(action)
-            case actions.WriteFile():
-                self._files.put(lambda: self._write(action))
-            case _:
-                raise NotImplementedError(action)
-
-    def _write(self, action: actions.WriteFile) -> None:
+    def _write(self, action: WriteFile) -> None:
         try:
             if isinstance(action.content, bytes):
                 action.file.write_bytes(action.content)
@@ -239,7 +248,7 @@ class Link:
         else:
             self._on_outcome(outcome)
 
-    def _govern(self, action: actions.Govern) -> None:
+    def _govern(self, action: Govern) -> None:
         session = self._connection.session
         if session is None:
             self._report(self._no_session(action.row))
@@ -256,11 +265,8 @@ class Link:
             settings = replace(self._connection.settings, robot=session.twin.name)
             self._moving.request(action, session.twin, settings)
 
-    def _hold(self, action: actions.Hold | actions.Release) -> None:
-        """Begin, continue or end a hold; ignore the heartbeats of one that has ended."""
-        if isinstance(action, actions.Release):
-            self.jogging.release(action.row)
-            return
+    def _hold(self, action: Hold) -> None:
+        """Begin or continue a hold; ignore the heartbeats of one that has ended."""
         press, session = self.jogging.held(action.row), self._connection.session
         if press is None and self.jogging.is_new(action.row):
             if session is None:
@@ -278,7 +284,7 @@ class Link:
 
     # -- STOP ---------------------------------------------------------------------------------------
 
-    def _stop(self, action: actions.SendStop) -> None:
+    def _stop(self, action: SendStop) -> None:
         session = self._connection.session
         if session is None:
             self._report(self._no_session(action.row))

@@ -22,7 +22,12 @@ from gui.console.state import actions
 from gui.console.state.actions import Outcome
 
 Request = (
-    actions.Send | actions.Play | actions.SendCommand | actions.SendLease | actions.Ready | actions.FollowFace
+    actions.Send
+    | actions.Play
+    | actions.SendCommand
+    | actions.AskLease
+    | actions.MakeReady
+    | actions.FollowFace
 )
 """Actions that robots of the shown name answer."""
 
@@ -49,7 +54,7 @@ class Moving:
 
     def request(self, action: Request, twin: Twin, settings: Settings) -> None:
         """Carry out an action; programs get the robot, the router and the seat of the settings."""
-        sides = (action.side,) if isinstance(action, actions.Ready | actions.SendLease) else action.sides
+        sides = (action.side,) if isinstance(action, actions.MakeReady | actions.AskLease) else action.sides
         robots = robots_of(twin, sides)
         if not robots:
             self._report(failed(action.row, "", WindowError(Reason.BAD_VALUE, "off.unchecked")))
@@ -66,9 +71,9 @@ class Moving:
             case actions.SendCommand(row=row, command=command, value=value):
                 for robot in robots:
                     self._queues[robot.side].command(row, robot, command, value=value)
-            case actions.SendLease(row=row, action=asked):
+            case actions.AskLease(row=row, action=asked):
                 self._queues[robots[0].side].lease(row, robots[0], asked)
-            case actions.Ready(row=row):
+            case actions.MakeReady(row=row):
                 self._queues[robots[0].side].make_ready(row, robots[0])
 
     def make_way(self) -> None:

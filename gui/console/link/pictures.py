@@ -6,7 +6,7 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Final, Generic, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.client import CameraImage, Client
@@ -18,45 +18,14 @@ from gui.console.link.worker import Worker
 
 OnImage = Callable[[str, CameraImage], None]
 """Twin and picture."""
+Camera = tuple[str, str]
+"""Twin and eye."""
+Key = TypeVar("Key")
 Media = TypeVar("Media")
 RETRY_S: Final = 1.0
 """Time between attempts to open the session for media while no router answers."""
 CLOSE_S: Final = 1.0
-"""Longest time that `RobotPictures.close` takes."""
-
-
-class RobotPictures:
-    """Camera pictures of the robots of one name; only one thread may call the methods."""
-
-    def __init__(self, client: Client, robot: str, on_image: OnImage) -> None:
-        """Create the object without subscriptions.
-
-        Args:
-            client: provides the session for pictures.
-            robot: name of the robots.
-            on_image: called on threads of this object, for each picture; must return at once.
-        """
-        self._client, self._robot, self._on_image = client, robot, on_image
-        self._streams: dict[tuple[str, str], CameraStream] = {}
-
-    def watch(self, wanted: frozenset[tuple[str, str]]) -> None:
-        """Subscribe to exactly these cameras, pairs of side and eye; does not wait for router or robot.
-
-        Absent robots and cameras are included as soon as they appear. After the return no other camera's picture is
-        delivered.
-        """
-        for place in self._streams.keys() - wanted:
-            self._streams.pop(place).end()
-        for side, eye in wanted - self._streams.keys():
-            self._streams[side, eye] = CameraStream(self._client, (self._robot, side, eye), self._on_image)
-
-    def close(self) -> None:
-        """End all subscriptions within 1 s; no picture is delivered after the return."""
-        streams = list(self._streams.values())
-        self.watch(frozenset())
-        deadline_s = time.monotonic() + CLOSE_S
-        for stream in streams:
-            stream.join(deadline_s - time.monotonic())
+"""Longest time that `Streams.close` takes."""
 
 
 class MediaStream(ABC, Generic[Media]):
@@ -119,6 +88,9 @@ class MediaStream(ABC, Generic[Media]):
         self._thread.join(max(0.0, timeout_s))
 
 
+Stream = TypeVar("Stream", bound=MediaStream[Any])
+
+
 class CameraStream(MediaStream[CameraImage]):
     """Pictures of one camera."""
 
@@ -136,42 +108,79 @@ class CameraStream(MediaStream[CameraImage]):
         self._on_image(self._camera[1], value)
 
 
-class Cameras(Worker):
-    """Subscribes to wanted pictures when there is a session, and again when another robot is selected."""
+class Streams(Generic[Key, Stream]):
+    """Exactly the wanted streams; only one thread may call the methods."""
 
-    def __init__(self, on_image: OnImage) -> None:
-        """Start the thread without subscriptions; `on_image` receives side and picture on threads of this object."""
-        super().__init__("window-cameras")
-        self._on_image = on_image
-        self._wanted: frozenset[tuple[str, str]] = frozenset()
-        self._pictures: RobotPictures | None = None
+    def __init__(self, begin: Callable[[Key], Stream]) -> None:
+        """Create the object without streams; `begin` starts one."""
+        self._begin = begin
+        self.open: dict[Key, Stream] = {}
 
-    def watch(self, wanted: frozenset[tuple[str, str]]) -> None:
-        """Subscribe to exactly these cameras, pairs of side and eye; returns at once."""
+    def watch(self, wanted: frozenset[Key]) -> None:
+        """Subscribe to exactly these streams; does not wait for router or robot.
+
+        Absent robots and cameras are included as soon as they appear. After the return nothing else is delivered.
+        """
+        for key in self.open.keys() - wanted:
+            self.open.pop(key).end()
+        for key in wanted - self.open.keys():
+            self.open[key] = self._begin(key)
+
+    def close(self) -> None:
+        """End all subscriptions within 1 s; nothing is delivered after the return."""
+        streams = list(self.open.values())
+        self.watch(frozenset())
+        deadline_s = time.monotonic() + CLOSE_S
+        for stream in streams:
+            stream.join(deadline_s - time.monotonic())
+
+
+class Watcher(Worker, Generic[Key, Stream]):
+    """Subscribes to wanted streams when there is a session, and again when another robot is selected."""
+
+    def __init__(self, name: str, begin: Callable[[Client, str, Key], Stream]) -> None:
+        """Start the thread without subscriptions; `begin` starts a stream of the robot of a name."""
+        super().__init__(name)
+        self._begin = begin
+        self._wanted: frozenset[Key] = frozenset()
+        self.streams: Streams[Key, Stream] | None = None
+
+    def watch(self, wanted: frozenset[Key]) -> None:
+        """Subscribe to exactly these streams; returns at once."""
 
         def apply() -> None:
             self._wanted = wanted
-            if self._pictures is not None:
-                self._pictures.watch(wanted)
+            if self.streams is not None:
+                self.streams.watch(wanted)
 
         self.put(apply)
 
     def follow(self, session: Session) -> None:
-        """Subscribe to the pictures of this session's robots from now on; returns at once."""
+        """Subscribe to the streams of this session's robots from now on; returns at once."""
 
         def apply() -> None:
             self._end()
-            self._pictures = RobotPictures(session.client, session.twin.name, self._on_image)
-            self._pictures.watch(self._wanted)
+            robot = session.twin.name
+            self.streams = Streams(lambda key: self._begin(session.client, robot, key))
+            self.streams.watch(self._wanted)
 
         self.put(apply)
 
     def _end(self) -> None:
-        if self._pictures is not None:
-            self._pictures.close()
-            self._pictures = None
+        if self.streams is not None:
+            self.streams.close()
+            self.streams = None
 
     def close(self) -> None:
         """End the subscriptions and the thread; returns at once."""
         self.put(self._end)
         super().close()
+
+
+def cameras(on_image: OnImage) -> Watcher[Camera, CameraStream]:
+    """Return what subscribes to cameras; `on_image` receives side and picture on its threads, and must return at once."""
+
+    def begin(client: Client, robot: str, camera: Camera) -> CameraStream:
+        return CameraStream(client, (robot, *camera), on_image)
+
+    return Watcher("window-cameras", begin)

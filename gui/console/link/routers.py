@@ -17,7 +17,7 @@ from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from beatrix_zenoh.settings import Settings
 from gui.console.link.connection import Connection
 from gui.console.link.worker import Worker
-from gui.console.state.actions import JoinClass, UseEndpoint
+from gui.console.state.actions import UseAccount, UseRouter
 from gui.console.state.connecting import refusal
 from gui.console.state.world import LinkPhase, OwnAccount, Trouble
 
@@ -34,14 +34,14 @@ class Routers(Worker):
         self.trouble: Trouble | None = None
         """why the last choice is not used; None: it is, or there was none"""
 
-    def choose(self, action: UseEndpoint | JoinClass) -> None:
+    def choose(self, action: UseRouter | UseAccount) -> None:
         """Check the choice, and use it if it is possible; returns at once."""
         self.busy, self.trouble = True, None
 
         def check() -> None:
             try:
-                if isinstance(action, UseEndpoint):
-                    self.trouble = self._use(action.endpoint)
+                if isinstance(action, UseRouter):
+                    self.trouble = self._use(action.address)
                 else:
                     self.trouble = self._join(action.file)
             finally:

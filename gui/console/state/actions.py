@@ -1,10 +1,14 @@
-"""Actions, which `link.Link` carries out, and the `Outcome`s that it reports for each action with a row."""
+"""Actions, which `link.Link` carries out, and the `Outcome`s that it reports for each action with a row.
+
+Each action is an intent, too: buttons report actions for which nothing is left to decide, or only the row.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Final
 
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.client.choreography import ArmPose
@@ -16,15 +20,17 @@ from beatrix_zenoh.contract._generated.messages import (
     PoseQuery,
     Reason,
 )
+from gui.console.state.intents import Intent
+
+NEW: Final = 0
+"""Row of a request that a button reports; the history gives it a number."""
 
 
-@dataclass(frozen=True)
-class Action:
+class Action(Intent, frozen=True):
     """Base class of all actions."""
 
 
-@dataclass(frozen=True)
-class Send(Action):
+class Send(Action, frozen=True):
     """A motion; for two robots it is previewed, then made by the simulation, and `lead_s` later by the hardware."""
 
     row: int
@@ -35,8 +41,7 @@ class Send(Action):
     lead_s: float = 0.0
 
 
-@dataclass(frozen=True)
-class Hold(Action):
+class Hold(Action, frozen=True):
     """Move some robots while a button is held; repeated as a heartbeat, without which they stop within 0.5 s."""
 
     row: int
@@ -49,15 +54,13 @@ class Hold(Action):
     sides: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class Release(Action):
+class Release(Action, frozen=True):
     """End a hold."""
 
     row: int
 
 
-@dataclass(frozen=True)
-class SendCommand(Action):
+class SendCommand(Action, frozen=True):
     """A command for some robots."""
 
     row: int
@@ -66,16 +69,14 @@ class SendCommand(Action):
     sides: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class Ready(Action):
-    """`Robot.make_ready` for one robot."""
+class MakeReady(Action, frozen=True):
+    """Enable and calibrate one robot, unless that is done already."""
 
-    row: int
     side: str
+    row: int = NEW
 
 
-@dataclass(frozen=True)
-class SendStop(Action):
+class SendStop(Action, frozen=True):
     """STOP or EMERGENCY_STOP for both robots, or for all robots at the router; sent on a thread of its own."""
 
     row: int
@@ -83,17 +84,16 @@ class SendStop(Action):
     emergency: bool = False
 
 
-@dataclass(frozen=True)
-class SendLease(Action):
+class AskLease(Action, frozen=True):
     """Take one robot of the shown name, wait for it, or give it back."""
 
-    row: int
     action: LeaseAction
+    """TAKE, WAIT or GIVE_BACK"""
     side: str
+    row: int = NEW
 
 
-@dataclass(frozen=True)
-class Govern(Action):
+class Govern(Action, frozen=True):
     """A lease query to one robot or several, sent to all of them at the same time."""
 
     row: int
@@ -106,20 +106,17 @@ class Govern(Action):
     """for MUTE and UNMUTE only"""
 
 
-@dataclass(frozen=True)
-class WatchClass(Action):
+class WatchClass(Action, frozen=True):
     """Begin or end reading the states of all robots, and the reports of lessons."""
 
     on: bool
 
 
-@dataclass(frozen=True)
-class SendPlanNow(Action):
+class SendNow(Action, frozen=True):
     """Send the waiting motion of both robots to the hardware now."""
 
 
-@dataclass(frozen=True)
-class AbortPlan(Action):
+class Abort(Action, frozen=True):
     """End the motion of both robots; the hardware stays unmoved, or stops if it moves already."""
 
 
@@ -130,8 +127,7 @@ LARGEST_BYTES = 1 << 19
 cannot end the play."""
 
 
-@dataclass(frozen=True)
-class Play(Action):
+class Play(Action, frozen=True):
     """Play a file, or poses that begin at their times."""
 
     row: int
@@ -151,8 +147,7 @@ class Play(Action):
         return self.gesture or (POSES if self.file is None else self.file.stem)
 
 
-@dataclass(frozen=True)
-class FollowFace(Action):
+class FollowFace(Action, frozen=True):
     """Start the program that follows a face."""
 
     row: int
@@ -160,21 +155,18 @@ class FollowFace(Action):
     """the robots that move; the first one's left eye sees"""
 
 
-@dataclass(frozen=True)
-class EndFollowing(Action):
+class EndFollowing(Action, frozen=True):
     """End the program that follows a face."""
 
 
-@dataclass(frozen=True)
-class CopyProgram(Action):
+class CopyProgram(Action, frozen=True):
     """Copy the program that follows a face to a file of the user, unless the file exists."""
 
     row: int
     file: Path
 
 
-@dataclass(frozen=True)
-class WriteFile(Action):
+class WriteFile(Action, frozen=True):
     """Write or replace a file; the outcome names no robot."""
 
     row: int
@@ -183,76 +175,65 @@ class WriteFile(Action):
     """text (UTF-8), or a picture"""
 
 
-@dataclass(frozen=True)
-class WatchCameras(Action):
+class WatchCameras(Action, frozen=True):
     """Subscribe to exactly these pictures."""
 
     wanted: frozenset[tuple[str, str]]
     """side and eye of the visible pictures, for example `("sim", "left")`"""
 
 
-@dataclass(frozen=True)
-class WatchMicrophones(Action):
+class WatchMicrophones(Action, frozen=True):
     """Subscribe to the microphones of exactly these sides, which switches them on."""
 
     sides: frozenset[str]
 
 
-@dataclass(frozen=True)
-class BeginRecording(Action):
+class BeginRecording(Action, frozen=True):
     """Start `beatrix record`."""
 
 
-@dataclass(frozen=True)
-class EndRecording(Action):
+class EndRecording(Action, frozen=True):
     """End the recording."""
 
 
-@dataclass(frozen=True)
-class ViewRecording(Action):
+class ViewRecording(Action, frozen=True):
     """Start `beatrix view FILE`."""
 
     file: Path
 
 
-@dataclass(frozen=True)
-class Connect(Action):
-    """Look for the router now."""
+class Retry(Action, frozen=True):
+    """Look for the router again now."""
 
 
-@dataclass(frozen=True)
-class UseEndpoint(Action):
-    """Check the router at this endpoint, and use it."""
+class UseRouter(Action, frozen=True):
+    """Check the router at this address, and use it."""
 
-    endpoint: str
+    address: str
+    """as the user has typed it; for the link an endpoint"""
 
 
-@dataclass(frozen=True)
-class JoinClass(Action):
-    """Check an account file, store it for the user, and use its router and seat."""
+class UseAccount(Action, frozen=True):
+    """Check the account file of a seat, store it for the user, and use its router and seat."""
 
     file: Path
 
 
-@dataclass(frozen=True)
-class Select(Action):
-    """Watch and drive the robot of this name."""
+class ChooseRobot(Action, frozen=True):
+    """Show and drive the robots of this name."""
 
-    robot: str
-
-
-@dataclass(frozen=True)
-class RunSimulation(Action):
-    """Start a simulation, and a router if there is none, as children of the window."""
+    name: str
 
 
-@dataclass(frozen=True)
-class FindPorts(Action):
-    """List the serial ports of this computer."""
+class StartSimulation(Action, frozen=True):
+    """Start a simulation on this computer, and a router if there is none, as children of the window."""
 
 
-@dataclass(frozen=True)
-class RunHardware(Action):
+class LookForPorts(Action, frozen=True):
+    """Show the sheet that connects, and list the serial ports of this computer."""
+
+
+class ConnectHardware(Action, frozen=True):
     """Start the program of the hardware, and a router if there is none, as children of the window."""
 
     port: str

@@ -15,7 +15,7 @@ from gui.console.state import refusals
 from gui.console.state.actions import Action, Send
 from gui.console.state.intents import ALL_ARMS, Jog
 from gui.console.state.memory import Memory, RequestRow
-from gui.console.state.motions import send_arms
+from gui.console.state.motions import Handles, send_arms
 from gui.console.state.presence import commanded, reading, unreachable
 from gui.console.state.views import ArmRowView, ArmsView, ButtonView
 from gui.console.state.world import World
@@ -29,14 +29,10 @@ INCREMENT_MAX: Final = 90.0
 
 def view(memory: Memory, world: World) -> ArmsView:
     """Return all rows, and the choices that + and - depend on."""
-    choices = memory.choices
     limit = ROBOT.limits.speed_max if world.limits is None else math.degrees(world.limits.speed_max)
     return ArmsView(
         rows=tuple(_row(memory, world, arm) for arm in (*ARMS, ALL_ARMS)),
-        relative=choices.relative,
-        increment=choices.increment,
         increment_max=INCREMENT_MAX,
-        speed=choices.speed,
         speed_max=limit,
         refusal=refusals.at(memory, (*ARMS, ALL_ARMS)),
     )
@@ -156,3 +152,6 @@ def _moved(start: ArmAngles, chosen: tuple[str, ...], by: float, *, relative: bo
     return ArmAngles(
         *(goals[arm] if arm in chosen else angle for arm, angle in zip(ARMS, start, strict=True))
     )
+
+
+HANDLES: Handles = {Jog: jog}

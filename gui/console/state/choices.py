@@ -2,36 +2,34 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from typing import Final
 
-from gui.console.state import intents
-from gui.console.state.intents import Intent, Tab, Theme, WindowPage
-from gui.console.state.saved import Saved
-from gui.console.state.views import HeadOrientation
+import msgspec
+from msgspec.structs import fields, replace
+
+from gui.console.state.intents import Tab, WindowPage
+from gui.console.state.orientation import HeadOrientation
+from gui.console.state.saved import Remembered, Saved
 from gui.console.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 
 
-@dataclass(frozen=True)
-class Choices:
-    """Settings of the user; angles in deg, speed in deg/s, lead in s."""
+class Choices(Remembered, frozen=True):
+    """Settings of the user."""
 
-    theme: Theme = Theme.DARK
-    language: str = DEFAULT_LANGUAGE
     relative: bool = True
-    increment: float = 5.0
-    speed: float = 30.0
+    """whether + and - turn an arm by the increment, or to it"""
     sim: bool = True
     hw: bool = False
+    """whether the box of the simulation, or of the hardware, is checked"""
     cameras: bool = False
     microphones: bool = False
     """never saved: each window begins without listening"""
-    lead_s: float = 2.0
     live: bool = False
-    """never saved: each window begins without motions that no press has sent"""
-    send_on_release: bool = False
-    page: WindowPage = WindowPage.ROBOT
+    """whether the simulation follows a drag; never saved: each window begins without motions that no press has sent"""
+    loop: bool = False
+    """whether a play of the sequence repeats until STOP or a newer request"""
     tab: Tab = Tab.HEADS
+    page: WindowPage = WindowPage.ROBOT
     target: HeadOrientation | None = None
     """target of the head pad; None: the target follows the head"""
 
@@ -46,62 +44,21 @@ class Choices:
         return Texts(self.language)
 
 
+KINDS: Final = {row.name: row.type for row in fields(Choices) if row.name not in ("page", "target")}
+"""What a choice of a widget may be, by its name."""
+
+
 def choices_from(saved: Saved) -> Choices:
     """Return choices with saved values; defaults for the others."""
-    return Choices(
-        theme=saved.theme,
-        language=saved.language if saved.language in LANGUAGES else DEFAULT_LANGUAGE,
-        increment=saved.increment,
-        speed=saved.speed,
-        lead_s=saved.lead_s,
-        send_on_release=saved.send_on_release,
-    )
+    kept = {name: getattr(saved, name) for name in Remembered.__struct_fields__}
+    return Choices(**kept | {"language": saved.language if saved.language in LANGUAGES else DEFAULT_LANGUAGE})
 
 
-def changed(choices: Choices, intent: Intent) -> Choices | None:
-    """Return the choices after an intent; None if the intent changes no choice."""
-    new: Choices | None
-    match intent:
-        case intents.SetRelative(relative=relative):
-            new = replace(choices, relative=relative)
-        case intents.SetIncrement(degrees=degrees) if degrees > 0 and math.isfinite(degrees):
-            new = replace(choices, increment=degrees)
-        case intents.SetSpeed(degrees_per_s=speed) if speed > 0 and math.isfinite(speed):
-            new = replace(choices, speed=speed)
-        case intents.SetLead(seconds=seconds) if seconds >= 0 and math.isfinite(seconds):
-            new = replace(choices, lead_s=seconds)
-        case intents.SetDestination(side=side, checked=checked):
-            new = replace(choices, sim=checked) if side == "sim" else replace(choices, hw=checked)
-        case intents.ShowTab(name=name):
-            new = replace(choices, tab=name)
-        case intents.SetTheme(theme=theme):
-            new = replace(choices, theme=theme)
-        case intents.SetLanguage(code=code) if code in LANGUAGES:
-            new = replace(choices, language=code)
-        case intents.AimHead(yaw=yaw, pitch=pitch, roll=roll) if math.isfinite(yaw + pitch + roll):
-            new = replace(choices, target=HeadOrientation(yaw, pitch, roll))
-        case (
-            intents.SetIncrement()
-            | intents.SetSpeed()
-            | intents.SetLead()
-            | intents.SetLanguage()
-            | intents.AimHead()
-        ):
-            new = choices  # no widget reports such a value, so it is ignored
-        case _:
-            new = _switched(choices, intent)
-    return new
-
-
-def _switched(choices: Choices, intent: Intent) -> Choices | None:
-    """Return the choices after an intent that switches one on or off; None if it is another intent."""
-    match intent:
-        case intents.SetCameras(on=on):
-            return replace(choices, cameras=on)
-        case intents.SetMicrophones(on=on):
-            return replace(choices, microphones=on)
-        case intents.SetLive(on=on):
-            return replace(choices, live=on)
-        case intents.SetSendOnRelease(on=on):
-            return replace(choices, send_on_release=on)
-    return None
+def changed(choices: Choices, name: str, value: object) -> Choices | None:
+    """Return choices with another value; None if no widget offers it."""
+    if name not in KINDS or (name == "language" and value not in LANGUAGES):
+        return None
+    try:
+        return replace(choices, **{name: msgspec.convert(value, KINDS[name])})
+    except msgspec.ValidationError:
+        return None

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import Final
+
+from msgspec import structs
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.lease import limit_of
@@ -13,13 +14,24 @@ from beatrix_zenoh.client.monitor import SeatStops, stops_by_seat
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
-from gui.console.state import history, lessons, pills, refusals, sound
-from gui.console.state.actions import Action, Govern, SendStop, WatchCameras, WatchClass, WatchMicrophones
+from gui.console.state import connecting, history, leases, lessons, pills, refusals, sound
+from gui.console.state.actions import (
+    NEW,
+    Action,
+    ChooseRobot,
+    Govern,
+    SendStop,
+    UseAccount,
+    UseRouter,
+    WatchCameras,
+    WatchClass,
+    WatchMicrophones,
+)
 from gui.console.state.eyes import wanted
-from gui.console.state.intents import ChooseRobot, GovernClass, LimitClass, MuteSeat, TogglePage, WindowPage
+from gui.console.state.intents import Intent, LimitClass, TogglePage, WindowPage
 from gui.console.state.leases import limit_text
 from gui.console.state.memory import Memory
-from gui.console.state.motions import begin
+from gui.console.state.motions import Handles, begin
 from gui.console.state.presence import offline
 from gui.console.state.views import ButtonView, ClassRowView, ClassView, Condition, SeatView
 from gui.console.state.world import LinkPhase, World
@@ -42,15 +54,15 @@ def view(memory: Memory, world: World) -> ClassView | None:
     toggle = "hide" if shown else "show"
     result, good = _result(memory, texts)
 
-    def button(key: str, intent: GovernClass | LimitClass | TogglePage) -> ButtonView:
+    def button(key: str, intent: Intent) -> ButtonView:
         return ButtonView(texts(f"class.{key}"), texts(f"class.{key}_tip"), intent)
 
     return ClassView(
         summary=_summary(world, texts),
         rows=rows,
         empty="" if rows else _empty(world, texts),
-        freeze_all=button("freeze_all", GovernClass(LeaseAction.FREEZE)),
-        unfreeze_all=button("unfreeze_all", GovernClass(LeaseAction.UNFREEZE)),
+        freeze_all=button("freeze_all", Govern(NEW, LeaseAction.FREEZE)),
+        unfreeze_all=button("unfreeze_all", Govern(NEW, LeaseAction.UNFREEZE)),
         limit=button("limit", LimitClass("")),
         limit_now=_limit_now(limits, texts),
         seats=_seats(world, texts),
@@ -105,9 +117,8 @@ def _seats(world: World, texts: Texts) -> tuple[SeatView, ...]:
     views = []
     for seat in sorted({*world.seats, *muted} - {TEACHER}):
         key, shown = "unmute" if seat in muted else "mute", world.pupils.get(seat, seat)
-        button = ButtonView(
-            texts(f"class.{key}"), texts(f"class.{key}_tip", seat=shown), MuteSeat(seat, on=seat not in muted)
-        )
+        intent = Govern(NEW, LeaseAction.UNMUTE if seat in muted else LeaseAction.MUTE, seat=seat)
+        button = ButtonView(texts(f"class.{key}"), texts(f"class.{key}_tip", seat=shown), intent)
         views.append(SeatView(texts("class.muted_seat", seat=shown) if seat in muted else shown, button))
     return tuple(views)
 
@@ -222,72 +233,80 @@ def _driver(status: Status | None, world: World, texts: Texts) -> str:
     return texts("class.taken", holder=holder) if status.lease else holder
 
 
-def _freeze(place: tuple[str, str], *, frozen: bool) -> GovernClass:
-    return GovernClass(LeaseAction.UNFREEZE if frozen else LeaseAction.FREEZE, place)
+def _freeze(place: tuple[str, str], *, frozen: bool) -> Govern:
+    return Govern(NEW, LeaseAction.UNFREEZE if frozen else LeaseAction.FREEZE, (place,))
 
 
 def _take(
     status: Status | None, place: tuple[str, str], world: World, named: str, texts: Texts
 ) -> ButtonView:
     if status is not None and status.holder == world.seat and status.lease:
-        return _button("give_back", named, GovernClass(LeaseAction.GIVE_BACK, place), texts)
-    return _button("take_over", named, GovernClass(LeaseAction.TAKE, place), texts)
+        return _button("give_back", named, Govern(NEW, LeaseAction.GIVE_BACK, (place,)), texts)
+    return _button("take_over", named, Govern(NEW, LeaseAction.TAKE, (place,)), texts)
 
 
-def _button(key: str, named: str, intent: GovernClass | ChooseRobot, texts: Texts) -> ButtonView:
+def _button(key: str, named: str, intent: Intent, texts: Texts) -> ButtonView:
     return ButtonView(texts(f"class.{key}"), texts(f"class.{key}_tip", robot=named), intent)
 
 
 # -- requests -----------------------------------------------------------------------------------------
 
 
-def handle(
-    memory: Memory, world: World, intent: TogglePage | GovernClass | LimitClass | MuteSeat
-) -> list[Action]:
-    """Return the actions of an intent about the page; none if this window is not the teacher's."""
-    if not world.is_teacher:
-        return []
-    match intent:
-        case TogglePage():
-            return show(
-                memory, WindowPage.ROBOT if memory.choices.page is WindowPage.CLASS else WindowPage.CLASS
-            )
-        case GovernClass(action=action, place=place):
-            return _send(memory, world, action, () if place is None else (place,))
-        case LimitClass(text=text):
-            return _limit(memory, world, text)
-        case MuteSeat(seat=seat, on=on):
-            action = LeaseAction.MUTE if on else LeaseAction.UNMUTE
-            return _send(memory, world, action, (), seat=seat)
+def toggle(memory: Memory, world: World, _intent: TogglePage) -> list[Action]:
+    """Show the page or hide it; only in the teacher's window."""
+    shown = memory.choices.page is WindowPage.CLASS
+    return show(memory, WindowPage.ROBOT if shown else WindowPage.CLASS) if world.is_teacher else []
 
 
 def show(memory: Memory, page: WindowPage) -> list[Action]:
     """Choose the page to show; return the actions after which only the data of this page are received."""
     if page is memory.choices.page:
         return []
-    memory.choices = replace(memory.choices, page=page)
+    memory.choices = structs.replace(memory.choices, page=page)
     listens = [WatchMicrophones(sound.wanted(memory.choices))] if memory.choices.microphones else []
     return [WatchClass(page is WindowPage.CLASS), WatchCameras(wanted(memory.choices)), *listens]
 
 
-def _limit(memory: Memory, world: World, typed: str) -> list[Action]:
+def limit(memory: Memory, world: World, intent: LimitClass) -> list[Action]:
     """Return the action that limits the speed of all robots to the typed number (deg/s); no text ends the limit."""
-    text = typed.strip().removesuffix("°/s").strip().replace(",", ".")
+    text = intent.text.strip().removesuffix("°/s").strip().replace(",", ".")
     try:
         speed = limit_of(float(text)) if text else 0.0
     except (ValueError, WrongUsage):
-        return memory.refuse(CONTROL, "cannot.limit", text=typed)
-    return _send(memory, world, LeaseAction.LIMIT, (), speed)
+        return memory.refuse(CONTROL, "cannot.limit", text=intent.text) if world.is_teacher else []
+    return govern(memory, world, Govern(NEW, LeaseAction.LIMIT, speed=speed))
 
 
-def _send(
-    memory: Memory,
-    world: World,
-    action: LeaseAction,
-    places: tuple[tuple[str, str], ...],
-    speed: float = 0.0,
-    seat: str = "",
-) -> list[Action]:
-    if offline(memory, world, CONTROL):
+def govern(memory: Memory, world: World, intent: Govern) -> list[Action]:
+    """Return the action of a lease query to several robots; none if this window is not the teacher's."""
+    if not world.is_teacher or offline(memory, world, CONTROL):
         return []
-    return begin(memory, world, Govern(memory.next_row(), action, places, speed, seat), CONTROL)
+    return begin(memory, world, intent, CONTROL)
+
+
+def choose_router(memory: Memory, world: World, intent: UseRouter | UseAccount) -> list[Action]:
+    """Return the actions of the choice of a router or account; while another one is being checked, it is ignored."""
+    if isinstance(intent, UseRouter):
+        intent = UseRouter(connecting.completed(intent.address))
+    shown = show(memory, WindowPage.ROBOT)  # the next seat may not be the teacher's
+    return shown if world.choosing else [*shown, intent]
+
+
+def choose_robot(memory: Memory, world: World, intent: ChooseRobot) -> list[Action]:
+    """Return the actions that show the robot of this name and give back the previous one."""
+    memory.refusal = None
+    given_back: list[Action] = []
+    if intent.name != world.robot:
+        memory.undo = ()  # the angles in it belong to the previous robot
+        given_back = leases.give_back_all(memory, world)
+    return [*show(memory, WindowPage.ROBOT), *given_back, intent]
+
+
+HANDLES: Handles = {
+    TogglePage: toggle,
+    Govern: govern,
+    LimitClass: limit,
+    UseRouter: choose_router,
+    UseAccount: choose_router,
+    ChooseRobot: choose_robot,
+}

@@ -10,7 +10,7 @@ from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
-from gui.console.state.actions import POSES, Play, Ready, Send, SendCommand, SendLease, SendStop
+from gui.console.state.actions import POSES, AskLease, MakeReady, Play, Send, SendCommand, SendStop
 from gui.console.state.memory import Request
 from gui.console.state.presence import online
 from gui.console.state.views import CodeLine
@@ -71,7 +71,7 @@ def _sides(request: Request) -> tuple[str, ...]:
     match request:
         case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides):
             return sides
-        case Ready(side=side) | SendLease(side=side):
+        case MakeReady(side=side) | AskLease(side=side):
             return (side,)
     return SIDES
 
@@ -91,13 +91,13 @@ def python(request: Request, variable: str = "twin", rounds: int | None = None) 
             text = _motion_python(query, robot, lead_s, both=both)
         case SendCommand(command=command, value=value) if command is not Command.EMERGENCY_STOP:
             text = f"{robot}.{_verb(command, on=value)}()"
-        case Ready():
+        case MakeReady():
             text = f"{robot}.make_ready()"
         case SendStop(everywhere=False, emergency=False):
             text = f"{robot}.stop()"
-        case SendLease(action=LeaseAction.TAKE):
+        case AskLease(action=LeaseAction.TAKE):
             text = f"{robot}.lease()"
-        case SendLease(action=LeaseAction.WAIT):
+        case AskLease(action=LeaseAction.WAIT):
             text = f"{robot}.lease(wait_s=60)"
         case Play():
             text = _play_python(request, robot, rounds, both=both)

@@ -3,36 +3,24 @@
 from __future__ import annotations
 
 from beatrix_zenoh.contract._generated.messages import Command
-from gui.console.state import refusals, sequence
+from gui.console.state import dragging, refusals, sequence
 from gui.console.state.actions import (
     Action,
     BeginRecording,
     CopyProgram,
     EndRecording,
     Govern,
+    MakeReady,
     Play,
-    Ready,
     Send,
     SendCommand,
     SendStop,
     ViewRecording,
     WriteFile,
 )
-from gui.console.state.intents import (
-    EmergencyStop,
-    Intent,
-    MakeReady,
-    OpenRecording,
-    Repeat,
-    RunCommand,
-    SavePlots,
-    Stop,
-    ToggleRecording,
-    Undo,
-    WindowPage,
-)
+from gui.console.state.intents import EmergencyStop, Intent, Repeat, RunCommand, Stop, Undo, WindowPage
 from gui.console.state.memory import Memory
-from gui.console.state.motions import again, begin, send_arms
+from gui.console.state.motions import Handles, again, begin, pass_on, send_arms
 from gui.console.state.poses import way_back
 from gui.console.state.presence import unreachable
 from gui.console.state.views import ButtonView, CommandsView, RecordView
@@ -89,26 +77,12 @@ def _undo(memory: Memory) -> ButtonView:
     return ButtonView(texts("command.undo"), tooltip, Undo())
 
 
-def handle(
-    memory: Memory, world: World, intent: Stop | EmergencyStop | RunCommand | MakeReady | Repeat
-) -> list[Action]:
-    """Return the actions of a command, or of a request that is sent again."""
-    match intent:
-        case Stop() | EmergencyStop():
-            return stop(memory, world, emergency=isinstance(intent, EmergencyStop))
-        case RunCommand():
-            return run(memory, world, intent)
-        case MakeReady(side=side):
-            return make_ready(memory, world, side)
-        case Repeat(row=number):
-            return repeat(memory, world, number)
-
-
-def stop(memory: Memory, world: World, *, emergency: bool) -> list[Action]:
+def stop(memory: Memory, world: World, intent: Stop | EmergencyStop) -> list[Action]:
     """Return the action that stops both robots, or on the page *Class* all robots, even if none is online."""
+    memory.live_row = dragging.STOPPED
     memory.mark_dropped()
     everywhere = memory.choices.page is WindowPage.CLASS
-    request = SendStop(memory.next_row(), everywhere, emergency)
+    request = SendStop(memory.next_row(), everywhere, isinstance(intent, EmergencyStop))
     return begin(memory, world, request, CLASS if everywhere else CONTROL)
 
 
@@ -123,16 +97,16 @@ def run(memory: Memory, world: World, intent: RunCommand) -> list[Action]:
     return begin(memory, world, request, CONTROL)
 
 
-def make_ready(memory: Memory, world: World, side: str) -> list[Action]:
+def make_ready(memory: Memory, world: World, intent: MakeReady) -> list[Action]:
     """Return the action that enables and calibrates a robot."""
-    if unreachable(memory, world, (side,), CONTROL):
-        return []
-    return begin(memory, world, Ready(memory.next_row(), side), CONTROL)
+    return (
+        [] if unreachable(memory, world, (intent.side,), CONTROL) else begin(memory, world, intent, CONTROL)
+    )
 
 
-def repeat(memory: Memory, world: World, number: int) -> list[Action]:
+def repeat(memory: Memory, world: World, intent: Repeat) -> list[Action]:
     """Return the request of a row as a new action: a motion for the checked robots, a command for the same robots."""
-    row = memory.row(number)
+    row = memory.row(intent.row)
     if row is None:
         return memory.refuse(CONTROL, "cannot.row")
     if isinstance(row.request, SendStop):
@@ -146,11 +120,11 @@ def repeat(memory: Memory, world: World, number: int) -> list[Action]:
     return begin(memory, world, again(memory, row.request), row.control)
 
 
-def save_plots(memory: Memory, world: World, intent: SavePlots) -> list[Action]:
-    """Return the action that writes the exported plots."""
-    if not intent.file.name:
-        return memory.refuse(CONTROL, "cannot.file")
-    return begin(memory, world, WriteFile(memory.next_row(), intent.file, intent.content), CONTROL)
+def write(memory: Memory, world: World, intent: WriteFile) -> list[Action]:
+    """Return the action that writes a file of the user, for example the exported plots."""
+    return (
+        begin(memory, world, intent, CONTROL) if intent.file.name else memory.refuse(CONTROL, "cannot.file")
+    )
 
 
 def recording_view(memory: Memory, world: World) -> RecordView:
@@ -160,7 +134,7 @@ def recording_view(memory: Memory, world: World) -> RecordView:
         minutes, seconds = divmod(max(0.0, recording.seconds) // 1, 60.0)
         tooltip = texts("record.ending_tip" if recording.ending else "record.end_tip")
         return RecordView(
-            ButtonView(texts("record.end"), tooltip, ToggleRecording(), enabled=not recording.ending),
+            ButtonView(texts("record.end"), tooltip, EndRecording(), enabled=not recording.ending),
             running=True,
             text=texts("minutes", minutes=minutes, seconds=seconds),
             open=None,
@@ -168,18 +142,21 @@ def recording_view(memory: Memory, world: World) -> RecordView:
     shown = None
     if recording is not None:
         tooltip = texts("record.open_tip", file=str(recording.file))
-        shown = ButtonView(texts("record.open"), tooltip, OpenRecording())
+        shown = ButtonView(texts("record.open"), tooltip, ViewRecording(recording.file))
     possible = world.phase is LinkPhase.ONLINE
     tooltip = texts("record.begin_tip") if possible else texts("off.no_router")
-    toggle = ButtonView(texts("record.begin"), tooltip, ToggleRecording(), enabled=possible)
+    toggle = ButtonView(texts("record.begin"), tooltip, BeginRecording(), enabled=possible)
     return RecordView(toggle, running=False, text="", open=shown)
 
 
-def record(world: World, intent: Intent) -> list[Action]:
-    """Return the action that begins, ends or opens a recording; none if it is not possible now."""
-    recording = world.recording
-    if isinstance(intent, OpenRecording):
-        return [] if recording is None or recording.running else [ViewRecording(recording.file)]
-    if recording is None or not recording.running:
-        return [BeginRecording()]
-    return [] if recording.ending else [EndRecording()]
+HANDLES: Handles = {
+    Stop: stop,
+    EmergencyStop: stop,
+    RunCommand: run,
+    MakeReady: make_ready,
+    Repeat: repeat,
+    WriteFile: write,
+    BeginRecording: pass_on,
+    EndRecording: pass_on,
+    ViewRecording: pass_on,
+}

@@ -11,15 +11,16 @@ from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state.actions import (
     Action,
-    Connect,
-    FindPorts,
-    JoinClass,
-    RunHardware,
-    RunSimulation,
-    UseEndpoint,
+    ConnectHardware,
+    LookForPorts,
+    Retry,
+    StartSimulation,
+    UseAccount,
+    UseRouter,
 )
-from gui.console.state.intents import Intent, Retry, StartSimulation
+from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory
+from gui.console.state.motions import Handles, pass_on
 from gui.console.state.presence import online
 from gui.console.state.views import ButtonView, ConnectView, RouterView
 from gui.console.state.world import LinkPhase, OwnAccount, UsbPort, World
@@ -31,34 +32,7 @@ PORT: Final = DEFAULT_ENDPOINT.rpartition(":")[2]
 """Usual port of a router."""
 
 
-class ConnectIntent(Intent, frozen=True):
-    """Base class of the intents of the sheet."""
-
-
-class LookForPorts(ConnectIntent, frozen=True):
-    """Show the sheet, and look for the serial ports of this computer."""
-
-
-class UseRouter(ConnectIntent, frozen=True):
-    """Use the router at this address."""
-
-    address: str
-    """as the user has typed it"""
-
-
-class UseAccount(ConnectIntent, frozen=True):
-    """Join a class with the account file of a seat."""
-
-    file: Path
-
-
-class ConnectHardware(ConnectIntent, frozen=True):
-    """Start the program of the hardware with a port."""
-
-    port: str
-
-
-class CloseConnect(ConnectIntent, frozen=True):
+class CloseConnect(Intent, frozen=True):
     """Hide the sheet."""
 
 
@@ -167,33 +141,29 @@ def _port(port: UsbPort, texts: Texts, *, off: bool) -> ButtonView:
     return ButtonView(name, tooltip, ConnectHardware(port.device), enabled=not off)
 
 
-def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
-    """Return the action of an intent."""
-    match intent:
-        case StartSimulation():
-            return [] if world.starting else [RunSimulation()]
-        case Retry():
-            return [Connect()]
-        case LookForPorts():
-            if not memory.connecting:
-                memory.read_trouble = world.router_trouble
-            memory.connecting, memory.port_chosen = True, False
-            return [] if _serves(world) else [FindPorts()]
-        case ConnectHardware(port=port):
-            memory.port_chosen = True
-            return [] if world.connecting else [RunHardware(port)]
-        case CloseConnect():
-            memory.connecting = False
+def simulate(_memory: Memory, world: World, intent: StartSimulation) -> list[Action]:
+    """Return the action that starts a simulation, unless one starts."""
+    return [] if world.starting else [intent]
+
+
+def look_for_ports(memory: Memory, world: World, intent: LookForPorts) -> list[Action]:
+    """Show the sheet; return the action that lists the ports, unless hardware is online."""
+    if not memory.connecting:
+        memory.read_trouble = world.router_trouble
+    memory.connecting, memory.port_chosen = True, False
+    return [] if _serves(world) else [intent]
+
+
+def use_port(memory: Memory, world: World, intent: ConnectHardware) -> list[Action]:
+    """Return the action that starts the hardware, unless it starts."""
+    memory.port_chosen = True
+    return [] if world.connecting else [intent]
+
+
+def close(memory: Memory, _world: World, _intent: CloseConnect) -> list[Action]:
+    """Hide the sheet."""
+    memory.connecting = False
     return []
-
-
-def choose_router(world: World, intent: UseRouter | UseAccount) -> list[Action]:
-    """Return the action of the choice of a router or account; none while another one is being checked."""
-    if world.choosing:
-        return []
-    if isinstance(intent, UseRouter):
-        return [UseEndpoint(completed(intent.address))]
-    return [JoinClass(intent.file)]
 
 
 def follow(memory: Memory, world: World) -> None:
@@ -215,3 +185,12 @@ def _serves(world: World) -> bool:
         and status.fault is not Fault.BOARD_LOST
         and status.board.connected
     )
+
+
+HANDLES: Handles = {
+    StartSimulation: simulate,
+    Retry: pass_on,
+    LookForPorts: look_for_ports,
+    ConnectHardware: use_port,
+    CloseConnect: close,
+}

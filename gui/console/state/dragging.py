@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from dataclasses import replace
 from functools import cache
 
 from beatrix_zenoh.client.degrees import head_angles, pose_query
@@ -11,10 +11,11 @@ from beatrix_zenoh.contract._generated.messages import Head, PoseQuery, Reason
 from beatrix_zenoh.motion.limits.region import border, reach
 from gui.console.state import motions
 from gui.console.state.actions import Action, Outcome, Send
-from gui.console.state.intents import EmergencyStop, GrabHead, Intent, LiveHead, Stop
+from gui.console.state.intents import GrabHead, LiveHead, ReleaseHead
 from gui.console.state.memory import Memory
+from gui.console.state.orientation import HeadOrientation
 from gui.console.state.presence import unreachable
-from gui.console.state.views import DragView, HeadOrientation
+from gui.console.state.views import DragView
 from gui.console.state.world import World
 
 PAD = "head"
@@ -47,29 +48,28 @@ def view(memory: Memory, tilt_max: float, gap_min: float) -> DragView:
         query = request.query
         refused = HeadOrientation(*head_angles(Head(query.yaw, query.pitch, query.roll)))
         reason = choices.texts(REASONS.get(refusal.reason, "refused.other"))
-    return DragView(choices.live, choices.send_on_release, limits, refused, reason)
+    return DragView(choices.live, limits, refused, reason)
 
 
-def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
-    """Return the actions of GrabHead, LiveHead and ReleaseHead."""
-    if isinstance(intent, GrabHead):
-        memory.live_row = None
-        return []
-    if isinstance(intent, LiveHead):
-        ended = memory.live_row in (STOPPED, REFUSED)
-        return _follow(memory, world) if memory.choices.live and not ended else []
+def grab(memory: Memory, _world: World, _intent: GrabHead) -> list[Action]:
+    """Begin a drag."""
+    memory.live_row = None
+    return []
+
+
+def live(memory: Memory, world: World, _intent: LiveHead) -> list[Action]:
+    """Return the action with which the simulation follows a drag, if that was chosen."""
+    return _follow(memory, world) if memory.choices.live and memory.live_row not in (STOPPED, REFUSED) else []
+
+
+def release(memory: Memory, world: World, _intent: ReleaseHead) -> list[Action]:
+    """Return the action that sends the target at the end of a drag, if that was chosen."""
     target, ended = memory.choices.target, memory.live_row in (STOPPED, REFUSED)
     if memory.live_row == REFUSED:
         memory.live_row = None
     if target is None or ended or not memory.choices.send_on_release:
         return []
     return motions.send_head(memory, world, target, PAD)
-
-
-def interrupt(memory: Memory, intent: Intent) -> None:
-    """After a STOP, the present drag sends nothing more."""
-    if isinstance(intent, Stop | EmergencyStop):
-        memory.live_row = STOPPED
 
 
 def note_refusal(memory: Memory, outcome: Outcome) -> None:
@@ -95,7 +95,7 @@ def _follow(memory: Memory, world: World) -> list[Action]:
         memory.live_row = request.row
         return motions.begin(memory, world, request, PAD)
     request = Send(row.number, query, sides)
-    memory.replace_row(replace(row, request=request))
+    memory.replace_row(dataclasses.replace(row, request=request))
     return [request]
 
 
@@ -108,3 +108,6 @@ def _inside(world: World, target: HeadOrientation) -> tuple[float, float]:
     furthest = reach(border_deg(tilt_max, gap_min), target.pitch, target.roll) - WITHIN_DEG
     shrink = min(1.0, furthest / max(math.hypot(target.pitch, target.roll), 1e-9))
     return target.pitch * shrink, target.roll * shrink
+
+
+HANDLES: motions.Handles = {GrabHead: grab, LiveHead: live, ReleaseHead: release}

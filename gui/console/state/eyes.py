@@ -8,7 +8,7 @@ from beatrix_zenoh.contract._generated.messages import CameraStatus
 from beatrix_zenoh.contract.names import EYES, SIDES
 from gui.console.state.actions import Action, WatchCameras
 from gui.console.state.choices import Choices
-from gui.console.state.intents import Intent, SetCameras, ShowTab, Tab, WindowPage
+from gui.console.state.intents import Choose, Tab, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.presence import online, silent
 from gui.console.state.views import EyeView
@@ -26,9 +26,9 @@ def wanted(choices: Choices) -> frozenset[tuple[str, str]]:
     return frozenset(SHOWN) if shown else frozenset()
 
 
-def watch(choices: Choices, intent: Intent) -> list[Action]:
+def watch(choices: Choices, intent: Choose) -> list[Action]:
     """Return the change of subscriptions that follows from an intent."""
-    return [WatchCameras(wanted(choices))] if isinstance(intent, SetCameras | ShowTab) else []
+    return [WatchCameras(wanted(choices))] if intent.name in ("cameras", "tab") else []
 
 
 def view(memory: Memory, world: World) -> tuple[EyeView, ...]:

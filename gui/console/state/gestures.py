@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from msgspec import structs
+
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import refusals
-from gui.console.state.actions import POSES, Action, CopyProgram, EndFollowing, FollowFace, Play
-from gui.console.state.intents import OpenProgram, PlayGesture, ToggleFollowing
+from gui.console.state.actions import NEW, POSES, Action, CopyProgram, EndFollowing, FollowFace, Play
 from gui.console.state.memory import Memory
-from gui.console.state.motions import begin, lead_of
+from gui.console.state.motions import Handles, begin, lead_of, pass_on
 from gui.console.state.presence import unreachable
 from gui.console.state.views import ButtonView, GesturesView
 from gui.console.state.world import World
 from gui.console.texts import Texts
 
-CONTROL = "gestures"
+CONTROL, FILES = "gestures", "commands"
+"""controls of gestures, and of files to play"""
 EYE = "left"
 """The eye with which the shipped program sees."""
 TEST_PICTURE = "pattern"
@@ -34,7 +36,9 @@ def view(memory: Memory, world: World) -> GesturesView:
         follow=_follow(off, texts, running=face.running),
         following=face.running,
         open=ButtonView(
-            texts("gesture.open"), texts("gesture.open_tip", file=str(face.own_file)), OpenProgram()
+            texts("gesture.open"),
+            texts("gesture.open_tip", file=str(face.own_file)),
+            CopyProgram(NEW, face.own_file),
         ),
         note=note,
         details=texts("gesture.line", line=face.line) if face.line else "",
@@ -45,15 +49,15 @@ def view(memory: Memory, world: World) -> GesturesView:
 def _gesture(name: str, off: str, texts: Texts) -> ButtonView:
     """Return the button of a gesture; `off` is the reason why it is disabled."""
     tooltip = off or texts(f"gesture.{name}_tip")
-    return ButtonView(texts(f"gesture.{name}"), tooltip, PlayGesture(name), enabled=not off)
+    return ButtonView(texts(f"gesture.{name}"), tooltip, Play(NEW, (), gesture=name), enabled=not off)
 
 
 def _follow(off: str, texts: Texts, *, running: bool) -> ButtonView:
     """Return the button that starts or ends the program; it always ends a running one."""
     if running:
-        return ButtonView(texts("gesture.end"), texts("gesture.end_tip"), ToggleFollowing())
+        return ButtonView(texts("gesture.end"), texts("gesture.end_tip"), EndFollowing())
     tooltip = off or texts("gesture.follow_tip")
-    return ButtonView(texts("gesture.follow"), tooltip, ToggleFollowing(), enabled=not off)
+    return ButtonView(texts("gesture.follow"), tooltip, FollowFace(NEW, ()), enabled=not off)
 
 
 def title(playing: str, texts: Texts) -> str:
@@ -63,26 +67,21 @@ def title(playing: str, texts: Texts) -> str:
     return texts(f"gesture.{playing}") if playing in GESTURES else playing
 
 
-def handle(memory: Memory, world: World, intent: PlayGesture | ToggleFollowing | OpenProgram) -> list[Action]:
-    """Return the actions of an intent about gestures."""
-    match intent:
-        case PlayGesture(name=name):
-            return _play(memory, world, name)
-        case ToggleFollowing():
-            return [EndFollowing()] if world.face.running else _begin_following(memory, world)
-        case OpenProgram():
-            return begin(memory, world, CopyProgram(memory.next_row(), world.face.own_file), CONTROL)
+def copy(memory: Memory, world: World, intent: CopyProgram) -> list[Action]:
+    """Return the action that copies the program."""
+    return begin(memory, world, intent, CONTROL)
 
 
-def _play(memory: Memory, world: World, name: str) -> list[Action]:
-    sides = memory.choices.sides
-    if unreachable(memory, world, sides, CONTROL):
+def play(memory: Memory, world: World, intent: Play) -> list[Action]:
+    """Return the action that plays a gesture or a file with the checked robots."""
+    sides, control = memory.choices.sides, CONTROL if intent.gesture else FILES
+    if unreachable(memory, world, sides, control):
         return []
-    request = Play(memory.next_row(), sides, lead_s=lead_of(memory, sides), gesture=name)
-    return begin(memory, world, request, CONTROL)
+    request = structs.replace(intent, row=NEW, sides=sides, lead_s=lead_of(memory, sides))
+    return begin(memory, world, request, control)
 
 
-def _begin_following(memory: Memory, world: World) -> list[Action]:
+def follow_face(memory: Memory, world: World, _intent: FollowFace) -> list[Action]:
     """Return the action that starts the program; the hardware's eye sees if both robots move and both can see."""
     sides = memory.choices.sides
     if unreachable(memory, world, sides, CONTROL):
@@ -91,7 +90,7 @@ def _begin_following(memory: Memory, world: World) -> list[Action]:
     if not seeing:
         return memory.refuse(CONTROL, "cannot.no_eye" if len(sides) == 1 else "cannot.no_eyes")
     others = tuple(side for side in sides if side != seeing[0])
-    return begin(memory, world, FollowFace(memory.next_row(), (seeing[0], *others)), CONTROL)
+    return begin(memory, world, FollowFace(NEW, (seeing[0], *others)), CONTROL)
 
 
 def sees(robot: RobotState) -> bool:
@@ -105,3 +104,6 @@ def watching(memory: Memory, world: World) -> str:
     started = (row.request for row in reversed(memory.rows) if not row.ended)
     found = next((request for request in started if isinstance(request, FollowFace)), None)
     return found.sides[0] if found is not None and world.face.running else ""
+
+
+HANDLES: Handles = {Play: play, FollowFace: follow_face, EndFollowing: pass_on, CopyProgram: copy}

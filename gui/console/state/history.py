@@ -10,15 +10,15 @@ from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery, Reason
 from gui.console.state import code_lines, other_seats
 from gui.console.state.actions import (
+    AskLease,
     CopyProgram,
     FollowFace,
     Govern,
+    MakeReady,
     Outcome,
     Play,
-    Ready,
     Send,
     SendCommand,
-    SendLease,
     SendStop,
     WriteFile,
 )
@@ -307,12 +307,12 @@ def _other(request: Request, texts: Texts) -> str:
             text = texts("what.disable")
         case SendCommand(command=command):
             text = texts(other_seats.WHATS[command.name])
-        case Ready():
+        case MakeReady():
             text = texts("what.ready")
         case SendStop(everywhere=everywhere, emergency=emergency):
             verb = "emergency_stop" if emergency else "stop"
             text = texts(f"what.{verb}_all" if everywhere else f"what.{verb}")
-        case SendLease(action=action):
+        case AskLease(action=action):
             text = texts(other_seats.WHATS[action.value])
         case Govern():
             text = _governed(request, texts)

@@ -6,6 +6,8 @@ import math
 from dataclasses import replace
 from typing import Final
 
+from msgspec import structs
+
 from beatrix_zenoh.client.degrees import motion_query
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Vector3
 from beatrix_zenoh.contract.names import ARMS
@@ -59,11 +61,8 @@ def begin(memory: Memory, world: World, query: MotionQuery | PoseQuery, control:
     return request.row
 
 
-def handle(memory: Memory, world: World, intent: HoldArm | ReleaseArm) -> list[Action]:
-    """Return the action of a held or released button; none if the hold is refused."""
-    if isinstance(intent, ReleaseArm):
-        row, memory.held_row = memory.held_row, None
-        return [Release(row)] if row else []
+def hold(memory: Memory, world: World, intent: HoldArm) -> list[Action]:
+    """Return the action of a held button; none if the hold is refused."""
     speed = memory.choices.speed
     if memory.held_row is None:
         query = jog_query(intent.arm, intent.sign, speed, AHEAD_S)
@@ -72,6 +71,12 @@ def handle(memory: Memory, world: World, intent: HoldArm | ReleaseArm) -> list[A
     if memory.held_row == REFUSED:
         return []
     return [Hold(memory.held_row, intent.arm, intent.sign, speed, memory.choices.sides)]
+
+
+def release(memory: Memory, _world: World, _intent: ReleaseArm) -> list[Action]:
+    """Return the action of a released button; none if the hold was refused."""
+    row, memory.held_row = memory.held_row, None
+    return [Release(row)] if row else []
 
 
 def follow(memory: Memory, world: World) -> None:
@@ -84,4 +89,7 @@ def follow(memory: Memory, world: World) -> None:
     good = all(outcome.accepted for outcome in row.outcomes.values())
     if good and here is not None and isinstance(row.request, Send):
         query = motion_query(*here, relative=False, speed=min(memory.choices.speed, FASTEST_DEG_S))
-        memory.replace_row(replace(row, request=replace(row.request, query=query)))
+        memory.replace_row(replace(row, request=structs.replace(row.request, query=query)))
+
+
+HANDLES: motions.Handles = {HoldArm: hold, ReleaseArm: release}

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from pathlib import Path
 
 import msgspec
 
-from beatrix_zenoh.client import Place
-from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
+from beatrix_zenoh.contract._generated.messages import Command
 
 ALL_ARMS = "all"
 
@@ -83,67 +81,6 @@ class ReleaseHead(Intent, frozen=True):
     """End a drag of the head; the target is sent if that was chosen."""
 
 
-class SetLive(Intent, frozen=True):
-    """Choose whether the simulation follows while the user drags the head."""
-
-    on: bool
-
-
-class SetSendOnRelease(Intent, frozen=True):
-    """Choose whether the target is sent when the user releases the head."""
-
-    on: bool
-
-
-class SetRelative(Intent, frozen=True):
-    """Choose relative or absolute mode."""
-
-    relative: bool
-
-
-class SetIncrement(Intent, frozen=True):
-    """Choose how far + and - turn an arm (deg)."""
-
-    degrees: float
-
-
-class SetSpeed(Intent, frozen=True):
-    """Choose the speed of the fastest arm (deg/s)."""
-
-    degrees_per_s: float
-
-
-class SetDestination(Intent, frozen=True):
-    """Check or clear the box of the hardware or of the simulation."""
-
-    side: str
-    checked: bool
-
-
-class SetCameras(Intent, frozen=True):
-    """Check or clear the box of the eye cameras."""
-
-    on: bool
-
-
-class SetMicrophones(Intent, frozen=True):
-    """Check or clear the box of the microphones."""
-
-    on: bool
-
-
-class ShowTab(Intent, frozen=True):
-    """Show another tab in the middle column."""
-
-    name: Tab
-
-
-class SetLead(Intent, frozen=True):
-    """Choose by how much the simulation leads the hardware (s); 0: they move at the same time."""
-
-    seconds: float
-
-
 class RunCommand(Intent, frozen=True):
     """Send a command to the checked robots, or to one robot as its next step."""
 
@@ -154,41 +91,12 @@ class RunCommand(Intent, frozen=True):
     """`sim` or `hw`; empty: the checked robots"""
 
 
-class MakeReady(Intent, frozen=True):
-    """Enable and calibrate one robot, unless that is done already."""
-
-    side: str
-
-
-class AskLease(Intent, frozen=True):
-    """Take a robot, wait for it, or give it back."""
-
-    action: LeaseAction
-    """TAKE, WAIT or GIVE_BACK"""
-    side: str
-
-
 class DismissNotice(Intent, frozen=True):
     """Hide the sentence about a lease that this seat gained or lost."""
 
 
 class TogglePage(Intent, frozen=True):
     """Switch between the page of the class and the robot; only in the teacher's window."""
-
-
-class GovernClass(Intent, frozen=True):
-    """Freeze, unfreeze, take or give back robots of the class, as the teacher."""
-
-    action: LeaseAction
-    place: Place | None = None
-    """name and side of one robot; None: all robots online"""
-
-
-class MuteSeat(Intent, frozen=True):
-    """Let a seat only watch all robots of the class, or end that, as the teacher."""
-
-    seat: str
-    on: bool
 
 
 class LimitClass(Intent, frozen=True):
@@ -198,16 +106,8 @@ class LimitClass(Intent, frozen=True):
     """deg/s as the user has typed it; empty: no limit"""
 
 
-class SendNow(Intent, frozen=True):
-    """Send the waiting motion of both robots to the hardware now."""
-
-
 class Change(Intent, frozen=True):
     """End the motion before the hardware moves, and restore its target on the pad."""
-
-
-class Abort(Intent, frozen=True):
-    """End the motion of both robots; the hardware stays unmoved, or stops if it moves already."""
 
 
 class TakeAlternative(Intent, frozen=True):
@@ -251,63 +151,9 @@ class PlayPoses(Intent, frozen=True):
     """Play saved poses one after the other, in the order of their list."""
 
 
-class PlayFile(Intent, frozen=True):
-    """Play a choreography or motion file."""
-
-    file: Path
-
-
-class PlayGesture(Intent, frozen=True):
-    """Play a shipped gesture."""
+class Choose(Intent, frozen=True):
+    """Change a choice of the user."""
 
     name: str
-    """one of `GESTURES`"""
-
-
-class ToggleFollowing(Intent, frozen=True):
-    """Start or end the program that follows a face."""
-
-
-class OpenProgram(Intent, frozen=True):
-    """Copy the program that follows a face to a folder of the user, and show its path."""
-
-
-class SavePlots(Intent, frozen=True):
-    """Write the plots as a table or as a picture."""
-
-    file: Path
-    content: str | bytes
-
-
-class ToggleRecording(Intent, frozen=True):
-    """Begin or end a recording."""
-
-
-class OpenRecording(Intent, frozen=True):
-    """Open the last recording in the viewer."""
-
-
-class ChooseRobot(Intent, frozen=True):
-    """Show and drive the robots of this name."""
-
-    name: str
-
-
-class StartSimulation(Intent, frozen=True):
-    """Start a simulation on this computer, and a router if there is none."""
-
-
-class Retry(Intent, frozen=True):
-    """Look for the router again now."""
-
-
-class SetTheme(Intent, frozen=True):
-    """Choose colours and sizes."""
-
-    theme: Theme
-
-
-class SetLanguage(Intent, frozen=True):
-    """Choose a language by its ISO 639-1 code."""
-
-    code: str
+    """a field of `choices.Choices`"""
+    value: bool | float | str

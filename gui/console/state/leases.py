@@ -8,10 +8,10 @@ from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.names import SIDES
-from gui.console.state.actions import Action, Govern, SendLease
-from gui.console.state.intents import AskLease, DismissNotice
+from gui.console.state.actions import Action, AskLease, Govern
+from gui.console.state.intents import DismissNotice
 from gui.console.state.memory import Memory, Notice, RequestRow, Standing
-from gui.console.state.motions import begin
+from gui.console.state.motions import Handles, begin
 from gui.console.state.presence import online, silent, unreachable
 from gui.console.state.views import BannerView, ButtonView
 from gui.console.state.world import World
@@ -105,10 +105,10 @@ def _notice(
     return None
 
 
-def _last_request(memory: Memory, side: str) -> SendLease | None:
+def _last_request(memory: Memory, side: str) -> AskLease | None:
     """Return the newest lease query of this window to a robot."""
     sent = (row.request for row in reversed(memory.rows))
-    return next((found for found in sent if isinstance(found, SendLease) and found.side == side), None)
+    return next((found for found in sent if isinstance(found, AskLease) and found.side == side), None)
 
 
 def banner(memory: Memory, world: World) -> BannerView | None:
@@ -133,14 +133,18 @@ def _is_frozen(world: World, side: str) -> bool:
 # -- requests -----------------------------------------------------------------------------------------
 
 
-def handle(memory: Memory, world: World, intent: AskLease | DismissNotice) -> list[Action]:
-    """Hide the notice and, for a lease query, return its action; none if the robot is unreachable."""
-    if isinstance(intent, AskLease) and unreachable(memory, world, (intent.side,), CONTROL):
+def ask(memory: Memory, world: World, intent: AskLease) -> list[Action]:
+    """Hide the notice and return the action of a lease query; none if the robot is unreachable."""
+    if unreachable(memory, world, (intent.side,), CONTROL):
         return []
     memory.lease_notice = None
-    if isinstance(intent, DismissNotice):
-        return []
-    return begin(memory, world, SendLease(memory.next_row(), intent.action, intent.side), CONTROL)
+    return begin(memory, world, intent, CONTROL)
+
+
+def dismiss(memory: Memory, _world: World, _intent: DismissNotice) -> list[Action]:
+    """Hide the notice."""
+    memory.lease_notice = None
+    return []
 
 
 def give_back_all(memory: Memory, world: World) -> list[Action]:
@@ -155,3 +159,6 @@ def give_back_all(memory: Memory, world: World) -> list[Action]:
         return []
     request = Govern(memory.next_row(), LeaseAction.GIVE_BACK, places)
     return memory.add_row(RequestRow(request, CONTROL, world.wall_s, before={}))
+
+
+HANDLES: Handles = {AskLease: ask, DismissNotice: dismiss}

@@ -13,27 +13,36 @@ from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import (
     Action,
+    AskLease,
     CopyProgram,
     FollowFace,
     Govern,
+    MakeReady,
     Outcome,
     Play,
-    Ready,
     Send,
     SendCommand,
-    SendLease,
     SendStop,
     WriteFile,
 )
 from gui.console.state.choices import Choices
 from gui.console.state.saved import SavedPose
-from gui.console.state.views import HistoryRowView
+from gui.console.state.views import CodeView, HistoryRowView
 from gui.console.state.world import Trouble
 
 KEPT = 200
 """Largest number of rows of the history."""
 Request = (
-    Send | SendCommand | SendLease | Ready | SendStop | Govern | Play | WriteFile | FollowFace | CopyProgram
+    Send
+    | SendCommand
+    | AskLease
+    | MakeReady
+    | SendStop
+    | Govern
+    | Play
+    | WriteFile
+    | FollowFace
+    | CopyProgram
 )
 """Actions with a row in the history."""
 
@@ -73,7 +82,7 @@ class RequestRow:
         match self.request:
             case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides) | FollowFace(sides=sides):
                 return sides
-            case Ready(side=side) | SendLease(side=side):
+            case MakeReady(side=side) | AskLease(side=side):
                 return (side,)
             case SendStop(everywhere=False):
                 return SIDES
@@ -145,11 +154,18 @@ class HistoryCache:
     views: tuple[HistoryRowView, ...] = ()
 
 
+@dataclass
+class CodeCache:
+    """The last view of the program so far and what it was made from: the view is needed many times a second."""
+
+    made_from: tuple[object, ...] = ()
+    view: CodeView = field(default_factory=CodeView)
+
+
 @dataclass(frozen=True)
 class Sequence:
     """What the sequence editor knows beside its poses."""
 
-    loop: bool = False
     undo: tuple[tuple[SavedPose, ...], ...] = ()
     """the poses before each change, oldest first"""
     begun: tuple[int, tuple[object, ...]] = (0, ())
@@ -206,6 +222,7 @@ class Memory:
     lease_notice: Notice | None = None
     """a sentence about a lease that this seat gained or lost; None: nothing new"""
     history_cache: HistoryCache = field(default_factory=HistoryCache)
+    code_cache: CodeCache = field(default_factory=CodeCache)
 
     def next_row(self) -> int:
         """Return the number of a new row."""

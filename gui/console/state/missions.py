@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from beatrix_zenoh.contract.names import SIDES
-from gui.console.state.actions import Send, SendStop
+from gui.console.state.actions import Action, Send, SendStop
 from gui.console.state.dragging import PAD, REASONS
 from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.memory import Memory, RequestRow
@@ -27,15 +27,11 @@ EARLY_S: Final = 0.2
 """How long before its end the lead was beaten."""
 
 
-class GuideIntent(Intent, frozen=True):
-    """Base class of the intents of the first run."""
-
-
-class SkipTask(GuideIntent, frozen=True):
+class SkipTask(Intent, frozen=True):
     """Go on to the next step or mission."""
 
 
-class CloseGuide(GuideIntent, frozen=True):
+class CloseGuide(Intent, frozen=True):
     """End steps and missions for good."""
 
 
@@ -99,11 +95,12 @@ class Guide:
         elif plan.phase is PlanPhase.LEADING and not self._lead_ends_s:
             self._lead_ends_s = world.now_s + plan.countdown_s
 
-    def handle(self, intent: GuideIntent, memory: Memory) -> None:
+    def handle(self, memory: Memory, _world: World, intent: SkipTask | CloseGuide) -> list[Action]:
         """Go on to the next task, or end."""
         self._praise = False
         self.done = len(TASKS) if isinstance(intent, CloseGuide) else min(self.done + 1, len(TASKS))
         self._begin(memory)
+        return []
 
     def view(self, memory: Memory, world: World) -> BannerView | None:
         """Return the present task with its buttons; None if there is none, and for a teacher."""

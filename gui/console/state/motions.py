@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from typing import Never
+
+from msgspec import structs
 
 from beatrix_zenoh.client.degrees import ArmAngles, motion_query, pose_query
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.state.actions import Action, FollowFace, Govern, Play, Send, SendLease
+from gui.console.state.actions import NEW, Action, AskLease, FollowFace, Govern, Play, Send
+from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory, Refusal, Request, RequestRow
+from gui.console.state.orientation import HeadOrientation
 from gui.console.state.presence import commanded, troubles, unreachable
-from gui.console.state.views import HeadOrientation
 from gui.console.state.world import World
 
 Query = MotionQuery | PoseQuery
+Handles = Mapping[type[Intent], Callable[[Memory, World, Never], list[Action]]]
+"""What a topic does for its intents, by their class; each function takes an intent of that class."""
+
+
+def pass_on(_memory: Memory, _world: World, action: Action) -> list[Action]:
+    """Return an action for which nothing is left to decide."""
+    return [action]
 
 
 def send_arms(
@@ -77,20 +87,22 @@ def again(memory: Memory, request: Request) -> Request:
     """Return the request in a new row; a motion goes to the checked robots, with the present lead."""
     row, sides = memory.next_row(), memory.choices.sides
     if isinstance(request, Send | Play):
-        return replace(request, row=row, sides=sides, lead_s=lead_of(memory, sides))
-    return replace(request, row=row)
+        return structs.replace(request, row=row, sides=sides, lead_s=lead_of(memory, sides))
+    return structs.replace(request, row=row)
 
 
 def begin(
     memory: Memory, world: World, request: Request, control: str, undoes: int | None = None
 ) -> list[Action]:
-    """Add a request to the history and return its action."""
+    """Add a request to the history and return its action; a NEW one gets the number of its row."""
+    if request.row == NEW:
+        request = structs.replace(request, row=memory.next_row())
     memory.troubles = troubles(world)
     memory.recorded = None if world.recording is None else world.recording.file
     looks = isinstance(request, Send) and isinstance(request.query, PoseQuery)
-    if not looks and not isinstance(request, SendLease | Govern):
+    if not looks and not isinstance(request, AskLease | Govern):
         # The target of the pad is out of date after another request, so it follows the head again.
-        memory.choices = replace(memory.choices, target=None)
+        memory.choices = structs.replace(memory.choices, target=None)
     return memory.add_row(RequestRow(request, control, world.wall_s, _before(world, request), undoes))
 
 

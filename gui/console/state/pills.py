@@ -16,8 +16,9 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.contract.values import lines
-from gui.console.state import connecting, intents, leases
-from gui.console.state.intents import ChooseRobot, Intent, Retry, RunCommand, StartSimulation
+from gui.console.state import actions, connecting, intents, leases
+from gui.console.state.actions import ChooseRobot, Retry, StartSimulation
+from gui.console.state.intents import Intent, RunCommand
 from gui.console.state.memory import Memory
 from gui.console.state.presence import online, silent
 from gui.console.state.views import BannerView, ButtonView, Condition, PillView
@@ -265,13 +266,13 @@ def next_step_button(next_step: str, side: str, texts: Texts, *, starting: bool 
 def next_step_intent(next_step: str, side: str) -> Intent:
     """Return the intent of a next step."""
     if next_step == "START":
-        return intents.StartSimulation()
+        return actions.StartSimulation()
     if next_step == CONNECT:
-        return connecting.LookForPorts()
+        return actions.LookForPorts()
     if next_step == MAKE_READY:
-        return intents.MakeReady(side)
+        return actions.MakeReady(side)
     if next_step == WAIT:
-        return intents.AskLease(LeaseAction.WAIT, side)
+        return actions.AskLease(LeaseAction.WAIT, side)
     return intents.RunCommand(Command[next_step], value=True, side=side)
 
 

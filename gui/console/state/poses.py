@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Final, NamedTuple
 
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import gestures, intents, sequence
-from gui.console.state.actions import Action, Outcome, Play, Ready, SendCommand
+from gui.console.state.actions import Action, MakeReady, Outcome, SendCommand
 from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory, Request, RequestRow
-from gui.console.state.motions import begin, lead_of, send_arms
-from gui.console.state.presence import commanded, unreachable
+from gui.console.state.motions import Handles, lead_of, send_arms
+from gui.console.state.presence import commanded
 from gui.console.state.views import ButtonView, PosesView
 from gui.console.state.world import World
 
@@ -58,41 +57,32 @@ def _where(memory: Memory) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*memory.choices.sides, "sim", "hw")))
 
 
-def handle(memory: Memory, world: World, intent: Intent) -> list[Action]:
-    """Return the actions of an intent about poses."""
-    actions: list[Action] = []
-    match intent:
-        case intents.SavePose(name=name):
-            _save(memory, world, name.strip())
-        case intents.DeletePose(name=name):
-            sequence.change(memory, tuple(pose for pose in memory.poses if pose.name != name))
-        case intents.GoToPose(name=name):
-            found = next((pose for pose in memory.poses if pose.name == name), None)
-            if found is None:
-                return memory.refuse(CONTROL, "cannot.pose", name=name)
-            actions = send_arms(memory, world, found.arms, CONTROL)
-        case intents.PlayPoses():
-            sides = memory.choices.sides
-            actions = sequence.play(memory, world, sides, lead_of(memory, sides))
-        case intents.PlayFile(file=file):
-            actions = _play(memory, world, file)
-    return actions
-
-
-def _save(memory: Memory, world: World, name: str) -> None:
-    arms = commanded(world, _where(memory))
+def save(memory: Memory, world: World, intent: intents.SavePose) -> list[Action]:
+    """Save the present arm angles."""
+    name, arms = intent.name.strip(), commanded(world, _where(memory))
     if not name or arms is None:
-        memory.refuse(CONTROL, "off.no_position" if name else "cannot.name")
-        return
+        return memory.refuse(CONTROL, "off.no_position" if name else "cannot.name")
     pose = sequence.new_pose(memory, world, name, arms)
-    sequence.change(memory, (*(kept for kept in memory.poses if kept.name != name), pose))
+    return sequence.change(memory, (*(kept for kept in memory.poses if kept.name != name), pose))
 
 
-def _play(memory: Memory, world: World, file: Path) -> list[Action]:
+def delete(memory: Memory, _world: World, intent: intents.DeletePose) -> list[Action]:
+    """Delete a pose."""
+    return sequence.change(memory, tuple(pose for pose in memory.poses if pose.name != intent.name))
+
+
+def go(memory: Memory, world: World, intent: intents.GoToPose) -> list[Action]:
+    """Return the action that turns the arms to a pose."""
+    found = next((pose for pose in memory.poses if pose.name == intent.name), None)
+    if found is None:
+        return memory.refuse(CONTROL, "cannot.pose", name=intent.name)
+    return send_arms(memory, world, found.arms, CONTROL)
+
+
+def play(memory: Memory, world: World, _intent: intents.PlayPoses) -> list[Action]:
+    """Return the action that plays all poses with the checked robots."""
     sides = memory.choices.sides
-    if unreachable(memory, world, sides, CONTROL):
-        return []
-    return begin(memory, world, Play(memory.next_row(), sides, file, lead_s=lead_of(memory, sides)), CONTROL)
+    return sequence.play(memory, world, sides, lead_of(memory, sides))
 
 
 class WayBack(NamedTuple):
@@ -121,7 +111,7 @@ def way_back(memory: Memory) -> WayBack | None:
     return None
 
 
-def undo(memory: Memory, world: World) -> list[Action]:
+def undo(memory: Memory, world: World, _intent: intents.Undo) -> list[Action]:
     """Return the action that turns the arms back to their angles before the last accepted motion."""
     found = way_back(memory)
     if found is None:
@@ -154,4 +144,15 @@ def note_accepted(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
 def sets_home(request: Request) -> bool:
     """Return whether a request may change home, the position from which arm angles are counted."""
     commands = (Command.ENABLE, Command.CALIBRATE)
-    return isinstance(request, Ready) or (isinstance(request, SendCommand) and request.command in commands)
+    return isinstance(request, MakeReady) or (
+        isinstance(request, SendCommand) and request.command in commands
+    )
+
+
+HANDLES: Handles = {
+    intents.SavePose: save,
+    intents.DeletePose: delete,
+    intents.GoToPose: go,
+    intents.PlayPoses: play,
+    intents.Undo: undo,
+}

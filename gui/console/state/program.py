@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from msgspec import structs
@@ -10,10 +9,10 @@ from msgspec import structs
 from beatrix_zenoh.client.degrees import ArmAngles, arm_angles, motion_query
 from beatrix_zenoh.contract._generated.messages import MotionQuery
 from gui.console.state import code_lines, history
-from gui.console.state.actions import Action, Play, Send, SendStop, WriteFile
+from gui.console.state.actions import NEW, Action, Play, Send, SendStop, WriteFile
 from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory, Request, RequestRow
-from gui.console.state.motions import begin
+from gui.console.state.motions import Handles, begin
 from gui.console.state.views import CodeLine, CodeView
 from gui.console.state.world import World
 from gui.console.texts import Texts
@@ -27,17 +26,9 @@ class SaveProgram(Intent, frozen=True):
     file: Path
 
 
-@dataclass
-class CodeCache:
-    """The last view and what it was made from: the view is needed many times a second."""
-
-    made_from: tuple[object, ...] = ()
-    view: CodeView = field(default_factory=CodeView)
-
-
-def view(memory: Memory, world: World, cache: CodeCache) -> CodeView:
+def view(memory: Memory, world: World) -> CodeView:
     """Return the program so far; unchanged, it comes from the cache."""
-    texts = memory.choices.texts
+    texts, cache = memory.choices.texts, memory.code_cache
     made_from = (memory.rows, world.robot, world.endpoint, world.who, texts.code)
     if cache.made_from != made_from:
         lines = _lines(memory.rows, texts)
@@ -97,12 +88,15 @@ def _absolute(request: Request, before: ArmAngles | None) -> Request:
     goal = motion_query(
         *(start + by for start, by in zip(before, way, strict=True)), relative=False, speed=None
     )
-    return replace(request, query=structs.replace(goal, speed=request.query.speed))
+    return structs.replace(request, query=structs.replace(goal, speed=request.query.speed))
 
 
-def save(memory: Memory, world: World, intent: SaveProgram, cache: CodeCache) -> list[Action]:
+def save(memory: Memory, world: World, intent: SaveProgram) -> list[Action]:
     """Return the action that writes the program so far."""
     if not intent.file.name:
         return memory.refuse(CONTROL, "cannot.file")
-    text = view(memory, world, cache).text
-    return begin(memory, world, WriteFile(memory.next_row(), intent.file, text), CONTROL)
+    text = view(memory, world).text
+    return begin(memory, world, WriteFile(NEW, intent.file, text), CONTROL)
+
+
+HANDLES: Handles = {SaveProgram: save}

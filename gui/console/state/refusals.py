@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import replace
 from typing import Final
 
 import msgspec
@@ -23,18 +22,16 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.state.actions import (
-    Action,
-    Outcome,
-    Play,
-    Ready,
-    Send,
-    SendCommand,
-    SendLease,
+from gui.console.state.actions import Action, AskLease, MakeReady, Outcome, Play, Send, SendCommand
+from gui.console.state.intents import (
+    AimHead,
+    Choose,
+    DismissRefusal,
+    Intent,
+    TakeAlternative,
 )
-from gui.console.state.intents import AimHead, Intent, SetDestination, SetRelative, TakeAlternative
 from gui.console.state.memory import Memory, Refusal, RequestRow
-from gui.console.state.motions import again, begin
+from gui.console.state.motions import Handles, again, begin
 from gui.console.state.pills import BRING_BACK, MAKE_READY, NEXT_STEPS, WAIT
 from gui.console.state.presence import commanded, orientation, unreachable
 from gui.console.state.sequence_intents import SetDuration
@@ -46,6 +43,8 @@ LEFT: Final = "sending.left"
 """key of a refusal whose next step is BRING_BACK"""
 COMMAND: Final = "`beatrix"
 """part of an SDK message that gives a command to type, which the user of a face does not"""
+MODES: Final = ("sim", "hw", "relative")
+"""choices that answer a refusal of the window itself"""
 NAMED: Final = re.compile(r"[a-z0-9-]+ \((sim|hw)\): ")
 """beginning of an SDK message that names its robot"""
 
@@ -139,11 +138,17 @@ def hide_answered(memory: Memory, intent: Intent) -> None:
         memory.live_row is not None and memory.live_row < 0
     )  # the refusal of Live stays until the release
     aimed = isinstance(intent, AimHead) and refusal.control == "head" and not dragged
-    if aimed or (isinstance(intent, SetDestination | SetRelative) and refusal.key):
+    if aimed or (isinstance(intent, Choose) and intent.name in MODES and refusal.key):
         memory.refusal = None
 
 
-def take_alternative(memory: Memory, world: World) -> list[Action]:
+def dismiss(memory: Memory, _world: World, _intent: DismissRefusal) -> list[Action]:
+    """Hide the refusal."""
+    memory.refusal = None
+    return []
+
+
+def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> list[Action]:
     """Return the actions that send the alternative or next step of the shown refusal; none if it has neither."""
     refusal = memory.refusal
     if refusal is None:
@@ -159,7 +164,7 @@ def take_alternative(memory: Memory, world: World) -> list[Action]:
                 if isinstance(query, PoseQuery)
                 else None
             )
-            memory.choices = replace(memory.choices, target=head and orientation(head))
+            memory.choices = msgspec.structs.replace(memory.choices, target=head and orientation(head))
         return begin(memory, world, again(memory, request), refusal.control)
     actions: list[Action] = []
     next_step, target = next_step_of(refusal), memory.choices.target
@@ -168,7 +173,9 @@ def take_alternative(memory: Memory, world: World) -> list[Action]:
             return actions
         step = _next_step_request(next_step, side, memory, world)
         actions += [] if step is None else begin(memory, world, step, refusal.control)
-    memory.choices = replace(memory.choices, target=target)  # it was refused, so the user will send it again
+    memory.choices = msgspec.structs.replace(
+        memory.choices, target=target
+    )  # it was refused, so the user will send it again
     return actions
 
 
@@ -209,23 +216,23 @@ def sides_of(refusal: Refusal) -> tuple[str, ...]:
     match refusal.request:
         case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides):
             return sides
-        case Ready(side=side) | SendLease(side=side):
+        case MakeReady(side=side) | AskLease(side=side):
             return (side,)
     return ()
 
 
 def _next_step_request(
     next_step: str, side: str, memory: Memory, world: World
-) -> Ready | Send | SendCommand | SendLease | None:
+) -> MakeReady | Send | SendCommand | AskLease | None:
     """Return the request of a next step; None if the arms of the hardware, to which to bring back, are unknown."""
     row = memory.next_row()
     if next_step == BRING_BACK:
         arms, speed = commanded(world, ("hw",)), memory.choices.speed
         return None if arms is None else Send(row, motion_query(*arms, relative=False, speed=speed), (side,))
     if next_step == MAKE_READY:
-        return Ready(row, side)
+        return MakeReady(side, row)
     if next_step == WAIT:
-        return SendLease(row, LeaseAction.WAIT, side)
+        return AskLease(LeaseAction.WAIT, side, row)
     return SendCommand(row, Command[next_step], value=True, sides=(side,))
 
 
@@ -235,7 +242,7 @@ def _alternative_request(refusal: Refusal) -> Send | None:
     if other is None or not isinstance(refusal.request, Send):
         return None
     query = alternative_query(refusal.request.query, other)
-    return None if query is None else replace(refusal.request, query=query)
+    return None if query is None else msgspec.structs.replace(refusal.request, query=query)
 
 
 def alternative_query(query: MotionQuery | PoseQuery, other: Alternative) -> MotionQuery | PoseQuery | None:
@@ -267,3 +274,6 @@ def _alternative_text(request: Send, refusal: Refusal, texts: Texts) -> str:
         return texts("alternative.head", yaw=head.yaw, pitch=head.pitch, roll=head.roll)
     arms = arm_angles(query.position)
     return texts("alternative.arms", short=arms.short, middle=arms.middle, long=arms.long)
+
+
+HANDLES: Handles = {TakeAlternative: take_alternative, DismissRefusal: dismiss}

@@ -44,16 +44,28 @@ class SavedPose(msgspec.Struct, frozen=True):
         return self.short, self.middle, self.long
 
 
-class Saved(msgspec.Struct, frozen=True):
-    """Theme and language; increment in deg, speed in deg/s, lead in s; poses; whether a released head is sent."""
+class Remembered(msgspec.Struct, frozen=True):
+    """The choices that the next window begins with: a row each, with the values that are possible.
+
+    A widget of `gui.window.widgets.choices` shows a row, with the texts `label.NAME` and `tip.NAME`.
+    """
 
     theme: Theme = Theme.DARK
     language: str = DEFAULT_LANGUAGE
     increment: Annotated[float, Meta(gt=0, le=360)] = 5.0
+    """how far + and - turn an arm (deg)"""
     speed: Annotated[float, Meta(gt=0, le=SPEED_MAX)] = 30.0
+    """speed of the fastest arm (deg/s)"""
     lead_s: Annotated[float, Meta(ge=0, le=LEAD_MAX_S)] = 2.0
-    poses: tuple[SavedPose, ...] = ()
+    """by how much the simulation leads the hardware (s); 0: they move at the same time"""
     send_on_release: bool = False
+    """whether the target is sent when the user releases the head"""
+
+
+class Saved(Remembered, frozen=True):
+    """All that is kept for the next window."""
+
+    poses: tuple[SavedPose, ...] = ()
     guided: Annotated[int, Meta(ge=0, le=7)] = 0
     """how many of `missions.TASKS` are done"""
 
@@ -65,7 +77,7 @@ def path(platform: str = sys.platform, environment: Mapping[str, str] = os.envir
 
 def merged(before: Saved, mine: Saved, theirs: Saved) -> Saved:
     """Return the choices of another window (`theirs`), with the changes of this one since `before`."""
-    fields = ("theme", "language", "increment", "speed", "lead_s", "send_on_release", "guided")
+    fields = {*Saved.__struct_fields__} - {"poses"}
     changed = {name: getattr(mine, name) for name in fields if getattr(mine, name) != getattr(before, name)}
     added = [pose for pose in mine.poses if pose not in before.poses]
     if theirs.poses == before.poses:  # so that a changed order is kept

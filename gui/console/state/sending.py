@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+
+from msgspec import structs
 
 from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.client.degrees import Reading, head_angles
 from beatrix_zenoh.contract._generated.messages import Head, PoseQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from gui.console.state import dragging, gestures, refusals
-from gui.console.state.actions import AbortPlan, Action, Send, SendPlanNow
-from gui.console.state.intents import Abort, Change, Intent, SendHead, SendNow, SetDestination
+from gui.console.state import dragging, gestures, motions, refusals
+from gui.console.state.actions import Abort, Action, Send, SendNow
+from gui.console.state.intents import AimHead, Change, Choose, Intent, SendHead
 from gui.console.state.memory import Memory, Refusal
+from gui.console.state.orientation import HeadOrientation
 from gui.console.state.presence import apart, kept, orientation, reading, silent
-from gui.console.state.views import ButtonView, HeadOrientation, HeadView, SendingView
+from gui.console.state.views import ButtonView, HeadView, SendingView
 from gui.console.state.world import PlanPhase, PlanProgress, World
 from gui.console.texts import Texts
 
@@ -100,10 +102,6 @@ def view(memory: Memory, world: World) -> SendingView:
         )
 
     return SendingView(
-        sim=choices.sim,
-        hw=choices.hw,
-        cameras=choices.cameras,
-        lead_s=choices.lead_s,
         lead_matters=choices.sim and choices.hw,
         title=title,
         text=text,
@@ -169,26 +167,41 @@ def _under_way(plan: PlanProgress, texts: Texts) -> tuple[str, str]:
     return texts("sending.sent", seconds=duration_s), warning or texts("sending.sent_text")
 
 
-def handle(memory: Memory, world: World, intent: SendNow | Change | Abort) -> list[Action]:
-    """Return the actions of an intent about the present motion; none if there is no motion."""
-    if world.plan is None or not (
-        _can_change(world.plan) or isinstance(intent, Abort)
-    ):  # Abort also ends a motion that was just sent
+def aim(memory: Memory, _world: World, intent: AimHead) -> list[Action]:
+    """Move the target; angles that no widget reports are ignored."""
+    if math.isfinite(intent.yaw + intent.pitch + intent.roll):
+        at = HeadOrientation(intent.yaw, intent.pitch, intent.roll)
+        memory.choices = structs.replace(memory.choices, target=at)
+    refusals.hide_answered(memory, intent)
+    return []
+
+
+def send(memory: Memory, world: World, _intent: SendHead) -> list[Action]:
+    """Return the action that sends the target of the pad."""
+    return motions.send_head(memory, world, target(memory, world), PAD)
+
+
+def end_lead(memory: Memory, world: World, intent: SendNow | Change | Abort) -> list[Action]:
+    """Return the action of an intent about the present motion; none if there is no motion.
+
+    Abort also ends a motion that was just sent to the hardware.
+    """
+    if world.plan is None or not (_can_change(world.plan) or isinstance(intent, Abort)):
         return []
     if isinstance(intent, SendNow):
-        return [SendPlanNow()]
+        return [intent]
     if isinstance(intent, Change):
         _restore_target(memory, world)
     else:
         memory.aborted_row = memory.rows[-1].number if memory.rows else 0
     memory.mark_dropped(aborted=True)
-    return [AbortPlan()]
+    return [Abort()]
 
 
-def spare_hardware(memory: Memory, world: World, intent: Intent) -> list[Action]:
+def spare_hardware(memory: Memory, world: World, intent: Choose) -> list[Action]:
     """Return the action that aborts a motion which waits for the hardware when its box is cleared; else none."""
-    cleared = isinstance(intent, SetDestination) and intent.side == "hw" and not intent.checked
-    return handle(memory, world, Abort()) if cleared and _can_change(world.plan) else []
+    cleared = intent == Choose("hw", value=False)
+    return end_lead(memory, world, Abort()) if cleared and _can_change(world.plan) else []
 
 
 def follow(memory: Memory, world: World) -> None:
@@ -206,7 +219,7 @@ def _restore_target(memory: Memory, world: World) -> None:
     sent = next((row.request for row in reversed(memory.rows) if _of_both(row.request)), None)
     target = _goal(sent.query if isinstance(sent, Send) else None, path)
     if target is not None:
-        memory.choices = replace(memory.choices, target=target)
+        memory.choices = structs.replace(memory.choices, target=target)
 
 
 def _of_both(request: Action) -> bool:
@@ -217,3 +230,12 @@ def _goal(query: object, path: MotionPath | None) -> HeadOrientation | None:
     if isinstance(query, PoseQuery) and query.absolute:
         return orientation(head_angles(Head(query.yaw, query.pitch, query.roll)))
     return orientation(path.head[-1]) if path is not None and path.head else None
+
+
+HANDLES: motions.Handles = {
+    AimHead: aim,
+    SendHead: send,
+    SendNow: end_lead,
+    Change: end_lead,
+    Abort: end_lead,
+}

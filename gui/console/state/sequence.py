@@ -19,7 +19,7 @@ from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Action, Outcome, Play, WriteFile
 from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory, Refusal, RequestRow
-from gui.console.state.motions import begin
+from gui.console.state.motions import Handles, begin
 from gui.console.state.presence import commanded, online, orientation, unreachable
 from gui.console.state.refusals import wrong_file
 from gui.console.state.saved import DURATION_MAX_S, SavedPose
@@ -31,9 +31,7 @@ from gui.console.state.sequence_intents import (
     PlaySequence,
     RenamePose,
     SaveSequence,
-    SequenceIntent,
     SetDuration,
-    SetLoop,
     UndoSequence,
 )
 from gui.console.state.views import ButtonView, CardView, CodeLine, SequenceView
@@ -54,7 +52,7 @@ STARTS: Final = {"sim": ("sim", "hw"), "hw": ("hw",)}
 
 def view(memory: Memory, world: World) -> SequenceView:
     """Return the strip and its buttons."""
-    texts, poses, loop = memory.choices.texts, memory.poses, memory.sequence.loop
+    texts, poses, loop = memory.choices.texts, memory.poses, memory.choices.loop
     start = None if world.playing else commanded(world, STARTS["sim"])
     limits = timing.pace(world)
     short = timing.too_short(poses, start, limits, loop=loop)
@@ -81,7 +79,6 @@ def view(memory: Memory, world: World) -> SequenceView:
 
     return SequenceView(
         cards=tuple(card(number, pose) for number, pose in enumerate(poses)),
-        loop=loop,
         add=button("add", AddPose(), full),
         undo=button("undo", UndoSequence(), undo),
         play=button(
@@ -95,7 +92,7 @@ def view(memory: Memory, world: World) -> SequenceView:
 def _beyond(memory: Memory, limits: timing.Pace) -> dict[int, tuple[str, str]]:
     """Return a word and a sentence for each pose that the limits do not allow, by its number."""
     texts, poses, found = memory.choices.texts, memory.poses, {}
-    for number, (refusal, on_way) in timing.beyond(poses, limits, loop=memory.sequence.loop).items():
+    for number, (refusal, on_way) in timing.beyond(poses, limits, loop=memory.choices.loop).items():
         detail = (
             None
             if refusal.detail is None
@@ -116,39 +113,31 @@ def _hardware_off(memory: Memory, world: World) -> str:
 
 def _rehearsal(memory: Memory, world: World) -> tuple[object, ...]:
     """Return what a play on the simulation must have played before it may be played on the hardware."""
-    return (world.robot, memory.sequence.loop, *((*pose.arms, pose.duration_s) for pose in memory.poses))
+    return (world.robot, memory.choices.loop, *((*pose.arms, pose.duration_s) for pose in memory.poses))
 
 
 # -- changes ----------------------------------------------------------------------------------------
 
 
-def handle(memory: Memory, world: World, intent: SequenceIntent) -> list[Action]:
-    """Return the actions of an intent about the sequence."""
-    match intent:
-        case PlaySequence(side=side):
-            return play(memory, world, (side,))
-        case SaveSequence():
-            return _save(memory, world, intent)
-        case SetLoop(on=on):
-            memory.sequence = replace(memory.sequence, loop=on)
-        case UndoSequence():
-            *earlier, before = memory.sequence.undo or (memory.poses,)
-            memory.poses, memory.sequence = before, replace(memory.sequence, undo=tuple(earlier))
-        case AddPose():
-            _add(memory, world)
-        case OpenSequence():
-            _open(memory, world, intent)
-        case _:
-            change(memory, changed(memory.poses, intent))
+def undo(memory: Memory, _world: World, _intent: UndoSequence) -> list[Action]:
+    """Restore the poses before the last change."""
+    *earlier, before = memory.sequence.undo or (memory.poses,)
+    memory.poses, memory.sequence = before, replace(memory.sequence, undo=tuple(earlier))
     return []
 
 
-def change(memory: Memory, poses: tuple[SavedPose, ...]) -> None:
-    """Replace the poses, so that Undo of the strip restores the present ones."""
+def edit(memory: Memory, _world: World, intent: Intent) -> list[Action]:
+    """Change one pose."""
+    return change(memory, changed(memory.poses, intent))
+
+
+def change(memory: Memory, poses: tuple[SavedPose, ...]) -> list[Action]:
+    """Replace the poses, so that Undo of the strip restores the present ones; return no actions."""
     if poses != memory.poses:
         undo = (*memory.sequence.undo, memory.poses)[-UNDO_KEPT:]
         memory.poses, memory.sequence = poses, replace(memory.sequence, undo=undo)
         memory.refusal = None
+    return []
 
 
 def changed(poses: tuple[SavedPose, ...], intent: Intent) -> tuple[SavedPose, ...]:
@@ -194,23 +183,25 @@ def new_pose(memory: Memory, world: World, name: str, arms: ArmAngles) -> SavedP
     return structs.replace(pose, duration_s=duration_s)
 
 
-def _add(memory: Memory, world: World) -> None:
+def _add(memory: Memory, world: World, _intent: AddPose) -> list[Action]:
     """Add the target of the pad, if the user has set one, else the present pose."""
     target = memory.choices.target
     if len(memory.poses) >= POSES_MAX:
-        memory.refuse(CONTROL, "off.sequence_full", count=str(POSES_MAX))
-        return
+        return memory.refuse(CONTROL, "off.sequence_full", count=str(POSES_MAX))
     try:
         aim = None if target is None else HeadAngles(target.yaw, target.pitch, target.roll)
         arms = commanded(world, memory.choices.sides + STARTS["sim"]) if aim is None else timing.arms_of(aim)
     except BeatrixError as error:
-        memory.refusal = Refusal(CONTROL, reason=error.reason, message=error.message, detail=error.detail)
-        return
+        return _refuse(memory, error)
     if arms is None:
-        memory.refuse(CONTROL, "off.no_position")
-        return
+        return memory.refuse(CONTROL, "off.no_position")
     name = _free(memory.poses, f"{memory.choices.texts('sequence.auto_name')}-1")
-    change(memory, (*memory.poses, new_pose(memory, world, name, arms)))
+    return change(memory, (*memory.poses, new_pose(memory, world, name, arms)))
+
+
+def _refuse(memory: Memory, error: BeatrixError) -> list[Action]:
+    memory.refusal = Refusal(CONTROL, reason=error.reason, message=error.message, detail=error.detail)
+    return []
 
 
 # -- playing ----------------------------------------------------------------------------------------
@@ -218,7 +209,7 @@ def _add(memory: Memory, world: World) -> None:
 
 def play(memory: Memory, world: World, sides: tuple[str, ...], lead_s: float = 0.0) -> list[Action]:
     """Return the action that plays the sequence; none if a pose cannot be reached in its duration."""
-    poses, loop = memory.poses, memory.sequence.loop and len(sides) < 2
+    poses, loop = memory.poses, memory.choices.loop and len(sides) < 2
     if not poses:
         return memory.refuse(CONTROL, "off.no_sequence")
     if unreachable(memory, world, sides, CONTROL):
@@ -278,7 +269,7 @@ def _save(memory: Memory, world: World, intent: SaveSequence) -> list[Action]:
         return memory.refuse(CONTROL, "off.no_sequence")
     if not intent.file.name:
         return memory.refuse(CONTROL, "cannot.file")
-    limits, loop = timing.pace(world), intent.program and memory.sequence.loop
+    limits, loop = timing.pace(world), intent.program and memory.choices.loop
     if _refuse_short(memory, timing.HOME, limits, loop=loop):
         return []
     text = program_of(memory, world, limits) if intent.program else choreography_of(memory.poses, limits)
@@ -304,7 +295,7 @@ def program_of(memory: Memory, world: World, limits: timing.Pace) -> str:
         "robot.home()",
         *_calls(poses, timing.HOME, limits),
     ]
-    if memory.sequence.loop:
+    if memory.choices.loop:
         lines.append(f"while True:  # {texts('sequence.program_loop')}")
         lines += [f"    {line}" for line in _calls(poses, ArmAngles(*poses[-1].arms), limits)]
     title = texts("sequence.program_title", count=float(len(poses)), robot=world.robot)
@@ -324,29 +315,25 @@ def _calls(poses: tuple[SavedPose, ...], start: ArmAngles, limits: timing.Pace) 
     return lines
 
 
-def _open(memory: Memory, world: World, intent: OpenSequence) -> None:
+def _open(memory: Memory, world: World, intent: OpenSequence) -> list[Action]:
     """Replace the strip by a choreography: each pose is reached when the next one begins."""
     if intent.trouble:
-        memory.refuse(CONTROL, "cannot.open", file=intent.file.name)
-        return
+        return memory.refuse(CONTROL, "cannot.open", file=intent.file.name)
     try:
         file = motion_file.parse(intent.text, intent.file.name)
         if not file.with_speed:
-            memory.refuse(CONTROL, "cannot.path", file=intent.file.name, speed=motion_file.SPEED)
-            return
+            return memory.refuse(CONTROL, "cannot.path", file=intent.file.name, speed=motion_file.SPEED)
         found = choreography(file)
         if len(found.steps) > POSES_MAX:
-            memory.refuse(CONTROL, "cannot.too_many", count=str(len(found.steps)), allowed=str(POSES_MAX))
-            return
+            slots = {"count": str(len(found.steps)), "allowed": str(POSES_MAX)}
+            return memory.refuse(CONTROL, "cannot.too_many", **slots)
         poses = _read(found.steps, timing.pace(world))
     except WrongUsage as error:
-        key, slots = wrong_file(error, intent.file.name)
-        memory.refuse(CONTROL, key, **slots)
-        return
+        key, reason = wrong_file(error, intent.file.name)
+        return memory.refuse(CONTROL, key, **reason)
     except BeatrixError as error:
-        memory.refusal = Refusal(CONTROL, reason=error.reason, message=error.message, detail=error.detail)
-        return
-    change(memory, poses)
+        return _refuse(memory, error)
+    return change(memory, poses)
 
 
 def _read(steps: list[tuple[str, Step]], limits: timing.Pace) -> tuple[SavedPose, ...]:
@@ -364,3 +351,13 @@ def _read(steps: list[tuple[str, Step]], limits: timing.Pace) -> tuple[SavedPose
         duration_s = round(min(DURATION_MAX_S, max(DURATION_MIN_S, duration_s)), 1)
         poses, here = (*poses, structs.replace(pose, duration_s=duration_s)), ArmAngles(*pose.arms)
     return poses
+
+
+HANDLES: Handles = {
+    AddPose: _add,
+    **dict.fromkeys((MovePose, DuplicatePose, SetDuration, RenamePose), edit),
+    UndoSequence: undo,
+    PlaySequence: lambda memory, world, intent: play(memory, world, (intent.side,)),
+    SaveSequence: _save,
+    OpenSequence: _open,
+}

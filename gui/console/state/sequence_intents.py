@@ -7,15 +7,11 @@ from pathlib import Path
 from gui.console.state.intents import Intent
 
 
-class SequenceIntent(Intent, frozen=True):
-    """Base class of the intents of the sequence editor."""
-
-
-class AddPose(SequenceIntent, frozen=True):
+class AddPose(Intent, frozen=True):
     """Add the target of the pad, or the present pose, at the end."""
 
 
-class MovePose(SequenceIntent, frozen=True):
+class MovePose(Intent, frozen=True):
     """Move a pose to another place of the sequence."""
 
     name: str
@@ -23,51 +19,45 @@ class MovePose(SequenceIntent, frozen=True):
     """number of the place, from 0, counted without the pose"""
 
 
-class DuplicatePose(SequenceIntent, frozen=True):
+class DuplicatePose(Intent, frozen=True):
     """Insert a copy after a pose: a pause of that duration, until one of them is changed."""
 
     name: str
 
 
-class SetDuration(SequenceIntent, frozen=True):
+class SetDuration(Intent, frozen=True):
     """Choose the time in which a pose is reached from the previous one."""
 
     name: str
     seconds: float
 
 
-class RenamePose(SequenceIntent, frozen=True):
+class RenamePose(Intent, frozen=True):
     """Give a pose another name."""
 
     name: str
     new: str
 
 
-class SetLoop(SequenceIntent, frozen=True):
-    """Choose whether a play repeats until STOP or a newer request."""
-
-    on: bool
-
-
-class UndoSequence(SequenceIntent, frozen=True):
+class UndoSequence(Intent, frozen=True):
     """Undo the last change of the poses, for example a deletion."""
 
 
-class PlaySequence(SequenceIntent, frozen=True):
+class PlaySequence(Intent, frozen=True):
     """Play the sequence on one robot; on the hardware only after the simulation has played it."""
 
     side: str
     """`sim` or `hw`"""
 
 
-class SaveSequence(SequenceIntent, frozen=True):
+class SaveSequence(Intent, frozen=True):
     """Write the sequence as a choreography, or as a program."""
 
     file: Path
     program: bool = False
 
 
-class OpenSequence(SequenceIntent, frozen=True):
+class OpenSequence(Intent, frozen=True):
     """Replace the sequence by the choreography in a file."""
 
     file: Path

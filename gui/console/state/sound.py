@@ -7,7 +7,7 @@ from typing import Final
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import Action, WatchMicrophones
 from gui.console.state.choices import Choices
-from gui.console.state.intents import Intent, SetMicrophones, ShowTab, Tab, WindowPage
+from gui.console.state.intents import Choose, Tab, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.presence import online
 from gui.console.state.views import LevelView, SoundView
@@ -24,9 +24,9 @@ def wanted(choices: Choices) -> frozenset[str]:
     return frozenset(SIDES if looks and choices.microphones else ())
 
 
-def watch(choices: Choices, intent: Intent) -> list[Action]:
+def watch(choices: Choices, intent: Choose) -> list[Action]:
     """Return the change of subscriptions that follows from an intent."""
-    changes = isinstance(intent, SetMicrophones) or (choices.microphones and isinstance(intent, ShowTab))
+    changes = intent.name == "microphones" or (choices.microphones and intent.name == "tab")
     return [WatchMicrophones(wanted(choices))] if changes else []
 
 

@@ -6,7 +6,6 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 from gui.console.state import (
     arms,
     causes,
-    choices,
     class_page,
     commands,
     connecting,
@@ -18,7 +17,6 @@ from gui.console.state import (
     intents,
     leases,
     missions,
-    motions,
     pills,
     poses,
     program,
@@ -27,17 +25,43 @@ from gui.console.state import (
     sequence,
     sound,
 )
-from gui.console.state.actions import Action, Outcome, Select
-from gui.console.state.choices import Choices, choices_from
-from gui.console.state.intents import Intent, WindowPage
+from gui.console.state.actions import Action, Outcome
+from gui.console.state.choices import Choices, changed, choices_from
+from gui.console.state.intents import Choose, Intent, WindowPage
 from gui.console.state.memory import Memory
-from gui.console.state.saved import Saved
-from gui.console.state.sequence_intents import SequenceIntent
+from gui.console.state.motions import Handles
+from gui.console.state.saved import Remembered, Saved
 from gui.console.state.sequence_timing import with_durations
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
 
 DEFAULTS = Saved()
+
+
+def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
+    """Change a choice, and return the actions that follow from it; a value that no widget reports changes nothing."""
+    memory.choices = changed(memory.choices, intent.name, intent.value) or memory.choices
+    refusals.hide_answered(memory, intent)
+    ended = sending.spare_hardware(memory, world, intent)
+    return [*ended, *eyes.watch(memory.choices, intent), *sound.watch(memory.choices, intent)]
+
+
+HANDLES: Handles = {
+    Choose: choose,
+    **arms.HANDLES,
+    **class_page.HANDLES,
+    **commands.HANDLES,
+    **connecting.HANDLES,
+    **dragging.HANDLES,
+    **gestures.HANDLES,
+    **holding.HANDLES,
+    **leases.HANDLES,
+    **poses.HANDLES,
+    **program.HANDLES,
+    **refusals.HANDLES,
+    **sending.HANDLES,
+    **sequence.HANDLES,
+}
 
 
 class State:
@@ -46,23 +70,17 @@ class State:
     def __init__(self, saved: Saved = DEFAULTS, notice: str = "") -> None:
         """Begin with saved choices; `notice` is a sentence to show until the first request."""
         self._memory = Memory(choices_from(saved), with_durations(saved.poses, saved.speed), notice=notice)
-        self._code = program.CodeCache()
         self._guide = missions.Guide(saved.guided)
+        self._handles: Handles = {
+            **HANDLES,
+            **dict.fromkeys((missions.SkipTask, missions.CloseGuide), self._guide.handle),
+        }
 
     @property
     def saved(self) -> Saved:
         """The choices for the next window."""
-        chosen = self._memory.choices
-        return Saved(
-            chosen.theme,
-            chosen.language,
-            chosen.increment,
-            chosen.speed,
-            chosen.lead_s,
-            self._memory.poses,
-            chosen.send_on_release,
-            self._guide.done,
-        )
+        kept = {name: getattr(self._memory.choices, name) for name in Remembered.__struct_fields__}
+        return Saved(**kept, poses=self._memory.poses, guided=self._guide.done)
 
     @property
     def choices(self) -> Choices:
@@ -90,17 +108,14 @@ class State:
             eyes=eyes.view(memory, world),
             sound=sound.view(memory, world),
             history=history.view(memory, world),
-            code=program.view(memory, world, self._code),
+            code=program.view(memory, world),
             record=commands.recording_view(memory, world),
             last=history.last(memory, world),
             last_detail=history.last_detail(memory, world),
             stop=commands.stop_button(memory),
             emergency=commands.emergency_button(memory),
-            theme=memory.choices.theme,
-            language=memory.choices.language,
+            choices=memory.choices,
             class_page=class_page.view(memory, world),
-            page=memory.choices.page,
-            tab=memory.choices.tab,
             connect=connecting.view(memory, world),
         )
 
@@ -125,86 +140,7 @@ class State:
         memory = self._memory
         if memory.choices.page is WindowPage.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
             return []  # ignore their keys here, because their controls are on the other page
-        if (chosen := choices.changed(memory.choices, intent)) is not None:
-            memory.choices = chosen
-            refusals.hide_answered(memory, intent)
-            ended = sending.spare_hardware(memory, world, intent)
-            return [*ended, *eyes.watch(chosen, intent), *sound.watch(chosen, intent)]
-        match intent:
-            case (
-                intents.Stop()
-                | intents.EmergencyStop()
-                | intents.RunCommand()
-                | intents.MakeReady()
-                | intents.Repeat()
-            ):
-                dragging.interrupt(memory, intent)
-                actions = commands.handle(memory, world, intent)
-            case intents.Jog():
-                actions = arms.jog(memory, world, intent)
-            case holding.HoldArm() | holding.ReleaseArm():
-                actions = holding.handle(memory, world, intent)
-            case intents.SendHead():
-                actions = motions.send_head(memory, world, sending.target(memory, world), sending.PAD)
-            case intents.GrabHead() | intents.LiveHead() | intents.ReleaseHead():
-                actions = dragging.handle(memory, world, intent)
-            case intents.SendNow() | intents.Change() | intents.Abort():
-                actions = sending.handle(memory, world, intent)
-            case intents.TakeAlternative():
-                actions = refusals.take_alternative(memory, world)
-            case intents.Undo():
-                actions = poses.undo(memory, world)
-            case intents.ToggleRecording() | intents.OpenRecording():
-                actions = commands.record(world, intent)
-            case _:
-                actions = self._about_window(intent, world)
-        return actions
-
-    def _about_window(self, intent: Intent, world: World) -> list[Action]:
-        match intent:
-            case intents.DismissRefusal():
-                self._memory.refusal = None
-            case missions.GuideIntent():
-                self._guide.handle(intent, self._memory)
-            case intents.ChooseRobot(name=name):
-                return self._choose(name, world)
-            case connecting.UseRouter() | connecting.UseAccount():
-                shown = class_page.show(
-                    self._memory, WindowPage.ROBOT
-                )  # the next seat may not be the teacher's
-                return [*shown, *connecting.choose_router(world, intent)]
-            case intents.StartSimulation() | intents.Retry() | connecting.ConnectIntent():
-                return connecting.handle(self._memory, world, intent)
-            case intents.SavePlots():
-                return commands.save_plots(self._memory, world, intent)
-            case _:
-                return self._about_others(intent, world)
-        return []
-
-    def _about_others(self, intent: Intent, world: World) -> list[Action]:
-        """Handle intents about leases, the class, gestures and poses."""
-        match intent:
-            case intents.AskLease() | intents.DismissNotice():
-                return leases.handle(self._memory, world, intent)
-            case intents.TogglePage() | intents.GovernClass() | intents.LimitClass() | intents.MuteSeat():
-                return class_page.handle(self._memory, world, intent)
-            case SequenceIntent():
-                return sequence.handle(self._memory, world, intent)
-            case program.SaveProgram():
-                return program.save(self._memory, world, intent, self._code)
-            case intents.PlayGesture() | intents.ToggleFollowing() | intents.OpenProgram():
-                return gestures.handle(self._memory, world, intent)
-        return poses.handle(self._memory, world, intent)
-
-    def _choose(self, name: str, world: World) -> list[Action]:
-        """Return the actions that show the robot of this name and give back the previous one."""
-        memory = self._memory
-        memory.refusal = None
-        given_back: list[Action] = []
-        if name != world.robot:
-            memory.undo = ()  # the angles in it belong to the previous robot
-            given_back = leases.give_back_all(memory, world)
-        return [*class_page.show(memory, WindowPage.ROBOT), *given_back, Select(name)]
+        return self._handles[type(intent)](memory, world, intent)  # type: ignore[arg-type]  # it is of that class
 
     def hold(self, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:
         """Add a motion that the face itself sends to the checked robots; return its row, or None if it is refused."""

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from beatrix_zenoh.client import Place
-from gui.console.state.intents import Intent, Tab, Theme, WindowPage
+from gui.console.state.intents import Intent
 from gui.console.state.lessons import LessonsView
+from gui.console.state.orientation import HeadOrientation
+
+if TYPE_CHECKING:
+    from gui.console.state.choices import Choices
 
 
 class Condition(StrEnum):
@@ -87,27 +91,11 @@ class RefusalView:
 
 
 @dataclass(frozen=True)
-class HeadOrientation:
-    """Orientation of a head (deg); left, nose down and right ear down are positive."""
-
-    yaw: float
-    pitch: float
-    roll: float
-
-    @property
-    def tenths(self) -> tuple[float, float, float]:
-        """Yaw, pitch and roll to a tenth of a degree, less than a pixel."""
-        return round(self.yaw, 1) + 0.0, round(self.pitch, 1) + 0.0, round(self.roll, 1) + 0.0
-
-
-@dataclass(frozen=True)
 class DragView:
     """What dragging the head does, and where it may rest."""
 
     live: bool
     """whether the simulation follows while the user drags"""
-    send_on_release: bool
-    """whether the target is sent when the user releases the head"""
     border: tuple[float, ...]
     """how far the head may lean in each direction (deg): see `beatrix_zenoh.motion.limits.region.border`"""
     refused: HeadOrientation | None
@@ -167,13 +155,10 @@ class ArmsView:
 
     rows: tuple[ArmRowView, ...]
     """short, middle, long, all"""
-    relative: bool
-    increment: float
-    """deg"""
     increment_max: float
-    speed: float
-    """deg/s"""
+    """deg"""
     speed_max: float
+    """deg/s"""
     refusal: RefusalView | None = None
 
 
@@ -181,10 +166,6 @@ class ArmsView:
 class SendingView:
     """Destinations of motions, and the present motion."""
 
-    sim: bool
-    hw: bool
-    cameras: bool
-    lead_s: float
     lead_matters: bool
     """whether Simulation and Hardware are both checked, so that the lead has an effect"""
     title: str
@@ -302,7 +283,6 @@ class SequenceView:
     """The sequence editor."""
 
     cards: tuple[CardView, ...]
-    loop: bool
     add: ButtonView
     undo: ButtonView
     play: ButtonView
@@ -509,11 +489,8 @@ class View:
     """raw output of a failed program that the line is about, in English; empty: none"""
     stop: ButtonView
     emergency: ButtonView
-    theme: Theme
-    language: str
+    choices: Choices
     class_page: ClassView | None
     """None: this window is not the teacher's"""
-    page: WindowPage = WindowPage.ROBOT
-    tab: Tab = Tab.HEADS
     connect: ConnectView | None = None
     """None: the sheet is hidden"""

@@ -109,6 +109,7 @@ const SHOW = {
   pills: (pills) => pills.forEach(showPill),
   head: showHead,
   arms: showArms,
+  choices: showChoices,
   sending: showSending,
   commands: (commands) => {
     for (const name of ["enable", "calibrate", "home", "disable", "reset", "undo"]) bind(byId(name), commands[name]);
@@ -234,15 +235,19 @@ function showArms(arms) {
     set(byId(`name-${row.arm}`), row.title);
     set(byId(`value-${row.arm}`), bothAngles((side) => row[side] !== "–" && row[side]) || "–");
   }
-  choose(byId("speed"), SPEEDS.filter((speed) => speed <= arms.speed_max), arms.speed, (speed) => `${speed}${text("label.speed_unit")}`);
   showRefusal("refusal-arms", arms.refusal);
+  showChoices();
+}
+
+function showChoices() {
+  const { choices, arms } = view;
+  for (const side of ["sim", "hw"]) byId(side).checked = choices[side];
+  choose(byId("speed"), SPEEDS.filter((speed) => speed <= arms.speed_max), choices.speed, (speed) => `${speed}${text("label.speed_unit")}`);
+  choose(byId("lead"), LEADS, choices.lead_s, (lead) => `${lead}${text("label.lead_unit")}`);
 }
 
 function showSending(sending) {
-  byId("sim").checked = sending.sim;
-  byId("hw").checked = sending.hw;
   byId("lead-row").hidden = !sending.lead_matters;
-  choose(byId("lead"), LEADS, sending.lead_s, (lead) => `${lead}${text("label.lead_unit")}`);
   set(byId("plan-title"), sending.title);
   set(byId("plan-text"), sending.text);
   byId("waiting").hidden = sending.progress === null;
@@ -422,14 +427,15 @@ byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0
 byId("drive").onclick = drive;
 byId("send").addEventListener("click", finishAim, true);
 byId("robots").onchange = (event) => { event.target.blur(); send({ do: "ChooseRobot", name: event.target.value }); };
-byId("language").onchange = (event) => send({ do: "SetLanguage", code: event.target.value });
-byId("speed").onchange = (event) => send({ do: "SetSpeed", degrees_per_s: Number(event.target.value) });
-byId("lead").onchange = (event) => send({ do: "SetLead", seconds: Number(event.target.value) });
+const sendChoice = (name, value) => send({ do: "Choose", name, value });
+byId("language").onchange = (event) => sendChoice("language", event.target.value);
+byId("speed").onchange = (event) => sendChoice("speed", Number(event.target.value));
+byId("lead").onchange = (event) => sendChoice("lead_s", Number(event.target.value));
 for (const side of ["sim", "hw"]) {
-  byId(side).onchange = (event) => send({ do: "SetDestination", side, checked: event.target.checked });
+  byId(side).onchange = (event) => sendChoice(side, event.target.checked);
 }
-byId("looking").onchange = (event) => send({ do: "SetCameras", on: event.target.checked });
-byId("listening").onchange = (event) => send({ do: "SetMicrophones", on: event.target.checked });
+byId("looking").onchange = (event) => sendChoice("cameras", event.target.checked);
+byId("listening").onchange = (event) => sendChoice("microphones", event.target.checked);
 byId("class").ontoggle = (event) => send({ do: "class", on: event.target.open });
 addEventListener("keydown", keys, true);
 addEventListener("keyup", keys, true);
@@ -437,7 +443,7 @@ addEventListener("blur", releaseButton);
 addEventListener("pagehide", hide);
 document.addEventListener("visibilitychange", () => {
   if (!document.hidden) return showEyes(view);
-  if (view.sound?.on) send({ do: "SetMicrophones", on: false }); // microphones are on only while they are watched
+  if (view.sound?.on) sendChoice("microphones", false); // microphones are on only while they are watched
   hide();
 });
 setInterval(beat, BEAT_MS);

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QEvent, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QEvent, Qt, QTimer
 from PyQt5.QtGui import QHideEvent, QMouseEvent
-from PyQt5.QtWidgets import QBoxLayout, QFrame, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.contract.names import ARMS
+from gui.console.state.choices import Choices
 from gui.console.state.holding import HoldArm, ReleaseArm
-from gui.console.state.intents import ALL_ARMS, SetIncrement, SetRelative, SetSpeed
-from gui.console.state.views import ArmRowView, ArmsView
+from gui.console.state.intents import ALL_ARMS, Choose
+from gui.console.state.views import ArmRowView, ArmsView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, Radio, SliderBox, label, set_text
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    IntentButton,
+    Panel,
+    Radio,
+    SliderBox,
+    label,
+    set_text,
+    spaced,
+)
 
 LEAST_INCREMENT = 0.1
 """deg"""
@@ -109,21 +119,18 @@ class ArmRow:
             button.setAccessibleName(f"{view.title} {shown.text}")
 
 
-class ArmsPanel(QFrame):
+class ArmsPanel(Panel):
     """The rows of the arms, the mode of + and -, increment and speed."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
-        self._view: ArmsView | None = None
+        super().__init__("panel")
+        self._view: tuple[ArmsView, Choices] | None = None
         self._difference = texts("label.difference")
-        self.setProperty("panel", True)  # noqa: FBT003
         self.setAccessibleName(texts("label.arms"))
         self.relative = Radio(texts("label.relative"), texts("tip.relative"))
         self.absolute = Radio(texts("label.absolute"), texts("tip.absolute"))
-        self.relative.asked.connect(lambda: self.intent.emit(SetRelative(relative=True)))
-        self.absolute.asked.connect(lambda: self.intent.emit(SetRelative(relative=False)))
+        self.relative.asked.connect(lambda: self.intent.emit(Choose("relative", value=True)))
+        self.absolute.asked.connect(lambda: self.intent.emit(Choose("relative", value=False)))
         grid = QGridLayout()
         grid.setHorizontalSpacing(6)
         grid.setVerticalSpacing(2)
@@ -135,24 +142,20 @@ class ArmsPanel(QFrame):
         for row in self.rows.values():
             row.minus.intent.connect(self.intent)
             row.plus.intent.connect(self.intent)
-        self.increment = self._slider(texts, "increment", LEAST_INCREMENT)
-        self.speed = self._slider(texts, "speed", LEAST_SPEED)
-        self.increment.changed.connect(lambda value: self.intent.emit(SetIncrement(value)))
-        self.speed.changed.connect(lambda value: self.intent.emit(SetSpeed(value)))
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(8, 4, 8, 4)
-        layout.setSpacing(2)
+        self.increment = SliderBox(texts, "increment", least=LEAST_INCREMENT)
+        self.speed = SliderBox(texts, "speed", least=LEAST_SPEED)
+        for slider in (self.increment, self.speed):
+            slider.intent.connect(self.intent)
+        layout = spaced(QVBoxLayout(self), 2, (8, 4, 8, 4))
         layout.addLayout(grid)
-        self._sliders = QBoxLayout(QBoxLayout.Direction.TopToBottom)
-        self._sliders.setSpacing(2)
+        self._sliders = spaced(QBoxLayout(QBoxLayout.Direction.TopToBottom), 2)
         self._sliders.addWidget(self.increment)
         self._sliders.addWidget(self.speed)
         layout.addLayout(self._sliders)
 
     def _modes(self) -> QWidget:
         widget = QWidget()
-        layout = QHBoxLayout(widget)
-        layout.setContentsMargins(0, 0, 0, 0)
+        layout = spaced(QHBoxLayout(widget), None, NO_MARGINS)
         layout.addWidget(self.relative)
         layout.addWidget(self.absolute)
         layout.addStretch(1)
@@ -164,11 +167,6 @@ class ArmsPanel(QFrame):
         caption.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         return caption
 
-    @staticmethod
-    def _slider(texts: Texts, name: str, least: float) -> SliderBox:
-        unit = texts(f"label.{name}_unit")
-        return SliderBox(texts, texts(f"label.{name}"), unit, texts(f"tip.{name}"), least=least)
-
     def show_compact(self, *, compact: bool) -> None:
         """In a low window, show increment and speed in one row, without sliders."""
         directions = QBoxLayout.Direction
@@ -177,17 +175,18 @@ class ArmsPanel(QFrame):
         for part in (self.increment, self.speed):
             part.show_compact(compact=compact)
 
-    def show_view(self, view: ArmsView) -> None:
+    def show_view(self, whole: View) -> None:
         """Show rows, mode, increment and speed."""
-        if view == self._view:
+        view, choices = whole.arms, whole.choices
+        if (view, choices) == self._view:
             return
-        self._view = view
+        self._view = view, choices
         for row in view.rows:
             self.rows[row.arm].show_view(row, self._difference)
-        self.relative.setChecked(view.relative)
-        self.absolute.setChecked(not view.relative)
-        self.increment.show_value(view.increment, view.increment_max)
-        self.speed.show_value(view.speed, view.speed_max)
+        self.relative.setChecked(choices.relative)
+        self.absolute.setChecked(not choices.relative)
+        self.increment.show_value(choices.increment, view.increment_max)
+        self.speed.show_value(choices.speed, view.speed_max)
         width = max(self.increment.name_width(), self.speed.name_width())
         self.increment.set_name_width(width)
         self.speed.set_name_width(width)

@@ -6,11 +6,9 @@ from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QColor, QResizeEvent
 from PyQt5.QtWidgets import (
     QComboBox,
-    QFrame,
     QHBoxLayout,
     QHeaderView,
     QLineEdit,
-    QPushButton,
     QTabWidget,
     QTreeWidget,
     QTreeWidgetItem,
@@ -22,7 +20,7 @@ from gui.console.state.intents import LimitClass, Theme
 from gui.console.state.views import ClassRowView, ClassView, SeatView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import IntentButton, label, set_role, set_text
+from gui.window.widgets.controls import IntentButton, Panel, label, plain_button, set_role, set_text, spaced
 from gui.window.widgets.lessons import LessonsTable
 
 COLUMNS = ("robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks")
@@ -50,23 +48,18 @@ NAMES_PX = 240
 """Least width (px) of its list, at scale 1, which shows whole names."""
 
 
-class ClassPage(QFrame):
+class ClassPage(Panel):
     """All robots and seats at the router."""
 
-    intent = pyqtSignal(object)
     projector_asked = pyqtSignal()
 
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
+        super().__init__("panel")
         self._view: ClassView | None = None
         self._style = style_of(Theme.DARK)
         self.large = False
-        self.setProperty("panel", True)  # noqa: FBT003
         self.summary = label(role="title", wrap=True)
-        self.project = QPushButton(texts("label.projector"))
-        self.project.setAccessibleName(texts("label.projector"))
-        self.project.setAutoDefault(False)
-        self.project.setToolTip(texts("tip.projector"))
+        self.project = plain_button(texts("label.projector"), texts("tip.projector"))
         self.project.clicked.connect(lambda: self.projector_asked.emit())  # noqa: PLW0108 - `clicked` has an argument
         self.freeze_all, self.unfreeze_all = IntentButton(main=True), IntentButton()
         self.limit_now = label()
@@ -140,16 +133,12 @@ class ClassPage(QFrame):
         one.addWidget(self.seat_label)
         one.addWidget(self.seats)
         one.addWidget(self.mute)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(8, 8, 8, 8)
-        layout.setSpacing(6)
+        layout = spaced(QVBoxLayout(self), 6, (8, 8, 8, 8))
         layout.addWidget(self._lines[0])
         layout.addWidget(self._lines[1])
         layout.addWidget(self.tabs, 1)
         robots = QWidget()
-        inner = QVBoxLayout(robots)
-        inner.setContentsMargins(0, 0, 0, 4)
-        inner.setSpacing(6)
+        inner = spaced(QVBoxLayout(robots), 6, (0, 0, 0, 4))
         inner.addWidget(self.list, 1)
         inner.addWidget(self.empty, 1)
         inner.addWidget(self._lines[2])

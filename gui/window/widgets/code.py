@@ -9,7 +9,7 @@ from PyQt5.QtWidgets import QFileDialog, QHBoxLayout, QListWidget, QPushButton, 
 from gui.console.state.program import SaveProgram
 from gui.console.state.views import CodeLine, CodeView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import label
+from gui.window.widgets.controls import label, plain_button, spaced
 from gui.window.widgets.files import FilePanel
 
 
@@ -31,13 +31,10 @@ class CodePanel(FilePanel):
         self.list.currentRowChanged.connect(self._report_row)
         self.copy = self._button(texts, "copy")
         self.save = self._button(texts, "save")
-        buttons = QHBoxLayout()
-        buttons.setSpacing(4)
+        buttons = spaced(QHBoxLayout(), 4)
         buttons.addWidget(self.copy, 1)
         buttons.addWidget(self.save, 1)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 6, 6, 6)
-        layout.setSpacing(4)
+        layout = spaced(QVBoxLayout(self), 4, (6, 6, 6, 6))
         layout.addWidget(label(texts("label.code_hint"), "dim", wrap=True))
         layout.addWidget(self.list, 1)
         layout.addLayout(buttons)
@@ -46,11 +43,7 @@ class CodePanel(FilePanel):
 
     @staticmethod
     def _button(texts: Texts, name: str) -> QPushButton:
-        button = QPushButton(texts(f"code.{name}"))
-        button.setAutoDefault(False)
-        button.setToolTip(texts(f"code.{name}_tip"))
-        button.setAccessibleName(texts(f"code.{name}_name"))
-        return button
+        return plain_button(texts(f"code.{name}"), texts(f"code.{name}_tip"), texts(f"code.{name}_name"))
 
     def show_view(self, view: CodeView) -> None:
         """Show the program; the lines of the selected row stay selected, and new lines at the end become visible."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QFrame, QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
+from PyQt5.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout
 
 from gui.console.state.intents import WindowPage
 from gui.console.state.views import CommandsView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, label, set_text
+from gui.window.widgets.controls import IntentButton, Panel, label, set_text, spaced
 
 NAMES = ("home", "undo")
 """Commands of every day; the menus of the pills contain the others."""
@@ -16,20 +16,15 @@ HEIGHT_PX = 56
 """Height of the bar of STOP; the style sheet contains it, too."""
 
 
-class CommandsPanel(QFrame):
+class CommandsPanel(Panel):
     """A large button for each command of every day."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
+        super().__init__("panel")
         self._view: CommandsView | None = None
-        self.setProperty("panel", True)  # noqa: FBT003
         self.setAccessibleName(texts("label.commands"))
         self.buttons = {name: IntentButton() for name in NAMES}
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(8, 8, 8, 8)
-        layout.setSpacing(8)
+        layout = spaced(QVBoxLayout(self), 8, (8, 8, 8, 8))
         for button in self.buttons.values():
             button.setProperty("daily", True)  # noqa: FBT003
             layout.addWidget(button)
@@ -59,14 +54,12 @@ class StopBar(QPushButton):
         self.emergency.intent.connect(self.intent)
         self.emergency.asking.connect(self._ask)
         self.setObjectName("stop")
-        self.setAutoDefault(False)
         self.word, self.last = label(role="stop_word"), label(role="message", wrap=True)
         """STOP, and the last request with its outcome, which stands beside this button"""
         self.keys = label(texts("label.keys_stop").partition(": ")[0], "stop")
         self.last.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
         self.last.setFixedHeight(HEIGHT_PX)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(20, 2, 12, 2)
+        layout = spaced(QHBoxLayout(self), None, (20, 2, 12, 2))
         layout.setSizeConstraint(
             QHBoxLayout.SizeConstraint.SetMinimumSize
         )  # a button alone would not count these
@@ -93,7 +86,9 @@ class StopBar(QPushButton):
         stop, self._view = view.stop, view
         self.last.setToolTip(view.last_detail)
         self.emergency.show_view(view.emergency)
-        self.emergency.setVisible(view.page is WindowPage.CLASS)  # elsewhere it is in the menus of the pills
+        self.emergency.setVisible(
+            view.choices.page is WindowPage.CLASS
+        )  # elsewhere it is in the menus of the pills
         set_text(self.word, stop.text)
         self.setToolTip(stop.tooltip)
         self.setAccessibleName(stop.text)

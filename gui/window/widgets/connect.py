@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QEvent, pyqtSignal
-from PyQt5.QtWidgets import QFileDialog, QFrame, QHBoxLayout, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtCore import QEvent
+from PyQt5.QtWidgets import QFileDialog, QHBoxLayout, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
 
-from gui.console.state.connecting import UseAccount, UseRouter
+from gui.console.state.actions import UseAccount, UseRouter
 from gui.console.state.views import ConnectView, RouterView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, label, set_role, set_text
+from gui.window.widgets.controls import NO_MARGINS, IntentButton, Panel, label, set_role, set_text, spaced
 from gui.window.widgets.files import FilePanel
 
 WIDTH_PX = 900
@@ -34,9 +34,7 @@ class RouterPanel(FilePanel):
         first.addWidget(self.use)
         last.addWidget(self.account, 1)
         last.addWidget(self.join)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(6)
+        layout = spaced(QVBoxLayout(self), 6, NO_MARGINS)
         layout.addWidget(label(texts("label.router"), "title"))
         layout.addLayout(first)
         layout.addWidget(self.state)
@@ -68,21 +66,17 @@ class RouterPanel(FilePanel):
         self.choose_file(self.join.text(), mode, "toml", made)
 
 
-class ConnectSheet(QFrame):
+class ConnectSheet(Panel):
     """A frame over the middle of the panels; not a dialog, so that STOP stays usable."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, texts: Texts, parent: QWidget) -> None:
-        super().__init__(parent)
+        super().__init__("notice", parent)
         self._view: ConnectView | None = None
-        self.setProperty("notice", True)  # noqa: FBT003
         self.setAccessibleName(texts("connect.title"))
         self.router, self.text = RouterPanel(texts), label(wrap=True)
         self.router.intent.connect(self.intent)
         self.ports: list[IntentButton] = []
-        self._list = QVBoxLayout()
-        self._list.setSpacing(6)
+        self._list = spaced(QVBoxLayout(), 6)
         self.again, self.close_button = self._button(), self._button()
         buttons = QHBoxLayout()
         buttons.addWidget(self.again)
@@ -97,9 +91,7 @@ class ConnectSheet(QFrame):
         columns.setSpacing(GAP_PX)
         columns.addWidget(self.router, 1)
         columns.addLayout(hardware, 1)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(20, 14, 20, 14)
-        layout.setSpacing(12)
+        layout = spaced(QVBoxLayout(self), 12, (20, 14, 20, 14))
         layout.addLayout(columns)
         layout.addLayout(buttons)
         self.hide()

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QPointF, QRect, QRectF, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
-from PyQt5.QtGui import QColor, QFocusEvent, QPainter, QPaintEvent, QPen, QPolygonF
+from typing import Never, TypeVar
+
+from PyQt5.QtCore import QRect, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
+from PyQt5.QtGui import QFocusEvent, QPainter, QPaintEvent
 from PyQt5.QtWidgets import (
-    QAbstractButton,
     QCheckBox,
+    QFrame,
     QHBoxLayout,
     QLabel,
+    QLayout,
     QPushButton,
     QRadioButton,
     QSizePolicy,
@@ -16,6 +19,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
+from gui.console.state.intents import Choose, Theme
 from gui.console.state.views import ButtonView
 from gui.console.texts import Texts
 from gui.window.widgets.number_box import NumberBox
@@ -28,6 +32,27 @@ NAMES_CHARACTERS = 18
 SEPARATOR = " · "
 ARMED_MS = 6000
 """Time in which a button with a question accepts its second press."""
+
+
+NO_MARGINS = 0, 0, 0, 0
+L = TypeVar("L", bound=QLayout)
+
+
+def spaced(layout: L, gap: int | None, margins: tuple[int, int, int, int] | None = None) -> L:
+    """Return the layout with this gap between its parts and these margins (px); None: those of the style."""
+    if gap is not None:
+        layout.setSpacing(gap)
+    if margins is not None:
+        layout.setContentsMargins(*margins)
+    return layout
+
+
+def plain_button(text: str, tooltip: str, name: str = "") -> QPushButton:
+    """Return a button with a tooltip and an accessible name, which is the text by default."""
+    button = QPushButton(text)
+    button.setToolTip(tooltip)
+    button.setAccessibleName(name or text)
+    return button
 
 
 class IntentButton(QPushButton):
@@ -45,7 +70,6 @@ class IntentButton(QPushButton):
         self._armed.setInterval(ARMED_MS)
         self._armed.timeout.connect(self.disarm)
         self.setProperty("main", main)
-        self.setAutoDefault(False)
         self.clicked.connect(self._press)
 
     def show_view(self, view: ButtonView) -> None:
@@ -90,37 +114,43 @@ class IntentButton(QPushButton):
             self.setText(f"{text}?" if self.property("armed") else text)
 
 
-class Check(QCheckBox):
-    """A check box that changes only with its view.
+class Panel(QFrame):
+    """A part of the window: it shows its part of a view, and reports intents."""
 
-    It draws itself, because Fusion's box is invisible on a dark background.
-    """
+    intent = pyqtSignal(object)
 
-    asked = pyqtSignal(bool)
-    """the state that the user wants"""
+    def __init__(self, look: str = "", parent: QWidget | None = None) -> None:
+        """Create it; `look` is its name in the style sheet, for example `panel`."""
+        super().__init__(parent)
+        if look:
+            self.setProperty(look, True)  # noqa: FBT003
 
-    def __init__(self, text: str, tooltip: str) -> None:
-        super().__init__(text)
-        self.setToolTip(tooltip)
-        self.setAccessibleName(text)
-        self.setAccessibleDescription(tooltip)
-        self.clicked.connect(lambda: self.asked.emit(not self.isChecked()))
+    def show_view(self, view: Never) -> None:
+        """Show the part of the view with which the panel was added to the window; the plots show none."""
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours and sizes of a theme that the style sheet does not set."""
+
+
+class ChoiceCheck(QCheckBox):
+    """The box of a choice that is on or off; the window shows its present value, so it changes only with a view."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, texts: Texts, name: str) -> None:
+        super().__init__(texts(f"label.{name}"))
+        self.name = name
+        self.setToolTip(texts(f"tip.{name}"))
+        self.setAccessibleName(self.text())
+        self.setAccessibleDescription(self.toolTip())
+        self.clicked.connect(lambda: self.intent.emit(Choose(name, value=not self.isChecked())))
 
     def nextCheckState(self) -> None:  # noqa: N802
         """Keep the state until the view changes it."""
 
-    def sizeHint(self) -> QSize:  # noqa: N802
-        return indicator_size(self)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return indicator_size(self)
-
-    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
-        paint_indicator(self, round_=False)
-
 
 class Radio(QRadioButton):
-    """A radio button that changes only with its view, like `Check`."""
+    """A radio button that changes only with its view, like `ChoiceCheck`."""
 
     asked = pyqtSignal()
 
@@ -135,71 +165,17 @@ class Radio(QRadioButton):
     def nextCheckState(self) -> None:  # noqa: N802
         """Keep the state until the view changes it."""
 
-    def sizeHint(self) -> QSize:  # noqa: N802
-        return indicator_size(self)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return indicator_size(self)
-
-    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
-        paint_indicator(self, round_=True)
-
-
-def indicator_size(button: QAbstractButton) -> QSize:
-    """Return the size of indicator and text."""
-    metrics = button.fontMetrics()
-    width = metrics.height() + GAP_PX + metrics.horizontalAdvance(button.text()) + 4
-    return QSize(width, metrics.height() + GAP_PX)
-
-
-def paint_indicator(button: QAbstractButton, *, round_: bool) -> None:
-    """Draw a box with a tick, or a ring with a dot, and the text."""
-    painter = QPainter(button)
-    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    palette, metrics = button.palette(), button.fontMetrics()
-    group = palette.Active if button.isEnabled() else palette.Disabled
-    text, edge = palette.color(group, palette.WindowText), palette.color(palette.Light)
-    side = metrics.height() - 3.0
-    box = QRectF(2.0, (button.height() - side) / 2, side, side)
-    painter.setPen(QPen(edge if button.isEnabled() else text, 1.5))
-    painter.setBrush(palette.color(palette.Base))
-    if round_:
-        painter.drawEllipse(box)
-    else:
-        painter.drawRoundedRect(box, 2, 2)
-    if button.isChecked():
-        paint_mark(painter, box, text, round_=round_)
-    painter.setPen(text)
-    words = QRectF(box.right() + GAP_PX, 0, button.width(), button.height())
-    painter.drawText(words, int(Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft), button.text())
-    if button.hasFocus():
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.setPen(QPen(palette.color(palette.Highlight), 2))
-        painter.drawRoundedRect(QRectF(button.rect()).adjusted(0.5, 0.5, -0.5, -0.5), 3, 3)
-
-
-def paint_mark(painter: QPainter, box: QRectF, colour: QColor, *, round_: bool) -> None:
-    """Draw the tick or the dot."""
-    side = box.width()
-    if round_:
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(colour)
-        painter.drawEllipse(box.center(), side * 0.26, side * 0.26)
-        return
-    painter.setPen(QPen(colour, 2.2))
-    tick = [QPointF(0.2, 0.55), QPointF(0.42, 0.76), QPointF(0.8, 0.26)]
-    painter.drawPolyline(QPolygonF([box.topLeft() + point * side for point in tick]))
-
 
 class SliderBox(QWidget):
-    """A named number as a slider and as a box; reports changes of both."""
+    """A choice that is a number, as a slider and as a box."""
 
-    changed = pyqtSignal(float)
+    intent = pyqtSignal(object)
 
-    def __init__(self, texts: Texts, name: str, unit: str, tooltip: str, *, least: float) -> None:
+    def __init__(self, texts: Texts, name: str, *, least: float) -> None:
         super().__init__()
         self._value = self._maximum = -1.0
-        self._name = QLabel(name)
+        title, unit = texts(f"label.{name}"), texts(f"label.{name}_unit")
+        self._name = QLabel(title)
         self.slider = QSlider(Qt.Orientation.Horizontal)
         self.slider.setMinimum(round(least * STEPS))
         self.slider.setSingleStep(STEPS)
@@ -207,16 +183,14 @@ class SliderBox(QWidget):
         self.slider.setMinimumWidth(60)
         self.box = NumberBox(texts, unit, least)
         for control in (self.slider, self.box):
-            control.setToolTip(tooltip)
-            control.setAccessibleName(f"{name} ({unit.strip()})")
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(GAP_PX)
+            control.setToolTip(texts(f"tip.{name}"))
+            control.setAccessibleName(f"{title} ({unit.strip()})")
+        layout = spaced(QHBoxLayout(self), GAP_PX, NO_MARGINS)
         for part in (self._name, self.slider, self.box):
             layout.addWidget(part)
         layout.setStretch(1, 1)
-        self.slider.valueChanged.connect(lambda position: self.changed.emit(position / STEPS))
-        self.box.valueChanged.connect(self.changed)
+        self.slider.valueChanged.connect(lambda at: self.intent.emit(Choose(name, at / STEPS)))
+        self.box.valueChanged.connect(lambda value: self.intent.emit(Choose(name, value)))
 
     def show_compact(self, *, compact: bool) -> None:
         """Hide the slider, so that two boxes fit into one row."""

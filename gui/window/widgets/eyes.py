@@ -6,17 +6,17 @@ import time
 from collections import deque
 from typing import Final
 
-from PyQt5.QtCore import QBuffer, QRect, QSize, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QBuffer, QRect, QSize, Qt, QTimer
 from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QSizePolicy, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import EYES, SIDES
-from gui.console.state.intents import SetCameras, Theme
+from gui.console.state.intents import Theme
 from gui.console.state.views import EyeView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import Check
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, spaced
 from gui.window.widgets.levels import LevelsPanel
 
 PERIOD_MS: Final = 33
@@ -186,25 +186,19 @@ class CameraPicture(QWidget):
         painter.restore()
 
 
-class EyesPanel(QWidget):
+class EyesPanel(Panel):
     """The pictures of the eyes: a row for each robot, the left eye on the left; below them what its ears hear."""
-
-    intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 0, 0, 0)
-        grid.setSpacing(6)
+        grid = spaced(QGridLayout(self), 6, NO_MARGINS)
         self.pictures = {(side, eye): CameraPicture(texts) for side in SIDES for eye in EYES}
         for (side, eye), picture in self.pictures.items():
             grid.addWidget(picture, SIDES.index(side), EYES.index(eye))
-        self.cameras = Check(texts("label.cameras"), texts("tip.cameras"))
-        self.cameras.asked.connect(lambda on: self.intent.emit(SetCameras(on)))
+        self.cameras = ChoiceCheck(texts, "cameras")
+        self.cameras.intent.connect(self.intent)
         self.sound = LevelsPanel(texts)
-        self.sound.intent.connect(self.intent)
-        below = QHBoxLayout()
-        below.setSpacing(12)
+        below = spaced(QHBoxLayout(), 12)
         below.addWidget(self.cameras, 0, Qt.AlignmentFlag.AlignTop)
         below.addWidget(self.sound, 1)
         grid.addLayout(below, len(SIDES), 0, 1, len(EYES))

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 
-from PyQt5.QtCore import QChildEvent, QEvent, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QChildEvent, QEvent, Qt, QTimer
 from PyQt5.QtWidgets import QFileDialog, QGridLayout, QLineEdit, QMessageBox, QWidget
 
 from gui.console.state.intents import Intent
 from gui.console.texts import Texts
-from gui.window.widgets.controls import label
+from gui.window.widgets.controls import Panel, label
 
 FORBIDDEN = '<>:"|?*\\'
 """Characters that Windows does not allow in the name of a file."""
@@ -112,10 +112,8 @@ class FileDialog(QFileDialog):
         self.notice.show()
 
 
-class FilePanel(QWidget):
+class FilePanel(Panel):
     """A panel some of whose intents need a file."""
-
-    intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()

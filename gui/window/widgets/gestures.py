@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 from enum import Enum
+from importlib import resources
 
-from PyQt5.QtCore import QRectF, QSize, Qt, pyqtSignal
-from PyQt5.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
-from PyQt5.QtWidgets import (
-    QHBoxLayout,
-    QLayout,
-    QSizePolicy,
-    QStyle,
-    QStyleOptionButton,
-    QVBoxLayout,
-    QWidget,
-)
+from PyQt5.QtCore import QByteArray, QSize, Qt, pyqtSignal
+from PyQt5.QtGui import QIcon, QPainter, QPixmap, QResizeEvent
+from PyQt5.QtSvg import QSvgRenderer
+from PyQt5.QtWidgets import QHBoxLayout, QLayout, QSizePolicy, QToolButton, QVBoxLayout
 
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state.intents import Theme
-from gui.console.state.views import GesturesView
+from gui.console.state.views import ButtonView, GesturesView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import ElidedLabel, IntentButton, set_role, set_text
-from gui.window.widgets.gesture_icons import FOLLOW, PROGRAM, paint
+from gui.window.widgets.controls import ElidedLabel, Panel, set_role, set_text
 
 PICTURE_PX, SMALL_PX = 44, 26
 """Side of a picture at scale 1, in a wide and in a narrow panel."""
@@ -40,32 +33,59 @@ class Room(Enum):
     LOW = "one row of small pictures, whose names are tooltips"
 
 
-class PictureButton(IntentButton):
+class PictureButton(QToolButton):
     """A button with a picture over its text."""
+
+    intent = pyqtSignal(object)
 
     def __init__(self, picture: str) -> None:
         super().__init__()
         self._picture = picture
+        self._view: ButtonView | None = None
         self._style = style_of(Theme.DARK)
         self._room = Room.WIDE
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
+        self.clicked.connect(self._press)
+
+    def _press(self) -> None:
+        if self._view is not None:
+            self.intent.emit(self._view.intent)
+
+    def show_view(self, view: ButtonView) -> None:
+        """Show the view's text, and enable or disable the button."""
+        self._view = view
+        self._show_text()
+        self.setToolTip(f"{view.text}: {view.tooltip}")
+        self.setAccessibleName(view.text)
+        self.setEnabled(view.enabled)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self._style = style_of(theme)
-        self.updateGeometry()
-        self.update()
+        self.show_room(self._room)
 
     def show_room(self, room: Room) -> None:
         """Use the picture, and the name, for which there is room."""
-        self._room = room
+        self._room, colours = room, self._style
         self._show_text()
+        side = colours.px(PICTURE_PX if room is Room.WIDE else SMALL_PX)
+        icon, ratio = QIcon(), self.devicePixelRatioF()
+        for mode, line, mark in (
+            (QIcon.Mode.Normal, colours.text, colours.accent),
+            (QIcon.Mode.Disabled, colours.disabled, colours.disabled),
+        ):
+            icon.addPixmap(drawn(self._picture, side, ratio, (line, colours.field, mark)), mode)
+        set_role(self, "wide", "yes" if room is Room.WIDE else "")
+        self.setIcon(icon)
+        self.setIconSize(QSize(side, side))
         self.updateGeometry()
 
     def _show_text(self) -> None:
-        super()._show_text()
-        if self._room is Room.LOW:
-            self.setText("")
+        names = self._view is not None and self._room is not Room.LOW
+        styles = Qt.ToolButtonStyle
+        self.setToolButtonStyle(styles.ToolButtonTextUnderIcon if names else styles.ToolButtonIconOnly)
+        self.setText(self._view.text.replace("&", "&&") if self._view is not None and names else "")
 
     def size_in(self, room: Room) -> QSize:
         """Return the size in a panel with this room."""
@@ -82,45 +102,33 @@ class PictureButton(IntentButton):
     def minimumSizeHint(self) -> QSize:  # noqa: N802
         return self.sizeHint()
 
-    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
-        option = QStyleOptionButton()
-        self.initStyleOption(option)
-        option.text = ""
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        style = self.style()
-        if style is not None:
-            style.drawControl(QStyle.ControlElement.CE_PushButton, option, painter, self)
-        words = 0 if self._room is Room.LOW else self.fontMetrics().height()
-        side = self._style.px(PICTURE_PX if self._room is Room.WIDE else SMALL_PX)
-        top = max(2.0, (self.height() - side - words - 2) / 2)
-        colours = self._style
-        line, mark = (
-            (colours.text, colours.accent) if self.isEnabled() else (colours.disabled, colours.disabled)
-        )
-        box = QRectF((self.width() - side) / 2, top, side, side)
-        paint(painter, self._picture, box, QColor(line), QColor(colours.field), QColor(mark))
-        if not words:
-            return
-        painter.setPen(QColor(line))
-        place = QRectF(0.0, box.bottom() + 2, self.width(), words)
-        painter.drawText(place, int(Qt.AlignmentFlag.AlignCenter), self.text().replace("&&", "&"))
+
+def drawn(name: str, side: int, ratio: float, colours: tuple[str, str, str]) -> QPixmap:
+    """Return a picture with a side (px) on a screen with this ratio of pixels; colours of line, face and mark."""
+    text = resources.files(__package__).joinpath("pictures", f"{name}.svg").read_text(encoding="utf-8")
+    for variable, colour in zip(("currentColor", "var(--face)", "var(--mark)"), colours, strict=True):
+        text = text.replace(variable, colour)
+    pixmap = QPixmap(round(side * ratio), round(side * ratio))
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(pixmap)
+    QSvgRenderer(QByteArray(text.encode())).render(painter)
+    painter.end()
+    pixmap.setDevicePixelRatio(ratio)
+    return pixmap
 
 
-class GesturesPanel(QWidget):
+class GesturesPanel(Panel):
     """A button for each gesture; after them the program that follows a face.
 
     `Room` lists its arrangements. Without room for the note it is only a tooltip.
     """
-
-    intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._view: GesturesView | None = None
         self._room: Room | None = None
         self.buttons = {name: PictureButton(name) for name in GESTURES}
-        self.follow, self.open = PictureButton(FOLLOW), PictureButton(PROGRAM)
+        self.follow, self.open = PictureButton("follow"), PictureButton("program")
         self.note = ElidedLabel("dim")
         self.setAccessibleName(texts("label.gestures"))
         self._all = (*self.buttons.values(), self.follow, self.open)
@@ -185,11 +193,9 @@ class GesturesPanel(QWidget):
         self._view = view
         for name, button_view in view.gestures:
             self.buttons[name].show_view(button_view)
-            self.buttons[name].setToolTip(f"{button_view.text}: {button_view.tooltip}")
         self.follow.show_view(view.follow)
         self.open.show_view(view.open)
         set_role(self.follow, "running", "yes" if view.following else "")
-        self.open.setToolTip(f"{view.open.text}: {view.open.tooltip}")
         tooltip = (f"{view.follow.text}: {view.follow.tooltip}", view.note, view.details)
         self.follow.setToolTip("\n".join(text for text in tooltip if text))
         set_text(self.note, view.note)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QResizeEvent
-from PyQt5.QtWidgets import QBoxLayout, QFrame, QGridLayout, QLabel, QVBoxLayout
+from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QLabel, QVBoxLayout
 
 from gui.console.state.intents import Theme
-from gui.console.state.views import HeadOrientation, HeadView
+from gui.console.state.orientation import HeadOrientation
+from gui.console.state.views import HeadView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import label, set_text
+from gui.window.widgets.controls import Panel, label, set_text, spaced
 from gui.window.widgets.head_pad import HeadPad
 
 AXES = ("yaw", "pitch", "roll")
@@ -21,16 +22,13 @@ SYMBOLS = {"target": "○", "sim": "+", "hw": "■"}
 """The markers of the pad."""
 
 
-class HeadPanel(QFrame):
+class HeadPanel(Panel):
     """The present and the target orientation of the head."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
+        super().__init__("panel")
         self._view: HeadView | None = None
         self._texts = texts
-        self.setProperty("panel", True)  # noqa: FBT003
         self.pad = HeadPad(texts)
         self.pad.setProperty("sends", True)  # noqa: FBT003
         self.numbers: dict[tuple[str, str], QLabel] = {}
@@ -40,8 +38,7 @@ class HeadPanel(QFrame):
         self._legend = [label(f"{SYMBOLS[name]} {self._names[name]}", role) for name, role in ROBOTS.items()]
         """the symbols of the robots, where the columns are too narrow for words"""
         self.pad.intent.connect(self.intent)
-        self._numbers = QVBoxLayout()
-        self._numbers.setSpacing(4)
+        self._numbers = spaced(QVBoxLayout(), 4)
         self._numbers.addStretch(1)
         for line in self._legend:
             line.setAlignment(Qt.AlignmentFlag.AlignRight)
@@ -51,9 +48,7 @@ class HeadPanel(QFrame):
         """the numbers, and the width (px) that they need without words over the columns of the robots"""
         self._fill(texts)
         self._numbers.addLayout(self._table)
-        self._layout = QBoxLayout(QBoxLayout.Direction.TopToBottom, self)
-        self._layout.setContentsMargins(6, 6, 6, 6)
-        self._layout.setSpacing(4)
+        self._layout = spaced(QBoxLayout(QBoxLayout.Direction.TopToBottom, self), 4, (6, 6, 6, 6))
         self._layout.addWidget(self.pad, 1)
         self._layout.addLayout(self._numbers)
 

@@ -9,21 +9,20 @@ from typing import Final
 
 from PyQt5.QtCore import QPoint, QPointF, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QFocusEvent, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
-from PyQt5.QtWidgets import QHBoxLayout, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
 
 from gui.console.state.intents import (
     AimHead,
     GrabHead,
     LiveHead,
     ReleaseHead,
-    SetLive,
-    SetSendOnRelease,
     Theme,
 )
-from gui.console.state.views import HeadOrientation, HeadView
+from gui.console.state.orientation import HeadOrientation
+from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
-from gui.window.widgets.controls import Check
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, plain_button, spaced
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import (
     GHOST,
@@ -255,26 +254,20 @@ class Head3d(QWidget):
         return image
 
 
-class Head3dPanel(QWidget):
+class Head3dPanel(Panel):
     """The head in three dimensions, with the buttons of its views and the choices for dragging."""
-
-    intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self.head = Head3d(texts)
         self.head.setProperty("sends", True)  # noqa: FBT003
-        self.views = {name: QPushButton(texts(f"view.{name}")) for name in VIEWS}
-        self.live = Check(texts("label.live"), texts("tip.live"))
-        self.send = Check(texts("label.send_on_release"), texts("tip.send_on_release"))
+        self.views = {name: plain_button(texts(f"view.{name}"), texts("tip.view")) for name in VIEWS}
+        self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
         over, row = QHBoxLayout(), QHBoxLayout()
         over.addStretch(1)
         row.setContentsMargins(6, 0, 6, 4)
         for name, button in self.views.items():
             button.setCheckable(True)
-            button.setAutoDefault(False)
-            button.setToolTip(texts("tip.view"))
-            button.setAccessibleName(button.text())
             button.clicked.connect(lambda _, name=name: self._look(name))
             over.addWidget(button)
         on_picture = QVBoxLayout(self.head)
@@ -283,14 +276,11 @@ class Head3dPanel(QWidget):
         row.addWidget(self.live)
         row.addWidget(self.send)
         row.addStretch(1)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(4)
+        layout = spaced(QVBoxLayout(self), 4, NO_MARGINS)
         layout.addWidget(self.head, 1)
         layout.addLayout(row)
-        self.live.asked.connect(lambda on: self.intent.emit(SetLive(on)))
-        self.send.asked.connect(lambda on: self.intent.emit(SetSendOnRelease(on)))
-        self.head.intent.connect(self.intent)
+        for part in (self.live, self.send, self.head):
+            part.intent.connect(self.intent)
         self.head.moved.connect(self._show_camera)
         self._show_camera()
 
@@ -300,12 +290,10 @@ class Head3dPanel(QWidget):
         return self.height() - min(button.y() for button in self.views.values())
 
     def show_view(self, view: HeadView) -> None:
-        """Show the robots and the choices."""
+        """Show the robots."""
         self.head.show_view(view)
         for button in self.views.values():
             button.setVisible(view.shown is not None)
-        self.live.setChecked(view.drag.live)
-        self.send.setChecked(view.drag.send_on_release)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""

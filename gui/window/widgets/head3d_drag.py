@@ -11,7 +11,8 @@ import numpy as np
 
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
 from beatrix_zenoh.motion.rotation import Rotation, rotation_of
-from gui.console.state.views import HeadOrientation, HeadView
+from gui.console.state.orientation import HeadOrientation
+from gui.console.state.views import HeadView
 from gui.window.widgets.head3d_scene import Screen
 from gui.window.widgets.head3d_shape import Floats
 

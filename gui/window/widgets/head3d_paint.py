@@ -15,7 +15,8 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits.region import reach
 from beatrix_zenoh.recording.figure import Figure
-from gui.console.state.views import HeadOrientation, HeadView
+from gui.console.state.orientation import HeadOrientation
+from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style
 from gui.window.widgets.head3d_drag import CROWN, EARS, FLOOR, NOSE, Part, on_screen, turned

@@ -7,30 +7,32 @@ from PyQt5.QtWidgets import (
     QAction,
     QActionGroup,
     QComboBox,
-    QFrame,
     QHBoxLayout,
     QMenu,
     QPushButton,
     QSizePolicy,
     QVBoxLayout,
-    QWidget,
 )
 
 from beatrix_zenoh.contract.names import SIDES
-from gui.console.state.connecting import LookForPorts
-from gui.console.state.intents import ChooseRobot, SetLanguage, SetTheme, Theme, WindowPage
+from gui.console.state.actions import ChooseRobot, LookForPorts
+from gui.console.state.intents import Choose, Theme, WindowPage
 from gui.console.state.views import ButtonView, PillView, RecordView, View
 from gui.console.texts import LANGUAGES, Texts
 from gui.window.theme import CONDITION_ROLES
 from gui.window.widgets.controls import (
+    NO_MARGINS,
     SEPARATOR,
     ElidedLabel,
     IntentButton,
     OptionalLabel,
+    Panel,
     PartsLabel,
     label,
+    plain_button,
     set_role,
     set_text,
+    spaced,
 )
 from gui.window.widgets.robot_menu import RobotMenu
 
@@ -75,18 +77,14 @@ class RecordButton(IntentButton):
         return QSize(hint.width() + widest - metrics.horizontalAdvance(self.text()), hint.height())
 
 
-class RecordButtons(QWidget):
+class RecordButtons(Panel):
     """The buttons that open the last recording, and begin and end one."""
-
-    intent = pyqtSignal(object)
 
     def __init__(self) -> None:
         super().__init__()
         self._view: RecordView | None = None
         self.open, self.toggle = IntentButton(), RecordButton()
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(4)
+        layout = spaced(QHBoxLayout(self), 4, NO_MARGINS)
         for button in (self.open, self.toggle):
             layout.addWidget(button)
             button.intent.connect(self.intent)
@@ -102,16 +100,13 @@ class RecordButtons(QWidget):
         self.open.setVisible(view.open is not None)
 
 
-class Pill(QFrame):
+class Pill(Panel):
     """State of one robot, with the buttons for its next step and lease."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, side: str, texts: Texts) -> None:
-        super().__init__()
+        super().__init__("pill")
         self._view: PillView | None = None
         self._emergency: ButtonView | None = None
-        self.setProperty("pill", True)  # noqa: FBT003
         self.setProperty("side", side)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self.title, self.state = label(role=side), ElidedLabel()
@@ -121,16 +116,13 @@ class Pill(QFrame):
         self.lease.intent.connect(self.intent)
         self.next_step.setProperty("next_step", True)  # noqa: FBT003
         self.next_step.intent.connect(self.intent)
-        first = QHBoxLayout()
-        first.setSpacing(8)
+        first = spaced(QHBoxLayout(), 8)
         first.addWidget(self.title)
         first.addWidget(self.notes, 1)
-        words = QVBoxLayout()
-        words.setSpacing(0)
+        words = spaced(QVBoxLayout(), 0)
         words.addLayout(first)
         words.addWidget(self.state)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(6, 2, 6, 2)
+        layout = spaced(QHBoxLayout(self), None, (6, 2, 6, 2))
         self.reason = OptionalLabel("dim")
         layout.addLayout(words)
         layout.addWidget(self.reason, 1)
@@ -141,17 +133,15 @@ class Pill(QFrame):
         self.lease.hide()
 
     def _menu_button(self, texts: Texts) -> QPushButton:
-        self.menu, self.more = RobotMenu(self), QPushButton("⋮")
+        self.menu, self.more = RobotMenu(self), plain_button("⋮", texts("tip.robot_menu"))
         self.more.setProperty("jog", True)  # noqa: FBT003
-        self.more.setAutoDefault(False)
-        self.more.setToolTip(texts("tip.robot_menu"))
         self._menu_name = texts("label.robot_menu")
         self.more.setFixedWidth(MORE_PX)
         self.more.clicked.connect(lambda: self.menu.open(self.more))
         self.menu.intent.connect(self.intent)
         return self.more
 
-    def show_view(self, view: PillView, emergency: ButtonView | None) -> None:
+    def show_state(self, view: PillView, emergency: ButtonView | None) -> None:
         """Show the robot's state; the menu ends with the button of EMERGENCY_STOP, if it is given."""
         if (view, emergency) == (self._view, self._emergency):
             return
@@ -178,10 +168,9 @@ class Pill(QFrame):
                 button.show()
 
 
-class Header(QWidget):
+class Header(Panel):
     """One line above all panels."""
 
-    intent = pyqtSignal(object)
     keys_asked = pyqtSignal()
     """the user wants to see or hide the sheet of keys"""
 
@@ -202,15 +191,10 @@ class Header(QWidget):
         self.page.intent.connect(self.intent)
         self.page.hide()
         self.record = RecordButtons()
-        self.menu_button = QPushButton("≡")
-        self.menu_button.setAutoDefault(False)
-        self.menu_button.setToolTip(texts("tip.menu"))
-        self.menu_button.setAccessibleName(texts("label.menu"))
+        self.menu_button = plain_button("≡", texts("tip.menu"), texts("label.menu"))
         self.menu, self.choices = self._menu(texts)
         self.menu_button.clicked.connect(self._open_menu)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(4)
+        layout = spaced(QHBoxLayout(self), 4, NO_MARGINS)
         layout.addWidget(self.robots)
         layout.addWidget(self.page)
         for pill in self.pills.values():
@@ -225,12 +209,12 @@ class Header(QWidget):
         themes = QActionGroup(menu)
         self._heading(menu, texts("label.theme"))
         for theme in Theme:
-            choices[theme.value] = self._choice(menu, texts(f"label.theme_{theme}"), SetTheme(theme))
+            choices[theme.value] = self._choice(menu, texts(f"label.theme_{theme}"), Choose("theme", theme))
             themes.addAction(choices[theme.value])
         languages = QActionGroup(menu)
         self._heading(menu, texts("label.language"))
         for code in LANGUAGES:
-            choices[code] = self._choice(menu, texts(f"label.language_{code}"), SetLanguage(code))
+            choices[code] = self._choice(menu, texts(f"label.language_{code}"), Choose("language", code))
             languages.addAction(choices[code])
         menu.addSeparator()
         connect = QAction(texts("label.connect"), menu)
@@ -249,7 +233,7 @@ class Header(QWidget):
         heading.setEnabled(False)
         menu.addAction(heading)
 
-    def _choice(self, menu: QMenu, text: str, intent: SetTheme | SetLanguage) -> QAction:
+    def _choice(self, menu: QMenu, text: str, intent: Choose) -> QAction:
         action = QAction(text, menu)
         action.setCheckable(True)
         action.triggered.connect(lambda: self.intent.emit(intent))
@@ -277,11 +261,12 @@ class Header(QWidget):
                 self.robots.setCurrentText(view.robot)
         self.robots.setToolTip(f"{view.robot}\n{self._tip}")
         for pill in view.pills:
-            self.pills[pill.side].show_view(pill, view.emergency if view.page is WindowPage.ROBOT else None)
+            self.pills[pill.side].show_state(
+                pill, view.emergency if view.choices.page is WindowPage.ROBOT else None
+            )
         if view.class_page is not None:
             self.page.show_view(view.class_page.toggle)
         self.page.setVisible(view.class_page is not None)
         self.record.show_view(view.record)
-        self.choices[view.theme.value].setChecked(True)
-        if view.language in self.choices:
-            self.choices[view.language].setChecked(True)
+        for chosen in (view.choices.theme.value, view.choices.language):
+            self.choices[chosen].setChecked(True)

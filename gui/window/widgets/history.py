@@ -8,7 +8,6 @@ from PyQt5.QtWidgets import (
     QLabel,
     QListWidget,
     QListWidgetItem,
-    QPushButton,
     QSizePolicy,
     QVBoxLayout,
     QWidget,
@@ -18,15 +17,14 @@ from gui.console.state.intents import Repeat, Theme
 from gui.console.state.views import HistoryRowView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import label, set_role, set_text
+from gui.window.widgets.controls import Panel, label, plain_button, set_role, set_text, spaced
 
 ICON_PX = 16
 
 
-class HistoryPanel(QWidget):
+class HistoryPanel(Panel):
     """The list of requests, newest first."""
 
-    intent = pyqtSignal(object)
     row_chosen = pyqtSignal(int)
     """number of the row that the user has selected"""
 
@@ -43,8 +41,10 @@ class HistoryPanel(QWidget):
         self.details = label(wrap=True)
         """time, seat and result of the selected row"""
         self.details.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.repeat = self._button(texts, "repeat", texts("label.repeat"))
-        self.python = self._button(texts, "copy_python", texts("label.copy_python"))
+        self.repeat = plain_button(texts("label.repeat"), texts("tip.repeat"), texts("label.repeat"))
+        self.python = plain_button(
+            texts("label.copy_python"), texts("tip.copy_python"), texts("label.copy_python")
+        )
         self.uses, uses = QWidget(), QVBoxLayout()
         """what can be done with the selected row"""
         uses.setContentsMargins(0, 0, 0, 0)
@@ -53,9 +53,7 @@ class HistoryPanel(QWidget):
         uses.addWidget(self.repeat)
         uses.addWidget(self.python)
         self.uses.setLayout(uses)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 6, 6, 6)
-        layout.setSpacing(4)
+        layout = spaced(QVBoxLayout(self), 4, (6, 6, 6, 6))
         layout.addWidget(self.empty)
         layout.addWidget(self.list, 1)
         layout.addWidget(self.uses)
@@ -65,14 +63,6 @@ class HistoryPanel(QWidget):
         self.list.currentRowChanged.connect(self._report_row)
         self.list.itemActivated.connect(self._repeat)
         self._fill((), 0)
-
-    @staticmethod
-    def _button(texts: Texts, name: str, text: str) -> QPushButton:
-        button = QPushButton(text)
-        button.setAutoDefault(False)
-        button.setToolTip(texts(f"tip.{name}"))
-        button.setAccessibleName(texts(f"label.{name}"))
-        return button
 
     def show_view(self, rows: tuple[HistoryRowView, ...]) -> None:
         """Show the rows; the selected one stays selected while it exists."""

@@ -12,7 +12,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.lessons import SYMBOLS, LessonRowView, LessonsView, Progress
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import label, set_text
+from gui.window.widgets.controls import label, set_text, spaced
 
 COLUMNS = ("seat", "lesson", "progress", "passed")
 PROGRESS = COLUMNS.index("progress")
@@ -51,8 +51,8 @@ class LessonsTable(QFrame):
         self.list.setAccessibleName(texts("label.lessons"))
         self.list.setMinimumHeight(60)
         self.empty, self.notice = label(role="dim", wrap=True), label(role="warn", wrap=True)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 6, 0, 6)  # the table needs all of its width
+        # The table needs all of its width.
+        layout = spaced(QVBoxLayout(self), None, (0, 6, 0, 6))
         layout.addWidget(self.notice)
         layout.addWidget(self.list, 1)
         layout.addWidget(self.empty, 1)

@@ -4,35 +4,29 @@ from __future__ import annotations
 
 from typing import Final
 
-from PyQt5.QtCore import pyqtSignal
-from PyQt5.QtWidgets import QGridLayout, QLabel, QProgressBar, QSizePolicy, QWidget
+from PyQt5.QtWidgets import QGridLayout, QLabel, QProgressBar, QSizePolicy
 
 from beatrix_zenoh.contract.names import SIDES
-from gui.console.state.intents import SetMicrophones
 from gui.console.state.views import SoundView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import Check, ElidedLabel
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, ElidedLabel, Panel, spaced
 
 STEPS: Final = 100
 BAR_PX: Final = 8
 
 
-class LevelsPanel(QWidget):
+class LevelsPanel(Panel):
     """One row for each robot: its name, a bar for the left and for the right ear, and their levels."""
-
-    intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._view: SoundView | None = None
-        self.box = Check(texts("label.microphones"), texts("tip.microphones"))
-        self.box.asked.connect(lambda on: self.intent.emit(SetMicrophones(on)))
+        self.box = ChoiceCheck(texts, "microphones")
+        self.box.intent.connect(self.intent)
         self.bars = {(side, ear): QProgressBar() for side in SIDES for ear in (0, 1)}
         self.titles = {side: QLabel() for side in SIDES}
         self.texts = {side: ElidedLabel() for side in SIDES}
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 0, 0, 0)
-        grid.setSpacing(4)
+        grid = spaced(QGridLayout(self), 4, NO_MARGINS)
         grid.addWidget(self.box, 0, 0, len(SIDES), 1)
         for row, side in enumerate(SIDES):
             grid.addWidget(self.titles[side], row, 1)
@@ -52,11 +46,10 @@ class LevelsPanel(QWidget):
             grid.setColumnStretch(column, stretch)
 
     def show_view(self, view: SoundView) -> None:
-        """Show the box and the levels."""
+        """Show the levels."""
         if view == self._view:
             return
         self._view = view
-        self.box.setChecked(view.on)
         for level in view.levels:
             self.titles[level.side].setText(level.title)
             self.texts[level.side].setText(level.text)

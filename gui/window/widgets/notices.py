@@ -4,29 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PyQt5.QtCore import QPoint, QRect, pyqtSignal
-from PyQt5.QtWidgets import QFrame, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
+from PyQt5.QtCore import QPoint, QRect
+from PyQt5.QtWidgets import QFrame, QHBoxLayout, QVBoxLayout, QWidget
 
 from gui.console.state.intents import DismissRefusal
 from gui.console.state.views import BannerView, ButtonView, RefusalView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, label, set_text
+from gui.window.widgets.controls import IntentButton, Panel, label, plain_button, set_text, spaced
 
 WIDTH_PX = 290
 BUTTONS = 4
 """Largest number of buttons of a banner."""
 
 
-class Banner(QFrame):
+class Banner(Panel):
     """A sentence and buttons for the next step; hidden while there is nothing to do."""
-
-    intent = pyqtSignal(object)
 
     def __init__(self, *, quiet: bool = False) -> None:
         """Create a hidden banner; a `quiet` one looks like a panel, because nothing is wrong."""
-        super().__init__()
+        super().__init__("panel" if quiet else "notice")
         self._view: BannerView | None = None
-        self.setProperty("panel" if quiet else "notice", True)  # noqa: FBT003
         self.text = label(role="" if quiet else "title", wrap=True)
         self.buttons = [IntentButton(main=not number and not quiet) for number in range(BUTTONS)]
         layout = QHBoxLayout(self)
@@ -59,13 +56,9 @@ class TroubleNotice(QFrame):
         super().__init__(parent)
         self.setProperty("notice", True)  # noqa: FBT003
         self.text = label(wrap=True)
-        self.close_button = QPushButton(texts("label.dismiss"))
-        self.close_button.setAutoDefault(False)
-        self.close_button.setToolTip(texts("tip.dismiss"))
-        self.close_button.setAccessibleName(texts("label.dismiss"))
+        self.close_button = plain_button(texts("label.dismiss"), texts("tip.dismiss"))
         self.close_button.clicked.connect(self.hide)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(10, 4, 6, 4)
+        layout = spaced(QHBoxLayout(self), None, (10, 4, 6, 4))
         layout.addWidget(self.text, 1)
         layout.addWidget(self.close_button)
         self.hide()
@@ -86,17 +79,14 @@ class TroubleNotice(QFrame):
             self.setGeometry(0, parent.height() - height, parent.width(), height)
 
 
-class RefusalNotice(QFrame):
+class RefusalNotice(Panel):
     """A frame over the picture next to the control: it covers no control, and none moves."""
-
-    intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts, parent: QWidget, picture: Callable[[], QRect]) -> None:
         """Create it hidden; `picture` returns the area of the parent that it may cover."""
-        super().__init__(parent)
+        super().__init__("notice", parent)
         self._picture = picture
         self._shown: tuple[str, ButtonView | None, QWidget | None] = ("", None, None)
-        self.setProperty("notice", True)  # noqa: FBT003
         self.text = label(wrap=True)
         self.alternative, self.dismiss = IntentButton(main=True), IntentButton()
         close = texts("label.dismiss")
@@ -106,13 +96,12 @@ class RefusalNotice(QFrame):
         buttons = QHBoxLayout()
         buttons.addWidget(self.alternative, 1)
         buttons.addWidget(self.dismiss)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(10, 8, 10, 8)
+        layout = spaced(QVBoxLayout(self), None, (10, 8, 10, 8))
         layout.addWidget(self.text)
         layout.addLayout(buttons)
         self.hide()
 
-    def show_view(self, view: RefusalView | None, beside: QWidget | None) -> None:
+    def show_beside(self, view: RefusalView | None, beside: QWidget | None) -> None:
         """Show the refusal beside a widget, or hide it."""
         if view is None:
             self._show("", None, None)

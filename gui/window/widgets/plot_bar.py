@@ -11,7 +11,7 @@ from PyQt5.QtWidgets import QAction, QHBoxLayout, QMenu, QPushButton, QWidget
 from beatrix_zenoh.contract.names import ARMS, SIDES
 from beatrix_zenoh.contract.values import Value
 from gui.console.texts import Texts
-from gui.window.widgets.controls import label
+from gui.window.widgets.controls import label, plain_button, spaced
 
 SPANS: Final = (5, 20, 60)
 """Times that the plots show at the press of a button (s)."""
@@ -20,27 +20,30 @@ BOTH: Final = ("hw", "sim")
 DIFFERENCE: Final = "difference"
 
 
+def described(text: str, tooltip: str) -> QPushButton:
+    """Return a button whose text is too short to be its name."""
+    return plain_button(text, tooltip, tooltip)
+
+
 class PlotBar(QWidget):
     """The buttons above the plots."""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._word = texts.word
-        row = QHBoxLayout(self)
-        row.setContentsMargins(4, 4, 4, 0)
-        row.setSpacing(4)
+        row = spaced(QHBoxLayout(self), 4, (4, 4, 4, 0))
         self.spans = {
-            seconds: self._button(f"{seconds} s", texts("tip.plot_span", seconds=str(seconds)))
+            seconds: described(f"{seconds} s", texts("tip.plot_span", seconds=str(seconds)))
             for seconds in SPANS
         }
-        self.pause = self._button(texts("plot.pause"), texts("tip.plot_pause"))
+        self.pause = described(texts("plot.pause"), texts("tip.plot_pause"))
         for button in (*self.spans.values(), self.pause):
             button.setCheckable(True)
-        self.curves = self._button(f"{texts('plot.curves')} ▾", texts("tip.plot_curves"))
+        self.curves = described(f"{texts('plot.curves')} ▾", texts("tip.plot_curves"))
         self.time = label(role="dim")
         """time at the cursor"""
-        self.csv = self._button("CSV", texts("tip.plot_csv"))
-        self.png = self._button("PNG", texts("tip.plot_png"))
+        self.csv = described("CSV", texts("tip.plot_csv"))
+        self.png = described("PNG", texts("tip.plot_png"))
         for button in (*self.spans.values(), self.pause, self.curves):
             row.addWidget(button)
         row.addWidget(self.time, 1)
@@ -56,14 +59,6 @@ class PlotBar(QWidget):
         self.values = self.menu.addMenu(texts("plot.values"))
         """the values of the robots, in groups; `offer` fills it"""
         self.curves.clicked.connect(self._open_menu)
-
-    @staticmethod
-    def _button(text: str, tooltip: str) -> QPushButton:
-        button = QPushButton(text)
-        button.setAutoDefault(False)
-        button.setToolTip(tooltip)
-        button.setAccessibleName(tooltip)
-        return button
 
     def _choice(self, text: str) -> QAction:
         action = QAction(text, self.menu)

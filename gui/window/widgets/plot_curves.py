@@ -14,6 +14,7 @@ from PyQt5.QtWidgets import QLabel, QVBoxLayout, QWidget
 
 from gui.console.texts import Texts
 from gui.window.theme import Style
+from gui.window.widgets.controls import NO_MARGINS, spaced
 from gui.window.widgets.plot_samples import Samples, span
 
 NOTCH: Final = 120
@@ -94,9 +95,7 @@ class Curves(QWidget):
         self.area = pg.PlotWidget()
         self.area.setMinimumSize(1, 1)
         self.plot = self.area.getPlotItem()
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
+        column = spaced(QVBoxLayout(self), 0, NO_MARGINS)
         column.addWidget(self.label)
         column.addWidget(self.area, stretch=1)
         self.lines = [self.plot.plot(connect="finite", antialias=True) for _ in names]

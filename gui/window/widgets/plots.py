@@ -22,11 +22,12 @@ from beatrix_zenoh import colours as hues
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.contract.values import Value
-from gui.console.state.intents import SavePlots, Theme
+from gui.console.state.actions import NEW, WriteFile
+from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import label, set_text
+from gui.window.widgets.controls import NO_MARGINS, label, set_text, spaced
 from gui.window.widgets.files import FilePanel
 from gui.window.widgets.plot_bar import BOTH, DIFFERENCE, PlotBar
 from gui.window.widgets.plot_curves import Curves, Name
@@ -136,16 +137,13 @@ class PlotsPanel(FilePanel):
     def _lay_out(self) -> None:
         for curves in self.plots.values():
             curves.setParent(self._graphics)  # before it is in the grid, a plot must not become a window
-        self._grid = QGridLayout(self._graphics)
-        self._grid.setContentsMargins(4, 2, 4, 2)
+        self._grid = spaced(QGridLayout(self._graphics), None, (4, 2, 4, 2))
         self._grid.setVerticalSpacing(0)
         self.none: QLabel = label(self._texts("label.plots_none"), wrap=True)
         self.none.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._grid.addWidget(self.none, len(self.plots), 0)
         drawing = QWidget()
-        inner = QVBoxLayout(drawing)
-        inner.setContentsMargins(0, 0, 0, 0)
-        inner.setSpacing(0)
+        inner = spaced(QVBoxLayout(drawing), 0, NO_MARGINS)
         inner.addWidget(self.bar)
         inner.addWidget(self._graphics, 1)
         self._stack = QStackedLayout(self)
@@ -349,7 +347,7 @@ class PlotsPanel(FilePanel):
         """Let the user choose the file; the content is that of the moment of the press."""
         title, suffix = self._texts(f"tip.{kind}"), kind.removeprefix("plot_")
         save = QFileDialog.AcceptMode.AcceptSave
-        self.choose_file(title, save, suffix, lambda file: SavePlots(file, content), files=kind)
+        self.choose_file(title, save, suffix, lambda file: WriteFile(NEW, file, content), files=kind)
 
     # -- appearance ---------------------------------------------------------------------------------
 

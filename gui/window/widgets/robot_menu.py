@@ -2,34 +2,30 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QPoint, Qt, pyqtSignal
+from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtGui import QHideEvent, QKeyEvent
-from PyQt5.QtWidgets import QAbstractButton, QFrame, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QAbstractButton, QVBoxLayout, QWidget
 
 from gui.console.state.intents import EmergencyStop, Intent
 from gui.console.state.views import ButtonView
 from gui.window.keys import SEND_KEYS
-from gui.window.widgets.controls import IntentButton, label, set_text
+from gui.window.widgets.controls import IntentButton, Panel, label, set_text, spaced
 
 WIDTH_PX = 230
 
 
-class RobotMenu(QFrame):
+class RobotMenu(Panel):
     """Buttons below the pill; one with a question shows it here and stays open for the second press."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, parent: QWidget) -> None:
-        super().__init__(parent, Qt.WindowType.Popup)
+        super().__init__("panel", parent)
+        self.setWindowFlags(Qt.WindowType.Popup)
         self._views: tuple[ButtonView, ...] = ()
-        self.setProperty("panel", True)  # noqa: FBT003
         self.setFixedWidth(WIDTH_PX)
         self.buttons: list[IntentButton] = []
         self.question = label(wrap=True)
         self.question.hide()
-        self._column = QVBoxLayout(self)
-        self._column.setContentsMargins(8, 8, 8, 8)
-        self._column.setSpacing(8)
+        self._column = spaced(QVBoxLayout(self), 8, (8, 8, 8, 8))
         self._column.addWidget(self.question)
 
     def show_view(self, views: tuple[ButtonView, ...]) -> None:

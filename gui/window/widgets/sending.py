@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QFrame, QHBoxLayout, QProgressBar, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtCore import QSignalBlocker, Qt
+from PyQt5.QtWidgets import QHBoxLayout, QProgressBar, QSizePolicy, QVBoxLayout, QWidget
 
-from gui.console.state.intents import SetDestination, SetLead
-from gui.console.state.views import ButtonView, SendingView
+from gui.console.state.intents import Choose
+from gui.console.state.views import SendingView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import Check, IntentButton, label, set_role, set_text
+from gui.window.widgets.controls import ChoiceCheck, IntentButton, Panel, label, set_role, set_text, spaced
 from gui.window.widgets.number_box import NumberBox
 
 LEAD_MAX_S = 60.0
@@ -17,19 +17,15 @@ LINES = 2
 """Lines reserved for the text about the motion."""
 
 
-class SendingPanel(QFrame):
+class SendingPanel(Panel):
     """Destinations, lead, Send, and the present motion."""
 
-    intent = pyqtSignal(object)
-
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
+        super().__init__("panel")
         self._texts = texts
         self._view: SendingView | None = None
-        self.setProperty("panel", True)  # noqa: FBT003
         self.setAccessibleName(texts("label.send_to"))
-        self.sim = Check(texts("label.sim"), texts("tip.sim"))
-        self.hw = Check(texts("label.hw"), texts("tip.hw"))
+        self.sim, self.hw = ChoiceCheck(texts, "sim"), ChoiceCheck(texts, "hw")
         self.lead_name = label(texts("label.lead"))
         self.lead = NumberBox(texts, texts("label.lead_unit"), 0.0)
         self.lead.setMaximum(LEAD_MAX_S)
@@ -68,19 +64,15 @@ class SendingPanel(QFrame):
         self.text.setAlignment(Qt.AlignmentFlag.AlignTop)
         for part in (self.title, self.countdown, self.text):  # longer texts must not widen the column
             part.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(8, 8, 8, 8)
-        layout.setSpacing(4)
+        layout = spaced(QVBoxLayout(self), 4, (8, 8, 8, 8))
         layout.addLayout(to)
         layout.addLayout(send)
         layout.addWidget(self.text)
         layout.addWidget(self.plan)
 
     def _connect(self) -> None:
-        self.sim.asked.connect(lambda checked: self.intent.emit(SetDestination("sim", checked)))
-        self.hw.asked.connect(lambda checked: self.intent.emit(SetDestination("hw", checked)))
-        self.lead.valueChanged.connect(lambda seconds: self.intent.emit(SetLead(seconds)))
-        for button in (self.send, self.send_now, self.change, self.abort):
+        self.lead.valueChanged.connect(lambda seconds: self.intent.emit(Choose("lead_s", seconds)))
+        for button in (self.sim, self.hw, self.send, self.send_now, self.change, self.abort):
             button.intent.connect(self.intent)
 
     def show_compact(self, *, compact: bool) -> None:
@@ -91,18 +83,16 @@ class SendingPanel(QFrame):
         self.text.setVisible(not compact)
         self.text.setMinimumHeight(LINES * self.text.fontMetrics().lineSpacing())
 
-    def show_view(self, view: SendingView, send: ButtonView) -> None:
-        """Show destinations, Send and the present motion."""
-        self.send.show_view(send)
+    def show_view(self, whole: View) -> None:
+        """Show lead, Send and the present motion."""
+        view, lead_s = whole.sending, whole.choices.lead_s
+        self.send.show_view(whole.head.send)
+        if self.lead.value() != lead_s:
+            with QSignalBlocker(self.lead):
+                self.lead.setValue(lead_s)
         if view == self._view:
             return
         self._view = view
-        self.sim.setChecked(view.sim)
-        self.hw.setChecked(view.hw)
-        self.lead.blockSignals(True)  # noqa: FBT003
-        if self.lead.value() != view.lead_s:
-            self.lead.setValue(view.lead_s)
-        self.lead.blockSignals(False)  # noqa: FBT003
         self.lead.setToolTip(self._texts("tip.lead" if view.lead_matters else "tip.lead_one"))
         set_role(self.lead_name, "role", "" if view.lead_matters else "dim")
         set_text(self.title, view.title)

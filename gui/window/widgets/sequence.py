@@ -21,8 +21,8 @@ from PyQt5.QtWidgets import (
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.state.actions import LARGEST_BYTES
-from gui.console.state.intents import AimHead, DeletePose, PlayFile, Theme
+from gui.console.state.actions import LARGEST_BYTES, NEW, Play
+from gui.console.state.intents import AimHead, DeletePose, Theme
 from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.sequence_intents import (
     DuplicatePose,
@@ -31,12 +31,11 @@ from gui.console.state.sequence_intents import (
     RenamePose,
     SaveSequence,
     SetDuration,
-    SetLoop,
     UndoSequence,
 )
 from gui.console.state.views import CardView, SequenceView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import Check, IntentButton
+from gui.window.widgets.controls import ChoiceCheck, IntentButton, plain_button, spaced
 from gui.window.widgets.files import FilePanel
 from gui.window.widgets.number_box import NumberBox
 from gui.window.widgets.strip import Strip
@@ -68,18 +67,14 @@ class SequencePanel(FilePanel):
         self.duration.setToolTip(texts("tip.duration"))
         self.add, self.play, self.hardware = IntentButton(), IntentButton(main=True), IntentButton()
         self.delete, self.more = self._button("delete"), self._button("more")
-        self.loop = Check(texts("sequence.loop"), texts("sequence.loop_tip"))
+        self.loop = ChoiceCheck(texts, "loop")
         self.entries: dict[str, QAction] = {}
         """entries of the menu More"""
         self._lay_out()
         self._connect()
 
     def _button(self, name: str) -> QPushButton:
-        button = QPushButton(self._texts(f"sequence.{name}"))
-        button.setAutoDefault(False)
-        button.setToolTip(self._texts(f"sequence.{name}_tip"))
-        button.setAccessibleName(self._texts(f"sequence.{name}"))
-        return button
+        return plain_button(self._texts(f"sequence.{name}"), self._texts(f"sequence.{name}_tip"))
 
     def _lay_out(self) -> None:
         scroll = QScrollArea()
@@ -91,12 +86,9 @@ class SequencePanel(FilePanel):
         scroll.setMinimumWidth(80)
         self.area = scroll
         self.name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # cards need the width
-        self._grid = QGridLayout()
-        self._grid.setSpacing(3)
+        self._grid = spaced(QGridLayout(), 3)
         self._grid.setColumnMinimumWidth(0, NAME_PX)
-        self._layout = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
-        self._layout.setContentsMargins(4, 4, 4, 4)
-        self._layout.setSpacing(6)
+        self._layout = spaced(QBoxLayout(QBoxLayout.Direction.LeftToRight, self), 6, (4, 4, 4, 4))
         self._layout.addWidget(scroll, 1)
         self._layout.addLayout(self._grid)
         self._arrange(below=False)
@@ -128,7 +120,7 @@ class SequencePanel(FilePanel):
     def _connect(self) -> None:
         for button in (self.add, self.play, self.hardware):
             button.intent.connect(self.intent)
-        self.loop.asked.connect(lambda on: self.intent.emit(SetLoop(on)))
+        self.loop.intent.connect(self.intent)
         self.delete.clicked.connect(lambda: self._about(DeletePose))
         self.strip.chosen.connect(self._show_chosen)
         self.strip.chosen.connect(self._reveal)
@@ -148,7 +140,7 @@ class SequencePanel(FilePanel):
             ("open", QFileDialog.AcceptMode.AcceptOpen, "csv", _opened),
             ("save_file", save, "csv", SaveSequence),
             ("save_program", save, "py", lambda file: SaveSequence(file, program=True)),
-            ("play_file", QFileDialog.AcceptMode.AcceptOpen, "csv", PlayFile),
+            ("play_file", QFileDialog.AcceptMode.AcceptOpen, "csv", lambda file: Play(NEW, (), file)),
         ):
             entry = self.entries[name] = QAction(self._texts(f"sequence.{name}"), self)
             entry.triggered.connect(
@@ -171,7 +163,6 @@ class SequencePanel(FilePanel):
         self.add.show_view(view.add)
         self.play.show_view(view.play)
         self.hardware.show_view(view.hardware)
-        self.loop.setChecked(view.loop)
         self.loop.setEnabled(view.played < 0)
         self.entries["undo"].setEnabled(view.undo.enabled)
         self._show_chosen()

@@ -9,7 +9,8 @@ from PyQt5.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, Q
 from PyQt5.QtWidgets import QApplication, QToolTip, QWidget
 
 from gui.console.state.intents import Theme
-from gui.console.state.views import CardView, HeadOrientation
+from gui.console.state.orientation import HeadOrientation
+from gui.console.state.views import CardView
 from gui.window.theme import Style, style_of
 
 WIDTH_PX, GAP_PX = 66, 4

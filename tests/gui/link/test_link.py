@@ -15,7 +15,7 @@ from robots import Process, Stage, free_endpoint, start_router, until
 
 from beatrix_zenoh.client import Client, Place, Presence, stopping
 from beatrix_zenoh.contract._generated.messages import Command, Fault, Reason, Source
-from gui.console.state.actions import Connect, Ready, Select, Send, SendCommand, SendStop
+from gui.console.state.actions import ChooseRobot, MakeReady, Retry, Send, SendCommand, SendStop
 from gui.console.state.world import LinkPhase, World
 
 
@@ -48,7 +48,7 @@ def test_a_command_reaches_both_robots_and_each_answers(linked: Linked) -> None:
     linked.do(Send(2, look(5), ("hw",)))
     end = linked.end_of(2, "hw")
     assert (end.accepted, end.reason, len(linked.of(2))) == (False, Reason.NOT_ENABLED, 1)
-    linked.do(Ready(3, "hw"))
+    linked.do(MakeReady("hw", 3))
     assert linked.end_of(3, "hw").accepted
 
 
@@ -112,7 +112,7 @@ def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_los
     with Linked(endpoint) as linked:
         linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
         router = start_router(endpoint)
-        linked.do(Connect())
+        linked.do(Retry())
         linked.until(lambda world: world.phase is LinkPhase.ONLINE, "there is a router", 0.9)
         with Stage() as other:
             node = other.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
@@ -137,7 +137,7 @@ def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_los
 def retried(linked: Linked, side: str = "hw") -> bool:
     """Send `Ready` in a new row; return whether it is accepted."""
     row = 100 + len(linked.outcomes)
-    linked.do(Ready(row, side))
+    linked.do(MakeReady(side, row))
     return linked.end_of(row, side).accepted
 
 
@@ -146,10 +146,10 @@ def test_the_only_name_online_is_selected_and_another_can_be_selected(stage: Sta
         world = linked.until(lambda world: world.robot == "bea", "the only robot is selected")
         assert world.names == ("bea",)
         linked.online("sim", "hw")
-        linked.do(Select("other"))
+        linked.do(ChooseRobot("other"))
         world = linked.world
         assert (world.robot, world.sim.presence) == ("other", Presence.ABSENT)
-        linked.do(Select("bea"))
+        linked.do(ChooseRobot("bea"))
         linked.online("sim", "hw")
     with Linked(stage.endpoint, "not-there") as linked:
         linked.until(lambda world: world.names == ("bea",), "bea is seen")
@@ -201,7 +201,7 @@ def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
     stage, _, hardware = own
     with Linked(stage.endpoint) as linked:
         linked.online("sim", "hw")
-        linked.do(Ready(1, "hw"))
+        linked.do(MakeReady("hw", 1))
         assert linked.end_of(1, "hw").accepted
         hardware.send(signal.SIGSTOP)
         began_s = time.monotonic()
@@ -219,7 +219,7 @@ def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
         assert linked.world.latency_s["sim"] is not None
         rows = range(20, 32)
         for row in rows:
-            linked.do(Ready(row, "hw"))
+            linked.do(MakeReady("hw", row))
         assert linked.end_of(rows[-1], "hw", 0.5).reason is Reason.BUSY
         linked.do(SendStop(5))
         assert linked.end_of(rows[1], "hw", 0.5).reason is Reason.STOPPED
@@ -236,7 +236,7 @@ def test_an_emergency_stop_reaches_a_moving_robot_while_the_other_one_is_suspend
     with Linked(stage.endpoint) as linked:
         linked.online("sim", "hw")
         hardware.send(signal.SIGSTOP)
-        linked.do(Ready(1, "hw"))  # never answered
+        linked.do(MakeReady("hw", 1))  # never answered
         linked.do(Send(2, look(90, 30), ("sim",)))
         linked.accepted(2, "sim")
         linked.do(SendStop(3, emergency=True))
@@ -269,7 +269,7 @@ def test_close_takes_at_most_3_s_with_suspended_robots(own: tuple[Stage, Process
     simulation.send(signal.SIGSTOP)
     hardware.send(signal.SIGSTOP)
     linked.do(Send(1, look(20), ("sim", "hw"), 2.0))
-    linked.do(Ready(2, "hw"))
+    linked.do(MakeReady("hw", 2))
     linked.do(SendStop(3))
     linked.close()
 

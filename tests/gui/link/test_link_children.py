@@ -17,8 +17,8 @@ from beatrix_zenoh.recording.verbs.files import read_recording
 from gui.console.state.actions import (
     BeginRecording,
     EndRecording,
-    RunSimulation,
     Send,
+    StartSimulation,
     ViewRecording,
     WriteFile,
 )
@@ -63,7 +63,7 @@ def test_the_error_of_a_viewer_without_its_file_names_the_cause(linked: Linked, 
 def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None:
     with Linked(free_endpoint()) as linked:
         linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
-        linked.do(RunSimulation())
+        linked.do(StartSimulation())
         assert linked.world.starting
         world = linked.until(lambda world: world.own_simulation and not world.starting, "it runs", READY_S)
         assert world.child_trouble is None
@@ -75,7 +75,7 @@ def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None
         assert world.child_trouble is not None
         assert (world.child_trouble.key, world.child_trouble.code) == ("trouble.simulation", "SIGKILL")
         linked.until(lambda world: world.sim.presence is Presence.ABSENT, "it is absent")
-        linked.do(RunSimulation())
+        linked.do(StartSimulation())
         assert linked.world.child_trouble is None
         linked.until(lambda world: world.own_simulation, "it runs again", READY_S)
         linked.online("sim")
@@ -83,7 +83,7 @@ def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None
 
 def test_a_simulation_for_a_router_on_another_computer_is_refused() -> None:
     with Linked("tcp/203.0.113.1:7447") as linked:
-        linked.do(RunSimulation())
+        linked.do(StartSimulation())
         world = linked.until(lambda world: not world.starting, "it is refused", READY_S)
         assert world.child_trouble is not None
         assert (world.child_trouble.key, "another computer" in world.child_trouble.detail) == (

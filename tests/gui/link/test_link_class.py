@@ -17,7 +17,7 @@ from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
 from gui.console.state.actions import Govern, SendStop, WatchClass
-from gui.console.state.intents import MuteSeat, TogglePage
+from gui.console.state.intents import TogglePage
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, World
 
@@ -75,7 +75,7 @@ def page_seats(now: World) -> list[str]:
     state.handle(TogglePage(), now)
     page = state.view(now).class_page
     assert page is not None
-    return [view.mute.intent.seat for view in page.seats if isinstance(view.mute.intent, MuteSeat)]
+    return [view.mute.intent.seat for view in page.seats if isinstance(view.mute.intent, Govern)]
 
 
 def test_without_a_robot_requests_to_all_robots_are_refused() -> None:

@@ -13,15 +13,7 @@ from robots import END_S, Stage, until
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from gui.console.link.face_program import SHIPPED
-from gui.console.state.actions import (
-    CopyProgram,
-    EndFollowing,
-    FollowFace,
-    Play,
-    Select,
-    Send,
-    SendStop,
-)
+from gui.console.state.actions import ChooseRobot, CopyProgram, EndFollowing, FollowFace, Play, Send, SendStop
 
 START_S = 60.0
 TURNS = """
@@ -156,7 +148,7 @@ def test_the_loss_of_the_robot_ends_the_program(stage: Stage, linked: Linked, ow
     simulation = stage.process("sim_node", "--name", "gone", "--connect", stage.endpoint, "--ready")
     simulation.expect("ready")
     write(own, TURNS)
-    linked.do(Select("gone"))
+    linked.do(ChooseRobot("gone"))
     linked.online("sim")
     turning(linked, 1)
     simulation.end()

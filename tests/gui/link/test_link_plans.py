@@ -13,7 +13,7 @@ from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.contract._generated.messages import Reason, Steps
 from beatrix_zenoh.contract.errors import Refused
 from gui.console.link import plans
-from gui.console.state.actions import AbortPlan, Select, Send, SendPlanNow, SendStop
+from gui.console.state.actions import Abort, ChooseRobot, Send, SendNow, SendStop
 from gui.console.state.world import PlanPhase, World
 
 BOTH = ("sim", "hw")
@@ -72,7 +72,7 @@ def test_the_hardware_follows_after_the_lead_with_a_countdown(linked: Linked) ->
 def test_abort_leaves_the_hardware_unmoved_and_stops_the_simulation(linked: Linked) -> None:
     before = steps(linked)
     leading(linked, 1)
-    linked.do(AbortPlan())
+    linked.do(Abort())
     end = linked.end_of(1)
     assert (end.accepted, end.reason) == (False, Reason.STOPPED)
     assert "bea (hw): not moved" in end.message
@@ -125,9 +125,9 @@ def test_a_refused_preview_has_a_detail_and_keeps_the_waiting_motion(linked: Lin
 def test_selecting_another_robot_ends_a_motion_in_its_lead(linked: Linked) -> None:
     before = steps(linked)
     leading(linked, 1)
-    linked.do(Select("other"))
+    linked.do(ChooseRobot("other"))
     assert linked.end_of(1).key == "result.deselected"
-    linked.do(Select("bea"))
+    linked.do(ChooseRobot("bea"))
     linked.online(*BOTH)
     assert steps(linked) == before
     assert short(linked.world, "sim") < 50
@@ -137,14 +137,14 @@ def test_selecting_another_robot_stops_motions_of_this_window(linked: Linked, st
     linked.do(Send(1, look(90, 20), ("hw",)))
     linked.accepted(1, "hw")
     linked.until(lambda world: short(world, "hw") > 1, "the hardware moves")
-    linked.do(Select("elsewhere"))
+    linked.do(ChooseRobot("elsewhere"))
     with stage.robot("bea", "hw") as robot:
         until(
             lambda: not robot.status().moving,
             "the motion stops, because STOP of this window now goes to another robot",
         )
         assert robot.positions().commanded.short < 60
-    linked.do(Select("bea"))
+    linked.do(ChooseRobot("bea"))
     linked.online("sim", "hw")
 
 
@@ -163,7 +163,7 @@ def test_the_end_of_the_window_within_the_lead_leaves_the_hardware_unmoved(
 
 def test_send_now_ends_the_lead(linked: Linked) -> None:
     leading(linked, 1, 20.0, 30.0)
-    linked.do(SendPlanNow())
+    linked.do(SendNow())
     assert linked.end_of(1).accepted
     linked.until(lambda world: short(world, "hw") == pytest.approx(20, abs=0.1), "there")
 

@@ -13,7 +13,7 @@ from robots import Process, Stage, until
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.contract._generated.messages import Reason
-from gui.console.state.actions import Play, Select, Send, SendStop
+from gui.console.state.actions import ChooseRobot, Play, Send, SendStop
 from gui.console.texts import Texts
 
 BOTH = ("sim", "hw")
@@ -120,7 +120,7 @@ def frozen(stage: Stage, linked: Linked) -> Iterator[Linked]:
         node.expect("ready")
         simulation = other.process("sim_node", "--name", "ice", "--connect", stage.endpoint, "--ready")
         simulation.expect("ready")
-        linked.do(Select("ice"))
+        linked.do(ChooseRobot("ice"))
         at_home(linked)
         node.send(signal.SIGSTOP)
         linked.until(lambda world: world.hw.presence is Presence.LOST, "the node is lost", 1.5)
