@@ -202,9 +202,11 @@ class ClassRouters:
             child.kill()
         if child.code is None:
             return
+        child.close()
+        for account in child.floods():  # what it has printed last
+            note(flooded(account))
         suspects = self._children.values() if part is Part.ROBOTS else (child,)
         connected = frozenset(name for one in suspects for name in one.connected)
-        child.close()
         ends = [*self._ends[part], (time.monotonic(), connected)]
         self._ends[part] = ends
         recent = [who for at_s, who in ends if at_s > ends[-1][0] - OFTEN_S]

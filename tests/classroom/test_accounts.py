@@ -284,4 +284,4 @@ def test_up_with_an_account_of_a_class_starts_no_router(router: ClassRouter, tmp
     finally:
         beatrix("join", "--leave")
     assert done.returncode == 3
-    assert "The teacher starts it" in done.stderr
+    assert "the teacher starts it" in done.stderr

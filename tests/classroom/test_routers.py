@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Self
 
 import pytest
-from class_router import ClassRouter, end, start_node
+from class_router import CLI, ClassRouter, end, start_node
 from patient_connections import PATIENCE_S, patiently
 from robots import Process, ready, until
 
@@ -153,6 +153,18 @@ def test_both_routers_come_back_with_robots_seats_freeze_mute_and_lessons(
     ]
     lease.ask(teacher, LeaseAction.UNFREEZE)
     lease.ask(teacher, LeaseAction.UNMUTE, seat="ben")
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP], ids=["ends", "is stuck"])
+def test_stop_is_sent_again_until_the_router_is_back(
+    router: ClassRouter, teacher: Robot, tmp_path: Path, how: signal.Signals
+) -> None:
+    until(lambda: teacher.client.bus.router_answers(1.0), "the router")
+    (tmp_path / "beatrix.toml").write_text(f'account = "{router.path("teacher")}"\n')
+    end(router, Part.ROBOTS, how)
+    stop = Process(*CLI, "stop", "--name", "bea1", folder=tmp_path)
+    assert stop.wait(PATIENCE_S) == 0, stop.lines
+    until(lambda: bool(teacher.client.bus.robots()), "the teacher is connected again")
 
 
 def test_seats_are_out_for_a_while_when_the_router_of_the_robots_ends_again_and_again(tmp_path: Path) -> None:
