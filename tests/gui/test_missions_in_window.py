@@ -40,9 +40,13 @@ def test_the_missions_are_noticed_when_the_robots_have_done_them(
         assert "Mission 1 of 3" in panels.guide.text.text()
         user.send_to("sim")
         user.press(panels.gestures.buttons["no"])
+        user.until_last("gesture", "done")
+        assert "Mission 1 of 3" in panels.guide.text.text(), "a gesture is no solution"
+        for yaw in (12.0, -12.0, 12.0):
+            send(user, yaw, 0.0)
+            user.until_last("done")
         until_noticed(0, "the head has said no")
         assert "Mission 2 of 3" in panels.guide.text.text()
-        user.until_last("gesture", "done")
         send(user, 0.0, 20.0)
         user.until_last("done")
         assert "Mission 2 of 3" in panels.guide.text.text(), "the robot has accepted that"
