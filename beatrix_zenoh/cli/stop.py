@@ -21,8 +21,9 @@ from beatrix_zenoh.settings import Settings, resolve_valid
 from beatrix_zenoh.terminal.options import Connect, Json, Which, Who
 
 ALL = "*"
-AGAIN_S, PAUSE_S = 8.0, 0.2
-"""Longest time (s) to send STOP again in a class without its router, and pause before each attempt."""
+AGAIN_S, RETURN_S, PAUSE_S = 12.0, 2.0, 0.2
+"""Longest times (s) to send STOP again in a class: without its router, and without a robot, which may return a moment
+later than a router that was started again; and pause before each attempt."""
 
 Emergency = Annotated[
     bool,
@@ -90,19 +91,24 @@ def send(
 ) -> tuple[dict[Place, Answer], Sequence[Place]]:
     """Send STOP; return the answers and the robots online.
 
-    The router of a class is started again if it ends or is stuck, so STOP is sent again, for AGAIN_S.
+    The router of a class is started again if it ends or is stuck, so STOP is sent again.
     """
-    deadline_s = time.monotonic() + (AGAIN_S if settings.account else 0.0)
-    for attempt in itertools.count():
+    begin_s = time.monotonic()
+    router_s, robots_s = (AGAIN_S, RETURN_S) if settings.account else (0.0, 0.0)
+    while True:
+        waited_s = time.monotonic() - begin_s
         try:
-            return _send(settings, asked, side, emergency=emergency)
+            answers, present = _send(settings, asked, side, emergency=emergency)
         except NoAnswer as error:
-            if error.reason is not Reason.NO_ROUTER or time.monotonic() > deadline_s:
+            if error.reason is not Reason.NO_ROUTER or waited_s > router_s:
                 raise
-            if not attempt:
+            if robots_s < router_s:
                 note(f"The router does not answer. STOP is sent again, for at most {AGAIN_S:.0f} s.")
-            time.sleep(PAUSE_S)
-    raise AssertionError
+            robots_s = router_s
+        else:
+            if answers or waited_s > robots_s:
+                return answers, present
+        time.sleep(PAUSE_S)
 
 
 def _send(
