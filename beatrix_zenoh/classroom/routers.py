@@ -40,7 +40,7 @@ AGAIN_S: Final = 1.0
 """Time (s) between two attempts to start a router that cannot listen."""
 STACK: Final = str(8 << 20)
 """Stack (bytes) of each of Zenoh's threads. A key of 8 000 chunks overflows the usual 2 MiB; with 64 MiB the stacks alone
-would exceed the memory of `router_process.MEMORY` (decision 0092)."""
+would exceed the memory of `router_process.MEMORY` (decision 0090)."""
 STUCK: Final = f"it did not answer {FAILURES} times, so it was ended"
 PUT_OUT: Final = "take it out of class.toml and run `beatrix classroom init class.toml`."
 OFTEN, OFTEN_S = 3, 60.0
@@ -187,8 +187,6 @@ class ClassRouters:
         for part in Part:
             child = self._children.get(part)
             if child is not None:
-                for account in child.floods():
-                    note(flooded(account))
                 self._check(part, child)
             elif time.monotonic() >= self._again_s[part]:
                 self._again(part, self.file)
@@ -197,20 +195,24 @@ class ClassRouters:
             self._follow(found)
 
     def _check(self, part: Part, child: ChildRouter) -> None:
-        """Start a router again if it has ended or is stuck; keep the seats out if they end the other router."""
+        """Report what a router has printed; start it again if it has ended or is stuck.
+
+        Keep the seats out for a while if they end the router of robots and teacher.
+        """
         if stuck := child.stuck:
             child.kill()
-        if child.code is None:
-            return
-        child.close()
-        for account in child.floods():  # what it has printed last
+        if (code := child.code) is not None:
+            child.close()
+        for account in child.floods():  # after the end also what it has printed last
             note(flooded(account))
+        if code is None:
+            return
         suspects = self._children.values() if part is Part.ROBOTS else (child,)
         connected = frozenset(name for one in suspects for name in one.connected)
         ends = [*self._ends[part], (time.monotonic(), connected)]
         self._ends[part] = ends
         recent = [who for at_s, who in ends if at_s > ends[-1][0] - OFTEN_S]
-        note(ended(part, STUCK if stuck else in_words(child.code), connected, len(ends), recent))
+        note(ended(part, STUCK if stuck else in_words(code), connected, len(ends), recent))
         if part is Part.ROBOTS and len(recent) >= OFTEN and Part.SEATS in self._children:
             self._put_off(Part.SEATS, CLOSED_S)
             note(f"The seats are out for {CLOSED_S:.0f} s. Robots and teacher work meanwhile.")
