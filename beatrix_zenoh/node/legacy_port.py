@@ -153,9 +153,10 @@ class LegacyPort(Component):
         board_watch: BoardWatch,
         hardware: HardwareInterface,
         terminal: Terminal,
+        has_router: Callable[[], bool],
     ) -> None:
-        self._sessions: Sessions | None = None
-        driving = TextDriving(requests.events, controller, hardware, self._has_router)
+        """`has_router`: as for `TextDriving`."""
+        driving = TextDriving(requests.events, controller, hardware, has_router)
         self._port = TextPort(terminal, board_watch.board, driving, requests.queue.post_event)
         lines = self._port.lines
         controller.on_stop.append(lines.refuse_waiting_motions)
@@ -163,11 +164,7 @@ class LegacyPort(Component):
         board_watch.observe(Observer(lines.observe, lines.overdue, urgent=False))
         board_watch.on_text(self._port.board_sent)
 
-    def _has_router(self) -> bool:
-        return self._sessions is not None and self._sessions.control.connected
-
-    def start(self, sessions: Sessions) -> None:
-        self._sessions = sessions
+    def start(self, sessions: Sessions) -> None:  # noqa: ARG002
         self._port.start()
 
     def close(self) -> None:

@@ -150,6 +150,8 @@ class Node:
         decisions, stop = TeacherDecisions(controller, kept), StopHandler(requests, controller, watch)
         controller.on_stop.append(decisions.keep)  # an EMERGENCY_STOP may be the teacher's
         publisher = Publisher(self.snapshot, self.events, self.owner, clock)
+        clients = ClientWatch(requests, controller)
+        port = terminal and LegacyPort(requests, controller, watch, hardware, terminal, clients.has_router)
         return [
             LogEvents(self.events, self.owner),
             decisions,
@@ -163,8 +165,8 @@ class Node:
             MotionHandler(requests, controller),
             ArmTopics(requests, controller),
             *hardware.components(self),
-            *([] if terminal is None else [LegacyPort(requests, controller, watch, hardware, terminal)]),
-            ClientWatch(requests, controller),
+            *([port] if port else []),
+            clients,
         ]
 
     @property

@@ -23,12 +23,21 @@ class ClientWatch(Component):
         self._alive_key = keys.alive(requests.name, requests.side)
         self._queue, self._events, self._access = requests.queue, requests.events, controller.access
         self._end_reports: Callable[[], None] = lambda: None
-        self._endpoint = ""
+        self._control: Bus | None = None
         self._router_connected = True
         self._closed = False
 
+    def has_router(self) -> bool:
+        """Return whether a router is connected; any thread may call it."""
+        # Zenoh may report a lost router a moment before it takes it from its list.
+        return self._router_connected and self._control is not None and self._control.connected
+
+    @property
+    def _endpoint(self) -> str:
+        return "" if self._control is None else self._control.endpoint
+
     def start(self, sessions: Sessions) -> None:
-        self._endpoint = sessions.control.endpoint
+        self._control = sessions.control
         sessions.watch_tokens(keys.seat("*", "*"), self._seat)
         sessions.watch_tokens(keys.seats_router("*"), self._seats_router)
         sessions.watch_router(self._router)

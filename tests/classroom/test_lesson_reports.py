@@ -96,6 +96,7 @@ def test_seats_that_are_silent_or_too_busy_are_listed(
     monkeypatch.chdir(tmp_path)
     use_account(tmp_path, router.path("ana"))
     reports.report("01-hello", Record(), measured=False)
+    until(lambda: bool(rows(router)), "the report has arrived")
     use_account(tmp_path, router.path("teacher"))
     table = patiently(lambda: good("lesson", "report")).splitlines()
     assert [line.split() for line in table[:3]] == [
