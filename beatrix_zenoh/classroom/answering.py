@@ -8,6 +8,7 @@ from typing import Final
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
 from beatrix_zenoh.account import Account
+from beatrix_zenoh.classroom.router_file import CHECK_KEY
 from beatrix_zenoh.contract.errors import NoAnswer
 
 PERIOD_S, ANSWER_S = 1.0, 2.0
@@ -18,23 +19,19 @@ computer was asleep."""
 
 
 class Answering:
-    """Asks a router once a second, over a session of its own, on a thread of its own.
+    """Asks the router of robots and teacher once a second, on a thread of its own.
 
     It sends a query as clients do: one for tokens may take a second after a seat with 2 000 subscribers has left, while
     STOP takes 10 ms (measured).
     """
 
-    def __init__(self, endpoint: str, account: Account, key: str) -> None:
-        """Connect, and ask on a key until `close`."""
-        self._endpoint, self._account, self._key = endpoint, account, key
-        self._failures = 0
+    def __init__(self, endpoint: str, account: Account) -> None:
+        """Connect to one of the routers, and ask through it until `close`."""
+        self._endpoint, self._account = endpoint, account
+        self.failures = 0
+        """number of queries without an answer, since the last answer"""
         self._ended = threading.Event()
         self._thread = threads.start(self._run, "answering")
-
-    @property
-    def stuck(self) -> bool:
-        """Whether the router accepted the session, and does not answer now."""
-        return self._failures >= FAILURES
 
     def _run(self) -> None:
         while not self._ended.is_set():
@@ -45,10 +42,10 @@ class Answering:
                 continue
             with bus:
                 while not self._ended.wait(PERIOD_S):
-                    self._failures = 0 if self._asked(bus) else self._failures + 1
+                    self.failures = 0 if self._asked(bus) else self.failures + 1
 
     def _asked(self, bus: zbus.Bus) -> bool:
-        query = bus.query(self._key, timeout_s=ANSWER_S)
+        query = bus.query(CHECK_KEY, timeout_s=ANSWER_S)
         return next(query.replies(ANSWER_S), None) is not None
 
     def close(self) -> None:

@@ -30,6 +30,8 @@ from beatrix_zenoh.output import typed
 
 ROUTER = "@router"
 """Common name in the certificate of both routers; no account can have it."""
+CHECK_KEY = keys.seats_router("robots")
+"""Key on which the router of robots and teacher answers itself."""
 LONGEST = 256 * 1024
 """Largest size of a router file (bytes)."""
 
@@ -44,11 +46,6 @@ class Part(StrEnum):
     def called(self) -> str:
         """What messages to the teacher call this router."""
         return "router of robots and teacher" if self is Part.ROBOTS else "router of the seats"
-
-    @property
-    def check_key(self) -> str:
-        """Key on which this router answers itself."""
-        return keys.seats_router(self.value)
 
 
 class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -21,7 +21,7 @@ import msgspec
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
-from beatrix_zenoh.classroom.router_file import Part, RouterFile
+from beatrix_zenoh.classroom.router_file import CHECK_KEY, Part, RouterFile
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.output import FAILED
@@ -92,7 +92,7 @@ class RouterProcess:
         self._names = {file.accounts[name]: name for name in file.own(part)}
         self._guests = Guests(self._names.values(), zbus.close_connections)
         self._events: queue.SimpleQueue[Event | None] = queue.SimpleQueue()
-        self._checks = zbus.answer_checks(self._session, part.check_key)
+        self._checks = None if part is Part.SEATS else zbus.answer_checks(self._session, CHECK_KEY)
         self._watched = zbus.watch_router(self._session, self._on_link, self._on_token)
         self._token: object = None
         threads.start(self._read, "parent")

@@ -90,9 +90,7 @@ class ChildRouter:
             with contextlib.suppress(queue.Empty):
                 event, *data = self._events.get(timeout=POLL_S)
                 if event == "ready":
-                    self._answering = Answering(
-                        self.file.endpoint(self.part), self.file.account(), self.part.check_key
-                    )
+                    self._answering = Answering(self.file.endpoint(self.part), self.file.account())
                     return
                 if event == "failed":
                     reason, message = cast("tuple[str, str]", data)
@@ -109,9 +107,14 @@ class ChildRouter:
         return self._process.poll()
 
     @property
-    def stuck(self) -> bool:
-        """Whether it does not answer any more."""
-        return self._answering is not None and self._answering.stuck
+    def failures(self) -> int:
+        """Number of queries through it without an answer, since the last answer."""
+        return 0 if self._answering is None else self._answering.failures
+
+    def forget_failures(self) -> None:
+        """Count anew the queries without an answer."""
+        if self._answering is not None:
+            self._answering.failures = 0
 
     def kill(self) -> None:
         """End the process at once."""
@@ -199,7 +202,7 @@ class ClassRouters:
 
         Keep the seats out for a while if they end the router of robots and teacher.
         """
-        if stuck := child.stuck:
+        if stuck := self._stuck(part, child):
             child.kill()
         if (code := child.code) is not None:
             child.close()
@@ -218,6 +221,12 @@ class ClassRouters:
             note(f"The seats are out for {CLOSED_S:.0f} s. Robots and teacher work meanwhile.")
         self._again(part, self.file)
 
+    def _stuck(self, part: Part, child: ChildRouter) -> bool:
+        """Return whether a router does not answer; that of the seats is asked for answers of the other one."""
+        robots = self._children.get(Part.ROBOTS)
+        blameless = part is Part.SEATS and (robots is None or robots.failures > 0)
+        return child.failures >= FAILURES and not blameless
+
     def _put_off(self, part: Part, wait_s: float) -> None:
         """Close a router; `tend` starts it again after a time (s)."""
         self._children.pop(part).close()
@@ -232,6 +241,8 @@ class ClassRouters:
             self._put_off(part, AGAIN_S)
         else:
             note(f"The {part.called} runs again.")
+            if part is Part.ROBOTS and Part.SEATS in self._children:
+                self._children[Part.SEATS].forget_failures()
 
     def _changed(self) -> RouterFile | None:
         """Return the file if it has changed since the last call; None if it has not or cannot be read."""

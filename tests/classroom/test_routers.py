@@ -140,12 +140,16 @@ def test_both_routers_come_back_with_robots_seats_freeze_mute_and_lessons(
 
     until(arrived, "a report")
     for part in Part:
-        begin_s = time.monotonic()
+        begin_s, before = time.monotonic(), len(router.process.lines)
         end(router, part, how)
         router.process.expect(f"The {part.called} has ended ({cause})")
         until(lambda: ben.connected and bool(ben.robots()), "the seat sees the robot")
         until(lambda: teacher.client.bus.connected and bool(teacher.client.bus.robots()), "the teacher, too")
+        router.process.expect(f"The {part.called} runs again")
         print(f"{part}: all connected again {time.monotonic() - begin_s:.2f} s after its end")
+        if part is Part.ROBOTS:
+            ended = [line for line in router.process.lines[before:] if "has ended" in line]
+            assert len(ended) == 1, "the router of the seats goes on"
     status = patiently(teacher.status)
     assert (status.frozen, status.muted) == (True, ["ben"])
     assert [(row.seat, row.words) for row in patiently(lambda: reports.read(teacher.client))] == [
