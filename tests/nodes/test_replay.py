@@ -113,7 +113,9 @@ def test_both_robots_follow_a_path_and_a_known_lag_and_offset_are_found(stage: S
 
     before = compare(sim.recording, hw.recording)
     assert -0.1 < before.lag_s < PAUSE_S, "without the lead: delays of this computer"
-    assert all(part.lead_s == pytest.approx(0.1) for part in before.moved)
+    # A pause of the computer may leave a part without request and therefore without lead.
+    leads = [part.lead_s for part in before.moved if part.lead_s is not None]
+    assert leads == pytest.approx([0.1] * max(1, len(leads)))
     off = hw.recording.angles + np.array([0, 1.5, 0, 0, 0, 0])
     assert hw.recording.commanded is not None
     late = dataclasses.replace(hw.recording, t=hw.recording.t + 0.2, angles=off)

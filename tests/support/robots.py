@@ -61,6 +61,13 @@ def until(holds: Callable[[], bool], what: str, timeout_s: float = EVENT_S) -> N
         pause.wait(0.01)
 
 
+def _suspended(thread: Path) -> bool:
+    """Return whether a thread of a process, such as /proc/7/task/8, is suspended or has ended."""
+    with contextlib.suppress(OSError):
+        return (thread / "stat").read_text().rpartition(")")[2].split()[0] in "TtZX"
+    return True
+
+
 class Process:
     """A child process whose output lines are read as they arrive."""
 
@@ -125,8 +132,10 @@ class Process:
         self._reader.name = name
 
     def send(self, number: signal.Signals) -> None:
-        """Send a signal."""
+        """Send a signal; with SIGSTOP wait until each thread of the process is suspended."""
         self._child.send_signal(number)
+        if number is signal.SIGSTOP:
+            until(lambda: all(map(_suspended, Path(f"/proc/{self._child.pid}/task").iterdir())), "suspended")
 
     def wait(self, timeout_s: float = END_S) -> int:
         """Wait for the end of the process; return its exit code."""
