@@ -104,17 +104,17 @@ def test_chunks_become_few_in_a_long_recording(tmp_path: Path, messages: list[st
     assert max(first.values()) < 60
     assert (length - recorded.length) / (3 * recorded.samples) < 50, "bytes of a row of three numbers"
     recorded.until(600.0)
-    assert max((recorded.chunks - first).values()) <= 11, "chunks of an entity in five minutes"
+    assert max((recorded.chunks - first).values()) <= 8, "chunks of an entity in five minutes"
     before = recorded.path.stat().st_size
     assert recorded.output.close()
     written = recorded.path.stat().st_size - before
-    assert written < 600_000, "the end writes half a minute of rows and a table of the chunks"
+    assert written < 1_000_000, "the end writes a minute of rows and a table of the chunks"
     assert len(read(recorded.path).robots[SIM].time_ns) == recorded.samples
     assert verify(recorded.path) == ""
 
 
-@pytest.mark.parametrize(("passed_s", "lost_s"), [(2.0, 0.5), (60.3, 7.0), (400.0, 31.0)])
-def test_a_killed_recorder_loses_a_tenth_and_at_most_half_a_minute(
+@pytest.mark.parametrize(("passed_s", "lost_s"), [(2.0, 0.5), (60.3, 7.0), (700.0, 61.0)])
+def test_a_killed_recorder_loses_a_tenth_and_at_most_a_minute(
     tmp_path: Path, messages: list[str], passed_s: float, lost_s: float
 ) -> None:
     recorded = Recorded(tmp_path / "killed.rrd", messages.append)
@@ -127,7 +127,7 @@ def test_pictures_do_not_wait_for_numbers(tmp_path: Path, messages: list[str]) -
     recorded = Recorded(tmp_path / "eyes.rrd", messages.append)
     recorded.until(60.0)
     before = recorded.chunks
-    recorded.until(63.0, bytes(600_000))
+    recorded.until(63.0, bytes(1_100_000))
     written = recorded.chunks - before
     assert written["/bea/sim/camera/left"] >= 2, "two pictures are more than a chunk may keep in memory"
     assert written["/bea/sim/arms"] <= 1
