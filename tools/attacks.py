@@ -23,6 +23,7 @@ import zenoh
 from beatrix_zenoh import BeatrixError
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.classroom import certificates
 
@@ -238,11 +239,21 @@ ATTACKS: Final[dict[str, Attack]] = {
 OTHERS: Final[dict[str, Attack]] = {"subscribe": subscribe}
 
 
+def connected(account: Account, end_s: float) -> zbus.Bus:
+    """Connect; try until a time (monotonic clock, s), because the router may be started again after the attack before."""
+    while True:
+        try:
+            return zbus.connect(account.connect, account=account)
+        except BeatrixError:
+            if time.monotonic() > end_s:
+                raise
+        time.sleep(0.5)
+
+
 def attack(name: str, file: Path, seconds: float) -> int:
     """Run one attack; print how often."""
-    account = accounts.load(file)
-    with zbus.connect(account.connect, account=account) as bus:
-        end_s = time.monotonic() + seconds
+    end_s = time.monotonic() + seconds
+    with connected(accounts.load(file), end_s) as bus:
         count = bus.use(lambda session: {**ATTACKS, **OTHERS}[name](session, end_s))
     print(count, flush=True)
     os._exit(0)  # sessions that the router has closed need no farewell

@@ -132,6 +132,11 @@ class Users:
         self._ended.set()
 
 
+def shares(took: list[float]) -> tuple[float, float, float]:
+    """Return median, the 99th hundredth and the largest of sorted times."""
+    return statistics.median(took), took[int(0.99 * len(took))], took[-1]
+
+
 def rows(folder: Path, seconds: float) -> Iterator[list[str]]:
     """Yield a row for each attack, while `beatrix top` runs for the teacher."""
     file = folder / "class.toml"
@@ -173,7 +178,7 @@ def rows(folder: Path, seconds: float) -> Iterator[list[str]]:
             yield [
                 name,
                 attacker.stdout.strip() or "ended",
-                f"{statistics.median(took):.0f} / {took[int(0.99 * len(took))]:.0f} / {took[-1]:.0f}",
+                " / ".join(f"{wait:.0f}" for wait in shares(took)) if took else "none",
                 f"{users.stops.count(None)} of {len(users.stops)}",
                 f"{sum(users.motions)} of {len(users.motions)}",
                 str(sum(node.count("was lost") for node in nodes) - lost),
