@@ -112,7 +112,7 @@ def chosen(given: list[str], seats: Path | None, connect: str | None) -> tuple[S
     """
     wanted = list(given)
     if seats is not None:
-        from beatrix_zenoh.classroom import class_file  # noqa: PLC0415 - only --seats needs it
+        from beatrix_zenoh import class_file  # noqa: PLC0415 - only --seats needs it
 
         wanted += class_file.read(seats).seats
     if twice := [name for name, times in Counter(wanted).items() if times > 1]:

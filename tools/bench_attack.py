@@ -23,9 +23,9 @@ from typing import Final
 
 import attacks
 
-from beatrix_zenoh import BeatrixError, Robot
+from beatrix_zenoh import BeatrixError, Robot, class_file
 from beatrix_zenoh import account as accounts
-from beatrix_zenoh.classroom import class_file, provision
+from beatrix_zenoh.classroom import provision
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.recording.viewer import free_port
 from beatrix_zenoh.settings import Settings

@@ -23,9 +23,9 @@ import msgspec
 from bench_node import ROOT, Bare, Row, Served, paced, spread_ms
 from cable import Cable
 
-from beatrix_zenoh import BeatrixError, Robot
+from beatrix_zenoh import BeatrixError, Robot, class_file
 from beatrix_zenoh import account as accounts
-from beatrix_zenoh.classroom import class_file, provision
+from beatrix_zenoh.classroom import provision
 from beatrix_zenoh.client import Client, lease
 from beatrix_zenoh.contract._generated.messages import EventKind, LeaseAction, Status
 from beatrix_zenoh.recording.viewer import free_port

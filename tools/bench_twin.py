@@ -19,13 +19,13 @@ from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Positions
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.demo.verbs import start
+from beatrix_zenoh.paths.follow import follow
+from beatrix_zenoh.paths.path import path_of_recording
+from beatrix_zenoh.paths.replay import replay
 from beatrix_zenoh.processes import Supervisor
 from beatrix_zenoh.recording.alignment import aligned
 from beatrix_zenoh.recording.compare import compare
-from beatrix_zenoh.recording.follow import follow
 from beatrix_zenoh.recording.lag import lag
-from beatrix_zenoh.recording.path import path_of_recording
-from beatrix_zenoh.recording.replay import replay
 from beatrix_zenoh.recording.series import Floats, Recording, recording
 from beatrix_zenoh.recording.verbs.comparison_text import axes_table
 from beatrix_zenoh.shutdown import signals_interrupt
@@ -140,7 +140,8 @@ def rms_after_one_lag(first: Recording, second: Recording) -> float:
 
 def print_replay(hw: Robot, done: Sequence[Positions]) -> None:
     """Replay the recorded motion on the hardware, and print the differences."""
-    following = follow(path_of_recording("demo", recording(done)), ROBOT)
+    moved = recording(done).arms
+    following = follow(path_of_recording("demo", moved.t, moved.angles), ROBOT)
     with hw.positions_stream() as stream:
         replay(hw, following)
         time.sleep(SETTLE_S)

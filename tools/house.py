@@ -17,6 +17,7 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 
 PACKAGES = ("beatrix_zenoh", "sim_node", "hw_node", "gui")
+"""Top-level names of the wheel. Another name could hide a student's own file."""
 LAYOUT = {
     tokenize.COMMENT,
     tokenize.NL,

@@ -32,7 +32,7 @@ OTHER_ZENOH = (
 )
 POLL_S = 0.02
 ROUTER_S = 1.0
-"""Longest time (s) until a router answers, or a session is connected again."""
+"""A router that needs longer than this (s) for a query about tokens, or to connect a session again, counts as unresponsive."""
 
 
 class Bus(MessageSession):
@@ -58,7 +58,7 @@ class Bus(MessageSession):
         replies = self.use(lambda session: list(session.liveliness().get(key, timeout=timeout_s)))
         return sorted(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
 
-    def router_answers(self, timeout_s: float) -> bool:
+    def router_answers(self, timeout_s: float = ROUTER_S) -> bool:
         """Return whether the router answers a query about tokens within `timeout_s` (s)."""
         begin = time.monotonic()
         if not self.connected or self.tokens(keys.claim("*", "*", "none"), timeout_s):
@@ -72,7 +72,7 @@ class Bus(MessageSession):
         deadline_s = time.monotonic() + ROUTER_S
         while not self.connected and time.monotonic() < deadline_s:
             time.sleep(POLL_S)
-        if self.router_answers(ROUTER_S) or not is_listening(self.endpoint):
+        if self.router_answers() or not is_listening(self.endpoint):
             return None
         return NoAnswer(Reason.NO_ROUTER, hanging_router(self.endpoint))
 

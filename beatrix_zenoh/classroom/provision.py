@@ -15,7 +15,7 @@ import msgspec
 from beatrix_zenoh import account, files
 from beatrix_zenoh.account import Account, Role
 from beatrix_zenoh.bus.credentials import Identity
-from beatrix_zenoh.classroom.class_file import Classroom
+from beatrix_zenoh.class_file import Classroom
 from beatrix_zenoh.classroom.router_file import ROUTER, RouterFile, load
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused, WrongUsage

@@ -21,7 +21,7 @@ from beatrix_zenoh.account import renewal as renewal_of
 from beatrix_zenoh.bus.access_control import EVERYTHING, ROOT, Grant, below
 from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.bus.router import RouterAccess
-from beatrix_zenoh.classroom.class_file import Classroom, read
+from beatrix_zenoh.class_file import Classroom, read
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason

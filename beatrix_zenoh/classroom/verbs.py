@@ -42,7 +42,8 @@ def classroom(
     All files are for the teacher only, who gives each seat and robot its own file. A repeated run keeps existing
     accounts and adds those of new seats and robots.
     """
-    from beatrix_zenoh.classroom import class_file, provision, router_file
+    from beatrix_zenoh import class_file
+    from beatrix_zenoh.classroom import provision, router_file
 
     described = class_file.read(file)
     folder = out or router_file.folder(file, described)

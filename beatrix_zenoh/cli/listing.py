@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import time
 from collections import Counter
@@ -154,6 +155,8 @@ HEADS = ("robot", "side", "state", "yaw°", "pitch°", "roll°", "per s", "silen
 TABLE_S = 1.2
 """Time for which `--once` and `--json` collect data before they print, and the period of the tables in a pipe (s)."""
 REFRESH_S = 0.2
+DECISIONS_EVERY = 5
+"""Refreshes from one question about pending decisions to the next: a query each second is enough."""
 SEATS_SHOWN = 40
 """Largest number of seats in the line about seats."""
 STOPS_SHOWN = 8
@@ -236,16 +239,21 @@ def notes(rows: list[TableRow], account: Account | None) -> list[str]:
     return found + unlike_notes({row.place: row.status for row in rows if row.status}, account)
 
 
-def messages(client: Client, rows: list[TableRow]) -> list[str]:
-    """Return the lines below the table: the loss of the router, no robot, or the problems of the robots."""
+def decisions(client: Client) -> list[str]:
+    """Return a line for each robot of the class that is not online and will get decisions of the teacher."""
+    later = pending(client) if client.bus.connected else {}
+    return [
+        f"{robot} is not online. When it comes, the router of the class applies: {text}"
+        for robot, text in later.items()
+    ]
+
+
+def messages(client: Client, rows: list[TableRow], later: list[str]) -> list[str]:
+    """Return the lines below the table: the loss of the router, no robot, or the problems of the robots, then `later`."""
     if not client.bus.connected:
         return [LOST.format(client.bus.endpoint)]
     account = client.settings.account
     expiring = account.renewal(today()) if account else ""
-    later = [
-        f"{robot} is not online. When it comes, the router of the class applies: {text}"
-        for robot, text in pending(client).items()
-    ]
     return [*([expiring] if expiring else []), *(notes(rows, account) if rows else [NO_ROBOT]), *later]
 
 
@@ -276,7 +284,7 @@ def stops_as_dict(stops: SeatStops) -> dict[str, object]:
 def text(client: Client, rows: list[TableRow], seats: list[str]) -> str:
     """Return the table and the lines below it as text, for a pipe."""
     table = [columns(HEADS, [cells(client.settings, row) for row in rows])] if rows else []
-    return "\n".join([*table, *messages(client, rows), *seats])
+    return "\n".join([*table, *messages(client, rows, decisions(client)), *seats])
 
 
 def as_dict(row: TableRow) -> dict[str, object]:
@@ -307,16 +315,16 @@ def live(client: Client, monitor: Monitor, seats: Seats) -> None:
     """Redraw the table until Ctrl-C."""
     from rich.live import Live
 
-    def table() -> RenderableType:
-        return screen_table(client, rows_of(monitor), seat_lines(client.settings, monitor, seats))
-
-    with Live(table(), auto_refresh=False, screen=True) as screen:
-        while True:
+    later: list[str] = []
+    with Live(auto_refresh=False, screen=True) as screen:
+        for refresh in itertools.count():
+            later = later if refresh % DECISIONS_EVERY else decisions(client)
+            lines = seat_lines(client.settings, monitor, seats)
+            screen.update(screen_table(client, rows_of(monitor), lines, later), refresh=True)
             time.sleep(REFRESH_S)
-            screen.update(table(), refresh=True)
 
 
-def screen_table(client: Client, rows: list[TableRow], seats: list[str]) -> RenderableType:
+def screen_table(client: Client, rows: list[TableRow], seats: list[str], later: list[str]) -> RenderableType:
     """Return the table with colours and the lines below it, for a terminal."""
     from rich.console import Group
     from rich.table import Table
@@ -331,7 +339,7 @@ def screen_table(client: Client, rows: list[TableRow], seats: list[str]) -> Rend
         table.add_row(*cells(client.settings, row), style=colour(row))
     last = "silent: time since the last positions of the robot. Ctrl-C ends."
     foot = Text("\n".join(["", *seats, last]), style="dim")
-    return Group(table, *(Text(line, style="yellow") for line in messages(client, rows)), foot)
+    return Group(table, *(Text(line, style="yellow") for line in messages(client, rows, later)), foot)
 
 
 def colour(row: TableRow) -> str:

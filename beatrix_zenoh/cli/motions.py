@@ -276,8 +276,8 @@ def play(
 
 def check(found: Choreography, robots: list[Robot]) -> None:
     """Check all poses for each robot; raises Refused with line and time of the first pose that exceeds a limit."""
-    from beatrix_zenoh.recording.follow import robots_of
-    from beatrix_zenoh.recording.path import check_choreography
+    from beatrix_zenoh.paths.follow import robots_of
+    from beatrix_zenoh.paths.path import check_choreography
 
     if len(found.steps) > MANY:
         note(f"Checking {len(found.steps)} poses.")

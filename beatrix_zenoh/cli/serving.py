@@ -60,9 +60,9 @@ def router(
     _allow_connections()
     if of_class is not None:
         from beatrix_zenoh.classroom import routers
-        from beatrix_zenoh.lessons import lesson
+        from beatrix_zenoh.lesson_files import names
 
-        routers.run(of_class, lesson.names(), shutdown)
+        routers.run(of_class, names(), shutdown)
         return
     listen = listen or DEFAULT_ENDPOINT
     session = zbus.open_router(listen)

@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 EYE_UP_M = ROBOT.head.centre_height + SIZES.eye_up
 """Height of the eyes above the neck's centre while the head is upright."""
 DAY_S = 86400.0
+REST_DEG = 0.3
+"""An arm that turns by less than this is at rest."""
 SLOWEST, FASTEST = 0.01, 100.0
 """Range of speed factors."""
 Speed = float | Sequence[float]

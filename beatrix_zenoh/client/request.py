@@ -25,8 +25,6 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CommandReply, Detail, Info, MotionReply, Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 
-ROUTER_S = 1.0
-"""A router that needs longer than this (s) for a query about tokens counts as unresponsive."""
 NOTICE_S = 0.2
 """Time (s) to wait for the report of a loss: Zenoh ends the queries of a lost connection before it reports the loss."""
 BACK_S = 0.6
@@ -96,7 +94,7 @@ class Unanswered(msgspec.Struct, frozen=True):
             )
         if limit_s is None and not zbus.is_listening(bus.endpoint):
             return self._no_router()
-        answers = limit_s is None or bus.router_answers(ROUTER_S)
+        answers = limit_s is None or bus.router_answers()
         if answers and (heard or limit_s is not None):
             time.sleep(NOTICE_S)
         if self._lost():

@@ -337,6 +337,11 @@ def clock_offsets(
     )
 
 
+def offset_of(robot: RobotBase) -> Offset:
+    """Return the offset of the robot's monotonic clock from this computer's."""
+    return clock_offsets(robot.client, *robot.place, timeout_s=robot.timeout_s).mono
+
+
 def _round_trip(client: Client, robot: str, side: str, timeout_s: float) -> Offsets:
     """Return the offsets from one query, assuming that the robot reads its clocks half-way between query and reply."""
     key = keys.clock(robot, side)

@@ -50,8 +50,18 @@ class Value(NamedTuple):
             number = f"{self.value:z.{self.row.decimals}f}".replace(".", decimal)
         else:
             number = "" if self.value is None else str(self.value)
-        gap = "" if self.unit[:1] in ATTACHED else " "
-        return f"{number}{gap}{self.unit}" if number else "-"
+        return f"{number}{suffix(self.row.unit)}" if number else "-"
+
+
+def suffix(unit: str) -> str:
+    """Return what stands after a number in a unit of a message: the unit that people read, after a space if it needs one."""
+    shown = DEGREES.get(unit, unit)
+    return shown if shown[:1] in ATTACHED else f" {shown}"
+
+
+def in_unit(value: float, unit: str) -> float:
+    """Convert a number from a unit of a message to the one that people read: degrees for radians."""
+    return math.degrees(value) if unit in DEGREES else value
 
 
 @cache
@@ -87,7 +97,7 @@ def values(message: Struct, group: str = "", path: str = "", unit: str = "") -> 
                 parts = values(one, row.group or f"{row.title} {name}", f"{place}.{name}.")
                 yield from itertools.islice(parts, 0 if row.group else 1, None)  # the group has the name
         else:
-            number = math.degrees(value) if isinstance(value, float) and unit_here in DEGREES else value
+            number = in_unit(value, unit_here) if isinstance(value, float) else value
             plain = number.value if isinstance(number, Enum) else number
             alone = row.title if value in (None, []) else ""  # a message that is missing
             yield Value(place, row.title, group or row.group or alone, plain, row._replace(unit=unit_here))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
 
-from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.lesson_files import Lesson
 from beatrix_zenoh.lessons.attempt import Attempt
-from beatrix_zenoh.lessons.lesson import Lesson
 from beatrix_zenoh.lessons.phrases import Phrase, error_data, phrase, said
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.progress import Record
@@ -72,7 +74,7 @@ def check(
     try:
         with attempt:
             program.compile()
-            lesson.check()(attempt)
+            check_of(lesson)(attempt)
     except Unmet as unmet:
         if attempt.doubt:
             return not_measurable(lesson, busy(attempt.doubt).why, attempt.cores)
@@ -84,6 +86,18 @@ def check(
     if program.changed():
         return not_measurable(lesson, phrase("changed", file=program.path.name))
     return Verdict(Result.PASSED)
+
+
+def check_of(lesson: Lesson) -> Callable[[Attempt], None]:
+    """Return the function `check` of a lesson's check.py."""
+    path = lesson.folder / "check.py"
+    spec = importlib.util.spec_from_file_location(f"check of lesson {lesson.name}", path)
+    if spec is None or spec.loader is None:
+        raise Refused(Reason.BAD_VALUE, f"{path} cannot be read: install BEATRIX again.")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    check: Callable[[Attempt], None] = module.check
+    return check
 
 
 def not_measurable(lesson: Lesson, why: Phrase, cores: float = 0.0) -> Verdict:

@@ -16,7 +16,7 @@ from beatrix_zenoh.output import columns, note, print_json, say
 from beatrix_zenoh.terminal.options import Connect, Json, Which, Who
 
 if TYPE_CHECKING:
-    from beatrix_zenoh.lessons.reports import Row
+    from beatrix_zenoh.client.lesson_reports import Row
 
 
 def turn(
@@ -33,9 +33,9 @@ def turn(
 
     The program runs on this computer. Waits in the queue for the robot. Ctrl-C, and a STOP of any seat, end the turn.
     """
+    from beatrix_zenoh.lesson_files import find
     from beatrix_zenoh.lessons import program as programs
     from beatrix_zenoh.lessons import progress, turns
-    from beatrix_zenoh.lessons.lesson import find
     from beatrix_zenoh.settings import resolve
     from beatrix_zenoh.shutdown import signals_interrupt
 
@@ -78,8 +78,8 @@ def report(
     nothing, usually because the computer was too busy. Impossible: no checks can have made these numbers. The computer of
     the seat reports this itself: the router checks the seat, not the numbers, and keeps them in memory until it ends.
     """
+    from beatrix_zenoh.client import lesson_reports as reports
     from beatrix_zenoh.client.session import Client
-    from beatrix_zenoh.lessons import reports
     from beatrix_zenoh.settings import resolve
 
     with Client(resolve(None, connect, who)) as client:
@@ -103,7 +103,8 @@ def report(
 
 def _show(rows: list[Row], seats: list[str], shown: Callable[[str], str]) -> None:
     """Print a line for each seat, and what the check asks of those that are stuck."""
-    from beatrix_zenoh.lessons import reports
+    from beatrix_zenoh.client import lesson_reports as reports
+    from beatrix_zenoh.lesson_files import NOT_MEASURED, asked
 
     lessons = sorted({row.lesson for row in rows})
     cells = {(row.seat, row.lesson): row.words for row in rows}
@@ -114,10 +115,10 @@ def _show(rows: list[Row], seats: list[str], shown: Callable[[str], str]) -> Non
     for row in stuck:
         say(
             f"{shown(row.seat)} has been stuck in {row.lesson} for {row.state.stuck} checks (hints read: {row.state.hints}). "
-            f"The check asks: {reports.asked(row.lesson, row.state.figure)}."
+            f"The check asks: {asked(row.lesson, row.state.figure)}."
         )
     for row in rows:
-        if row.progress == reports.NOT_MEASURED:
+        if row.progress == NOT_MEASURED:
             say(
                 f"The last check of {row.lesson} by {shown(row.seat)} could judge nothing: is the computer too busy?"
             )

@@ -13,8 +13,8 @@ from beatrix_zenoh.contract import sentences
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.sentences.templates import Number
+from beatrix_zenoh.lesson_files import ENGLISH
 
-ENGLISH = "en"
 FILE = Path(__file__).with_suffix(".toml")
 
 

@@ -8,13 +8,14 @@ from pathlib import Path
 import msgspec
 
 from beatrix_zenoh import files
-from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import LessonState, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.lessons.phrases import ENGLISH
+from beatrix_zenoh.lesson_files import ENGLISH, NOT_MEASURED
 
 FOLDER, FILE = "lessons", "progress.json"
 LONGEST = 256 * 1024
 """Largest size of this file (bytes)."""
+MOST = 2**16 - 1
 
 
 class Record(msgspec.Struct, forbid_unknown_fields=True):
@@ -34,6 +35,20 @@ class Record(msgspec.Struct, forbid_unknown_fields=True):
     """figures at which checks have ended since the last pass"""
     passed: list[str] = []
     """what `sealed` returns for each program that has passed, the newest last"""
+
+    def state(self, *, measured: bool = True) -> LessonState:
+        """Return what is reported to the teacher: numbers, and the name of a figure.
+
+        measured: whether the last check has judged the program.
+        """
+        return LessonState(
+            version=self.version,
+            tries=min(self.tries, MOST),
+            hints=len(self.hints),
+            figure=self.figure if measured else NOT_MEASURED,
+            stuck=min(self.stuck, MOST),
+            passed=bool(self.passed),
+        )
 
 
 class ProgressFile(msgspec.Struct, forbid_unknown_fields=True):

@@ -18,7 +18,7 @@ from beatrix_zenoh.output import columns, note, print_json, say
 from beatrix_zenoh.terminal.options import Json
 
 if TYPE_CHECKING:
-    from beatrix_zenoh.lessons.lesson import Lesson
+    from beatrix_zenoh.lesson_files import Lesson
     from beatrix_zenoh.lessons.progress import Record, Workspace
 
 START = {
@@ -65,7 +65,7 @@ def _workspace() -> Workspace:
 
 
 def _find(number: int, workspace: Workspace) -> Lesson:
-    from beatrix_zenoh.lessons.lesson import find
+    from beatrix_zenoh.lesson_files import find
 
     return find(number, workspace.progress.language)
 
@@ -85,7 +85,7 @@ def _writing(folder: Path) -> Iterator[None]:
 @lesson.command("list")
 def list_lessons(as_json: Json = False) -> None:
     """List the lessons: S is for schools (from 14 years), U for universities."""
-    from beatrix_zenoh.lessons.lesson import lessons
+    from beatrix_zenoh.lesson_files import lessons
 
     workspace = _workspace()
     found = lessons(workspace.progress.language)
@@ -195,7 +195,8 @@ def check(
 
     Exit codes: 0 passed, 1 not yet, 4 this computer was too busy to measure.
     """
-    from beatrix_zenoh.lessons import checking, progress, reports, verdict_text
+    from beatrix_zenoh.client import lesson_reports
+    from beatrix_zenoh.lessons import checking, progress, verdict_text
     from beatrix_zenoh.lessons import program as programs
     from beatrix_zenoh.lessons.sandbox import refuse_teacher
     from beatrix_zenoh.settings import resolve_valid
@@ -219,14 +220,15 @@ def check(
     else:
         verdict_text.show(found, verdict, record)
     workspace.save()
-    reports.report(found.name, record, measured=verdict.result is not checking.Result.NOT_MEASURABLE)
+    measured = verdict.result is not checking.Result.NOT_MEASURABLE
+    lesson_reports.report(found.name, record.state(measured=measured))
     if verdict.result.value:
         raise typer.Exit(verdict.result.value)
 
 
 def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:
     """Return a lesson that was started, and the pupil's program; raises Refused if there is none."""
-    from beatrix_zenoh.lessons.lesson import lessons
+    from beatrix_zenoh.lesson_files import lessons
 
     if number is not None:
         found = _find(number, workspace)
@@ -252,7 +254,7 @@ def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:
 @lesson.command()
 def hint(number: LatestNumber = None) -> None:
     """Print a hint: the one that helps with what the last check has found, then the others."""
-    from beatrix_zenoh.lessons import reports
+    from beatrix_zenoh.client import lesson_reports
     from beatrix_zenoh.lessons.verdict_text import LABELS, filled
 
     workspace = _workspace()
@@ -267,7 +269,7 @@ def hint(number: LatestNumber = None) -> None:
     if fresh:
         record.hints.append(chosen)
         workspace.save()
-        reports.report(found.name, record)
+        lesson_reports.report(found.name, record.state())
     text = f"{LABELS[found.language][4]} {chosen}/{len(found.hints)}: {found.hints[chosen - 1]}"
     say(filled(text))
 

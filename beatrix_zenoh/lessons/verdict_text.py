@@ -5,8 +5,8 @@ from __future__ import annotations
 import shutil
 import textwrap
 
+from beatrix_zenoh.lesson_files import Lesson
 from beatrix_zenoh.lessons.checking import Result, Verdict
-from beatrix_zenoh.lessons.lesson import Lesson
 from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.output import say
 

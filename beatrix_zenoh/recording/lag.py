@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from beatrix_zenoh.client.degrees import REST_DEG
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.series import GRID_S, REST_DEG, Floats, Recording, common_grid, resample
+from beatrix_zenoh.recording.series import GRID_S, Floats, Recording, common_grid, resample
 
 NEAR_S = 0.5
 """Largest lag of the first search (s)."""

@@ -13,7 +13,7 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract._generated.messages import Positions, Reason
 from beatrix_zenoh.contract.errors import WrongUsage, naming
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.recording.path import STILL_S
+from beatrix_zenoh.paths.path import STILL_S
 
 POINTS_HZ: Final = 25.0
 """Points per second while the robot moves."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.robot_base import Offset, clock_offsets
+from beatrix_zenoh.client.robot_base import Offset, offset_of
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.contract.errors import naming
 from beatrix_zenoh.recording.series import Recording, recording
@@ -82,16 +82,6 @@ def live_recording(
         better.bound + drifted_s if clock_s else 0.0,
         slipped_between(before, status),
     )
-
-
-def offset_of(robot: Robot) -> Offset:
-    """Return the offset of the robot's monotonic clock from this computer's."""
-    return clock_offsets(robot.client, *robot.place, timeout_s=robot.timeout_s).mono
-
-
-def clock_s(robot: Robot) -> float:
-    """Return the robot's monotonic clock minus this computer's (s); 0 if 0 is within the error of the measurement."""
-    return offset_of(robot).certain
 
 
 def slipped_between(before: Status, after: Status) -> int | None:

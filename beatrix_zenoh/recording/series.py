@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh.client.degrees import reading
+from beatrix_zenoh.client.degrees import REST_DEG, reading
 from beatrix_zenoh.contract._generated.messages import Event, Positions
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.requests import MotionRequest, homes_set, requests
@@ -26,7 +26,6 @@ SHARED_S = 1.0
 """Shortest overlap (s) of two recordings that can be compared."""
 REST_S = 0.1
 """A robot is at rest if no arm turns by more than REST_DEG within this time (s) before and after."""
-REST_DEG = 0.3
 NOISY = 5.0
 """A robot whose angles are noisy is at rest if no arm turns by more than this many times the noise."""
 BEFORE_HOME_S, AFTER_HOME_S = 0.5, 0.1

@@ -10,8 +10,7 @@ import pytest
 from class_router import class_text
 from shell import beatrix
 
-from beatrix_zenoh import account
-from beatrix_zenoh.classroom import class_file
+from beatrix_zenoh import account, class_file
 from beatrix_zenoh.classroom.certificates import Authority
 from beatrix_zenoh.contract.errors import WrongUsage
 

@@ -13,11 +13,11 @@ from shell import beatrix
 from students import use_account
 
 from beatrix_zenoh.client import Client
+from beatrix_zenoh.client import lesson_reports as reports
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LessonState, Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.lessons import reports
 from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.settings import Settings
@@ -50,7 +50,7 @@ def test_the_teacher_reads_what_each_seat_has_reported(
     monkeypatch.chdir(tmp_path)
     for seat, record in (("ana", STUCK), ("ben", PASSED)):
         use_account(tmp_path, router.path(seat))
-        reports.report("01-hello", record)
+        reports.report("01-hello", record.state())
     until(lambda: len(rows(router)) == 2, "both reports have arrived")
     found = rows(router)
     assert [(row.seat, row.lesson, row.words) for row in found] == [
@@ -58,7 +58,7 @@ def test_the_teacher_reads_what_each_seat_has_reported(
         ("ben", "01-hello", "passed (2)"),
     ]
     use_account(tmp_path, router.path("ana"))
-    reports.report("01-hello", PASSED)
+    reports.report("01-hello", PASSED.state())
     expected = ["passed (9)", "passed (2)"]
     until(lambda: [row.words for row in rows(router)] == expected, "a report from another folder")
     with pytest.raises(Refused) as refused:
@@ -69,7 +69,7 @@ def test_the_teacher_reads_what_each_seat_has_reported(
     ana, ben = router.session("ana"), router.session("ben")
     for key in (keys.lesson("*", "*"), keys.lesson("ana", "*"), "beatrix/@lesson/**"):
         assert replies(ana, key) == [], key
-    forged = codec.encode(reports.state_of(Record(tries=1)))
+    forged = codec.encode(Record(tries=1).state())
     for key in (keys.lesson("ana", "01-hello"), keys.lesson("ana", "02-steps")):
         ben.put(key, forged, codec.MSGPACK)
     for lesson, report in (
@@ -95,7 +95,7 @@ def test_seats_that_are_silent_or_too_busy_are_listed(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     use_account(tmp_path, router.path("ana"))
-    reports.report("01-hello", Record(), measured=False)
+    reports.report("01-hello", Record().state(measured=False))
     until(lambda: bool(rows(router)), "the report has arrived")
     use_account(tmp_path, router.path("teacher"))
     table = patiently(lambda: good("lesson", "report")).splitlines()
@@ -113,7 +113,7 @@ def test_seats_that_are_silent_or_too_busy_are_listed(
 
 
 def test_a_report_names_no_person_and_is_small() -> None:
-    state = reports.state_of(STUCK)
+    state = STUCK.state()
     assert state == LessonState(version=1, tries=7, hints=1, figure="nods", stuck=5, passed=False)
     assert len(codec.encode(state)) <= 100
 
@@ -122,7 +122,7 @@ def test_without_a_class_nothing_is_reported(tmp_path: Path, monkeypatch: pytest
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("BEATRIX_ACCOUNT", "")
     monkeypatch.setattr(reports, "_publish", lambda *_: pytest.fail("published"))
-    reports.report("01-hello", PASSED)
+    reports.report("01-hello", PASSED.state())
 
 
 def test_the_account_of_a_class_is_not_used_in_a_check(

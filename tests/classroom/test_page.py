@@ -11,7 +11,7 @@ from class_router import CLI, free_ports
 from robots import ROOT, Process
 from shell import beatrix
 
-from beatrix_zenoh.classroom import class_file
+from beatrix_zenoh import class_file
 from beatrix_zenoh.settings import resolve
 
 

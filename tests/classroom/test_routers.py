@@ -19,11 +19,10 @@ from beatrix_zenoh.bus.access_control import DEPTH, below
 from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.classroom.router_process import OUT_S, TOKENS_MAX, WINDOW_S, Guests
 from beatrix_zenoh.classroom.routers import OFTEN, STUCK, ended
-from beatrix_zenoh.client import Client, lease
+from beatrix_zenoh.client import Client, lease, lesson_reports
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LessonState
-from beatrix_zenoh.lessons import reports
 from beatrix_zenoh.settings import Settings
 
 PROGRAM = """
@@ -136,7 +135,7 @@ def test_both_routers_come_back_with_robots_seats_freeze_mute_and_lessons(
 
     def arrived() -> bool:
         ben.put(keys.lesson("ben", "01-hello"), report, codec.MSGPACK)
-        return bool(reports.read(teacher.client))
+        return bool(lesson_reports.read(teacher.client))
 
     until(arrived, "a report")
     for part in Part:
@@ -152,7 +151,7 @@ def test_both_routers_come_back_with_robots_seats_freeze_mute_and_lessons(
             assert len(ended) == 1, "the router of the seats goes on"
     status = patiently(teacher.status)
     assert (status.frozen, status.muted) == (True, ["ben"])
-    assert [(row.seat, row.words) for row in patiently(lambda: reports.read(teacher.client))] == [
+    assert [(row.seat, row.words) for row in patiently(lambda: lesson_reports.read(teacher.client))] == [
         ("ben", "passed (2)")
     ]
     lease.ask(teacher, LeaseAction.UNFREEZE)

@@ -7,14 +7,14 @@ from dataclasses import replace
 import pytest
 from gui_views import class_world, full_class, lesson
 
+from beatrix_zenoh.client.lesson_reports import Row
 from beatrix_zenoh.lessons.progress import Record
-from beatrix_zenoh.lessons.reports import Row, state_of
 from gui.console.state import lessons
 from gui.console.state.lessons import LessonRowView, LessonsView, Progress
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 
-NOT_MEASURED = Row("ana", "01-hello", state_of(Record(), measured=False))
+NOT_MEASURED = Row("ana", "01-hello", Record().state(measured=False))
 STUCK = lesson("ana", "03-arms", stuck=5, tries=9)
 
 

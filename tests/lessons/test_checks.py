@@ -13,9 +13,10 @@ import pytest
 
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Phase, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lesson_files import find
 from beatrix_zenoh.lessons import attempt, bench
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
-from beatrix_zenoh.lessons.lesson import find
+from beatrix_zenoh.lessons.checking import check_of
 from beatrix_zenoh.lessons.line_child import LineChild, NoReply
 from beatrix_zenoh.lessons.phrases import phrase
 from beatrix_zenoh.lessons.program import Program
@@ -60,7 +61,7 @@ class Drawn:
 def figure(number: int, seen: Seen) -> str:
     """Return the figure of a lesson that is not met; empty: passed."""
     try:
-        find(number).check()(cast("Attempt", Drawn(seen)))
+        check_of(find(number))(cast("Attempt", Drawn(seen)))
     except Unmet as unmet:
         return unmet.figure
     return ""

@@ -13,10 +13,11 @@ from typing import Literal
 import pytest
 from shell import beatrix
 
-from beatrix_zenoh import account
+from beatrix_zenoh import account, lesson_files
 from beatrix_zenoh.account import Account
+from beatrix_zenoh.client import lesson_reports
 from beatrix_zenoh.contract._generated.messages import LessonState
-from beatrix_zenoh.lessons import lesson, program, progress, reports, sandbox
+from beatrix_zenoh.lessons import program, progress, sandbox
 from beatrix_zenoh.lessons.program import notebook
 
 FILES = {
@@ -54,9 +55,9 @@ def pupil(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (library / "01-double").mkdir(parents=True)
     for name, text in FILES.items():
         (library / "01-double" / name).write_text(text)
-    for path in lesson.LIBRARY.glob("figures*.toml"):
+    for path in lesson_files.LIBRARY.glob("figures*.toml"):
         (library / path.name).write_bytes(path.read_bytes())
-    monkeypatch.setattr(lesson, "LIBRARY", library)
+    monkeypatch.setattr(lesson_files, "LIBRARY", library)
     (tmp_path / "pupil").mkdir()
     monkeypatch.chdir(tmp_path / "pupil")
     return tmp_path / "pupil"
@@ -193,8 +194,8 @@ def test_a_progress_file_written_by_hand_counts_for_nothing(
     entry: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     published: list[LessonState] = []
-    monkeypatch.setattr(reports, "_publish", lambda *sent: published.append(sent[-1]))
-    monkeypatch.setattr(reports, "resolve", lambda: SimpleNamespace(account=1))
+    monkeypatch.setattr(lesson_reports, "_publish", lambda *sent: published.append(sent[-1]))
+    monkeypatch.setattr(lesson_reports, "resolve", lambda: SimpleNamespace(account=1))
     good("start", "1")
     sha256 = program.read(START).sha256
     written = progress.sealed("02-steps", sha256) if "another" in entry else entry.replace("sha256", sha256)
@@ -356,7 +357,7 @@ def test_a_check_with_the_account_of_the_teacher_is_refused(
     monkeypatch.setattr(account, "joined", lambda: pupil / "teacher.toml")
     monkeypatch.setattr(sandbox, "bubblewrap_works", lambda: fence)
     monkeypatch.setattr(sandbox.Sandbox, "_bubblewrap", lambda _: [])
-    monkeypatch.setattr(reports, "report", lambda *_, measured=True: None)  # noqa: ARG005
+    monkeypatch.setattr(lesson_reports, "report", lambda *_: None)
     monkeypatch.setenv("BEATRIX_ACCOUNT", files[in_use])
     if allowed:
         good("check", "1")

@@ -11,8 +11,8 @@ from lesson_checks import checked, of_lesson
 
 from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Limit, Reason, Vector3
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lesson_files import LIBRARY, Lesson, lessons
 from beatrix_zenoh.lessons.checking import Result, Verdict, not_measurable, verdict
-from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson, lessons
 from beatrix_zenoh.lessons.phrases import error_data, phrase, phrases
 from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.lessons.unmet import Unmet, busy

@@ -13,9 +13,9 @@ import pytest
 from robots import EVENT_S, PATIENCE_S, until
 
 from beatrix_zenoh import account
+from beatrix_zenoh.lesson_files import find
 from beatrix_zenoh.lessons import attempt, checking, program, sandbox, still
 from beatrix_zenoh.lessons.attempt import Attempt, Unmet
-from beatrix_zenoh.lessons.lesson import find
 from beatrix_zenoh.lessons.phrases import Phrase, said
 from beatrix_zenoh.lessons.run import Run
 from beatrix_zenoh.lessons.sandbox import Sandbox

@@ -24,10 +24,10 @@ from beatrix_zenoh.contract._generated.messages import (
     Reason,
     Vector3,
 )
+from beatrix_zenoh.lesson_files import find
 from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
-from beatrix_zenoh.lessons.checking import Verdict, verdict
-from beatrix_zenoh.lessons.lesson import find
+from beatrix_zenoh.lessons.checking import Verdict, check_of, verdict
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.run import Run
 from beatrix_zenoh.lessons.sandbox import Sandbox
@@ -71,7 +71,7 @@ class Called:
 def said(number: int, function: str, change: Change) -> Verdict:
     lesson = find(number)
     with pytest.raises(Unmet) as unmet:
-        lesson.check()(cast("Attempt", Called(number, function, change)))
+        check_of(lesson)(cast("Attempt", Called(number, function, change)))
     return verdict(lesson, unmet.value)
 
 
@@ -192,7 +192,7 @@ def stepped(rest_s: float) -> Seen:
 @pytest.mark.parametrize(("rest_s", "figure"), [(0.3, ""), (0.12, ""), (0.01, "pause")])
 def test_an_arm_that_does_not_rest_is_told_from_a_wrong_step(rest_s: float, figure: str) -> None:
     attempt = cast("Attempt", Called(2, "steps_for", same, stepped(rest_s)))
-    assert figure_of(lambda: find(2).check()(attempt), 2) == figure
+    assert figure_of(lambda: check_of(find(2))(attempt), 2) == figure
 
 
 def sines(slow_s: float, size: float = 10.0) -> Seen:
@@ -210,7 +210,7 @@ def sines(slow_s: float, size: float = 10.0) -> Seen:
 )
 def test_a_sine_that_is_too_short_is_told_from_a_small_one(seen: Seen, figure: str) -> None:
     attempt = cast("Attempt", Called(8, "alias", same, seen))
-    assert figure_of(lambda: find(8).check()(attempt), 8) == figure
+    assert figure_of(lambda: check_of(find(8))(attempt), 8) == figure
 
 
 @pytest.mark.parametrize("name", ["start.py", "start.ipynb"])

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 from lesson_checks import Wrong, checked, of_lesson, wrong_programs
 
-from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson, names
+from beatrix_zenoh.lesson_files import LIBRARY, Lesson, names
 from beatrix_zenoh.lessons.stage import Stage
 
 pytestmark = pytest.mark.timeout(400)  # a check may take two minutes, and is tried twice

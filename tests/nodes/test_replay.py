@@ -20,13 +20,13 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Positions, Steps
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.limits import MotionLimits
+from beatrix_zenoh.paths.follow import Following, follow
+from beatrix_zenoh.paths.path import STILL_S, path_of
+from beatrix_zenoh.paths.replay import LATE_S, Progress
+from beatrix_zenoh.paths.replay import replay as replay_now
 from beatrix_zenoh.recording.compare import compare
-from beatrix_zenoh.recording.follow import Following, follow
-from beatrix_zenoh.recording.path import STILL_S, path_of
 from beatrix_zenoh.recording.record_motion import record_motion
 from beatrix_zenoh.recording.record_robots import LiveRecording, record_robots
-from beatrix_zenoh.recording.replay import LATE_S, Progress
-from beatrix_zenoh.recording.replay import replay as replay_now
 
 NOD = """t_s,yaw_deg,pitch_deg,roll_deg
 0.0,0,0,0

@@ -19,9 +19,10 @@ from robots import Process, until
 
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh import class_file
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Bus, Incoming
-from beatrix_zenoh.classroom import certificates, class_file, provision
+from beatrix_zenoh.classroom import certificates, provision
 from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.recording.viewer import free_port

@@ -11,6 +11,7 @@ from gui_worlds import absent, robot, status, world
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, Path
+from beatrix_zenoh.client.lesson_reports import STUCK, Row
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Detail,
@@ -21,7 +22,6 @@ from beatrix_zenoh.contract._generated.messages import (
     Limit,
     Reason,
 )
-from beatrix_zenoh.lessons.reports import STUCK, Row
 from gui.console.state.actions import Action, Govern, Outcome
 from gui.console.state.intents import (
     AimHead,

@@ -9,9 +9,9 @@ import msgspec
 import pytest
 from _pytest.mark import ParameterSet
 
+from beatrix_zenoh.lesson_files import Lesson
 from beatrix_zenoh.lessons import program
 from beatrix_zenoh.lessons.checking import Result, Verdict, check
-from beatrix_zenoh.lessons.lesson import Lesson
 from beatrix_zenoh.lessons.stage import Stage
 
 BUSY_TRIES = 2

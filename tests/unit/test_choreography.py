@@ -20,7 +20,7 @@ from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import MotionLimits
-from beatrix_zenoh.recording.path import check_choreography
+from beatrix_zenoh.paths.path import check_choreography
 
 REST: Arms = (0.0, 0.0, 0.0)
 

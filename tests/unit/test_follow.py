@@ -13,16 +13,16 @@ from hypothesis import strategies as st
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.client import motion_file
+from beatrix_zenoh.client.robot_base import Offset
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.motion.trajectory import plan
-from beatrix_zenoh.recording.follow import LEAD_IN_S, STEP_S, Following, follow
-from beatrix_zenoh.recording.path import ArmPath, path_of, path_of_recording
-from beatrix_zenoh.recording.replay import FASTER, LATE_S, TargetStream, corrected
-from beatrix_zenoh.recording.series import Floats, Recording
+from beatrix_zenoh.paths.follow import LEAD_IN_S, STEP_S, Following, follow
+from beatrix_zenoh.paths.path import ArmPath, Floats, path_of, path_of_recording
+from beatrix_zenoh.paths.replay import FASTER, LATE_S, TargetStream, corrected
 
 REST: Arms = (0.0, 0.0, 0.0)
 HEADER = "# mine\nt_s,yaw_deg,pitch_deg,roll_deg\n"
@@ -102,7 +102,7 @@ def test_a_path_that_is_too_long_is_refused_before_it_is_planned() -> None:
         follow(day, ROBOT)
     clock_was_set = np.array([0.0, 1.0, 1e12, 1e12 + 1])
     with pytest.raises(WrongUsage, match="its motions span 1000000000000 s; at most 86400 s"):
-        path_of_recording("it", Recording(clock_was_set, np.outer([0.0, 10.0, 5.0, 0.0], np.ones(6))))
+        path_of_recording("it", clock_was_set, np.outer([0.0, 10.0, 5.0, 0.0], np.ones(3)))
 
 
 @pytest.mark.parametrize(
@@ -228,8 +228,8 @@ class NoStop:
 
 
 def test_a_suspended_program_sends_no_late_target(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("beatrix_zenoh.recording.replay.clock_s", lambda _robot: 0.0)
-    monkeypatch.setattr("beatrix_zenoh.recording.replay.StopEvents", lambda _robot: NoStop())
+    monkeypatch.setattr("beatrix_zenoh.paths.replay.offset_of", lambda _robot: Offset(0.0, 0.0))
+    monkeypatch.setattr("beatrix_zenoh.paths.replay.StopEvents", lambda _robot: NoStop())
     following = follow(path("0,0,0,0\n1,10,0,0\n"), ROBOT)
     stream = TargetStream(FakeRobot(), following, 0.0, None)
     stream.start(time.monotonic() - LATE_S - 0.1)

@@ -19,7 +19,7 @@ from beatrix_zenoh.motion import robot_file
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import MotionLimits
-from beatrix_zenoh.recording.path import check_choreography
+from beatrix_zenoh.paths.path import check_choreography
 
 HOME: Arms = (0.0, 0.0, 0.0)
 FILES = sorted(Path(__file__).resolve().parents[2].glob("beatrix_zenoh/**/*.toml"))

@@ -24,8 +24,6 @@ FUNCTION_MAX = 50
 """Largest number of lines of a function, from `def` to its end, with its docstring."""
 METHODS_MAX = 15
 """Largest number of methods of a class of the node."""
-PACKAGES = ("beatrix_zenoh", "sim_node", "hw_node", "gui")
-"""Top-level names of the wheel. Another name could hide a student's own file."""
 HOMES = {"mujoco": "sim_node", "serial": "hw_node", "PyQt5": "gui"}
 """Libraries that all modules of one package may import; others may be imported by one module of beatrix_zenoh."""
 SLEEPERS = {
@@ -139,7 +137,7 @@ def test_the_constraints_contain_no_urls() -> None:
 
 def test_every_package_has_import_contracts() -> None:
     linter = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]
-    present = {name for name in PACKAGES if (ROOT / name).is_dir()}
+    present = {name for name in house.PACKAGES if (ROOT / name).is_dir()}
     assert set(linter["root_packages"]) == present, "name the package in root_packages, in pyproject.toml"
     for contract in linter["contracts"]:
         of_packages = not any("." in module for module in contract.get("source_modules", []))
@@ -162,11 +160,13 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
 
 
 def test_the_wheel_has_our_top_level_names_only(wheel: set[str]) -> None:
-    assert {name.split("/")[0] for name in wheel} == {name for name in PACKAGES if (ROOT / name).is_dir()}
+    assert {name.split("/")[0] for name in wheel} == {
+        name for name in house.PACKAGES if (ROOT / name).is_dir()
+    }
 
 
 def test_the_wheel_contains_every_file_of_its_packages(wheel: set[str]) -> None:
-    files = (path for name in PACKAGES for path in (ROOT / name).rglob("*") if path.is_file())
+    files = (path for name in house.PACKAGES for path in (ROOT / name).rglob("*") if path.is_file())
     wanted = {path.relative_to(ROOT).as_posix() for path in files if path.suffix != ".pyc"}
     assert wanted - wheel == set()
 

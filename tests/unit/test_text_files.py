@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from beatrix_zenoh import account, settings
-from beatrix_zenoh.classroom import class_file, router_file
+from beatrix_zenoh import account, class_file, settings
+from beatrix_zenoh.classroom import router_file
 from beatrix_zenoh.client import choreography, motion_file
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion import robot_file

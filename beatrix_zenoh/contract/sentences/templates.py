@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Final, NamedTuple, Self
 
 from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason, Vector3
+from beatrix_zenoh.contract.values import in_unit, suffix
 
 Key = tuple[Reason, Limit | None, str]
 """Reason, limit and case of a sentence; `(reason, None, "")` is the general sentence of a reason."""
@@ -113,7 +114,7 @@ def slots_of(detail: Detail, language: Language) -> dict[str, str]:
 
 
 def _measured(detail: Detail, language: Language) -> dict[str, str]:
-    sign, slots = symbol(detail.unit), {}
+    sign, slots = suffix(detail.unit), {}
     limits: list[tuple[float, str]] = []
     for name, limit, show in (("low", detail.low, least), ("high", detail.high, most)):
         if limit is not None and math.isfinite(limit):
@@ -153,7 +154,7 @@ def _numbers(values: Sequence[float], unit: str, language: Language) -> str:
     """Format a list of numbers, separated by semicolons if the decimal sign is a comma."""
     separator = ", " if language.decimal == "." else "; "
     show = shown if unit == "rad/s" else "{:z.1f}".format
-    texts = [show(in_unit(value, unit)) + symbol(unit) for value in values]
+    texts = [show(in_unit(value, unit)) + suffix(unit) for value in values]
     return separator.join(_decimal(text, language) for text in texts)
 
 
@@ -164,16 +165,6 @@ def _list(words: Sequence[str], language: Language) -> str:
 
 def _decimal(text: str, language: Language) -> str:
     return text.replace(".", language.decimal).replace("-", language.minus)
-
-
-def in_unit(value: float, unit: str) -> float:
-    """Convert a value from the unit of a message to the unit of a sentence: degrees for radians."""
-    return math.degrees(value) if unit.startswith("rad") else value
-
-
-def symbol(unit: str) -> str:
-    """Return the symbol after a number, for a unit of a message (rad, rad/s, s or empty)."""
-    return {"rad": "°", "rad/s": "°/s", "s": " s"}.get(unit, f" {unit}" if unit else "")
 
 
 def decimals_of(number: float) -> int:

@@ -29,8 +29,8 @@ from beatrix_zenoh.terminal.targets import (
 )
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
-    from beatrix_zenoh.recording.follow import Following
-    from beatrix_zenoh.recording.path import ArmPath
+    from beatrix_zenoh.paths.follow import Following
+    from beatrix_zenoh.paths.path import ArmPath
     from beatrix_zenoh.recording.samples import Recorded
 
 PROGRESS_S = 5.0
@@ -71,7 +71,7 @@ def replay(
 
     docs/how-to/motion-files.md explains the file format.
     """
-    from beatrix_zenoh.recording.replay import replay as perform
+    from beatrix_zenoh.paths.replay import replay as perform
 
     checked_factor(speed_factor)
     check_lead(lead, on)
@@ -117,7 +117,7 @@ def read_motion_file(file: Path) -> motion_file.MotionFile:
 def path_of_file(read: motion_file.MotionFile, info: RobotInfo) -> ArmPath:
     """Return the path of a motion file; raises Refused, which names the line, for a head that tilts too far."""
     from beatrix_zenoh.client.degrees import robot_of
-    from beatrix_zenoh.recording.path import path_of
+    from beatrix_zenoh.paths.path import path_of
 
     return path_of(read, MotionLimits(robot_of(info)))
 
@@ -128,7 +128,7 @@ def recorded_path(found: Recorded, file: Path, name: str) -> ArmPath:
     Raises:
         Refused: the recording contains several robots, and none of this name.
     """
-    from beatrix_zenoh.recording.path import path_of_recording
+    from beatrix_zenoh.paths.path import path_of_recording
     from beatrix_zenoh.recording.series import of_samples
 
     names = {robot for robot, _ in found.robots}
@@ -140,7 +140,8 @@ def recorded_path(found: Recorded, file: Path, name: str) -> ArmPath:
         )
     side = "sim" if (chosen, "sim") in found.robots else "hw"
     samples = found.robots[chosen, side]
-    return path_of_recording(f"{file}, {chosen} ({side})", of_samples(samples, int(samples.time_ns[0])))
+    arms = of_samples(samples, int(samples.time_ns[0])).arms
+    return path_of_recording(f"{file}, {chosen} ({side})", arms.t, arms.angles)
 
 
 def plan_path(path: ArmPath, infos: list[RobotInfo]) -> Following:
@@ -150,7 +151,7 @@ def plan_path(path: ArmPath, infos: list[RobotInfo]) -> Following:
         Refused: the path exceeds a limit or is too fast; the message names line and time.
         WrongUsage: the path is too long.
     """
-    from beatrix_zenoh.recording.follow import follow, robots_of
+    from beatrix_zenoh.paths.follow import follow, robots_of
 
     if path.duration_s > LONG_S:
         note(f"Checking a path of {path.duration_s:.0f} s.")
@@ -164,7 +165,7 @@ def plan_path(path: ArmPath, infos: list[RobotInfo]) -> Following:
 
 def replay_both(targets: Targets, following: Following, passed: Callable[[float], None], lead: float) -> None:
     """Replay on both robots, the simulation first."""
-    from beatrix_zenoh.recording.replay import replay as perform
+    from beatrix_zenoh.paths.replay import replay as perform
 
     settings = targets.client.settings
     with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:

@@ -14,9 +14,9 @@ from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits
-from beatrix_zenoh.recording.follow import follow, robots_of
-from beatrix_zenoh.recording.path import LONGEST_S, ArmPath, check_choreography, path_of
-from beatrix_zenoh.recording.replay import replay
+from beatrix_zenoh.paths.follow import follow, robots_of
+from beatrix_zenoh.paths.path import LONGEST_S, ArmPath, check_choreography, path_of
+from beatrix_zenoh.paths.replay import replay
 from gui.console.link.outcomes import WindowError
 from gui.console.state.actions import LARGEST_BYTES, POSES, Play
 from gui.console.state.refusals import wrong_file

@@ -9,7 +9,7 @@ from typing import Final
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.client import BeatrixError
-from beatrix_zenoh.lessons.reports import Row, read
+from beatrix_zenoh.client.lesson_reports import Row, read
 from gui.console.link.connection import Session
 
 PERIOD_S: Final = 5.0

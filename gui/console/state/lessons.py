@@ -7,8 +7,9 @@ from enum import StrEnum
 from itertools import groupby
 from typing import Final
 
+from beatrix_zenoh.client.lesson_reports import IMPOSSIBLE, PASSED, STUCK_AT, TRYING, Row
 from beatrix_zenoh.contract.names import TEACHER
-from beatrix_zenoh.lessons.reports import IMPOSSIBLE, NOT_MEASURED, PASSED, STUCK_AT, TRYING, Row, asked
+from beatrix_zenoh.lesson_files import NOT_MEASURED, asked
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 

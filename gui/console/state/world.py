@@ -9,9 +9,9 @@ from pathlib import Path
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.degrees import Path as MotionPath
+from beatrix_zenoh.client.lesson_reports import Row
 from beatrix_zenoh.contract._generated.messages import LimitInfo
 from beatrix_zenoh.contract.names import TEACHER
-from beatrix_zenoh.lessons.reports import Row
 
 
 class LinkPhase(StrEnum):

@@ -7,19 +7,19 @@ import time
 from collections.abc import Callable
 from typing import Final
 
-from msgspec.structs import replace
+from msgspec.structs import astuple, replace
 
 from beatrix_zenoh.client.choreography import stopping
 from beatrix_zenoh.client.degrees import arm_angles, checked_wait, motion_query
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.robot_base import offset_of
 from beatrix_zenoh.client.stopping import StopEvents
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import ended, furthest
-from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason, Source, Vector3
+from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason, Source
 from beatrix_zenoh.contract.errors import Interrupted, Refused, WrongUsage, naming
-from beatrix_zenoh.recording.follow import LEAD_IN_S, Following
-from beatrix_zenoh.recording.record_robots import clock_s
+from beatrix_zenoh.paths.follow import LEAD_IN_S, Following
 
 POLL_S: Final = 0.02
 """Period of checks while no target is due."""
@@ -48,7 +48,7 @@ class TargetStream:
         """Measure the robot's clock, and subscribe to its positions and STOPs; raises NoAnswer."""
         self.robot = robot
         self._following = following
-        self._clock_s = clock_s(robot)
+        self._clock_s = offset_of(robot).certain
         self._positions = robot.positions_stream(None)
         self._stops = StopEvents(robot)
         self._coming = iter(following.targets)
@@ -119,7 +119,7 @@ class TargetStream:
         short, middle, long = (
             min(self._following.fastest, corrected(math.degrees(speed), goal - at, planned - at))
             for speed, goal, at, planned in zip(
-                vector(query.speed), arm_angles(query.position), here, self._following.at(t), strict=True
+                astuple(query.speed), arm_angles(query.position), here, self._following.at(t), strict=True
             )
         )
         speed = motion_query(0, 0, 0, relative=False, speed=(short, middle, long)).speed
@@ -138,11 +138,6 @@ def corrected(speed: float, way: float, behind: float) -> float:
     """
     more = math.copysign(behind / CORRECT_S, behind * way)
     return min(FASTER * speed, max(speed / FASTER, speed + more))
-
-
-def vector(speed: Vector3) -> tuple[float, float, float]:
-    """Return the speed as a tuple."""
-    return speed.x, speed.y, speed.z
 
 
 def replay(

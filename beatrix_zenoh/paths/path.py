@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from beatrix_zenoh.client.choreography import Choreography, Pose, Step
-from beatrix_zenoh.client.degrees import DAY_S, ArmAngles, HeadAngles, checked_factor
+from beatrix_zenoh.client.degrees import DAY_S, REST_DEG, ArmAngles, HeadAngles, checked_factor
 from beatrix_zenoh.client.motion_file import SPEED, MotionFile, Place, Point, WrongLine
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import RobotData
@@ -19,8 +20,8 @@ from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.node.planner import Planner
-from beatrix_zenoh.recording.series import REST_DEG, Floats, Recording
 
+Floats = npt.NDArray[np.float64]
 POINT_S = 0.05
 """Time between the points of a path that is made from a recording."""
 LEAST = 1e-12
@@ -181,21 +182,22 @@ def arms_of(place: Place, limits: MotionLimits) -> tuple[float, float, float]:
     return math.degrees(x), math.degrees(y), math.degrees(z)
 
 
-def path_of_recording(source: str, recorded: Recording) -> ArmPath:
-    """Return the path of a recorded robot: its set points if they were recorded, else its positions.
+def path_of_recording(source: str, recorded_s: Floats, angles: Floats) -> ArmPath:
+    """Return the path of recorded arm angles (n, 3) in deg, without the rests before the first motion and after the last.
+
+    `recorded_s`: their times (n,) in s, ascending.
 
     Raises:
         WrongUsage: BAD_VALUE, the robot did not move, or its motions span more than a day.
     """
-    arms = recorded.arms
-    moved = np.flatnonzero(np.max(np.abs(arms.angles - arms.angles[:1]), axis=1) > REST_DEG)
-    unfinished = np.flatnonzero(np.max(np.abs(arms.angles - arms.angles[-1:]), axis=1) > REST_DEG)
+    moved = np.flatnonzero(np.max(np.abs(angles - angles[:1]), axis=1) > REST_DEG)
+    unfinished = np.flatnonzero(np.max(np.abs(angles - angles[-1:]), axis=1) > REST_DEG)
     if not len(moved):
         raise WrongUsage(
             Reason.BAD_VALUE, f"{source}: the robot did not move, so there is nothing to replay."
         )
-    begin_s = max(arms.t[0], arms.t[moved[0]] - STILL_S)
-    end_s = min(arms.t[-1], arms.t[unfinished[-1]] + STILL_S)
+    begin_s = max(recorded_s[0], recorded_s[moved[0]] - STILL_S)
+    end_s = min(recorded_s[-1], recorded_s[unfinished[-1]] + STILL_S)
     if end_s - begin_s > DAY_S:  # after a change of a clock the next lines could allocate all memory
         raise WrongUsage(
             Reason.BAD_VALUE,
@@ -203,7 +205,7 @@ def path_of_recording(source: str, recorded: Recording) -> ArmPath:
         )
     t = np.arange(begin_s, end_s + POINT_S, POINT_S)
     return ArmPath(
-        source, t - begin_s, np.column_stack([np.interp(t, arms.t, column) for column in arms.angles.T])
+        source, t - begin_s, np.column_stack([np.interp(t, recorded_s, column) for column in angles.T])
     )
 
 
@@ -229,10 +231,10 @@ def check_choreography(choreography: Choreography, robot: RobotData) -> None:
 def first_arms(step: Step, planner: Planner) -> Arms:
     """Return the arm angles (rad) of the first pose; raises Refused if it exceeds a limit or is out of reach."""
     if isinstance(step, Pose):
-        place = arms_of(HeadAngles(step.yaw, step.pitch, step.roll), planner.limits)
+        place: Place = HeadAngles(step.yaw, step.pitch, step.roll)
     else:
-        place = arms_of(ArmAngles(step.short, step.middle, step.long), planner.limits)
-    x, y, z = (math.radians(angle) for angle in place)
+        place = ArmAngles(step.short, step.middle, step.long)
+    x, y, z = (math.radians(angle) for angle in arms_of(place, planner.limits))
     planner.limits.check_pose((x, y, z))
     return x, y, z
 

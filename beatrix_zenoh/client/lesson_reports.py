@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import re
 import time
-from functools import cache
 from typing import Final, NamedTuple
 
 from beatrix_zenoh import bus as zbus
@@ -16,9 +14,7 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LessonState, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.contract.names import TEACHER
-from beatrix_zenoh.lessons.lesson import LIBRARY, Lesson, names
-from beatrix_zenoh.lessons.phrases import ENGLISH
-from beatrix_zenoh.lessons.progress import Record
+from beatrix_zenoh.lesson_files import NOT_MEASURED
 from beatrix_zenoh.settings import Settings, resolve
 
 ANSWER_S: Final = 3.0
@@ -27,42 +23,19 @@ STUCK: Final = 5
 """Checks without a new figure after which a seat counts as stuck: also one that goes back and forth between two."""
 FIELDS: Final = ("seat", "lesson", "progress", "tries", "hints", "figure")
 PASSED, TRYING, STUCK_AT = "passed", "trying", "stuck"
-NOT_MEASURED, IMPOSSIBLE, SILENT = "not-measured", "impossible", "silent"
+IMPOSSIBLE, SILENT = "impossible", "silent"
 TRIES_MAX: Final = 1000
 """Checks of one lesson above which a report is impossible: a check takes seconds, so these are hours."""
 LONGEST_S: Final = 1.0
 """Longest time (s) that a pupil waits for a report."""
-BRACES: Final = re.compile(r"\{[^}]*\}")
-"""A value of a check in a sentence."""
-MOST: Final = 2**16 - 1
 
 
-def state_of(record: Record, *, measured: bool = True) -> LessonState:
-    """Return what a record says to the teacher: numbers, and the name of a figure.
-
-    measured: whether the last check has judged the program.
-    """
-    return LessonState(
-        version=record.version,
-        tries=min(record.tries, MOST),
-        hints=len(record.hints),
-        figure=record.figure if measured else NOT_MEASURED,
-        stuck=min(record.stuck, MOST),
-        passed=bool(record.passed),
-    )
-
-
-def report(lesson: str, record: Record, *, measured: bool = True) -> None:
-    """Report a lesson to the class's router if this computer has an account; give up after LONGEST_S, without a word.
-
-    measured: as for `state_of`.
-    """
+def report(lesson: str, state: LessonState) -> None:
+    """Report a lesson to the class's router if this computer has an account; give up after LONGEST_S, without a word."""
     with contextlib.suppress(BeatrixError):
         settings = resolve()
-        if settings.account is None:
-            return
-        state = state_of(record, measured=measured)
-        threads.start(lambda: _publish(settings, lesson, state), "lesson-report").join(LONGEST_S)
+        if settings.account is not None:
+            threads.start(lambda: _publish(settings, lesson, state), "lesson-report").join(LONGEST_S)
 
 
 def _publish(settings: Settings, lesson: str, state: LessonState) -> None:
@@ -109,18 +82,6 @@ class Row(NamedTuple):
 def silent(seat: str) -> dict[str, object]:
     """Return the fields of a seat that has reported nothing."""
     return dict(zip(FIELDS, (seat, "", SILENT, 0, 0, ""), strict=True))
-
-
-@cache
-def asked(lesson: str, figure: str, language: str = ENGLISH) -> str:
-    """Return what a check asks at a figure; values of the check are left out. The name of an unknown figure is returned."""
-    if lesson not in names():
-        return figure
-    try:
-        texts = Lesson(LIBRARY / lesson, language).figure(figure)
-    except KeyError:  # of another version of BEATRIX
-        return figure
-    return BRACES.sub("…", texts.asked)
 
 
 def read(client: Client, timeout_s: float = ANSWER_S) -> list[Row]:

@@ -1,26 +1,27 @@
-"""A lesson is a folder of `library/`: its texts, its programs, its check, and what it says about each figure."""
+"""A lesson is a folder of `lessons/library/`: its texts, its programs, its check, and what it says about each figure."""
 
 from __future__ import annotations
 
-import importlib.util
+import re
 import tomllib
-from collections.abc import Callable
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import Annotated, Final, TypeVar
 
 import msgspec
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.lessons.phrases import ENGLISH
-
-if TYPE_CHECKING:
-    from beatrix_zenoh.lessons.attempt import Attempt
 
 T = TypeVar("T", bound=msgspec.Struct)
-LIBRARY = Path(__file__).parent / "library"
+ENGLISH = "en"
+LIBRARY = Path(__file__).parent / "lessons/library"
 GENERAL = "figures"
 """Name of the file, beside the lessons, with the figures that every lesson has."""
+NOT_MEASURED: Final = "not-measured"
+"""Reported in place of a figure if a check has judged nothing."""
+BRACES: Final = re.compile(r"\{[^}]*\}")
+"""A value of a check in a sentence."""
 
 
 class FigureTexts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -109,17 +110,6 @@ class Lesson:
     def _general(self) -> _Texts:
         return _read(self._translated(LIBRARY / f"{GENERAL}.toml"), _Texts)
 
-    def check(self) -> Callable[[Attempt], None]:
-        """Return the function `check` of check.py."""
-        path = self.folder / "check.py"
-        spec = importlib.util.spec_from_file_location(f"check of lesson {self.name}", path)
-        if spec is None or spec.loader is None:
-            raise Refused(Reason.BAD_VALUE, f"{path} cannot be read: install BEATRIX again.")
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-        check: Callable[[Attempt], None] = module.check
-        return check
-
     def _translated(self, path: Path) -> Path:
         translated = path.with_name(f"{path.stem}.{self.language}{path.suffix}")
         return translated if translated.is_file() else path
@@ -145,6 +135,18 @@ def find(number: int, language: str = ENGLISH) -> Lesson:
         Reason.BAD_VALUE,
         f"There is no lesson {number}: choose one of {numbers}. `beatrix lesson list` shows them.",
     )
+
+
+@cache
+def asked(lesson: str, figure: str, language: str = ENGLISH) -> str:
+    """Return what a check asks at a figure; values of the check are left out. The name of an unknown figure is returned."""
+    if lesson not in names():
+        return figure
+    try:
+        texts = Lesson(LIBRARY / lesson, language).figure(figure)
+    except KeyError:  # of another version of BEATRIX
+        return figure
+    return BRACES.sub("…", texts.asked)
 
 
 def _read(path: Path, kind: type[T]) -> T:

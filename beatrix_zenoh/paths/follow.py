@@ -23,8 +23,7 @@ from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.limits import MotionLimits
-from beatrix_zenoh.recording.path import ArmPath
-from beatrix_zenoh.recording.series import Floats
+from beatrix_zenoh.paths.path import ArmPath, Floats
 
 TARGET_S: Final = 0.04
 """Time between two targets."""
