@@ -86,7 +86,6 @@ def test_a_query_on_a_stop_key_is_answered_on_the_key_of_its_seat(robot: Robot, 
     assert codec.decode_json(answer.payload, CommandReply).result
 
 
-@pytest.mark.bodies("in-process")
 @pytest.mark.parametrize("seat", ["legacy", "Ana", "*"])
 @pytest.mark.parametrize("command", ["STOP", "EMERGENCY_STOP"])
 def test_stop_is_accepted_from_an_invalid_seat(robot: Robot, seat: str, command: str) -> None:
@@ -103,7 +102,8 @@ def test_a_query_or_put_on_all_keys_does_not_stop_the_robot(robot: Robot) -> Non
     motion = robot.look(yaw=6, wait=False)
     ask_raw(robot.client, "beatrix/**")
     robot.client.bus.put("beatrix/**", b"hello", "text/plain")
-    robot.client.bus.put("beatrix/*/*/*/*", b"hello", "text/plain")
+    for key in ("beatrix/*/*/*/*", "beatrix/*/*/arm/*/target", "beatrix/bea/*/arm/**"):
+        robot.client.bus.put(key, b"hello", "text/plain")
     motion.wait()
 
 
@@ -186,7 +186,7 @@ class Flood:
         self._robot.info()  # waits, because it is answered after the queries that are still arriving
 
 
-@pytest.mark.bodies("sim", "in-process")
+@pytest.mark.bodies("sim", "in-process", safety=True)
 def test_the_robot_stays_stopped_while_another_client_floods_it(body: Body, robot: Robot) -> None:
     other = body.robot("ben")
     stream = other.positions_stream()

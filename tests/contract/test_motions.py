@@ -87,6 +87,7 @@ def test_a_newer_motion_replaces_the_running_one(robot: Robot) -> None:
     assert_rests_at(robot, (-5, -5, -5))
 
 
+@pytest.mark.bodies(*EVERY, safety=True)
 def test_the_reply_to_stop_has_the_exact_rest_position(robot: Robot) -> None:
     motion = robot.look(yaw=60, wait=False)
     until(lambda: robot.positions().commanded.short > 3, "moving")

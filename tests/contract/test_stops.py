@@ -15,7 +15,7 @@ from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, Event, EventKind, Fault, Reason
 
-pytestmark = pytest.mark.bodies(*EVERY)
+pytestmark = pytest.mark.bodies(*EVERY, safety=True)
 
 
 def test_enable_does_not_clear_the_emergency_latch(body: Body, robot: Robot) -> None:
