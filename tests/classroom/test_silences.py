@@ -326,29 +326,23 @@ def test_a_program_whose_router_was_lost_does_not_report_that_the_robot_was(tmp_
     assert caught.value.reason is Reason.NO_ROUTER
 
 
-def test_a_running_program_reports_that_its_account_was_replaced(tmp_path: Path) -> None:
+def test_program_and_node_whose_accounts_were_replaced_report_that_the_router_refuses_them(
+    tmp_path: Path,
+) -> None:
     with ClassRouter(tmp_path) as router:
-        account = router.account("ana")
-        with Client(Settings("bea1", account.connect, "ana", account=account)) as client:
-            router.process.end(signal.SIGKILL)
-            router.make_anew()
-            router.start_again()
-            until(lambda: not client.bus.connected, "the account is refused")
-            with pytest.raises(NoAnswer) as caught:
-                Robot("bea1", HW, client=client).status()
-    assert caught.value.reason is Reason.ACCOUNT_REFUSED
-
-
-def test_a_node_whose_account_was_replaced_reports_that_the_router_refuses_it(tmp_path: Path) -> None:
-    with ClassRouter(tmp_path) as router:
-        node = start_node(tmp_path, router.path("bea1"))
+        account, node = router.account("ana"), start_node(tmp_path, router.path("bea1"))
         try:
-            router.process.end(signal.SIGKILL)
-            node.expect("The router at")  # the node reports that the router is lost
-            router.make_anew()
-            router.start_again()
+            with Client(Settings("bea1", account.connect, "ana", account=account)) as client:
+                router.process.end(signal.SIGKILL)
+                node.expect("The router at")  # the node reports that the router is lost
+                router.make_anew()
+                router.start_again()
+                until(lambda: not client.bus.connected, "the account is refused")
+                with pytest.raises(NoAnswer) as caught:
+                    Robot("bea1", HW, client=client).status()
             line = node.expect(f"The router at {router.classroom.listen} refuses account bea1 of class 8b")
-            assert "Ask for a new bea1.toml" in line
-            assert "Then start the node again" in line
         finally:
             assert node.end() == 0
+    assert caught.value.reason is Reason.ACCOUNT_REFUSED
+    assert "Ask for a new bea1.toml" in line
+    assert "Then start the node again" in line

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 from bodies import EVERY
-from robots import ask_raw, ready, until
+from robots import ready, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, CommandReply, Fault, Reason
+from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, Fault, Reason
 
 pytestmark = pytest.mark.bodies(*EVERY)
 
@@ -100,11 +100,3 @@ def test_emergency_stop_is_latched_until_reset(robot: Robot) -> None:
     ready(robot)
     assert robot.status().fault is Fault.NONE
     robot.look(yaw=2, speed=60)
-
-
-def test_an_unknown_command_is_refused_with_the_list_of_commands(robot: Robot) -> None:
-    key = keys.command(robot.name, robot.side, "ana")
-    (answer,) = ask_raw(robot.client, key, codec.encode(CommandQuery(command=99)), codec.MSGPACK)
-    reply = codec.decode(answer.payload, CommandReply)
-    assert (reply.result, reply.reason) == (False, Reason.UNKNOWN_COMMAND)
-    assert "2 CALIBRATE" in reply.message
