@@ -28,22 +28,16 @@ def test_a_second_client_is_refused_with_the_holders_name_and_the_motion_continu
     body: Body, robot: Robot
 ) -> None:
     other = body.robot("ben")
-    motion = robot.look(yaw=8, wait=False)
+    motion = robot.look(yaw=8, speed=10, wait=False)
     with pytest.raises(Refused, match="ana drives") as refusal:
         other.look(yaw=-20)
     assert refusal.value.reason is Reason.NOT_HOLDER
-    motion.wait()
-    assert robot.positions().commanded.short == pytest.approx(8, abs=0.1)
-
-
-def test_commands_of_other_seats_are_refused_during_a_motion(body: Body, robot: Robot) -> None:
-    other = body.robot("ben")
-    motion = robot.look(yaw=10, wait=False)
     for request in (other.disable, other.calibrate, other.home):
         with pytest.raises(Refused) as refusal:
             request()
         assert refusal.value.reason in (Reason.NOT_HOLDER, Reason.NOT_AT_REST)
     motion.wait()
+    assert robot.positions().commanded.short == pytest.approx(8, abs=0.1)
 
 
 def test_a_motion_of_the_teacher_replaces_that_of_another_seat(body: Body, robot: Robot) -> None:
