@@ -25,7 +25,6 @@ from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.request import ABSENT_S
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.keys import POSITIONS_HZ
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.output import exit_code
 from beatrix_zenoh.settings import Settings
@@ -152,38 +151,6 @@ def hangs(lesson: Lesson) -> Iterator[Case]:
 
 
 @contextlib.contextmanager
-def busy(lesson: Lesson) -> Iterator[Case]:
-    """A node that publishes, but is too busy to reply."""
-    with hanging(lesson) as bus:
-        end = threading.Event()
-
-        def publish() -> None:
-            while not end.wait(1 / POSITIONS_HZ):
-                bus.put(keys.positions("bea2", HW), b"", "application/msgpack")
-
-        publisher = threading.Thread(target=publish)
-        publisher.start()
-        try:
-            yield Case(lesson.router.account("ana"), "bea2")
-        finally:
-            end.set()
-            publisher.join()
-
-
-@contextlib.contextmanager
-def hanging(lesson: Lesson) -> Iterator[Bus]:
-    """A node of bea2 that replies to no query."""
-    kept: list[Incoming] = []
-    with connected(lesson, "bea2") as bus:
-        bus.serve(keys.command("bea2", HW, "*"), kept.append)
-        bus.declare_token(keys.alive("bea2", HW))
-        lesson.router.settled(bus)
-        yield bus
-        for incoming in kept:
-            incoming.finish()
-
-
-@contextlib.contextmanager
 def connected(lesson: Lesson, name: str) -> Iterator[Bus]:
     """Open a session of an account; close it at the end of the block."""
     with contextlib.closing(lesson.router.open(name)) as bus:
@@ -210,7 +177,6 @@ TABLE = [
     ),
     (crashed, Reason.NODE_LOST, "bea2 (hw) is no longer online: its node has crashed"),
     (hangs, Reason.NODE_HANGS, "bea2 (hw) is online but did not answer within"),
-    (busy, Reason.TIMED_OUT, "bea2 (hw) did not answer within"),
 ]
 Provoke = Callable[[Lesson], "contextlib.AbstractContextManager[Case]"]
 

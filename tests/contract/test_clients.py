@@ -47,7 +47,7 @@ def test_a_motion_of_the_teacher_replaces_that_of_another_seat(body: Body, robot
     with pytest.raises(Interrupted) as ended:
         motion.wait()
     assert ended.value.reason is Reason.REPLACED
-    until(lambda: robot.status().holder == "", "lease over", 4.0)
+    until(lambda: robot.status().holder == "", "lease over")
 
 
 def test_every_seat_may_send_stop(body: Body, robot: Robot) -> None:
@@ -121,17 +121,17 @@ def test_emergency_stop_is_carried_out_during_a_flood_of_stops(body: Body, robot
 
 def test_the_motion_of_a_client_that_disconnects_is_stopped(body: Body, robot: Robot) -> None:
     leaver = body.robot("leaver")
-    until(lambda: robot.status().holder == "", "lease over", 4.0)
+    until(lambda: robot.status().holder == "", "lease over")
     leaver.look(yaw=60, wait=False)
     until(lambda: robot.positions().commanded.short > 2, "moving")
     leaver.client.close()
-    until(lambda: not robot.status().moving, "stopped", 1.5)
+    until(lambda: not robot.status().moving, "stopped")
     assert robot.positions().commanded.short < 50
     assert robot.status().holder == ""
 
 
 def test_a_client_that_undeclares_its_token_receives_client_lost(body: Body, robot: Robot) -> None:
-    until(lambda: robot.status().holder == "", "lease over", 4.0)
+    until(lambda: robot.status().holder == "", "lease over")
     with zbus.connect(body.stage.endpoint) as bus:
         seat = keys.seat("undeclarer", bus.session_id)
         end = bus.declare_token(seat)

@@ -120,12 +120,12 @@ def test_state_queries_are_answered_in_json(robot: Robot, key: str) -> None:
 
 def test_each_per_arm_topic_moves_one_arm(robot: Robot) -> None:
     bus = robot.client.bus
-    until(lambda: robot.status().holder == "", "lease over", 5.0)
+    until(lambda: robot.status().holder == "", "lease over")
     for arm, angle in (("short", b"0.05"), ("middle", b"0.1"), ("long", b"-0.05")):
         bus.put(keys.arm_target(robot.name, robot.side, arm), angle, "text/plain")
     wanted = [math.degrees(angle) for angle in (0.05, 0.1, -0.05)]
-    until(lambda: robot.positions().commanded == pytest.approx(wanted, abs=0.1), "three arms there", 5.0)
-    until(lambda: robot.status().holder == "", "lease over", 5.0)
+    until(lambda: robot.positions().commanded == pytest.approx(wanted, abs=0.1), "three arms there")
+    until(lambda: robot.status().holder == "", "lease over")
 
 
 def test_a_per_arm_target_with_wildcards_moves_no_arm(robot: Robot) -> None:

@@ -45,10 +45,3 @@ def test_after_stop_a_relative_motion_counts_from_where_the_arms_rest(robot: Rob
     rests = robot.positions().commanded.short
     robot.look(yaw=1, relative=True)
     assert_stands_at(robot, rests + 1)
-
-
-@pytest.mark.bodies("in-process")
-def test_a_motion_of_less_than_half_a_microstep_says_that_the_arms_do_not_turn_yet(robot: Robot) -> None:
-    motion = robot.move(0.04, 0, 0, relative=True)
-    assert "do not turn yet" in repr(motion)
-    assert "do not turn yet" in motion.result().message
