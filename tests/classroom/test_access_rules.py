@@ -272,8 +272,6 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", announces, keys.seat("ben", "abc"), False),
     ("ana", announces, keys.seat("teacher", "abc"), False),
     ("bea1", announces, keys.alive("bea2", SIM), False),
-    ("ana", announces, keys.alive("ana", "x17"), False),
-    ("ana", announces, keys.claim("ana", "x17", "abc"), False),
     # other certificates, also those of cards that were replaced, open no session
     *(
         (f"{kind} {name}", connects, "", kind == "new")

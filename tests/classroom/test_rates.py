@@ -1,4 +1,4 @@
-"""Limits of the router: the rate of pictures and the size of messages."""
+"""Limits of the router: rate of pictures, size of messages, open files, connections that send nothing."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 import zenoh
 from class_router import Answering, ClassRouter, ReceivedKeys
 
-from beatrix_zenoh.bus import credentials
+from beatrix_zenoh.bus import credentials, is_listening
 from beatrix_zenoh.bus.access_control import LARGEST_REQUEST
 from beatrix_zenoh.bus.transport import LARGEST_MESSAGE, opened
 from beatrix_zenoh.contract._generated import keys
@@ -22,7 +22,9 @@ HUGE = 100_000_000
 
 @pytest.fixture(scope="module")
 def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
+    """A class whose routers begin with a low limit of open files."""
+    inside = ("prlimit", "--nofile=256:4096") if shutil.which("prlimit") else ()
+    with ClassRouter(tmp_path_factory.mktemp("class"), inside=inside) as made:
         yield made
 
 
@@ -77,9 +79,8 @@ def test_a_huge_message_does_not_fill_the_memory_of_the_router(router: ClassRout
 
 
 @pytest.mark.skipif(shutil.which("prlimit") is None, reason="needs a program that lowers a limit")
-def test_the_router_raises_its_limit_of_open_files(tmp_path: Path) -> None:
-    with ClassRouter(tmp_path, inside=("prlimit", "--nofile=256:4096")) as router:
-        limits = Path(f"/proc/{router.process.pid}/limits").read_text()
+def test_the_router_raises_its_limit_of_open_files(router: ClassRouter) -> None:
+    limits = Path(f"/proc/{router.process.pid}/limits").read_text()
     assert ["Max", "open", "files", "4096", "4096", "files"] in [line.split() for line in limits.splitlines()]
 
 
@@ -94,3 +95,12 @@ def test_an_oversize_request_reaches_no_robot(router: ClassRouter) -> None:
             pass
         query.close()
     assert served.asked == [own]
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="elsewhere a router also accepts connections that send nothing"
+)
+def test_probes_keep_no_session_out(router: ClassRouter) -> None:
+    """If the router noticed the probes, it would accept no session for 0.1 s after each of them, 30 s altogether."""
+    assert all(is_listening(router.account("ana").connect) for _ in range(300))
+    router.open("ana").close()

@@ -171,6 +171,7 @@ def test_stop_is_sent_again_until_the_router_is_back(
 
 
 def test_seats_are_out_for_a_while_when_the_router_of_the_robots_ends_again_and_again(tmp_path: Path) -> None:
+    """Both routers then end with their parent, even if it is killed."""
     with ClassRouter(tmp_path) as own:
         teacher, ana = own.session("teacher"), own.session("ana")
         report = ""
@@ -183,13 +184,8 @@ def test_seats_are_out_for_a_while_when_the_router_of_the_robots_ends_again_and_
         until(lambda: not ana.connected, "the seats are out")
         until(lambda: teacher.router_answers(1.0), "the teacher")
         assert not ana.connected
-
-
-def test_the_routers_end_with_their_parent_even_if_it_is_killed(tmp_path: Path) -> None:
-    with ClassRouter(tmp_path) as own:
-        robot = own.session("bea1")
         own.process.send(signal.SIGKILL)
-        until(lambda: not robot.connected, "no router is left")
+        until(lambda: not teacher.connected, "no router is left")
 
 
 # -- decisions, without a network ---------------------------------------------------------------------

@@ -25,7 +25,6 @@ from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.request import ABSENT_S
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.keys import POSITIONS_HZ
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.output import exit_code
 from beatrix_zenoh.settings import Settings
@@ -152,38 +151,6 @@ def hangs(lesson: Lesson) -> Iterator[Case]:
 
 
 @contextlib.contextmanager
-def busy(lesson: Lesson) -> Iterator[Case]:
-    """A node that publishes, but is too busy to reply."""
-    with hanging(lesson) as bus:
-        end = threading.Event()
-
-        def publish() -> None:
-            while not end.wait(1 / POSITIONS_HZ):
-                bus.put(keys.positions("bea2", HW), b"", "application/msgpack")
-
-        publisher = threading.Thread(target=publish)
-        publisher.start()
-        try:
-            yield Case(lesson.router.account("ana"), "bea2")
-        finally:
-            end.set()
-            publisher.join()
-
-
-@contextlib.contextmanager
-def hanging(lesson: Lesson) -> Iterator[Bus]:
-    """A node of bea2 that replies to no query."""
-    kept: list[Incoming] = []
-    with connected(lesson, "bea2") as bus:
-        bus.serve(keys.command("bea2", HW, "*"), kept.append)
-        bus.declare_token(keys.alive("bea2", HW))
-        lesson.router.settled(bus)
-        yield bus
-        for incoming in kept:
-            incoming.finish()
-
-
-@contextlib.contextmanager
 def connected(lesson: Lesson, name: str) -> Iterator[Bus]:
     """Open a session of an account; close it at the end of the block."""
     with contextlib.closing(lesson.router.open(name)) as bus:
@@ -210,7 +177,6 @@ TABLE = [
     ),
     (crashed, Reason.NODE_LOST, "bea2 (hw) is no longer online: its node has crashed"),
     (hangs, Reason.NODE_HANGS, "bea2 (hw) is online but did not answer within"),
-    (busy, Reason.TIMED_OUT, "bea2 (hw) did not answer within"),
 ]
 Provoke = Callable[[Lesson], "contextlib.AbstractContextManager[Case]"]
 
@@ -326,29 +292,23 @@ def test_a_program_whose_router_was_lost_does_not_report_that_the_robot_was(tmp_
     assert caught.value.reason is Reason.NO_ROUTER
 
 
-def test_a_running_program_reports_that_its_account_was_replaced(tmp_path: Path) -> None:
+def test_program_and_node_whose_accounts_were_replaced_report_that_the_router_refuses_them(
+    tmp_path: Path,
+) -> None:
     with ClassRouter(tmp_path) as router:
-        account = router.account("ana")
-        with Client(Settings("bea1", account.connect, "ana", account=account)) as client:
-            router.process.end(signal.SIGKILL)
-            router.make_anew()
-            router.start_again()
-            until(lambda: not client.bus.connected, "the account is refused")
-            with pytest.raises(NoAnswer) as caught:
-                Robot("bea1", HW, client=client).status()
-    assert caught.value.reason is Reason.ACCOUNT_REFUSED
-
-
-def test_a_node_whose_account_was_replaced_reports_that_the_router_refuses_it(tmp_path: Path) -> None:
-    with ClassRouter(tmp_path) as router:
-        node = start_node(tmp_path, router.path("bea1"))
+        account, node = router.account("ana"), start_node(tmp_path, router.path("bea1"))
         try:
-            router.process.end(signal.SIGKILL)
-            node.expect("The router at")  # the node reports that the router is lost
-            router.make_anew()
-            router.start_again()
+            with Client(Settings("bea1", account.connect, "ana", account=account)) as client:
+                router.process.end(signal.SIGKILL)
+                node.expect("The router at")  # the node reports that the router is lost
+                router.make_anew()
+                router.start_again()
+                until(lambda: not client.bus.connected, "the account is refused")
+                with pytest.raises(NoAnswer) as caught:
+                    Robot("bea1", HW, client=client).status()
             line = node.expect(f"The router at {router.classroom.listen} refuses account bea1 of class 8b")
-            assert "Ask for a new bea1.toml" in line
-            assert "Then start the node again" in line
         finally:
             assert node.end() == 0
+    assert caught.value.reason is Reason.ACCOUNT_REFUSED
+    assert "Ask for a new bea1.toml" in line
+    assert "Then start the node again" in line

@@ -1,4 +1,4 @@
-"""Cameras, on every body that has them."""
+"""Cameras of a simulation; tests/nodes/test_cameras.py has those of the hardware."""
 
 from __future__ import annotations
 
@@ -13,17 +13,16 @@ from robots import until, wait_status
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract.names import EYES
 
+pytestmark = pytest.mark.bodies("sim")
 LONG_S = 60.0
 """Time limit (s) of a first picture, which may need an OpenGL context on a busy machine."""
 
 
 @pytest.fixture
 def watcher(body: Body) -> Iterator[Robot]:
-    """A client of a robot with cameras, none of which streams."""
+    """A client of a robot with two cameras, none of which streams."""
     robot = body.robot()
-    if not robot.status().cameras:
-        robot.client.close()
-        pytest.skip("this body has no cameras")
+    assert tuple(one.eye for one in robot.status().cameras) == EYES
     wait_status(
         robot,
         lambda status: not any(one.streaming for one in status.cameras),
@@ -34,33 +33,21 @@ def watcher(body: Body) -> Iterator[Robot]:
     robot.client.close()
 
 
-def test_a_robot_has_both_eyes_or_none(body: Body) -> None:
-    robot = body.robot()
-    eyes = tuple(one.eye for one in robot.status().cameras)
-    robot.client.close()
-    assert eyes in ((), EYES)
-
-
-def test_each_eye_shows_a_picture_of_its_own(watcher: Robot) -> None:
+def test_each_eye_shows_a_picture_of_its_own_with_time_and_number(watcher: Robot) -> None:
     pictures = {}
     for eye in EYES:
         with watcher.camera(eye, timeout_s=LONG_S) as images:
-            image = images.next()
+            image, second = images.next(), images.next()
+        assert second.seq > image.seq
+        assert second.t_mono_ns > image.t_mono_ns
+        for one in (image, second):
+            assert 0 < one.arrived_mono_ns - one.t_mono_ns < LONG_S * 1e9
+            assert 0 < one.arrived_wall_ns - one.t_wall_ns < LONG_S * 1e9
         pixels = simplejpeg.decode_jpeg(image.jpeg)
         assert pixels.shape == (image.height, image.width, 3)
         assert image.eye == eye
         pictures[eye] = pixels
     assert (pictures["left"] != pictures["right"]).any()
-
-
-def test_the_header_has_time_and_sequence_number(watcher: Robot) -> None:
-    with watcher.camera("left", timeout_s=LONG_S) as images:
-        first, second = images.next(), images.next()
-    assert second.seq > first.seq
-    assert second.t_mono_ns > first.t_mono_ns
-    for image in (first, second):
-        assert 0 < image.arrived_mono_ns - image.t_mono_ns < LONG_S * 1e9
-        assert 0 < image.arrived_wall_ns - image.t_wall_ns < LONG_S * 1e9
 
 
 def test_pictures_come_only_while_a_client_subscribes(watcher: Robot) -> None:

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from bodies import Body
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh.contract.errors import WrongUsage
@@ -50,12 +49,14 @@ def test_a_log_that_is_too_long_begins_later(robot: Robot, monkeypatch: pytest.M
     assert not [gap for gap in log.gaps if gap.lost]
 
 
-@pytest.mark.bodies("sim", "in-process")
-def test_a_preview_tries_what_look_would_do(robot: Robot, body: Body) -> None:
-    if body.side == "hw":
-        with pytest.raises(WrongUsage, match="asks its simulation"):
-            robot.preview(yaw=20)
-        return
+@pytest.mark.bodies("in-process")
+def test_a_preview_of_the_hardware_names_the_simulation(robot: Robot) -> None:
+    with pytest.raises(WrongUsage, match="asks its simulation"):
+        robot.preview(yaw=20)
+
+
+@pytest.mark.bodies("sim")
+def test_a_preview_tries_what_look_would_do(robot: Robot) -> None:
     preview = robot.preview(yaw=20, pitch=10)
     assert preview.path.head[-1].yaw == pytest.approx(20, abs=0.5)
     assert preview.path.t[-1] == pytest.approx(preview.duration, abs=0.1)

@@ -35,7 +35,7 @@ def near(angles: tuple[float, ...], wanted: tuple[float, ...], tolerance: float)
 def assert_rests_at(robot: Robot, arms: tuple[float, float, float]) -> None:
     """Assert that commanded angles are within a step at once, and measured ones within 0.25 deg when the head rests."""
     assert near(robot.positions().commanded, arms, STEP_DEG)
-    until(lambda: near(robot.positions().arms, arms, MEASURED_DEG), f"measured arms at {arms}", 2.0)
+    until(lambda: near(robot.positions().arms, arms, MEASURED_DEG), f"measured arms at {arms}")
 
 
 def test_an_absolute_motion_ends_at_the_target(robot: Robot) -> None:
@@ -54,7 +54,7 @@ def test_look_turns_the_head_to_the_pose(robot: Robot) -> None:
     wanted = Neck().inverse(*map(math.radians, (15, -8, 5)))
     short, middle, long = map(math.degrees, wanted)
     assert_rests_at(robot, (short, middle, long))
-    until(lambda: near(robot.positions().head, (15, -8, 5), 0.4), "head at the pose", 2.0)
+    until(lambda: near(robot.positions().head, (15, -8, 5), 0.4), "head at the pose")
 
 
 @pytest.mark.measures_time
@@ -87,6 +87,7 @@ def test_a_newer_motion_replaces_the_running_one(robot: Robot) -> None:
     assert_rests_at(robot, (-5, -5, -5))
 
 
+@pytest.mark.bodies(*EVERY, safety=True)
 def test_the_reply_to_stop_has_the_exact_rest_position(robot: Robot) -> None:
     motion = robot.look(yaw=60, wait=False)
     until(lambda: robot.positions().commanded.short > 3, "moving")

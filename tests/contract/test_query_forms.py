@@ -12,7 +12,7 @@ from robots import ask_raw, until
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import MotionReply, Positions, Reason, Status
+from beatrix_zenoh.contract._generated.messages import MotionReply, Reason
 
 pytestmark = pytest.mark.bodies("in-process")
 
@@ -63,14 +63,11 @@ def test_msgpack_of_another_library_is_answered_in_msgpack(robot: Robot) -> None
 
 
 GOOD = {"absolute": True, "position": {"x": 0.0, "y": 0.0, "z": 0.0}}
-BAD_MSGPACK = [
-    (msgpack.packb(GOOD | {"extra": 1}), "extra"),
-    (msgpack.packb(GOOD | {"speed": {"x": math.nan, "y": 1.0, "z": 1.0}}), "speed.x"),
-    (b"\xc1\xff\x00garbage", ""),
-]
 
 
-@pytest.mark.parametrize(("payload", "word"), BAD_MSGPACK)
+@pytest.mark.parametrize(
+    ("payload", "word"), [(msgpack.packb(GOOD | {"extra": 1}), "extra"), (b"\xc1\xff\x00garbage", "")]
+)
 def test_the_refusal_of_invalid_msgpack_names_the_field(robot: Robot, payload: bytes, word: str) -> None:
     (answer,) = ask_raw(robot.client, key_of(robot, "motion"), payload, codec.MSGPACK)
     reply = codec.decode(answer.payload, MotionReply)
@@ -83,11 +80,8 @@ def test_the_refusal_of_invalid_msgpack_names_the_field(robot: Robot, payload: b
 @pytest.mark.parametrize(
     ("selector", "payload", "word"),
     [
-        ("?x=0.1&y=0&z=0", None, ";"),
         ("?x=0.1;y=0.2;z=zero", None, "position.z"),
         ("", b"0.1 0.2 0.3", "no JSON"),
-        ("", b"\xff\xfe\x00", "neither text nor marked as msgpack"),
-        ("", None, "Empty query"),
     ],
 )
 def test_the_refusal_of_invalid_text_names_the_cause(
@@ -124,44 +118,14 @@ def test_state_queries_are_answered_in_json(robot: Robot, key: str) -> None:
     assert last_json(robot, f"beatrix/{robot.name}/{robot.side}/{key}")
 
 
-def test_a_stream_of_positions_has_no_gaps(robot: Robot) -> None:
-    stream = robot.positions_stream()
-    received: list[Positions] = []
-
-    def enough() -> bool:
-        received.extend(stream.take(0.1))
-        return len(received) >= 30
-
-    until(enough, "30 positions", 10.0)
-    numbers = [positions.seq for positions in received]
-    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
-
-
-def test_status_is_published_when_it_changes(robot: Robot) -> None:
-    received: list[Status] = []
-    robot.client.bus.subscribe(
-        keys.status(robot.name, robot.side), lambda one: received.append(codec.decode(one.payload, Status))
-    )
-    until(lambda: bool(received), "the first status", 3.0)
-    robot.disable()
-    until(lambda: any(not status.enabled for status in received), "disabled before the next second", 0.9)
-
-
 def test_each_per_arm_topic_moves_one_arm(robot: Robot) -> None:
     bus = robot.client.bus
-    until(lambda: robot.status().holder == "", "lease over", 5.0)
+    until(lambda: robot.status().holder == "", "lease over")
     for arm, angle in (("short", b"0.05"), ("middle", b"0.1"), ("long", b"-0.05")):
         bus.put(keys.arm_target(robot.name, robot.side, arm), angle, "text/plain")
     wanted = [math.degrees(angle) for angle in (0.05, 0.1, -0.05)]
-    until(lambda: robot.positions().commanded == pytest.approx(wanted, abs=0.1), "three arms there", 5.0)
-    until(lambda: robot.status().holder == "", "lease over", 5.0)
-
-
-@pytest.mark.parametrize("key", ["beatrix/**", "beatrix/*/*/arm/*/target", "beatrix/bea/*/arm/**"])
-def test_a_put_with_wildcards_has_no_effect(robot: Robot, key: str) -> None:
-    robot.client.bus.put(key, b"nonsense", "text/plain")
-    assert robot.status().robot == "bea"
-    robot.look(yaw=1, speed=60)
+    until(lambda: robot.positions().commanded == pytest.approx(wanted, abs=0.1), "three arms there")
+    until(lambda: robot.status().holder == "", "lease over")
 
 
 def test_a_per_arm_target_with_wildcards_moves_no_arm(robot: Robot) -> None:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 from bodies import EVERY
-from robots import ask_raw, ready, until
+from robots import ready, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, CommandReply, Fault, Reason
+from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, Fault, Reason
 
 pytestmark = pytest.mark.bodies(*EVERY)
 
@@ -22,38 +22,23 @@ def test_the_refusal_of_a_motion_with_motors_off_names_enable(robot: Robot) -> N
     assert not robot.status().enabled
 
 
-def test_a_motion_before_calibration_is_refused(robot: Robot) -> None:
+def test_switching_the_motors_off_clears_the_calibration_which_a_motion_needs(robot: Robot) -> None:
     robot.disable()
+    with pytest.raises(Refused) as refusal:
+        robot.calibrate()
+    assert refusal.value.reason is Reason.NOT_ENABLED
     robot.enable()
+    assert not robot.status().calibrated
     with pytest.raises(Refused, match="calibrate") as refusal:
         robot.look(yaw=5)
     assert refusal.value.reason is Reason.NOT_CALIBRATED
 
 
-def test_switching_the_motors_off_clears_the_calibration(robot: Robot) -> None:
-    assert robot.status().calibrated
-    robot.disable()
-    robot.enable()
-    assert not robot.status().calibrated
-
-
-def test_calibrate_with_motors_off_is_refused(robot: Robot) -> None:
-    robot.disable()
-    with pytest.raises(Refused) as refusal:
-        robot.calibrate()
-    assert refusal.value.reason is Reason.NOT_ENABLED
-
-
-def test_calibrate_makes_the_present_position_home(robot: Robot) -> None:
-    robot.move(6, 6, 6, speed=60)
-    robot.calibrate()
-    assert robot.positions().commanded == (0, 0, 0)
-
-
-def test_calibrating_again_at_another_position_is_reported(robot: Robot) -> None:
+def test_calibrate_makes_the_present_position_home_and_reports_another_home(robot: Robot) -> None:
     assert "known already" not in robot.command(Command.CALIBRATE).message
     robot.move(6, 6, 6, speed=60)
     assert "Home was known already, and the arms were at 6" in robot.command(Command.CALIBRATE).message
+    assert robot.positions().commanded == (0, 0, 0)
 
 
 def test_calibrate_far_from_a_known_home_is_refused(robot: Robot) -> None:
@@ -69,6 +54,7 @@ def test_calibrate_far_from_a_known_home_is_refused(robot: Robot) -> None:
     assert robot.positions().commanded == (0, 0, 0)
 
 
+@pytest.mark.bodies(*EVERY, safety=True)
 def test_requests_sent_before_emergency_stop_do_not_switch_the_motors_on(robot: Robot) -> None:
     key = keys.command(robot.name, robot.side, "ana")
     enable = codec.encode(CommandQuery(command=Command.ENABLE.value))
@@ -83,24 +69,18 @@ def test_requests_sent_before_emergency_stop_do_not_switch_the_motors_on(robot: 
     assert (status.enabled, status.fault) == (False, Fault.EMERGENCY)
 
 
-def test_calibrate_during_a_motion_is_refused(robot: Robot) -> None:
+def test_disable_ends_a_motion_which_calibrate_does_not(robot: Robot) -> None:
     motion = robot.look(yaw=30, wait=False)
     with pytest.raises(Refused) as refusal:
         robot.calibrate()
     assert refusal.value.reason is Reason.NOT_AT_REST
-    robot.stop()
-    with pytest.raises(Interrupted):
-        motion.wait()
-
-
-def test_disable_ends_a_motion(robot: Robot) -> None:
-    motion = robot.look(yaw=30, wait=False)
     robot.disable()
     with pytest.raises(Interrupted) as ended:
         motion.wait()
     assert ended.value.reason is Reason.NOT_ENABLED
 
 
+@pytest.mark.bodies(*EVERY, safety=True)
 def test_emergency_stop_is_latched_until_reset(robot: Robot) -> None:
     motion = robot.look(yaw=30, wait=False)
     robot.emergency_stop()
@@ -120,11 +100,3 @@ def test_emergency_stop_is_latched_until_reset(robot: Robot) -> None:
     ready(robot)
     assert robot.status().fault is Fault.NONE
     robot.look(yaw=2, speed=60)
-
-
-def test_an_unknown_command_is_refused_with_the_list_of_commands(robot: Robot) -> None:
-    key = keys.command(robot.name, robot.side, "ana")
-    (answer,) = ask_raw(robot.client, key, codec.encode(CommandQuery(command=99)), codec.MSGPACK)
-    reply = codec.decode(answer.payload, CommandReply)
-    assert (reply.result, reply.reason) == (False, Reason.UNKNOWN_COMMAND)
-    assert "2 CALIBRATE" in reply.message

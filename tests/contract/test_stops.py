@@ -15,7 +15,7 @@ from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, Event, EventKind, Fault, Reason
 
-pytestmark = pytest.mark.bodies(*EVERY)
+pytestmark = pytest.mark.bodies(*EVERY, safety=True)
 
 
 def test_enable_does_not_clear_the_emergency_latch(body: Body, robot: Robot) -> None:
@@ -51,7 +51,7 @@ def test_after_a_stop_between_two_motions_the_second_is_refused(body: Body, robo
 @pytest.mark.parametrize("by", ["itself", "boss"])
 def test_a_program_that_is_started_after_stop_moves_at_once(body: Body, robot: Robot, by: str) -> None:
     """As a notebook in which `robot = Robot("x")` is run again."""
-    until(lambda: robot.status().holder == "", "free", 4.0)
+    until(lambda: robot.status().holder == "", "free")
     seat = f"stopped-by-{by}"  # no seat of another test, which boss may just have stopped
     first, boss = body.robot(seat), body.robot("boss")
     first.move(3, 3, 3, speed=60)
@@ -61,7 +61,7 @@ def test_a_program_that_is_started_after_stop_moves_at_once(body: Body, robot: R
     if by == "boss":
         with pytest.raises(Refused, match=r"for 3.0 s.*A program that you start now need not wait"):
             first.move(0, 0, 0, speed=60)
-    until(lambda: robot.status().holder == "", "free", 4.0)
+    until(lambda: robot.status().holder == "", "free")
     for other in (first, boss, second):
         other.client.close()
 

@@ -167,6 +167,8 @@ AT_EDGES = [
     (CLOSE, 1, flash.COMPLETE, True),
 ]
 """Command, number of the message with it, state of the board if this message fails, whether firmware then starts."""
+TYPICAL = AT_EDGES[1], AT_EDGES[5], AT_EDGES[8]
+"""One of each state: untouched, half written, complete."""
 BETWEEN = [
     (PROGRAM, PAGES, flash.HALF_WRITTEN, False),
     (READ, 2, flash.HALF_WRITTEN, False),
@@ -181,8 +183,10 @@ ERROR, INTERRUPT, KILL, HANG_UP = (pull, 1), (interrupt, 130), (kill, 130), (clo
 @pytest.mark.usefixtures("hangup")
 @pytest.mark.parametrize(
     ("command", "nth", "state", "runs", "fault", "code"),
-    [(*at, *ERROR) for at in AT_EDGES]
-    + [(*AT_EDGES[5], *fault) for fault in (KILL, INTERRUPT, HANG_UP)]
+    [(*at, *ERROR) for at in TYPICAL]
+    + [(*AT_EDGES[5], *KILL)]
+    + [pytest.param(*at, *ERROR, marks=SLOW) for at in AT_EDGES if at not in TYPICAL]
+    + [pytest.param(*AT_EDGES[5], *fault, marks=SLOW) for fault in (INTERRUPT, HANG_UP)]
     + [pytest.param(*at, *KILL, marks=SLOW) for at in AT_EDGES if at != AT_EDGES[5]]
     + [pytest.param(*at, *ERROR, marks=SLOW) for at in BETWEEN],
 )

@@ -27,15 +27,11 @@ def hello(mega: Mega) -> HelloReply:
     return HelloReply.unpack(reply.payload)
 
 
-def test_a_new_board_has_no_name_and_boot_number_1() -> None:
+def test_a_new_board_has_no_name_and_boot_number_1_and_its_drivers_stay_off() -> None:
     with Mega() as mega:
         reply = hello(mega)
         assert (reply.contract, reply.boot, reply.name) == (CONTRACT, 1, bytes(32))
         assert not mega.avr.enabled
-
-
-def test_the_drivers_stay_off_at_start() -> None:
-    with Mega() as mega:
         assert len(mega.avr.edges("enable")) == 0
 
 

@@ -26,14 +26,11 @@ def played(dialogue: list[Entry], program: Program) -> list[Entry]:
     return replies
 
 
-def test_both_dialogues_are_complete() -> None:
-    assert [(path.stem, len(read(path))) for path in DIALOGUES] == [("every-move", 47), ("every-reply", 57)]
-
-
 @pytest.mark.parametrize("framed", [False, True], ids=["direct", "framed"])
 @pytest.mark.parametrize("path", DIALOGUES, ids=lambda path: path.stem)
 def test_replies_equal_the_reference_dialogue_and_are_not_later(path: Path, framed: bool, body: Core) -> None:
     dialogue = read(path)
+    assert len(dialogue) == {"every-move": 47, "every-reply": 57}[path.stem]
     program = Program(body, framed=framed, look_ms=1)
     theirs, ours = expected_replies(dialogue), played(dialogue, program)
     assert [entry.text for entry in ours] == [entry.text for entry in theirs]

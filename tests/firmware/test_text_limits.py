@@ -112,9 +112,6 @@ def test_random_programs_never_move_the_arms_beyond_the_limits(script: list[tupl
         assert allowed(program.core.steps())
 
 
-NECK, GEAR = Neck(), Gear()
-
-
 def tilt(steps: Steps) -> float:
     """Return the tilt of the head (deg)."""
     return math.degrees(math.acos(min(1.0, NECK.head(GEAR.to_rad(steps)).up)))

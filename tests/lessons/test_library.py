@@ -120,8 +120,3 @@ def test_a_file_of_a_lesson_is_named_as_the_pupil_has_it() -> None:
     said = verdict(lesson, Unmet("missed", file=file, bearing=14.4))
     assert said.asked == "14.4 deg for 07.jpg"
     assert str(LIBRARY) not in str(said.values)
-
-
-def test_an_unmet_figure_names_its_values() -> None:
-    assert str(Unmet("nods", count=2)) == "nods"
-    assert (LIBRARY / "figures.toml").is_file()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import pytest
+from _pytest.mark import ParameterSet
 from robots import Stage
 
 from beatrix_zenoh import Robot
@@ -29,13 +30,21 @@ class Body:
 
 
 def run_on_bodies(metafunc: pytest.Metafunc, fixture: str, bodies: tuple[str, ...]) -> None:
-    """Parametrize a test that uses this fixture with the bodies in its mark `bodies`, or with all bodies."""
+    """Parametrize a test that uses this fixture with the bodies in its mark `bodies`, or with all bodies.
+
+    Where a test also runs in-process, its other bodies are `long`, unless the mark has `safety=True`.
+    """
     if fixture in metafunc.fixturenames:
         mark = metafunc.definition.get_closest_marker("bodies")
-        chosen = [
-            pytest.param(name, marks=pytest.mark.long("firmware of the Mega in real time"))
-            if name == "mega"
-            else name
-            for name in (mark.args if mark else bodies)
-        ]
-        metafunc.parametrize(fixture, chosen, indirect=True)
+        names = mark.args if mark else bodies
+        safety = mark is not None and mark.kwargs.get("safety", False)
+        metafunc.parametrize(fixture, [chosen(name, names, safety) for name in names], indirect=True)
+
+
+def chosen(name: str, names: tuple[str, ...], safety: bool) -> ParameterSet | str:
+    """Return the parameter for one of the bodies of a test, with the mark `long` where it has a reason."""
+    if name == "mega":
+        return pytest.param(name, marks=pytest.mark.long("firmware of the Mega in real time"))
+    if name in ("sim", "shared") and "in-process" in names and not safety:
+        return pytest.param(name, marks=pytest.mark.long("runs on the in-process body in `make test`"))
+    return name

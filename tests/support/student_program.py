@@ -6,23 +6,14 @@ It uses the account that `beatrix.toml` of its working folder names, as the prog
 from __future__ import annotations
 
 import sys
-from collections import Counter
 from functools import cache
-from pathlib import Path
 
 from patient_connections import PATIENCE_S, patiently
 
 from beatrix_zenoh import Robot as OneRobot
-from beatrix_zenoh import account as accounts
-from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.settings import resolve
-
-RECEIVED: Counter[tuple[str, str]] = Counter()
-"""Publications by key and session of the publisher."""
-QUERIES: list[str] = []
-"""Keys of queries that reached a queryable of this seat."""
 
 
 @cache
@@ -57,39 +48,6 @@ def begin(name: str, yaw: float, speed: float = 10.0) -> str:
 def yaw(name: str) -> float:
     """Return the commanded angle of the short arm (deg), rounded to 0.1; it is the yaw of an upright head."""
     return round(robot(name).positions().commanded.short, 1)
-
-
-def listen(*keys: str) -> int:
-    """Subscribe to key expressions; return their number. See `publications`."""
-    for key in keys:
-        client().bus.subscribe(key, lambda received: RECEIVED.update([(received.key, received.session)]))
-    return len(keys)
-
-
-def publications() -> list[tuple[str, str]]:
-    """Return the distinct pairs of key and publisher's session among the publications that have arrived."""
-    return list(RECEIVED)
-
-
-def spy(key: str) -> str:
-    """Declare a queryable on a key that belongs to another account; return the key. See `queries`."""
-    client().bus.serve(key, lambda incoming: QUERIES.append(incoming.key))
-    return key
-
-
-def queries() -> list[str]:
-    """Return the keys of the queries that have arrived."""
-    return QUERIES
-
-
-def can_connect(account: str, endpoint: str = "") -> bool:
-    """Open and close a session with the account in this file, at `endpoint` or the router of its class; return True.
-
-    Raises NoAnswer if the router refuses the account.
-    """
-    shown = accounts.load(Path(account))
-    with zbus.connect(endpoint or shown.connect, account=shown):
-        return True
 
 
 def main() -> None:
