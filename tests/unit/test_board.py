@@ -97,9 +97,11 @@ def test_a_refusal_by_the_firmware_keeps_its_reason(rig: Rig) -> None:
 
 
 def connect_foreign(rig: Rig) -> None:
-    """Forge a HELLO_REPLY with another contract, and wait until the board has read it."""
-    rig.port.forged = encode(FrameType.HELLO_REPLY, 0, FOREIGN.pack())
+    """Forge each HELLO_REPLY with another contract, and wait until the board has read one."""
+    rig.port.instead = encode(FrameType.HELLO_REPLY, 0, FOREIGN.pack())
+    rig.port.lose = [FrameType.HELLO_REPLY] * 1000
     while rig.board.link.understood:
+        rig.port.forged = rig.port.instead
         rig.board.wait_for(lambda _: not rig.board.link.understood, 0.1)
 
 
