@@ -236,7 +236,9 @@ def test_programs_that_stop_themselves_need_not_pause_however_often(access: Acce
         stop(begin_motion(access, session, run), session, run + 0.2)
         assert refusal(access, session, run + 0.3) is Reason.OK
     stop(begin_motion(access, Caller("ana", "another run"), 4), BEN, 4.2)
-    assert refusal(access, Caller("ana", "new run"), 4.3) is Reason.OK, "no loop for others, either"
+    new = Caller("ana", "new run")
+    stop(begin_motion(access, new, 4.3), new, 4.4)
+    assert refusal(access, Caller("ana", "newest run"), 4.5) is Reason.OK, "no loop for others, either"
 
 
 def test_a_second_session_of_a_stopped_seat_does_not_free_itself_with_a_stop_of_its_own(
