@@ -39,7 +39,7 @@ def write_lesson(
         stream.send([row])
     if about is not None:
         stream.describe(about)
-    assert stream.flush(5.0)
+    assert stream.flush(30.0)
     stream.close()
 
 

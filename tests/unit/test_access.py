@@ -16,7 +16,6 @@ from access_callers import (
     begin_motion,
     finish_motion,
     refusal,
-    stop,
 )
 
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -236,8 +235,3 @@ def test_following_begins_only_after_a_stopped_motion_has_come_to_rest() -> None
     access.stop_sent(2.2)
     access.rested(2.3)
     assert refusal(access, ANA, 2.4, Operation.FOLLOW) is Reason.OK
-
-
-def test_stop_then_motions_are_accepted_again(access: Access) -> None:
-    stop(access, BOSS, 1)
-    assert refusal(access, ANA, 5) is Reason.OK

@@ -86,9 +86,30 @@ def test_a_request_that_is_refused_for_another_reason_restarts_the_pause(access:
     assert refusal(access, ANA, 4.5) is Reason.STOPPED
 
 
-def test_the_session_that_pressed_stop_need_not_pause(access: Access) -> None:
-    stop(begin_motion(access, ANA, 0), ANA, 1)
-    assert refusal(access, ANA, 1.1) is Reason.OK
+PRESSES = {
+    "own": (ANA, [ANA], Reason.OK),
+    "own, without a seat": (ANA, [Caller("", "a1")], Reason.OK),
+    "of ben, with ana's session": (ANA, [Caller("ben", "a1")], Reason.STOPPED),
+    "of ana, without a session": (ANA, [Caller("ana", "")], Reason.STOPPED),
+    "of ben, and then the own": (ANA, [BEN, ANA], Reason.STOPPED),
+    "of ben, and then a forged one": (ANA, [BEN, Caller("cem", "a1")], Reason.STOPPED),
+    "own, and then that of ben": (ANA, [ANA, BEN], Reason.STOPPED),
+    "without a session, of a caller without one": (NO_SESSION, [NO_CALLER], Reason.STOPPED),
+    "of ben, of a caller without a session": (Caller("ana", ""), [BEN], Reason.STOPPED),
+}
+"""Whose motion STOP has ended, who has pressed it, and whether the stopped program may move 0.1 s later.
+
+A client can forge the session of its STOP, but in a class not the seat.
+"""
+
+
+@pytest.mark.parametrize("case", PRESSES)
+def test_a_stopped_session_must_pause_unless_only_itself_has_pressed_stop(access: Access, case: str) -> None:
+    moved, pressers, reason = PRESSES[case]
+    begin_motion(access, moved, 0)
+    for number, presser in enumerate(pressers):
+        stop(access, presser, 1 + number / 10)
+    assert refusal(access, moved, 1.1 + len(pressers) / 10) is reason
 
 
 def test_if_another_session_of_the_seat_pressed_stop_only_the_stopped_session_must_pause(
@@ -98,39 +119,6 @@ def test_if_another_session_of_the_seat_pressed_stop_only_the_stopped_session_mu
     assert refusal(access, ANA, 1.1) is Reason.STOPPED
     begin_motion(access, ANA_AGAIN, 1.2)
     assert refusal(access, ANA, 1.3) is Reason.STOPPED
-
-
-def test_a_stop_by_the_stopped_session_does_not_end_its_pause(access: Access) -> None:
-    stop(stop(begin_motion(access, ANA, 0), BEN, 1), ANA, 1.1)
-    assert refusal(access, ANA, 1.2) is Reason.STOPPED
-
-
-@pytest.mark.parametrize(
-    ("presser", "reason"),
-    [
-        (Caller("ana", "a1"), Reason.OK),
-        (Caller("", "a1"), Reason.OK),
-        (Caller("ben", "a1"), Reason.STOPPED),
-        (Caller("ana", ""), Reason.STOPPED),
-    ],
-    ids=["own", "own, without a seat", "of ben, with ana's session", "of ana, without a session"],
-)
-def test_a_stop_that_names_another_seat_is_never_that_of_the_stopped_session(
-    access: Access, presser: Caller, reason: Reason
-) -> None:
-    """A client can forge the session of its STOP, but in a class not the seat."""
-    assert refusal(stop(begin_motion(access, ANA, 0), presser, 1), ANA, 1.1) is reason
-
-
-def test_a_forged_session_does_not_end_the_pause_after_the_stop_of_another_seat(access: Access) -> None:
-    stop(begin_motion(access, ANA, 0), BEN, 1)
-    stop(access, Caller("cem", ANA.session), 1.1)
-    assert refusal(access, ANA, 1.2) is Reason.STOPPED
-
-
-def test_a_session_must_pause_if_another_presses_stop_after_it(access: Access) -> None:
-    stop(stop(begin_motion(access, ANA, 0), ANA, 1), BEN, 1.1)
-    assert refusal(access, ANA, 1.2) is Reason.STOPPED
 
 
 def test_seats_whose_motion_was_not_stopped_need_not_pause(access: Access) -> None:
@@ -147,11 +135,6 @@ def test_a_seat_whose_session_ended_just_before_stop_must_pause(access: Access) 
     access.stop_pressed(BEN, 10.1)
     access.stop_sent(10.1)
     assert refusal(access, ANA_AGAIN, 10.3) is Reason.STOPPED
-
-
-def test_a_stop_without_a_session_also_pauses_a_caller_without_a_session(access: Access) -> None:
-    stop(begin_motion(access, NO_SESSION, 0), NO_CALLER, 1)
-    assert refusal(access, NO_SESSION, 1.1) is Reason.STOPPED
 
 
 def test_the_seat_of_a_motion_that_overtook_stop_must_pause(access: Access) -> None:
@@ -217,11 +200,6 @@ def test_a_token_that_comes_late_or_returns_does_not_make_a_program_new(access: 
         assert refusal(access, program, 1.3) is Reason.STOPPED
 
 
-def test_a_program_without_a_known_session_must_pause(access: Access) -> None:
-    stop(begin_motion(access, Caller("ana", ""), 0), BEN, 1)
-    assert refusal(access, Caller("ana", ""), 1.1) is Reason.STOPPED
-
-
 def test_a_second_stop_by_another_seat_ends_a_loop_of_programs(access: Access) -> None:
     """As of `while true; do beatrix look; done`."""
     stop(begin_motion(access, Caller("ana", "p0"), 0), BEN, 1)
@@ -257,6 +235,10 @@ def test_programs_that_stop_themselves_need_not_pause_however_often(access: Acce
         session = Caller("ana", f"run {run}")
         stop(begin_motion(access, session, run), session, run + 0.2)
         assert refusal(access, session, run + 0.3) is Reason.OK
+    stop(begin_motion(access, Caller("ana", "another run"), 4), BEN, 4.2)
+    new = Caller("ana", "new run")
+    stop(begin_motion(access, new, 4.3), new, 4.4)
+    assert refusal(access, Caller("ana", "newest run"), 4.5) is Reason.OK, "no loop for others, either"
 
 
 def test_a_second_session_of_a_stopped_seat_does_not_free_itself_with_a_stop_of_its_own(
@@ -280,10 +262,3 @@ def test_a_program_that_starts_in_a_loop_of_programs_frees_itself_with_a_stop(
     stop(access, last, 2)
     assert refusal(access, silent, 2.1) is Reason.STOPPED
     assert refusal(access, last, 2.2) is Reason.OK
-
-
-def test_programs_that_one_seat_stops_itself_are_no_loop_for_others(access: Access) -> None:
-    first, second, third = (Caller("ana", f"run {run}") for run in range(3))
-    stop(begin_motion(access, first, 0), first, 0.5)
-    stop(begin_motion(access, second, 1), BEN, 1.5)
-    assert refusal(access, third, 2) is Reason.OK

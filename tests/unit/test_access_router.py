@@ -96,12 +96,3 @@ def test_a_seat_that_is_disconnected_after_the_return_loses_its_lease_as_usual(a
     return_of(access, ANA, BEN, CLEO).session_changed(ANA, BACK_S + 1, alive=False)
     access.give_up_sessions(BACK_S + 1 + SETTLE_S)
     assert standing(access, BACK_S + 1 + SETTLE_S)[:3] == ("ben", 2, ("cleo",))
-
-
-def test_a_notice_before_the_tokens_is_enough() -> None:
-    access = Access()
-    take(access, ANA, 0)
-    access.router_changed(LOST_S, connected=False)
-    access.session_changed(ANA, LOST_S + NOTICED_S, alive=False)
-    access.give_up_sessions(LOST_S + 1)
-    assert standing(access, LOST_S + 1)[:3] == ("ana", 1, ())

@@ -85,22 +85,6 @@ def test_a_motion_of_a_seat_that_is_muted_after_authorize_does_not_begin(access:
     assert refused.value.reason is Reason.MUTED
 
 
-def test_mute_frees_the_robot_at_once_for_the_next_seat_in_the_queue(access: Access) -> None:
-    begin_motion(access, ANA, 0)
-    access.lease.take(ANA, 0)
-    access.lease.wait(BEN, 0)
-    mute(access, "ana", 1)
-    assert access.lease.holder(1) == "ben"
-
-
-def test_mute_ends_the_place_in_the_queue(access: Access) -> None:
-    access.lease.take(BOSS, 0)
-    access.lease.wait(ANA, 0)
-    access.lease.wait(BEN, 0)
-    mute(access, "ana", 1)
-    assert access.lease.waiting() == ["ben"]
-
-
 def test_the_end_of_a_turn_gives_the_robot_to_the_next_seat_although_the_last_one_moves(
     access: Access,
 ) -> None:

@@ -68,16 +68,3 @@ def test_the_exit_waits_for_threads_that_receive() -> None:
     sessions.close()
     assert ended == [99_999]
     thread.join(5.0)
-
-
-def test_callbacks_of_a_session_that_was_just_closed_have_time_to_return(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    slept: list[float] = []
-    monkeypatch.setattr("time.sleep", slept.append)
-    sessions, session = at_exit.OpenSessions(), Session(Native())
-    sessions.close()
-    sessions.discard(session)
-    sessions.close()
-    assert slept[0] == 0.0
-    assert 0.0 < slept[1] <= at_exit.CALLBACK_S

@@ -14,7 +14,6 @@ import simplejpeg
 from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.contract.errors import WrongUsage
 from hw_node.cameras import camera, jpeg
-from hw_node.cameras.source import FrameTimer
 from hw_node.cameras.stand_ins import Pattern, PictureFiles, number_and_time
 
 
@@ -43,15 +42,6 @@ def test_programs_can_read_number_and_time_of_the_test_picture() -> None:
         number, t_ms = number_and_time(simplejpeg.decode_jpeg(frame.jpeg))
         assert (number, t_ms) == (wanted, frame.t_mono_ns // 1_000_000 % 2**32)
         assert jpeg.size(frame.jpeg) == (frame.width, frame.height) == (640, 480)
-
-
-def test_the_frame_timer_keeps_its_rate_and_makes_no_burst_after_a_delay() -> None:
-    pace = FrameTimer(1000.0)
-    pace._due_s -= 10.0  # as if the process had been suspended for ten seconds
-    assert pace.wait(1.0)
-    slow = FrameTimer(0.1)
-    assert slow.wait(1.0)
-    assert not slow.wait(0.01), "the next picture is due in ten seconds"
 
 
 # -- JPEG ------------------------------------------------------------------------------------------

@@ -115,11 +115,6 @@ def test_wrong_usage_with_json_prints_one_json_document(
     assert wrong.lower() in document["message"].lower()
 
 
-def test_the_error_for_a_value_without_option_lists_the_options(capsys: pytest.CaptureFixture[str]) -> None:
-    assert app.run(["hw", "/dev/ttyACM0"]) == 2
-    assert "--port, --camera, --microphones, --legacy" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize(
     ("words", "says"),
     [

@@ -7,19 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from golden import same
+from written_recordings import BEGAN_NS, write_lesson
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.trajectory import plan
-from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.rows import Numbers, RecordingRow, RobotSet, of_robot
-from beatrix_zenoh.recording.rrd.stream import RowStream
+from beatrix_zenoh.recording.rows import Numbers, RecordingRow, of_robot
 from beatrix_zenoh.recording.series import Floats
 from beatrix_zenoh.recording.verbs.compare import compare, recorded
 from beatrix_zenoh.recording.verbs.files import read_recording
 from beatrix_zenoh.recording.verbs.replay import recorded_path
 
-BEGAN_NS = 1_763_000_000_000_000_000
 LAG_S, OFF_DEG = 0.2, 1.5
 
 
@@ -31,22 +29,17 @@ def turning(t: Floats) -> Floats:
 
 def write(path: Path, robots: dict[Place, float]) -> None:
     """Write a recording of robots with these lags (s); the hardware's middle arm is off by OFF_DEG."""
-    stream = RowStream("one", path.stem)
-    stream.to_file(path)
-    stream.show(RobotSet({place: Figure() for place in robots}))
+    rows: list[RecordingRow] = []
     t = np.arange(0.0, 6.0, 0.02)
     for place, lag_s in robots.items():
         commanded = turning(t - lag_s)
         arms = np.add(commanded, (0.0, OFF_DEG if place[1] == "hw" else 0.0, 0.0))
-        rows: list[RecordingRow] = []
         for name, angles in (("arms", arms), ("commanded", commanded), ("head", arms)):
             rows += [
                 Numbers(of_robot(place, name), BEGAN_NS + round(at * 1e9), BEGAN_NS, tuple(row))
                 for at, row in zip(t, angles, strict=True)
             ]
-        stream.send(rows)
-    assert stream.flush(5.0)
-    stream.close()
+    write_lesson(path, [*robots], 0, rows)
 
 
 @pytest.fixture

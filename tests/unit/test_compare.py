@@ -146,12 +146,6 @@ def test_yaw_is_compared_modulo_a_turn() -> None:
     assert compare(first, second).axes[3].largest == pytest.approx(1.0)
 
 
-def test_recordings_that_hardly_overlap_are_refused() -> None:
-    t = np.arange(0.0, 2.0, 0.02)
-    with pytest.raises(ValueError, match="share"):
-        compare(Recording(t, np.zeros((100, 6))), Recording(t + 1.5, np.zeros((100, 6))))
-
-
 def message(k: int) -> Positions:
     """Return the k-th message of a robot at rest."""
     arms = Vector3(*(math.radians(angle) for angle in (1, 2, 3)))

@@ -13,10 +13,8 @@ import zenoh
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Bus
-from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.settings import Settings
 
 THREADS, ROUNDS, RENEWALS = 4, 60, 15
 END_S = 30.0
@@ -210,32 +208,3 @@ def test_a_callback_may_declare_while_its_subscription_ends() -> None:
     )
     end()
     assert opened.live() == ["second"]
-
-
-def test_a_client_that_closes_calls_every_function_and_leaves_no_session_open(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    for _ in range(20):
-        buses: list[Opened] = []
-
-        def connect(*_: object, made: list[Opened] = buses, **__: object) -> Bus:
-            made.append(Opened())
-            return made[-1].bus
-
-        monkeypatch.setattr(zbus, "connect", connect)
-        client = Client(Settings("bea", "tcp/127.0.0.1:1", "ana"))
-        accepted: list[object] = []
-        called: list[object] = []
-
-        def work(
-            closed: Client = client, accept: list[object] = accepted, call: list[object] = called
-        ) -> None:
-            number = object()
-            closed.at_close(lambda: call.append(number))
-            accept.append(number)
-            closed.at_close(lambda: call.append(None))()  # cancelled at once
-            assert closed.media is not closed.bus
-
-        in_threads(*[partial(until_closed, work)] * THREADS, client.close)
-        assert set(called) - {None} == set(accepted)
-        assert all(session.closed for opened in buses for session in opened.sessions)

@@ -6,9 +6,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-from browser import Browser
-
 SUPPORT = Path(__file__).resolve().parents[1] / "support"
 CONFTEST = """
 import os
@@ -57,11 +54,11 @@ def test_wrong_value_within():
 """
 
 
-def run(folder: Path, tests: str, *options: str) -> subprocess.CompletedProcess[str]:
+def run(folder: Path, tests: str) -> subprocess.CompletedProcess[str]:
     """Run these tests as a session of its own, on a computer that stands still for 0.4 s during each."""
     (folder / "conftest.py").write_text(CONFTEST)
     (folder / "test_these.py").write_text(BEGINNING + tests)
-    command = [sys.executable, "-m", "pytest", "-c", "/dev/null", "-p", "no:cacheprovider", "-q", *options]
+    command = [sys.executable, "-m", "pytest", "-c", "/dev/null", "-p", "no:cacheprovider", "-q"]
     return subprocess.run(
         [*command, f"--rootdir={folder}", f"--override-ini=pythonpath={SUPPORT}", str(folder)],
         capture_output=True, text=True, check=False, timeout=120,
@@ -73,23 +70,8 @@ def test_no_pause_excuses_these(tmp_path: Path) -> None:
     assert (done.returncode, "5 failed" in done.stdout) == (1, True), done.stdout
 
 
-@pytest.mark.parametrize(
-    "options",
-    [(), pytest.param(("-n", "2"), marks=pytest.mark.long("starts processes of pytest"))],
-    ids=["one process", "two processes"],
-)
-def test_three_late_tests_are_excused_and_printed_and_the_fourth_fails(
-    tmp_path: Path, options: tuple[str, ...]
-) -> None:
-    done = run(tmp_path, "".join(LATE.format(name) for name in "abcd"), *options)
+def test_three_late_tests_are_excused_and_printed_and_the_fourth_fails(tmp_path: Path) -> None:
+    done = run(tmp_path, "".join(LATE.format(name) for name in "abcd"))
     assert (done.returncode, "1 failed, 3 skipped" in done.stdout) == (1, True), done.stdout
     figures = "1.30 s, at most 1.00 s; this computer stood still for 0.40 s"
     assert sum(f"test_late_{name}: the reply {name}: {figures}" in done.stdout for name in "abcd") == 3
-
-
-def test_a_browser_test_without_chromium_says_what_to_install(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(pytest.fail.Exception, match="chromium is missing: sudo apt install chromium"):
-        Browser(tmp_path)

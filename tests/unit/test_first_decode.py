@@ -27,7 +27,7 @@ print("decoded")
 
 
 def test_threads_that_decode_a_message_for_the_first_time_do_not_crash() -> None:
-    for _ in range(5):  # without the preparation, most of these processes ended by a segmentation fault
+    for _ in range(2):  # without the preparation, most of these processes ended by a segmentation fault
         done = subprocess.run(
             [sys.executable, "-c", PROGRAM],
             capture_output=True,

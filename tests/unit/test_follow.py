@@ -22,7 +22,7 @@ from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.paths.follow import LEAD_IN_S, STEP_S, Following, follow
 from beatrix_zenoh.paths.path import ArmPath, Floats, path_of, path_of_recording
-from beatrix_zenoh.paths.replay import FASTER, LATE_S, TargetStream, corrected
+from beatrix_zenoh.paths.replay import LATE_S, TargetStream
 
 REST: Arms = (0.0, 0.0, 0.0)
 HEADER = "# mine\nt_s,yaw_deg,pitch_deg,roll_deg\n"
@@ -198,14 +198,6 @@ def test_a_path_written_by_hand_is_followed_or_refused_with_its_line(yaw: float,
 
 
 # -- sending ------------------------------------------------------------------------------------
-
-
-@given(st.floats(0.1, 90), st.floats(-30, 30), st.floats(-30, 30))
-def test_a_corrected_speed_is_faster_where_the_arm_is_behind(speed: float, way: float, behind: float) -> None:
-    found = corrected(speed, way, behind)
-    assert speed / FASTER - 1e-9 <= found <= speed * FASTER + 1e-9
-    if behind and way:
-        assert (found >= speed) == (behind * way > 0) or found == pytest.approx(speed)
 
 
 class FakeRobot(Robot):

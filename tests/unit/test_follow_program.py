@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import importlib.util
 import tomllib
-from contextlib import AbstractContextManager, nullcontext
 from functools import cache
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 
 import numpy as np
 import pytest
 import simplejpeg
 from hypothesis import given
 from hypothesis import strategies as st
-
-from beatrix_zenoh.client.degrees import HeadAngles
 
 ROOT = Path(__file__).resolve().parents[2] / "beatrix_zenoh"
 PICTURES = ROOT / "lessons/library/09-follow-the-face/files"
@@ -57,38 +54,3 @@ def test_a_step_goes_towards_the_person_and_never_beyond_nor_too_fast(missing: f
     taken = program().step(missing, dt)
     assert taken * missing >= 0
     assert abs(taken) <= min(abs(missing), program().FASTEST * dt) + 1e-9
-
-
-class Still:
-    """A robot whose eye sees the person at the same place in each of 100 pictures, at 15 pictures a second."""
-
-    def __init__(self) -> None:
-        self.looks: list[tuple[float, float]] = []
-
-    def stream(self) -> AbstractContextManager[SimpleNamespace]:
-        reading = SimpleNamespace(t=0.0, head=HeadAngles(0.0, 0.0, 0.0))
-        return nullcontext(SimpleNamespace(next=lambda: reading, take=list))
-
-    def camera(self, _eye: str, timeout_s: float) -> AbstractContextManager[list[SimpleNamespace]]:
-        assert timeout_s
-        pictures = [
-            SimpleNamespace(t_mono_ns=number * 66_000_000, array=lambda: None) for number in range(100)
-        ]
-        return nullcontext(pictures)
-
-    def look(self, *, yaw: float, pitch: float, wait: bool) -> None:
-        assert not wait
-        self.looks.append((yaw, pitch))
-
-
-@pytest.mark.parametrize(("left", "down", "looks"), [(0.4, -0.4, 0), (20.0, 5.0, 40)])
-def test_a_robot_that_need_not_turn_gets_no_request(
-    monkeypatch: pytest.MonkeyPatch, left: float, down: float, looks: int
-) -> None:
-    monkeypatch.setattr(program(), "find_person", lambda _: (left, down))
-    robots = [Still(), Still()]
-    program().follow(robots)
-    assert robots[0].looks == robots[1].looks
-    assert len(robots[0].looks) <= looks
-    if looks:
-        assert robots[0].looks[-1] == pytest.approx((left, down), abs=program().LEAST)

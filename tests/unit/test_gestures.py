@@ -113,8 +113,3 @@ def test_a_gesture_turns_the_head_as_people_do(gesture: str) -> None:
     assert FORMS[gesture](
         [pose.yaw for pose in found], [pose.pitch for pose in found], [pose.roll for pose in found]
     )
-
-
-def test_a_sleepy_head_sinks_more_slowly_than_it_wakes() -> None:
-    sinks, wakes, *_ = poses("sleepy")[1:]
-    assert sinks.speed < wakes.speed

@@ -36,16 +36,6 @@ def test_pauses_between_hellos_are_long_enough_for_a_boot_loader() -> None:
     assert [pause > LOADER_WAITS_S for pause in pauses[: 2 * TRIES]] == 2 * ([False] * (TRIES - 1) + [True])
 
 
-def test_a_frame_allows_hello_at_once_but_not_more_often_than_usual() -> None:
-    handshake = Handshake(0.0, BOOT_S)
-    handshake.frame_received()
-    assert handshake.due(0.0)
-    handshake.hello_sent(0.0, foreign=False)
-    handshake.frame_received()
-    assert not handshake.due(HELLO_S / 2)
-    assert handshake.due(HELLO_S)
-
-
 def test_after_a_loss_there_is_a_pause_unless_a_frame_arrives() -> None:
     handshake = Handshake(0.0, 0.0)
     handshake.hello_sent(0.0, foreign=False)
@@ -54,16 +44,6 @@ def test_after_a_loss_there_is_a_pause_unless_a_frame_arrives() -> None:
     assert handshake.due(1.0 + LOADER_S)
     handshake.frame_received()
     assert handshake.due(1.0)
-
-
-def test_a_request_while_the_contract_is_unknown_restarts_the_pause() -> None:
-    handshake = Handshake(0.0, BOOT_S)
-    handshake.lost(1.0)
-    handshake.request_sent(3.0)
-    assert not handshake.due(3.0 + LOADER_WAITS_S)
-    assert handshake.due(3.0 + LOADER_S)
-    handshake.frame_received()
-    assert handshake.due(3.0), "the board has answered"
 
 
 def test_hellos_to_foreign_firmware_are_too_rare_for_a_heartbeat() -> None:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import cast
+from unittest.mock import Mock
 
 import pytest
 
-from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.contract._generated.messages import Detail, Phase, Reason
-from beatrix_zenoh.contract._generated.serial import FrameType, Telemetry, Text
-from beatrix_zenoh.legacy import Effect, LineCause
+from beatrix_zenoh.contract._generated.messages import Phase, Reason
+from beatrix_zenoh.contract._generated.serial import Text
+from beatrix_zenoh.legacy import Effect
 from beatrix_zenoh.legacy.line import ACK, NACK, Answer, ProgramLine, effect_of
 from beatrix_zenoh.legacy.link import TextLink
 from beatrix_zenoh.legacy.outcomes import explain, misread
@@ -96,74 +94,28 @@ def test_a_damaged_answer_has_as_many_lines_as_the_protocol_requires() -> None:
     assert Answer(damaged=True).finish(ACK, data=False) == [ACK, ACK]
 
 
-class FakeBoard:
-    """A board that keeps the lines that it receives."""
-
-    connected, state, telemetry = True, 0, None
-
-    def __init__(self) -> None:
-        self.lines: list[bytes] = []
-        self.off = 0
-
-    def request(self, kind: FrameType, payload: bytes = b"") -> None:
-        assert (kind, payload) == (FrameType.TEXT_OPEN, b"")
-
-    def enable(self, *, on: bool) -> None:
-        assert not on
-        self.off += 1
-
-    def check_connected(self) -> None:
-        """Return at once, as a connected board does."""
-
-    def send_text(self, line: bytes) -> None:
-        self.lines.append(line)
-
-    def wait_for(self, _holds: Callable[[Telemetry], bool], _timeout_s: float) -> bool:
-        return False
-
-
-class FakeNode:
-    """A node that permits every action."""
-
-    def __init__(self) -> None:
-        self.outcomes: list[tuple[str, Reason]] = []
-
-    def program_began(self) -> None: ...
-    def authorize(self, effect: Effect) -> None: ...
-    def move_declined(self) -> None: ...
-    def move_refused(self) -> bool:
-        return False
-
-    def moves_ended(self) -> None: ...
-    def set_home(self) -> None: ...
-    def stop_pressed(self) -> None: ...
-    def stop_sent(self) -> None: ...
-    def warn(self, text: str) -> None: ...
-    def record(
-        self,
-        _effect: Effect,
-        word: str,
-        outcome: LineCause,
-        *,
-        phase: Phase | None = None,
-        detail: Detail | None = None,
-        duration_s: float = 0.0,
-    ) -> None:
-        del detail, duration_s
-        if phase is not Phase.ACCEPTED or outcome.reason is not Reason.OK:
-            self.outcomes.append((word, outcome.reason))
-
-
 class Port:
-    """A queue with a program and a board that answers ACK, ACK."""
+    """A queue with a program, a node that permits every action, and a board that answers ACK, ACK."""
 
     def __init__(self) -> None:
-        self.board, self.node = FakeBoard(), FakeNode()
-        self.written: list[bytes] = []
-        self.link = TextLink(cast("Board", self.board))
-        self.queue = LineQueue(self.written.append, self.link, self.node)
+        self.board = Mock(connected=True, state=0, telemetry=None, **{"wait_for.return_value": False})
+        self.node = Mock(**{"move_refused.return_value": False})
+        self.link = TextLink(self.board)
+        self.queue = LineQueue(lambda _: None, self.link, self.node)
         self.queue.program_opened()
         self._seq = 0
+
+    def lines(self) -> list[bytes]:
+        """Return the lines that the board has received."""
+        return [call.args[0] for call in self.board.send_text.call_args_list]
+
+    def outcomes(self) -> list[tuple[str, Reason]]:
+        """Return word and reason of each recorded outcome but the acceptance of motions."""
+        recorded = self.node.record.call_args_list
+        found = [(call.args[1], call.args[2].reason, call.kwargs.get("phase")) for call in recorded]
+        return [
+            (word, why) for word, why, phase in found if phase is not Phase.ACCEPTED or why is not Reason.OK
+        ]
 
     def answer(self) -> None:
         for flags in (0, LAST):
@@ -177,9 +129,9 @@ def test_motors_off_is_queued_behind_any_number_of_lines_but_not_twice() -> None
         port.queue.take(b"@MOVRX 5")
     for _ in range(3):
         port.queue.take(b"@ENMOTORS OFF")
-    assert port.node.outcomes.count(("@ENMOTORS", Reason.BUSY)) == 2
+    assert port.outcomes().count(("@ENMOTORS", Reason.BUSY)) == 2
     port.queue.program_closed()
     port.answer()
-    assert port.board.lines == [b"@MOVRX 5", b"@ENMOTORS OFF"]
+    assert port.lines() == [b"@MOVRX 5", b"@ENMOTORS OFF"]
     port.answer()
-    assert port.node.outcomes[-1] == ("@ENMOTORS", Reason.OK)
+    assert port.outcomes()[-1] == ("@ENMOTORS", Reason.OK)

@@ -95,12 +95,6 @@ def test_an_invalid_block_is_counted_once(block: bytes) -> None:
     assert decoder.rejected == 1
 
 
-def test_delimiters_between_frames_are_not_counted() -> None:
-    decoder = Decoder()
-    assert decoder.feed(bytes(1000)) == []
-    assert decoder.rejected == 0
-
-
 def test_endless_garbage_does_not_fill_memory() -> None:
     decoder = Decoder()
     for _ in range(100):

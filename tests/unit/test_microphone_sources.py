@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import re
-import threading
 import wave
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import cast
 
 import numpy as np
 import pytest
@@ -16,8 +14,6 @@ from hypothesis import strategies as st
 
 from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.node import SensorPublisher, SoundBlock
-from beatrix_zenoh.node.sensor_thread import Sensor
 from beatrix_zenoh.node.sensors import BEHIND, BLOCK, BLOCK_NS, RATE, BlockClock
 from hw_node.microphones.microphones import SoundFile, SoundSource, Tone, choose
 
@@ -60,26 +56,6 @@ def test_a_file_is_repeated_without_a_gap(tmp_path: Path, channels: int) -> None
     assert (frames[:, 1] == wanted + (10_000 if channels == 2 else 0)).all()
 
 
-@pytest.mark.parametrize(
-    ("rate", "width", "format_"),
-    [(44_100, 2, "44100 Hz and 2 channels"), (RATE, 1, "whole numbers of 8 bits")],
-)
-def test_a_file_in_another_format_is_refused_with_the_right_one(
-    tmp_path: Path, rate: int, width: int, format_: str
-) -> None:
-    source = SoundFile(written(tmp_path / "x.wav", [[1, 2], [3, 4]], rate=rate, width=width))
-    with pytest.raises(NoAnswer, match=rf"it has {format_}\. Give a WAV file at 48000 Hz"):
-        source.open()
-
-
-@pytest.mark.parametrize("content", [b"", b"RIFF", b"no sound at all"])
-def test_a_file_that_is_not_wav_is_refused(tmp_path: Path, content: bytes) -> None:
-    path = tmp_path / "x.wav"
-    path.write_bytes(content)
-    with pytest.raises(NoAnswer, match="cannot be played"):
-        SoundFile(path).open()
-
-
 @given(st.data())
 def test_a_damaged_file_is_played_or_refused_with_a_sentence(data: st.DataObject) -> None:
     with TemporaryDirectory() as folder:
@@ -102,33 +78,6 @@ def test_a_damaged_file_is_played_or_refused_with_a_sentence(data: st.DataObject
         assert not sentence or re.search(r"cannot be played: \w[^.]*\. Give a WAV", sentence), sentence
 
 
-def test_a_failure_that_repeats_is_logged_once(caplog: pytest.LogCaptureFixture) -> None:
-    class Broken(Tone):
-        def open(self) -> None:
-            raise RuntimeError("a bug")
-
-    class Publisher:
-        subscribed = True
-
-        def __init__(self) -> None:
-            self.reports: list[str] = []
-
-        def report(self, trouble: str) -> None:
-            self.reports.append(trouble)
-
-        def ended(self) -> None: ...
-
-    class Ears(Sensor[SoundBlock]):
-        def start_thread(self) -> threading.Thread:
-            raise NotImplementedError
-
-    publisher = Publisher()
-    ears = Ears("microphones", Broken(), cast("SensorPublisher", publisher), threading.Event(), "")
-    assert [ears._take() for _ in range(3)] == [False] * 3
-    assert publisher.reports == ["The device failed: a bug. The node retries every second."] * 3
-    assert [record.message for record in caplog.records] == ["microphones: failed."]
-
-
 def test_after_a_delay_old_blocks_are_dropped_and_counted() -> None:
     clock = BlockClock()
     clock.restart()
@@ -143,12 +92,6 @@ def test_after_a_delay_old_blocks_are_dropped_and_counted() -> None:
     before = clock.dropped
     assert clock.wait(1.0) is not None
     assert clock.dropped == before, "a short delay loses nothing"
-
-
-def test_a_block_that_is_not_complete_is_waited_for_only_as_long_as_asked() -> None:
-    clock = BlockClock()
-    clock.restart()
-    assert clock.wait(0.001) is None
 
 
 @pytest.mark.parametrize("word", ["", "off"])
@@ -166,10 +109,3 @@ def test_microphones_are_off_by_default(word: str) -> None:
 def test_a_wrong_value_names_the_allowed_ones(word: str, teaches: str) -> None:
     with pytest.raises(WrongUsage, match=teaches):
         choose(word)
-
-
-def test_a_damaged_file_is_refused_at_the_start(tmp_path: Path) -> None:
-    path = written(tmp_path / "damaged.wav", [[1, 2]] * 100)
-    path.write_bytes(path.read_bytes()[:44])
-    with pytest.raises(WrongUsage, match="it ends before its sound does"):
-        choose(f"file:{path}")

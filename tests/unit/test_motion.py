@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import queue
 import threading
-import time
 from collections.abc import Callable, Iterator
 
 import pytest
@@ -140,15 +139,6 @@ def test_a_motion_that_is_overdue_counts_as_lost(monkeypatch: pytest.MonkeyPatch
     assert setting.motion.done()
 
 
-def test_the_cause_of_a_missing_final_reply_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("beatrix_zenoh.client.motion.MARGIN_S", 0.05)
-    setting = Setting(duration=0.0)
-    setting.replies.cause = NoAnswer(Reason.NO_ROUTER, "The connection was lost.")
-    with pytest.raises(NoAnswer, match="was lost") as caught:
-        setting.motion.result()
-    assert caught.value is setting.replies.cause
-
-
 def test_two_threads_can_wait_for_one_motion(setting: Setting) -> None:
     results: list[MotionReply] = []
     threads = [
@@ -207,16 +197,3 @@ def test_ctrl_c_stops_the_robot_and_reports_the_reply(
     with pytest.raises(KeyboardInterrupt, match=r"bea \(hw\): Stopped."):
         setting.motion.wait()
     assert setting.stops == 1
-
-
-def test_the_dispatcher_runs_calls_in_order_of_time_and_none_after_close() -> None:
-    dispatcher, called = Dispatcher(), queue.SimpleQueue[str]()
-    now = time.monotonic()
-    dispatcher.call(lambda: called.put("later"), now + 0.1)
-    dispatcher.call(lambda: called.put("sooner"), now + 0.05)
-    dispatcher.call(lambda: called.put("now"))
-    dispatcher.call(lambda: called.put("never"), now + 3600)
-    assert [called.get(timeout=PATIENCE_S) for _ in range(3)] == ["now", "sooner", "later"]
-    dispatcher.close()
-    dispatcher.call(lambda: called.put("closed"))
-    assert called.empty()

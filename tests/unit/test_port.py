@@ -62,23 +62,6 @@ def test_the_error_names_a_missing_port_a_file_or_a_port_in_use(tmp_path: Path) 
     os.close(slave)
 
 
-def test_unplugging_during_a_reset_raises_os_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    master, slave = os.openpty()
-    port = SerialPort(os.ttyname(slave))
-
-    def unplug() -> None:
-        os.close(master)
-        termios.tcflush(slave, termios.TCIFLUSH)
-
-    monkeypatch.setattr(type(port._serial), "dtr", None)
-    monkeypatch.setattr(type(port._serial), "rts", None)
-    monkeypatch.setattr(port._serial, "reset_input_buffer", unplug)
-    with pytest.raises(OSError, match="5"):
-        port.reset_board()
-    port.close()
-    os.close(slave)
-
-
 @pytest.mark.parametrize(
     ("error", "message"),
     [

@@ -53,15 +53,6 @@ def preview(move: Move | MoveStraight) -> PreviewResult:
     return simulate_motion(*ready(), move)
 
 
-def test_a_preview_does_not_change_the_originals() -> None:
-    plant, firmware = ready()
-    posture, set_points, memory = plant.posture().tolist(), plant.set_points(), firmware.snapshot()
-    simulate_motion(plant.copy(), copy_of(firmware), move_to(NODDED))
-    assert firmware.snapshot() == memory
-    assert plant.posture().tolist() == posture
-    assert plant.set_points() == set_points
-
-
 def test_the_motion_is_the_same_as_its_preview() -> None:
     plant, firmware = ready()
     seen = simulate_motion(plant.copy(), copy_of(firmware), move_to(NODDED))

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from statuses import READY
 
-from beatrix_zenoh.client.session import SENDERS, Reporter
+from beatrix_zenoh.client.session import Reporter
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import (
     Event,
@@ -69,13 +69,6 @@ def test_each_sender_is_reported_once(caplog: pytest.LogCaptureFixture) -> None:
         "beatrix/bea/hw/stop from session f00: ignored",
         "beatrix/bea/hw/stop: ignored",
     ]
-
-
-def test_the_number_of_reported_senders_is_bounded() -> None:
-    reporter = Reporter()
-    for number in range(5000):
-        reporter.report(str(number), "beatrix/bea/hw/stop", "ignored")
-    assert len(reporter._reported) == SENDERS
 
 
 # -- text -----------------------------------------------------------------------------------------
@@ -140,11 +133,3 @@ def test_a_name_keeps_its_alphabet_and_length_and_a_sentence_its_line() -> None:
     status = codec.decode(changed(waiting=["x" * 900_000], warnings=["y" * 900_000]), Status)
     assert status.waiting == ["x" * longest(Name)]
     assert [len(text) for text in status.warnings] == [1000]
-
-
-def test_a_report_about_a_key_is_one_line(caplog: pytest.LogCaptureFixture) -> None:
-    with caplog.at_level(logging.WARNING, "beatrix_zenoh.client"):
-        Reporter().report("f00", "beatrix/bea/hw/\nWARNING forged", "ignored")
-    assert [record.getMessage() for record in caplog.records] == [
-        "beatrix/bea/hw/ WARNING forged from session f00: ignored"
-    ]

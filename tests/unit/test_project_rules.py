@@ -1,9 +1,8 @@
-"""Rules of the project that no linter checks: sizes, sleeps, generated files, and the contents of the wheel."""
+"""Rules of the project that no linter checks: sizes, circles, sleeps, generated files, and the contents of the wheel."""
 
 from __future__ import annotations
 
 import ast
-import importlib.util
 import re
 import subprocess
 import sys
@@ -79,10 +78,6 @@ def sleeps(path: Path) -> bool:
     )
 
 
-def test_cpp_code_is_counted_without_comments() -> None:
-    assert cpp_code_lines('// a\nint x; /* b\nc */\nauto s = "// not a comment";\n\n') == 2
-
-
 def test_python_files_stay_small() -> None:
     files = sources("*", ".py")
     assert files
@@ -116,11 +111,6 @@ def test_classes_of_the_node_stay_small() -> None:
 def test_tests_wait_for_events_instead_of_sleeping() -> None:
     found = {str(path.relative_to(ROOT)) for path in sources("tests", ".py") if sleeps(path)}
     assert found == set(SLEEPERS), "wait for an event with a deadline, or add file and reason to SLEEPERS"
-
-
-@pytest.mark.parametrize("plugin", ["pytest_rerunfailures", "flaky"])
-def test_no_plugin_reruns_failed_tests(plugin: str) -> None:
-    assert importlib.util.find_spec(plugin) is None
 
 
 def test_generated_files_are_up_to_date() -> None:
@@ -174,3 +164,7 @@ def test_the_wheel_contains_every_file_of_its_packages(wheel: set[str]) -> None:
 @pytest.mark.parametrize("name", ["beatrix_zenoh/py.typed", "beatrix_zenoh/board/firmware.wasm"])
 def test_the_wheel_contains_files_that_are_not_python(wheel: set[str], name: str) -> None:
     assert name in wheel
+
+
+def test_modules_do_not_import_each_other_in_a_circle() -> None:
+    assert house.circles(house.graph_of(house.modules(ROOT))) == []

@@ -30,11 +30,6 @@ def test_a_slow_computer_draws_for_its_share_of_the_time() -> None:
     assert abs(hz * 0.2 - SHARE) < 0.01
 
 
-def test_robots_that_share_the_time_get_equal_parts_of_it() -> None:
-    hz = Drawer(FrameRate(REQUESTED_HZ), 0.1, robots=4).draw(100)
-    assert abs(hz * 0.1 - SHARE / 4) < 0.01
-
-
 def test_late_physics_slows_drawing_to_the_lowest_rate() -> None:
     drawer = Drawer(FrameRate(REQUESTED_HZ), 0.02)
     drawer.draw(10)

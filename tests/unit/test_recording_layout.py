@@ -65,7 +65,7 @@ def recorded(folder: Path, *places: Place, pictures: bool = True) -> Path:
         stream.send(
             [Numbers(of_difference(name, what), BEGAN_NS, BEGAN_NS, ANGLES) for what in ("arms", "head")]
         )
-    assert stream.flush(5.0)
+    assert stream.flush(30.0)
     stream.close()
     return path
 

@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import io
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 from viewer_pictures import pictures
+from written_recordings import BEGAN_NS, write_lesson
 
-from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.rows import BodyTurn, Numbers, RecordingRow, RobotSet, of_model, of_robot
+from beatrix_zenoh.recording.rows import BodyTurn, Numbers, RecordingRow, of_model, of_robot
 from beatrix_zenoh.recording.rrd.layout import BACKGROUND
-from beatrix_zenoh.recording.rrd.stream import RowStream
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
-BEGAN_NS = 1_763_000_000_000_000_000
 
 
 def rows(place: tuple[str, str], yaw: float) -> list[RecordingRow]:
@@ -39,12 +36,7 @@ def rows(place: tuple[str, str], yaw: float) -> list[RecordingRow]:
 def path(tmp_path: Path) -> Path:
     """A recording of two robots, of which the simulation has turned."""
     path = tmp_path / "lesson.rrd"
-    stream = RowStream("one", "lesson")
-    stream.to_file(path)
-    stream.show(RobotSet({SIM: Figure(), HW: Figure()}))
-    stream.send([*rows(SIM, 0.8), *rows(HW, 0.0)])
-    assert stream.flush(5.0)
-    stream.close()
+    write_lesson(path, [SIM, HW], 0, [*rows(SIM, 0.8), *rows(HW, 0.0)])
     return path
 
 
@@ -61,16 +53,6 @@ def test_the_ghost_is_visible_beside_the_hardware_and_both_robots_side_by_side(p
         assert 0.01 < np.mean(~background(half[150:])) < 0.5, "one robot; titles are above"
         assert 0.001 < share_of_blue(half) < 0.008, "its long arm, and no ghost"
     assert np.mean(background(left) != background(right)) > 0.005, "the simulation has turned"
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere Vulkan comes with the driver")
-def test_without_vulkan_the_error_names_the_package_that_draws(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for name in ("VK_DRIVER_FILES", "VK_ICD_FILENAMES"):
-        monkeypatch.setenv(name, "/none")
-    with pytest.raises(Refused, match="apt install mesa-vulkan-drivers"):
-        pictures(path, [(1, BEGAN_NS / 1e9)])
 
 
 Picture = np.ndarray[tuple[int, ...], np.dtype[np.int64]]

@@ -118,11 +118,6 @@ def states(rows_of_robot: RobotRows, *happenings: Status | Event | Positions | N
     return bars
 
 
-def test_an_unchanged_state_is_written_once(rows_of_robot: RobotRows) -> None:
-    moving = msgspec.structs.replace(READY, moving=True)
-    assert states(rows_of_robot, READY, READY, moving, moving, READY) == ["ready", "moving", "ready"]
-
-
 def test_a_robot_without_positions_is_lost_until_they_return(rows_of_robot: RobotRows) -> None:
     assert states(rows_of_robot, READY, None, None, positions(), READY) == ["ready", "lost", "ready"]
 

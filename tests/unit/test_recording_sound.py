@@ -164,6 +164,6 @@ def test_a_recording_with_sound_has_a_tab_for_it(tmp_path: Path, *, sound: bool)
     stream.to_file(path)
     stream.show(RobotSet({SIM: Figure()}, with_sound=frozenset([SIM] if sound else [])))
     stream.send(rows([0, 1]))
-    assert stream.flush(5.0)
+    assert stream.flush(30.0)
     stream.close()
     assert list(tabs_of(path)) == [*TABS, *([TAB] if sound else [])]

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rerun as rr
-import rerun.blueprint as rrb
 from PIL import Image
 from written_recordings import BEGAN_NS, STEP_NS, times, write_lesson
 
@@ -70,13 +69,6 @@ def changed(verb: str, path: Path, folder: Path, *words: str) -> list[Path]:
     return [folder / "new.rrd"]
 
 
-def migrated(path: Path, folder: Path) -> list[Path]:
-    copy = folder / "copy.rrd"
-    copy.write_bytes(path.read_bytes())
-    rerun("migrate", copy)
-    return [copy]
-
-
 def repaired(path: Path, folder: Path) -> list[Path]:
     """Complete a recording whose end is missing, with our own verb."""
     copy, whole = folder / "copy.rrd", path.read_bytes()
@@ -86,27 +78,18 @@ def repaired(path: Path, folder: Path) -> list[Path]:
     return [copy]
 
 
-def of_parts(verb: str) -> Callable[[Path, Path], list[Path]]:
-    """Return a function that cuts a recording and lets a verb make one file of the parts."""
-
-    def made(path: Path, folder: Path) -> list[Path]:
-        rerun(verb, *split(path, folder), "-o", folder / "new.rrd")
-        return [folder / "new.rrd"]
-
-    return made
+def merged_parts(path: Path, folder: Path) -> list[Path]:
+    rerun("merge", *split(path, folder), "-o", folder / "new.rrd")
+    return [folder / "new.rrd"]
 
 
 WHOLE: dict[str, Callable[[Path, Path], list[Path]]] = {
     "split": split,
-    "split by the time of the robot": lambda path, folder: split(path, folder, timeline="robot_time"),
     "split without other timelines": lambda path, folder: split(path, folder, "--drop-unused-timelines"),
     "filter": lambda path, folder: changed("filter", path, folder, "--drop-timeline", "robot_time"),
     "optimize": lambda path, folder: changed("optimize", path, folder),
-    "optimize each component": lambda path, folder: changed("optimize", path, folder, "--split-size-ratio", "1"),
-    "migrate": migrated,
     "repair": repaired,
-    "merge parts": of_parts("merge"),
-    "optimize parts": of_parts("optimize"),
+    "merge parts": merged_parts,
     "merge with itself": lambda path, folder: changed("merge", path, folder, str(path)),
 }  # fmt: skip
 
@@ -205,37 +188,14 @@ def merged(lesson: Path, folder: Path, shift_ns: int) -> Path:
     return changed("merge", lesson, folder, str(folder / "other.rrd"))[0]
 
 
-def blueprint(_lesson: Path, folder: Path) -> Path:
-    rrb.Blueprint(rrb.Spatial3DView()).save("other", str(folder / "new.rrd"))
-    return folder / "new.rrd"
-
-
-def about(text: str) -> Callable[[Path, Path], Path]:
-    def write(stream: rr.RecordingStream) -> None:
-        robot(stream)
-        stream.send_property("beatrix", rr.AnyValues(about=text))
-
-    return other(write)
-
-
 TEXTS = rr.TextLog.columns(text=["a", "b"])
 NO_POSITIONS, FOREIGN = "contains no positions of a robot", "are not as `beatrix record`"
 REFUSED: dict[str, tuple[str, Callable[[Path, Path], Path]]] = {
     "filter the time": (NO_POSITIONS, lambda path, folder: changed("filter", path, folder, "--drop-timeline", "time")[0]),
-    "split by another time": (NO_POSITIONS, lambda path, folder: split(path, folder, timeline="log_time")[0]),
-    "drop all arms": (
-        NO_POSITIONS,
-        lambda path, folder: changed(
-            "filter", path, folder, "--drop-entity", "/bea/sim/arms", "--drop-entity", "/bea/hw/arms"
-        )[0],
-    ),
     "merge the same time": ("contain the same time of bea \\(sim\\)", lambda path, folder: merged(path, folder, 7)),
     "merge another day": ("are 24.0 h apart", lambda path, folder: merged(path, folder, 86_400_000_000_000)),
-    "a blueprint": (NO_POSITIONS, blueprint),
-    "nothing": (NO_POSITIONS, other(lambda _stream: None)),
     "points": (NO_POSITIONS, other(lambda stream: stream.log("p", rr.Points3D([[1, 2, 3]])))),
     "numbers as times": (NO_POSITIONS, other(lambda stream: robot(stream, rr.TimeColumn("time", sequence=range(20))))),
-    "durations": (NO_POSITIONS, other(lambda stream: robot(stream, rr.TimeColumn("time", duration=range(20))))),
     "two numbers": (FOREIGN, other(lambda stream: robot(stream, width=2))),
     "rows of several lengths": (
         FOREIGN,
@@ -246,10 +206,7 @@ REFUSED: dict[str, tuple[str, Callable[[Path, Path], Path]]] = {
         ),
     ),
     "an event that is none": (FOREIGN, with_robot("/x/sim/events", *TEXTS, *rr.AnyValues.columns(event=["x", "{}"]))),
-    "a note that is none": (FOREIGN, with_robot("/_recorder/notes", *TEXTS, *rr.AnyValues.columns(event=["x", "y"]))),
     "a clock of one number": (FOREIGN, with_robot("/x/sim/clock", *rr.Scalars.columns(scalars=[1.0, 2.0]))),
-    "a difference of one number": (FOREIGN, with_robot("/x/difference/arms", *rr.Scalars.columns(scalars=[1.0, 2.0]))),
-    "a description that is none": (FOREIGN, about("x")),
 }  # fmt: skip
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -50,21 +49,6 @@ def test_a_full_queue_declines_commands_as_busy_but_not_events() -> None:
     assert len(log.ran) == CAPACITY + 1
     assert log.ran[-1] == "event"
     assert log.declined == [(str(CAPACITY), Reason.BUSY)]
-
-
-def test_a_replaced_entry_does_not_wake_the_reader() -> None:
-    """Otherwise `take` would return None, which ends the reader."""
-    log, queue = Log(), ControllerQueue()
-    queue.post_latest("ana", *log.task("old"))
-    queue.post_latest("ana", *log.task("new"))
-    assert queue.take() is not None
-    reader = threading.Thread(target=queue.take, daemon=True)
-    reader.start()
-    reader.join(0.05)
-    assert reader.is_alive()
-    queue.post(*log.task("command"))
-    reader.join(2.0)
-    assert not reader.is_alive()
 
 
 def test_a_full_queue_declines_motions_except_those_that_replace_another() -> None:

@@ -15,7 +15,6 @@ from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
 from beatrix_zenoh.lettering import ROWS, cells
 from beatrix_zenoh.motion.kinematics import Neck
 from sim_node import gl
-from sim_node.model import build_spec
 from sim_node.painter import Image, PosedModel
 from sim_node.plant import Plant
 from sim_node.rays import RayPainter
@@ -66,21 +65,8 @@ def painter() -> RayPainter:
     return RayPainter(eye_scene(), WIDTH, HEIGHT, cell=2)
 
 
-def test_the_scene_has_the_joints_of_the_plant() -> None:
-    plant, scene = build_spec().compile(), scene_spec().compile()
-    assert scene.nq == plant.nq
-    assert scene.jnt_qposadr.tolist() == plant.jnt_qposadr.tolist()
-    assert [scene.joint(i).name for i in range(scene.njnt)] == [
-        plant.joint(i).name for i in range(plant.njnt)
-    ]
-
-
 def test_the_person_is_first_where_its_paths_begin() -> None:
     assert PLACES.body(PERSON).xpos == pytest.approx(HOME)
-
-
-def test_the_model_of_the_physics_does_not_contain_the_scene() -> None:
-    assert mujoco.mj_name2id(build_spec().compile(), mujoco.mjtObj.mjOBJ_BODY, PERSON) == -1
 
 
 @pytest.mark.parametrize("place", [NEAR, HOME, (2.0, 0.3, 0.2)])
@@ -157,20 +143,3 @@ def test_only_the_outside_camera_sees_the_head() -> None:
         assert not (seen & of_head).any()
         assert (seen | of_head)[visible].all(), "all other objects are visible"
     assert ((posed.groups_seen_from("outside") == VISUAL) == visible).all()
-
-
-@pytest.mark.parametrize("yaw", [0, 75])
-def test_hiding_geoms_outside_the_picture_does_not_change_it(yaw: int) -> None:
-    painter = RayPainter(eye_scene(), 48, 36)
-    painter.pose(posture(yaw, pitch=20))
-    painter.paint("eye_right")
-    posed = painter._posed
-    eye, rays = posed.data.camera("eye_right").xpos.copy(), painter._rays("eye_right")
-    together = painter._cast(eye, rays)[0]
-    assert (posed.model.geom_group != painter._posed._groups).sum() > 50, "an object of the scene is missing"
-    posed.model.geom_group[:] = painter._posed._groups
-    alone, hit = [], np.zeros(1, dtype=np.int32)
-    for ray in rays:
-        mujoco.mj_ray(posed.model, posed.data, eye, ray, painter._group, 1, -1, hit)
-        alone.append(int(hit[0]))
-    assert together.tolist() == alone

@@ -128,35 +128,6 @@ def test_a_removed_task_is_not_called_again(reports: Reports) -> None:
     assert reports.called() == "bob"
 
 
-def test_a_task_that_may_run_soon_runs_with_the_next_one(reports: Reports) -> None:
-    def called() -> float:
-        reports.calls.put("ada")
-        return NEVER
-
-    ada = reports.schedule.add(Owner("ada"), called)
-    wake_bob = reports.add("bob", lambda: NEVER)
-    ada.soon()
-    with pytest.raises(queue.Empty):
-        reports.calls.get(timeout=0.1)
-    wake_bob()
-    assert sorted(reports.called() for _ in range(2)) == ["ada", "bob"]
-
-
-def test_a_schedule_knows_the_robots_that_it_serves(reports: Reports) -> None:
-    ada, bob = Owner("ada"), Owner("bob")
-    task = reports.schedule.add(ada, lambda: NEVER)
-    assert (reports.schedule.serves(ada), reports.schedule.serves(bob)) == (True, False)
-    assert reports.schedule.remove(task)
-    assert not reports.schedule.serves(ada)
-
-
-def test_a_schedule_without_tasks_has_no_thread() -> None:
-    before = threading.active_count()
-    schedule = Schedule("idle")
-    assert threading.active_count() == before
-    schedule.close()
-
-
 def test_no_task_of_a_robot_runs_while_another_one_is_left_behind(reports: Reports) -> None:
     ada, returns = Owner("ada"), threading.Event()
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 import time
-import types
 from collections.abc import Sequence
-from dataclasses import dataclass
+from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -23,34 +23,6 @@ class FakeError(Exception):
     """In place of PortAudioError."""
 
 
-@dataclass
-class Times:
-    """Times of a block by the clock of the device (s)."""
-
-    inputBufferAdcTime: float  # noqa: N815
-    currentTime: float  # noqa: N815
-
-
-@dataclass
-class Flags:
-    """What has gone wrong before a block."""
-
-    input_overflow: bool = False
-
-
-class FakeStream:
-    """A stream whose blocks the test delivers."""
-
-    def __init__(self, callback: Callback) -> None:
-        self.callback, self.started, self.closed = callback, False, 0
-
-    def start(self) -> None:
-        self.started = True
-
-    def close(self) -> None:
-        self.closed += 1
-
-
 class FakeSound:
     """A replacement for the module `sounddevice`, which lists devices only when it is initialized."""
 
@@ -61,7 +33,8 @@ class FakeSound:
         self.known: list[dict[str, object]] = []
         self.refuses = ""
         self.asked: tuple[object, ...] = ()
-        self.streams: list[FakeStream] = []
+        self.streams: list[Mock] = []
+        """streams whose blocks the test delivers"""
         self._initialize()
 
     def _initialize(self) -> None:
@@ -82,11 +55,11 @@ class FakeSound:
         dtype: str,
         *,
         callback: Callback,
-    ) -> FakeStream:
+    ) -> Mock:
         self.asked = (samplerate, blocksize, device, channels, dtype)
         if self.refuses:
             raise FakeError(self.refuses)
-        self.streams.append(FakeStream(callback))
+        self.streams.append(Mock(callback=callback))
         return self.streams[-1]
 
 
@@ -100,14 +73,12 @@ class Listening:
         self.microphones = DeviceMicrophones("usb", self.sound)
         self.microphones.open()
 
-    def deliver(
-        self, begin_ns: int, *, overflow: bool = False, timed: bool = True, age_ns: int = BLOCK_NS
-    ) -> None:
+    def deliver(self, begin_ns: int, *, overflow: bool = False, age_ns: int = BLOCK_NS) -> None:
         """Deliver a block whose first frame was heard at `begin_ns`."""
         self.now_ns = begin_ns + age_ns
-        times = Times(100.0 - age_ns / 1e9, 100.0) if timed else Times(0.0, 0.0)
+        times = SimpleNamespace(inputBufferAdcTime=100.0 - age_ns / 1e9, currentTime=100.0)
         data = np.full((BLOCK, 2), 7, "<i2").tobytes()
-        self.sound.streams[-1].callback(data, BLOCK, times, Flags(overflow))
+        self.sound.streams[-1].callback(data, BLOCK, times, SimpleNamespace(input_overflow=overflow))
 
     def blocks(self) -> list[SoundBlock]:
         found = []
@@ -134,7 +105,7 @@ def test_a_device_is_named_by_a_part_of_its_name_or_its_number(word: str, number
     assert microphones.trouble() == ""
     microphones.open()
     assert sound.asked == (48_000, 960, number, 2, "int16")
-    assert sound.streams[0].started
+    assert sound.streams[0].start.called
 
 
 @pytest.mark.parametrize(
@@ -214,12 +185,6 @@ def test_the_clock_of_the_device_is_followed(listening: Listening) -> None:
         assert block.dropped == 0
 
 
-def test_without_times_of_the_driver_a_block_ends_when_it_arrives(listening: Listening) -> None:
-    listening.deliver(10**12, timed=False)
-    (block,) = listening.blocks()
-    assert block.t_mono_ns == 10**12
-
-
 @pytest.mark.parametrize("overflow", [False, True])
 def test_a_gap_is_counted_in_frames(listening: Listening, overflow: bool) -> None:
     listening.deliver(10**12)
@@ -228,12 +193,6 @@ def test_a_gap_is_counted_in_frames(listening: Listening, overflow: bool) -> Non
     blocks = listening.blocks()
     assert [block.dropped for block in blocks] == [0, 3 * BLOCK, 3 * BLOCK]
     assert [block.t_mono_ns for block in blocks] == [10**12 + i * BLOCK_NS for i in (0, 4, 5)]
-
-
-def test_an_overflow_without_a_gap_is_counted_too(listening: Listening) -> None:
-    listening.deliver(10**12)
-    listening.deliver(10**12 + BLOCK_NS, overflow=True)
-    assert [block.dropped for block in listening.blocks()] == [0, 1]
 
 
 def test_blocks_that_nobody_takes_are_dropped_and_counted(listening: Listening) -> None:
@@ -249,7 +208,7 @@ def test_a_silent_device_is_waited_for_only_as_long_as_asked(listening: Listenin
     assert listening.microphones.next(0.01) is None
     listening.microphones.close()
     listening.microphones.close()
-    assert listening.sound.streams[0].closed == 1
+    assert listening.sound.streams[0].close.call_count == 1
 
 
 # -- what to install -------------------------------------------------------------------------------
@@ -279,9 +238,3 @@ def test_without_portaudio_the_refusal_names_the_package_of_the_system(
     monkeypatch.setattr(sys, "platform", "linux")
     with pytest.raises(WrongUsage, match="sudo apt install libportaudio2"):
         choose("USB")
-
-
-def test_any_other_value_names_a_device(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "sounddevice", types.SimpleNamespace(query_devices=list))
-    chosen = choose("USB Audio")
-    assert isinstance(chosen, DeviceMicrophones)

@@ -32,13 +32,6 @@ def test_the_sign_reverses_a_motor() -> None:
     assert middle == long > 0
 
 
-def test_an_arm_pushed_past_half_a_cycle_loses_four_full_steps() -> None:
-    drive = driven()
-    drive.step((0, 0, 0), (0.501 * CYCLE, 0.0, -0.501 * CYCLE), on=True)
-    assert drive.slipped == (-4, 0, 4)
-    assert drive.set_points == pytest.approx((CYCLE, 0.0, -CYCLE))
-
-
 @given(counts, angles)
 def test_set_points_differ_from_the_arm_by_at_most_half_a_cycle(
     pulses: tuple[int, int, int], arms: tuple[float, float, float]
@@ -59,18 +52,3 @@ def test_motors_that_are_switched_on_lock_to_the_nearest_position_without_slip()
     drive.step((0, 0, 0), sagged, on=True)
     assert drive.set_points == pytest.approx((5 * CYCLE, -3 * CYCLE, 0.0))
     assert drive.slipped == (0, 0, 0)
-
-
-def test_set_home_resets_slip_and_earlier_pulses() -> None:
-    drive = driven()
-    drive.step((320, 0, 0), HOME, on=True)
-    assert drive.slipped != (0, 0, 0)
-    drive.set_home()
-    assert drive.set_points == HOME
-    assert drive.slipped == (0, 0, 0)
-
-
-def test_a_measurement_of_nan_does_not_change_the_set_points() -> None:
-    drive = driven()
-    drive.step((0, 0, 0), (math.nan, 0.0, 0.0), on=True)
-    assert drive.set_points == HOME

@@ -1,50 +1,17 @@
-"""The number of STOPs of each seat since the node started, and the log of a reader of events."""
+"""The number of STOPs of each seat since the node started."""
 
 from __future__ import annotations
 
 import datetime as dt
-from typing import TypeVar, cast
 
-import msgspec
 from golden import same
 
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.cli.listing import TableRow, cells, stop_words
-from beatrix_zenoh.client import Client
-from beatrix_zenoh.client.monitor import EventLog, SeatStops
-from beatrix_zenoh.contract import codec
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Reason, SeatCount
+from beatrix_zenoh.client.monitor import SeatStops
+from beatrix_zenoh.contract._generated.messages import EventKind, Reason, SeatCount
 from beatrix_zenoh.node.events import BURST, KEPT, STOP_SEATS, NodeEvents
 from beatrix_zenoh.settings import Settings
-
-M = TypeVar("M", bound=msgspec.Struct)
-
-
-class Decoding:
-    """The part of a client that an event log uses."""
-
-    def read(self, answer: Reply, kind: type[M]) -> M:
-        return codec.decode(answer.payload, kind)
-
-
-def log(length: int = 5) -> EventLog:
-    return EventLog(cast("Client", Decoding()), "beatrix/bea/hw/state/events", length)
-
-
-def stop(seq: int, seat: str, count: int = 1) -> Event:
-    return Event(seq=seq, t_mono_ns=seq, t_wall_ns=seq, kind=EventKind.STOP, seat=seat, count=count)
-
-
-def test_a_log_has_each_event_once_although_some_arrive_twice() -> None:
-    events = [stop(1, "ana"), stop(2, "cem", 7), stop(3, "")]
-    kept = log(length=2)
-    kept.put(codec.encode(events[2]))
-    kept.read()
-    kept.put_past(codec.encode(Events(events=events)))
-    kept.put(codec.encode(stop(4, "cem")))
-    for _ in range(2):
-        assert [event.seq for event in kept.read()] == [3, 4]
 
 
 def test_stops_are_counted_from_the_start_however_many_events_follow() -> None:

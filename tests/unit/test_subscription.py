@@ -87,17 +87,6 @@ def test_values_come_in_order_with_robot_and_time(client: FakeClient) -> None:
     assert subscription.take(0.01) == []
 
 
-def test_undecodable_publications_are_skipped(client: FakeClient) -> None:
-    subscription = subscribed(client)
-    client.bus.publish(b"garbage")
-    assert subscription.latest is None
-    client.bus.publish(status("a"))
-    client.bus.publish(status("b"), key="elsewhere")
-    assert subscription.next() == "a"
-    with pytest.raises(NoAnswer, match=r"bea \(hw\): no message for 0 s"):
-        subscription.next()
-
-
 def test_an_iteration_without_publications_ends_with_an_error(client: FakeClient) -> None:
     client.bus.publish(status("before"))
     subscription = subscribed(client, timeout_s=0.01)

@@ -8,9 +8,7 @@ import time
 from collections.abc import Iterator
 
 import pytest
-import wasmtime
 from threaded_board import ThreadedPort
-from ticking_board import RealTimeTicker
 
 from beatrix_zenoh.board import virtual, wasm
 from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
@@ -50,13 +48,6 @@ def test_a_board_sends_nothing_before_the_first_frame() -> None:
     board.advance(5000)
     assert board.read(0) == b""
     board.close()
-
-
-def test_read_returns_after_its_timeout(board: VirtualBoard) -> None:
-    board.read(0)
-    begin = time.monotonic()
-    assert board.read(0.05) == b""
-    assert 0.04 < time.monotonic() - begin < 5
 
 
 def test_close_wakes_a_reader_and_rejects_writes(board: VirtualBoard) -> None:
@@ -109,31 +100,6 @@ def test_the_motors_of_one_long_call_are_those_of_many_short_ones() -> None:
     assert long.motors(100, 2) == [(long.pulses(), True, 50)]
 
 
-def test_the_ticker_follows_real_time(board: VirtualBoard) -> None:
-    begin = time.monotonic()
-    ticker = RealTimeTicker(board)
-    seen: list[Telemetry] = []
-    while not seen or seen[-1].tick < 200:
-        assert time.monotonic() - begin < 30
-        seen += telemetry(board.read(1))
-    took_ms = (time.monotonic() - begin) * 1000
-    ticker.close()
-    assert took_ms >= 199  # board time is never ahead of real time; how late it is depends on the machine
-
-
-def test_the_ticker_catches_up_after_a_delay(board: VirtualBoard) -> None:
-    ticker = RealTimeTicker(board)
-    with board.lock:
-        threading.Event().wait(0.1)  # the ticker waits for the lock during this
-    begin = time.monotonic()
-    seen: list[Telemetry] = []
-    while not seen or seen[-1].tick < 90:
-        assert time.monotonic() - begin < 30
-        seen += telemetry(board.read(1))
-    ticker.close()
-    assert [t.tick for t in seen] == list(range(10, seen[-1].tick + 1, 10))
-
-
 def test_reading_lets_the_time_of_the_board_pass(board: VirtualBoard) -> None:
     begin = time.monotonic()
     port = ThreadedPort(RealTimePort(board, RealTime(board)))
@@ -153,41 +119,6 @@ def test_a_board_waits_for_a_thread_that_does_not_read(board: VirtualBoard) -> N
     while not seen:
         seen = telemetry(port.read(1))
     assert seen[-1].tick <= 100
-
-
-class NeverDue:
-    """A time whose next turn is due in a minute; counts the turns."""
-
-    def __init__(self) -> None:
-        self.turns: list[bool] = []
-
-    def wait_s(self) -> float:
-        return 60.0
-
-    def turn(self, *, written: bool) -> None:
-        self.turns.append(written)
-
-
-def test_a_write_gives_the_board_a_turn_before_it_is_due(board: VirtualBoard) -> None:
-    never = NeverDue()
-    notified: list[bool] = []
-    port = RealTimePort(board, never)
-    port.on_wake(lambda: notified.append(True))
-    board.read(0)
-    answer = port.write(HELLO)
-    assert (port.read(0), never.turns) == (answer, [])
-    port.wake()
-    assert (port.read(0), never.turns, notified) == (b"", [True], [True])
-    assert (port.read(0), never.turns) == (b"", [True])
-    port.close()
-    assert port.read(0) == b""
-
-
-def test_bytes_from_the_turn_of_another_thread_are_read_without_a_turn(board: VirtualBoard) -> None:
-    never = NeverDue()
-    board.advance(20)
-    assert [t.tick for t in telemetry(RealTimePort(board, never).read(0))] == [10, 20]
-    assert never.turns == []
 
 
 def test_a_missing_wasmtime_is_an_error_with_the_command_to_install_it(
@@ -218,12 +149,3 @@ def test_direct_calls_equal_those_of_wasmtime(monkeypatch: pytest.MonkeyPatch) -
     direct = run_script(Firmware())
     monkeypatch.delattr("wasmtime._ffi.wasmtime_val_raw_t")
     assert run_script(Firmware()) == direct
-
-
-def test_a_trap_is_an_error() -> None:
-    engine = wasmtime.Engine()
-    store = wasmtime.Store(engine)
-    module = wasmtime.Module(engine, '(module (func (export "stop") unreachable))')
-    stop = wasm.direct(store, wasmtime.Instance(store, module, []).exports(store)["stop"])
-    with pytest.raises(RuntimeError, match="trapped"):
-        stop()

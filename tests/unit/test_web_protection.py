@@ -46,10 +46,6 @@ def test_only_the_address_of_the_connection_is_allowed_as_host(
     assert protection.host_allowed(host, address, 8088) is allowed
 
 
-def test_the_port_of_http_may_be_omitted() -> None:
-    assert protection.host_allowed("127.0.0.1", "127.0.0.1", 80)
-
-
 def test_connections_are_limited_in_total_and_for_each_address() -> None:
     most, all_of_them = connections.ADDRESS_MAX, connections.CONNECTIONS_MAX
     assert connections.refused(["a"] * (most - 1), "a") == ""
