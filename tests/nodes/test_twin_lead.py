@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import threading
 from collections.abc import Callable
@@ -85,13 +86,18 @@ def test_abort_in_a_signal_handler_ends_the_commit_that_it_interrupts(twin: Twin
     def abort(_number: int, _frame: FrameType | None) -> None:
         plan.abort()
 
+    def press() -> None:
+        moves(twin.sim)
+        os.kill(os.getpid(), signal.SIGALRM)
+
     previous = signal.signal(signal.SIGALRM, abort)
     try:
-        signal.setitimer(signal.ITIMER_REAL, 0.5)
-        with pytest.raises(Interrupted, match="not moved"):
-            plan.commit(lead_s=5)
+        with ThreadPoolExecutor(1) as pool:
+            pressed = pool.submit(press)
+            with pytest.raises(Interrupted, match="not moved"):
+                plan.commit(lead_s=20)
+            pressed.result()
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, previous)
     assert steps(twin.hw) == before
     assert not twin.sim.status().moving
