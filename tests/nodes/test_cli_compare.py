@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 from PIL import Image
-from robots import END_S, free_endpoint, until
-from shell import NAME, Shell
+from robots import END_S, until
+from shell import NAME, Shell, beatrix
 
 from beatrix_zenoh.client import motion_file
 
@@ -128,6 +128,6 @@ def test_signals_end_a_recording_of_a_motion_with_its_summary(
     ],
 )
 def test_the_error_for_wrong_arguments_names_the_cause(words: tuple[str, ...], code: int, what: str) -> None:
-    done = Shell(free_endpoint()).run(*words)
+    done = beatrix(*words)
     assert (done.returncode, done.stdout) == (code, "")
     assert what in " ".join(done.stderr.split())

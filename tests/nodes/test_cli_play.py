@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 from late_tests import in_time
-from robots import END_S, free_endpoint, until
-from shell import Shell
+from robots import END_S, until
+from shell import Shell, beatrix
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.request import ask
@@ -97,7 +97,7 @@ def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved_and_reports_it(free:
     ],
 )
 def test_invalid_or_contradictory_options_are_wrong_usage(words: tuple[str, ...]) -> None:
-    assert Shell(free_endpoint()).run(*words).returncode == 2
+    assert beatrix(*words).returncode == 2
 
 
 # -- play ---------------------------------------------------------------------------------------
@@ -122,7 +122,7 @@ def test_play_shows_each_pose_and_where_it_ends(free: Shell, mine: str, options:
 def test_play_of_a_bad_file_names_the_line(tmp_path: Path) -> None:
     path = tmp_path / "bad.csv"
     path.write_text(MINE.replace("6,6,6", "6,6,"), encoding="utf-8")
-    done = Shell(free_endpoint()).run("play", str(path))
+    done = beatrix("play", str(path))
     assert (done.returncode, done.stdout) == (2, "")
     assert f"{path}, line 4: long_deg is empty: give a number" in done.stderr
 

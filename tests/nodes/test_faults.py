@@ -165,7 +165,7 @@ def test_the_robot_stops_if_its_client_is_killed_or_suspended_during_a_motion(
     goner.expect("ready")
     until(lambda: robot.positions().commanded.short > 2, "moving")
     goner.send(number)
-    until(lambda: not robot.status().moving, "stopped: at once if killed, after 2 s if suspended", 3.5)
+    until(lambda: not robot.status().moving, "stopped: at once if killed, after 2 s if suspended")
     assert robot.positions().commanded.short < 110
     assert robot.status().holder == ""
     goner.end(signal.SIGKILL)

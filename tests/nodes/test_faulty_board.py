@@ -104,7 +104,7 @@ def test_an_unacknowledged_motion_that_is_made_is_stopped(faulty: FaultyBoard) -
     with pytest.raises(Refused, match="does not answer") as refused:
         robot.look(yaw=90)
     assert refused.value.reason is Reason.BOARD_LOST
-    until(lambda: not robot.status().moving, "at rest", 1.5)
+    until(lambda: not robot.status().moving, "at rest")
     assert robot.positions().commanded.short < 45
 
 

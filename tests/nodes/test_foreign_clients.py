@@ -97,7 +97,7 @@ def test_the_motion_of_a_client_without_a_token_ends_when_the_router_is_lost(tmp
             stage.script(program, endpoint)
             until(lambda: node.controller.arms()[0] > 0.1, "moving", 10.0)
             router.end(signal.SIGKILL)
-            until(lambda: not node.snapshot.status().moving, "stopped", 2.0)
+            until(lambda: not node.snapshot.status().moving, "stopped")
             assert 0 < node.controller.arms()[0] < 1.5
             assert node.snapshot.status().holder == ""
         finally:

@@ -113,19 +113,14 @@ def test_arms_are_correct_if_the_robot_file_has_their_azimuth(stage: Stage, tmp_
     assert "[geometry]\narm0_azimuth = 90.0" in elsewhere.stdout
 
 
-def test_the_refusal_with_motors_off_names_enable_for_the_hardware(stage: Stage) -> None:
+def test_with_motors_off_jog_is_refused_before_any_question_and_names_enable_for_the_hardware(
+    stage: Stage,
+) -> None:
     """Without --on, `beatrix enable` would choose a simulation of the same name."""
     stage.node("bea")
-    done = jog(stage, "")
-    assert (done.returncode, "`beatrix enable --on hw`" in done.stderr) == (1, True)
-
-
-def test_a_robot_that_cannot_move_is_refused_before_any_question(stage: Stage) -> None:
-    stage.node("bea")
     done = jog(stage, RIGHT)
-    assert done.returncode == 1
-    assert "enable" in done.stderr
-    assert "Watch the robot" not in done.stderr
+    assert (done.returncode, "`beatrix enable --on hw`" in done.stderr) == (1, True)
+    assert "Watch the robot" not in done.stderr, "refused before any question"
 
 
 @pytest.mark.parametrize("more", [(), ("--json",)])

@@ -78,7 +78,7 @@ def test_a_teacher_who_takes_the_robot_stops_a_running_motion(place: Place) -> N
         program.port.write(place.turn(600))
         until(place.far, "moving")
         with teacher.lease():
-            until(lambda: not place.robot.status().moving, "stopped", 1.5)
+            until(lambda: not place.robot.status().moving, "stopped")
             assert abs(place.robot.positions().commanded.short - place.start) < 40, "600 steps are 52 deg"
     until(lambda: place.robot.status().holder in ("", "ana"), "free", 5.0)
 

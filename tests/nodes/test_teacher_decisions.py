@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from robots import Stage, ready, until
 
-from beatrix_zenoh import Interrupted, Refused, files
+from beatrix_zenoh import Interrupted, Refused, Robot, files
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.client import lease
@@ -113,29 +113,27 @@ def test_every_seat_resets_an_emergency_stop_of_a_student_unless_the_robot_is_fr
     kept.ben.reset()
 
 
-@pytest.mark.parametrize(
-    "content",
-    ["frozen = maybe", "frozen = 3\n", "", "speed_limit_deg_s = -1\n", "x = 1\n", 'muted = ["teacher"]\n'],
+BROKEN = (
+    "frozen = maybe",
+    "frozen = 3\n",
+    "",
+    "speed_limit_deg_s = -1\n",
+    "x = 1\n",
+    'muted = ["teacher"]\n',
 )
-def test_a_broken_file_freezes_the_robot_with_a_sentence_and_unfreeze_mends_it(
-    tmp_path: Path, content: str
-) -> None:
-    with Stage() as stage:
-        kept = Place(stage, tmp_path)
+
+
+def test_a_broken_file_freezes_the_robot_with_a_sentence_and_unfreeze_mends_it(kept: Place) -> None:
+    for content in BROKEN:
         lease.ask(kept.boss, LeaseAction.FREEZE)
         kept.file.write_text(content)
         kept.restart()
-        try:
-            status = kept.ana.status()
-            assert status.frozen
-            assert any(
-                "beatrix unfreeze" in warning and str(kept.file) in warning for warning in status.warnings
-            )
-            lease.ask(kept.boss, LeaseAction.UNFREEZE)
-            assert not kept.file.exists()
-            kept.ana.enable()
-        finally:
-            kept.node.close()
+        status = kept.ana.status()
+        assert status.frozen, content
+        assert any("beatrix unfreeze" in warning and str(kept.file) in warning for warning in status.warnings)
+        lease.ask(kept.boss, LeaseAction.UNFREEZE)
+        assert not kept.file.exists(), content
+        kept.ana.enable()
 
 
 def test_a_decision_that_cannot_be_kept_is_in_force_with_a_warning(kept: Place) -> None:
@@ -184,14 +182,14 @@ def test_the_stop_of_a_muted_seat_stops_no_other_seat_and_is_recorded(kept: Plac
     motion.wait()
 
 
-@pytest.mark.parametrize("seat", ["teacher", "Ana", "", OLD_PROGRAMS])
-def test_mute_refuses_the_teacher_and_invalid_seats(kept: Place, seat: str) -> None:
-    assert kept.refused(lambda: lease.ask(kept.boss, LeaseAction.MUTE, seat=seat)) is Reason.BAD_VALUE
+def test_only_the_teacher_mutes_and_neither_itself_nor_invalid_seats(kept: Place) -> None:
+    def mute(robot: Robot, seat: str) -> Reason:
+        return kept.refused(lambda: lease.ask(robot, LeaseAction.MUTE, seat=seat))
+
+    for seat in ("teacher", "Ana", "", OLD_PROGRAMS):
+        assert mute(kept.boss, seat) is Reason.BAD_VALUE, seat
+    assert mute(kept.ana, "ben") is Reason.TEACHER_ONLY
     assert kept.boss.status().muted == []
-
-
-def test_only_the_teacher_mutes(kept: Place) -> None:
-    assert kept.refused(lambda: lease.ask(kept.ana, LeaseAction.MUTE, seat="ben")) is Reason.TEACHER_ONLY
 
 
 @pytest.mark.parametrize("taken", [True, False], ids=["taken", "by its motion"])

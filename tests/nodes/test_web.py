@@ -105,26 +105,6 @@ def test_a_jog_that_ends_at_the_limit_says_so_at_the_first_press(driver: WebSock
     assert robot.positions().head.pitch == pytest.approx(34.5, abs=1.0)
 
 
-def test_a_jog_ends_at_the_limit_with_an_alternative(driver: WebSocket, robot: Robot) -> None:
-    driver.send("AimHead", yaw=0, pitch=33, roll=0)
-    driver.send("SendHead")
-    driver.state(lambda view: view["history"][0]["good"], "near the limit")
-    # So slow that no shorter goal is tried: the refusal comes while an alternative is left.
-    view = hold_button(driver, "pitch", at_limit, "a refusal", speed=1.9)
-    assert view["head"]["refusal"]["alternative"]["intent"] == {"do": "TakeAlternative"}
-    driver.state(resting, "at rest")
-    assert robot.positions().head.pitch == pytest.approx(34.5, abs=1.0)
-
-
-def test_a_refused_target_has_an_alternative_that_the_robot_accepts(driver: WebSocket, robot: Robot) -> None:
-    driver.send("AimHead", yaw=0, pitch=30, roll=30)
-    driver.send("SendHead")
-    view = driver.state(lambda view: view["head"]["refusal"], "refused")
-    driver.send_raw(json.dumps(view["head"]["refusal"]["alternative"]["intent"]))
-    driver.state(lambda view: view["history"][0]["good"] and len(view["history"]) > 1, "accepted, and done")
-    assert robot.positions().head.pitch > 10.0
-
-
 def test_without_heartbeats_the_robot_stops(driver: WebSocket, robot: Robot) -> None:
     jog(driver, "yaw", 3.0)
     slowly_home(driver)
@@ -230,20 +210,17 @@ def test_a_page_cannot_watch_an_unknown_robot(browser: WebClient) -> None:
     assert page.state(lambda view: view["choices"]["speed"] == 33, "a later message")["robot"] == "bea1"
 
 
-def test_the_class_is_a_table_of_all_robots(browser: WebClient) -> None:
-    page = browser.connect()
-    assert page.state(online, "a robot")["class"] == []
-    page.send("class", on=True)
-    rows = page.state(lambda view: len(view["class"]) == 2, "both robots")["class"]
-    assert [row["cells"][:2] for row in rows] == [["bea1", "Hardware"], ["bea2", "Hardware"]]
-
-
-def test_the_page_for_a_projector_shows_whose_turn_it_is(browser: WebClient, driver: WebSocket) -> None:
+def test_the_class_is_a_table_of_all_robots_and_a_projector_shows_whose_turn_it_is(
+    browser: WebClient, driver: WebSocket
+) -> None:
     driver.state(lambda view: view["you"]["drives"], "a page that drives")
     assert "class.js" in browser.fetch("/class").body.decode()
     page = browser.connect()
-    assert page.state(online, "a robot")["projector"] is None
+    view = page.state(online, "a robot")
+    assert (view["projector"], view["class"]) == (None, [])
     page.send("class", on=True)
+    rows = page.state(lambda view: len(view["class"]) == 2, "both robots")["class"]
+    assert [row["cells"][:2] for row in rows] == [["bea1", "Hardware"], ["bea2", "Hardware"]]
 
     def driven(view: dict[str, Any]) -> bool:
         return any(row["driver"].startswith("web-mia") for row in (view["projector"] or {"rows": ()})["rows"])

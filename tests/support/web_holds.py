@@ -10,6 +10,7 @@ from web_client import WebSocket
 
 PRESSES: Final = itertools.count(1)
 """Numbers of presses; a page counts its presses, and a heartbeat names its press."""
+SPEED_DEG_S: Final = 20.0
 
 
 def hold_button(
@@ -17,12 +18,8 @@ def hold_button(
     part: str,
     holds: Callable[[dict[str, Any]], bool],
     what: str,
-    speed: float = 20.0,
 ) -> dict[str, Any]:
-    """Hold a button until a view fulfils `holds`, with a heartbeat for each message; return the view.
-
-    `speed` in deg/s.
-    """
+    """Hold a button until a view fulfils `holds`, with a heartbeat for each message; return the view."""
     press = next(PRESSES)
 
     def held(view: dict[str, Any]) -> bool:
@@ -34,7 +31,7 @@ def hold_button(
         page.send("hold", press=press, part=part, sign=1)
         return False
 
-    page.send("Choose", name="speed", value=speed)
+    page.send("Choose", name="speed", value=SPEED_DEG_S)
     found = page.state(held, what)
     page.send("release", press=press)
     return found
