@@ -18,9 +18,9 @@ from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetRep
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from beatrix_zenoh.settings import Settings
+from gui.console.link.jobs import Jobs
 from gui.console.link.newest import Newest
-from gui.console.link.outcomes import WindowError, accepted, closed, done, failed
-from gui.console.link.worker import Worker
+from gui.console.link.outcomes import WindowError, accepted, done, failed
 from gui.console.state.actions import CopyProgram, FollowFace, Outcome
 from gui.console.state.world import FaceProgress
 
@@ -60,12 +60,11 @@ class FaceJob:
         return self.unwanted or self.ending is not None
 
 
-class FaceProgram(Worker):
-    """Runs the program; methods except `wait_ended` and `join` return at once."""
+class FaceProgram:
+    """Runs the program; methods except `wait_ended` return at once."""
 
-    def __init__(self, report: Callable[[Outcome], None]) -> None:
-        super().__init__("window-face")
-        self._report = report
+    def __init__(self, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
+        self._jobs, self._report = jobs, report
         self._newest: Newest[FaceJob] = Newest()
         self._own = Path.home() / "beatrix-programs" / NAME
         self._file = self._chosen()
@@ -79,7 +78,7 @@ class FaceProgram(Worker):
         """Start the program for the robot of the settings; `clear` ends other motions, on the program's thread."""
         job = FaceJob(action, settings)
         self._newest.begin(job)
-        self.put(lambda: self._run(job, clear))
+        self._jobs.put("face", lambda: self._run(job, clear))
 
     def end(self, why: BeatrixError | None) -> None:
         """End the program for a reason; None: the user has ended it."""
@@ -93,7 +92,7 @@ class FaceProgram(Worker):
 
     def copy(self, action: CopyProgram) -> None:
         """Copy the shipped program to the file of the action, unless it exists."""
-        self.put(lambda: self._copy(action))
+        self._jobs.put("files", lambda: self._copy(action))
 
     def _chosen(self) -> Path:
         """Return the user's copy if there is one, otherwise the shipped program."""
@@ -163,11 +162,6 @@ class FaceProgram(Worker):
             error = failure(self._line)
             self._line = self._line if isinstance(error, WindowError) else error.message
             raise error
-
-    def close(self) -> None:
-        """End the program and the thread; returns at once."""
-        self.end(closed())
-        super().close()
 
 
 @contextlib.contextmanager

@@ -10,14 +10,15 @@ from collections.abc import Callable
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
 from gui.console.link.face_program import FaceProgram
-from gui.console.link.outcomes import WindowError, deselected, failed, replaced, stopped
+from gui.console.link.jobs import Jobs
+from gui.console.link.outcomes import WindowError, closed, deselected, failed, replaced, stopped
 from gui.console.link.plans import Plans
 from gui.console.link.playing import Playing
 from gui.console.link.request_queue import RequestQueue
-from gui.console.link.worker import LinkPart
 from gui.console.state import actions
 from gui.console.state.actions import Outcome
 
@@ -35,16 +36,12 @@ Request = (
 class Moving:
     """Carries out requests for one robot or both; no method waits for a robot."""
 
-    def __init__(self, report: Callable[[Outcome], None]) -> None:
-        """Start the threads; `report` is called with the outcomes of requests."""
+    def __init__(self, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
+        """Store the arguments; `report` is called with the outcomes of requests."""
         self._report = report
-        self._queues = {side: RequestQueue(side, report) for side in SIDES}
-        self.plans, self.playing, self.face = Plans(report), Playing(report), FaceProgram(report)
-
-    @property
-    def parts(self) -> tuple[LinkPart, ...]:
-        """What has threads, in the order in which the link closes it."""
-        return self.playing, self.face, self.plans, *self._queues.values()
+        self._queues = {side: RequestQueue(side, jobs, report) for side in SIDES}
+        self.plans, self.playing = Plans(jobs, report), Playing(jobs, report)
+        self.face = FaceProgram(jobs, report)
 
     @property
     def busy(self) -> bool:
@@ -78,7 +75,7 @@ class Moving:
 
     def make_way(self) -> None:
         """End what must not run beside a motion that the face itself sends."""
-        self._end_programs()
+        self._end_programs(replaced())
         self.plans.drop_trying(replaced())
         self.plans.drop_leading(replaced())
         for queue in self._queues.values():
@@ -86,22 +83,28 @@ class Moving:
 
     def drop(self) -> None:
         """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
-        self.plans.drop(stopped())
-        self.playing.end(stopped())
-        self.face.end(stopped())
+        self._end(stopped())
         for queue in self._queues.values():
             queue.stop()
 
     def deselect(self) -> None:
         """End all motions, because the user selects another robot."""
-        self.plans.drop(deselected())
-        self.playing.end(deselected())
-        self.face.end(deselected())
+        self._end(deselected())
         for queue in self._queues.values():
             queue.release()
 
+    def close(self) -> None:
+        """End all motions and drop waiting requests, because the link closes."""
+        self._end(closed())
+        for queue in self._queues.values():
+            queue.close()
+
+    def _end(self, why: BeatrixError) -> None:
+        self.plans.drop(why)
+        self._end_programs(why)
+
     def _send(self, action: actions.Send, twin: Twin, robots: tuple[Robot, ...]) -> None:
-        self._end_programs()
+        self._end_programs(replaced())
         if len(robots) > 1:
             for queue in self._queues.values():
                 queue.replace()
@@ -122,11 +125,11 @@ class Moving:
         for robot in robots:
             self._queues[robot.side].replace()
         self.plans.drop_trying(replaced())
-        self._end_programs()
+        self._end_programs(replaced())
 
-    def _end_programs(self) -> None:
-        self.playing.end(replaced())
-        self.face.end(replaced())
+    def _end_programs(self, why: BeatrixError) -> None:
+        self.playing.end(why)
+        self.face.end(why)
 
     def _wait_for_programs(self) -> None:
         self.playing.wait_ended()

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract.errors import BeatrixError
+from gui.console.link.jobs import Jobs
 from gui.console.link.newest import Newest
-from gui.console.link.outcomes import accepted, closed, done, failed
-from gui.console.link.worker import Worker
+from gui.console.link.outcomes import accepted, done, failed
 from gui.console.state.actions import Outcome, Play
 
 END_S = 1.0
@@ -41,12 +41,11 @@ class PlayJob:
             raise self.ending
 
 
-class Playing(Worker):
-    """Plays the newest choreography; methods except `wait_ended` and `join` return at once."""
+class Playing:
+    """Plays the newest choreography; methods except `wait_ended` return at once."""
 
-    def __init__(self, report: Callable[[Outcome], None]) -> None:
-        super().__init__("window-play")
-        self._report = report
+    def __init__(self, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
+        self._jobs, self._report = jobs, report
         self._newest: Newest[PlayJob] = Newest()
 
     @property
@@ -65,7 +64,7 @@ class Playing(Worker):
         """Start a play, which replaces the current one; `clear` ends other motions, on the play's thread."""
         job = PlayJob(action, robots, action.title)
         self._newest.begin(job)
-        self.put(lambda: self._run(job, clear))
+        self._jobs.put("play", lambda: self._run(job, clear))
 
     def end(self, why: BeatrixError) -> None:
         """End the current play; its robots are stopped, unless a newer request replaces the play."""
@@ -103,8 +102,3 @@ class Playing(Worker):
         finally:
             self._newest.finish(job)
         self._report(outcome)
-
-    def close(self) -> None:
-        """End the current play and the thread; returns at once."""
-        self.end(closed())
-        super().close()
