@@ -43,7 +43,7 @@ class Jobs:
             self._queues[name] = deque([job])
             if len(self._queues) > len(self._threads):
                 self._threads.append(threads.start(self._serve, f"{self._name}-{len(self._threads) + 1}"))
-            self._ready.put(name)
+        self._ready.put(name)  # without the lock, which the thread takes at once
 
     def _serve(self) -> None:
         while (name := self._ready.get()) is not None:

@@ -124,7 +124,7 @@ class Link:
 
     def world(self, robot: str = "") -> World:
         """Return the present world, by default of the selected robot; call it in one thread only, for a window Qt's."""
-        connection = self._connection
+        connection, moving, play = self._connection, self._moving, self._moving.play
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
         robot = robot or connection.robot
         sim, hw = connection.states(robot)
@@ -147,7 +147,7 @@ class Link:
             names=connection.names(),
             trouble=connection.trouble,
             latency_s=latency_s,
-            plan=self._moving.plans.progress(),
+            plan=moving.plans.progress(),
             recording=self._recordings.progress(),
             starting=self._children.starts(SIMULATION),
             own_simulation=self._children.runs(SIMULATION),
@@ -158,9 +158,9 @@ class Link:
             account=None if account is None else own_account(account),
             choosing=self._routers.busy,
             router_trouble=self._routers.trouble,
-            playing=self._moving.playing.title,
-            playing_pose=self._moving.playing.pose,
-            face=self._moving.face.progress(),
+            playing="" if play is None else play.title,
+            playing_pose=-1 if play is None else play.pose,
+            face=moving.face.progress(running=moving.following is not None),
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
@@ -204,7 +204,7 @@ class Link:
             ),
             UseRouter: self._routers.choose,
             UseAccount: self._routers.choose,
-            EndFollowing: lambda _: moving.face.end(None),
+            EndFollowing: lambda _: moving.end_following(),
             CopyProgram: moving.face.copy,
             WriteFile: lambda action: self._jobs.put("files", lambda: self._write(action)),
         }

@@ -7,11 +7,10 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from beatrix_zenoh.client import lease
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import publish_stop
-from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery, Reason
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import accepted, done, failed, replaced, stopped
@@ -60,27 +59,14 @@ class RequestQueue:
         row: int,
         robot: Robot,
         query: MotionQuery | PoseQuery,
-        clear: Callable[[], None] = lambda: None,
-        begun: Callable[[], None] = lambda: None,
+        clear: Callable[[], None],
+        begun: Callable[[], None],
     ) -> None:
         """Queue a motion, which replaces one that still waits."""
         self._put(QueuedRequest(row, robot, lambda _: "", query, clear, begun))
 
-    def command(self, row: int, robot: Robot, command: Command, *, value: bool) -> None:
-        """Queue a command that is not a motion."""
-        self._put(QueuedRequest(row, robot, lambda robot: robot.command(command, value=value).message))
-
-    def lease(self, row: int, robot: Robot, action: LeaseAction) -> None:
-        """Queue a lease query."""
-        self._put(QueuedRequest(row, robot, lambda robot: lease.ask(robot, action).message))
-
-    def make_ready(self, row: int, robot: Robot) -> None:
-        """Queue a call of `Robot.make_ready`."""
-
-        def do(robot: Robot) -> str:
-            robot.make_ready()
-            return "Motors on, home declared."
-
+    def ask(self, row: int, robot: Robot, do: Callable[[Robot], str]) -> None:
+        """Queue a request that is not a motion: `do` sends it and returns the robot's message."""
         self._put(QueuedRequest(row, robot, do))
 
     def stop(self) -> None:
