@@ -7,22 +7,25 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from typing import Final
 
 from beatrix_zenoh import threads
 
+THREADS: Final = 4
+"""Threads that a link needs without a press: for cameras, levels and the clocks of two robots."""
 Job = Callable[[], None]
 
 
 class Jobs:
     """Runs the jobs of one queue one after the other, and those of several queues at the same time.
 
-    A queue exists while it has jobs, and there are as many threads as there were ever queues at the same time. The
-    threads are daemons, unlike those of `concurrent.futures`: a request without an answer does not keep the process of
+    A queue exists while it has jobs, and there are as many threads as there were ever queues at the same time, at least
+    THREADS. The threads are daemons, unlike those of `concurrent.futures`: a request without an answer does not keep the process of
     a closed window.
     """
 
     def __init__(self, name: str) -> None:
-        """Start no thread yet; `name` is the beginning of the names of the threads."""
+        """Start THREADS threads; `name` is the beginning of their names."""
         self._name = name
         self._lock = threading.Lock()
         self._queues: dict[str, deque[Job]] = {}
@@ -31,6 +34,8 @@ class Jobs:
         """queues that wait for a thread; None ends a thread"""
         self._threads: list[threading.Thread] = []
         self._closed = False
+        for _ in range(THREADS):
+            self._start()
 
     def put(self, name: str, job: Job) -> None:
         """Add a job to the queue of this name; returns at once, and does nothing after `close`."""
@@ -42,8 +47,11 @@ class Jobs:
                 return
             self._queues[name] = deque([job])
             if len(self._queues) > len(self._threads):
-                self._threads.append(threads.start(self._serve, f"{self._name}-{len(self._threads) + 1}"))
+                self._start()
         self._ready.put(name)  # without the lock, which the thread takes at once
+
+    def _start(self) -> None:
+        self._threads.append(threads.start(self._serve, f"{self._name}-{len(self._threads) + 1}"))
 
     def _serve(self) -> None:
         while (name := self._ready.get()) is not None:
