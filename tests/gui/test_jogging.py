@@ -10,6 +10,7 @@ from typing import Any, cast
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted
+from gui.console.link.jobs import Jobs
 from gui.console.link.jogging import Jogging, Press
 from gui.console.state.actions import Outcome
 
@@ -44,7 +45,8 @@ def test_the_late_end_of_a_motion_does_not_end_a_press_that_has_begun_since() ->
         return made
 
     robot = cast("Any", SimpleNamespace(side="hw", begin=begin))
-    jogging = Jogging(outcomes.put)
+    jobs = Jobs("tested")
+    jogging = Jogging(jobs, outcomes.put)
     first, second = (Press(number, "yaw", 1, 20.0, (robot,), row=number) for number in (1, 2))
     try:
         jogging.hold(first)
@@ -60,5 +62,5 @@ def test_the_late_end_of_a_motion_does_not_end_a_press_that_has_begun_since() ->
         last.end(Interrupted(Reason.STOPPED))
         assert (jogging.held(2), jogging.over) == (None, 2)
     finally:
-        jogging.close()
-        jogging.join(time.monotonic() + WAIT_S)
+        jobs.close()
+        jobs.join(time.monotonic() + WAIT_S)

@@ -14,7 +14,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.output import exit_code
 from beatrix_zenoh.processes import POLL_S, READY_S, Child, Supervisor, in_words, start_router
-from gui.console.link.worker import Worker
+from gui.console.link.jobs import Jobs
 from gui.console.state.world import RecordingProgress, Trouble
 
 FOLDER = "recordings"
@@ -32,13 +32,12 @@ ENDED = {
 """Texts by the first word of a child's title."""
 
 
-class Children(Worker):
-    """Starts child processes on a thread of its own; methods except `join` return at once."""
+class Children:
+    """Starts child processes one after the other; methods except `end_all` return at once."""
 
-    def __init__(self, started: Callable[[], None]) -> None:
-        """Start the thread but no process; `started` is called when the router runs."""
-        super().__init__("window-children")
-        self._started = started
+    def __init__(self, jobs: Jobs, started: Callable[[], None]) -> None:
+        """Start no process yet; `started` is called when the router runs."""
+        self._jobs, self._started = jobs, started
         self._serving: Supervisor | None = None
         """Router, simulation and hardware."""
         self._viewers: Supervisor | None = None
@@ -88,7 +87,7 @@ class Children(Worker):
             finally:
                 self._starting.discard(title)
 
-        self.put(start)
+        self._jobs.put("children", start)
 
     def _serve(self, endpoint: str, title: str, *words: str) -> Child:
         """Start router and node and wait until they serve; raises Refused, NoAnswer or OSError."""
@@ -110,7 +109,7 @@ class Children(Worker):
     def view(self, file: Path) -> None:
         """Start a new viewer process that shows a recording."""
         self._trouble = None
-        self.put(lambda: self._view(file))
+        self._jobs.put("children", lambda: self._view(file))
 
     def _view(self, file: Path) -> None:
         try:
@@ -120,19 +119,18 @@ class Children(Worker):
         except (BeatrixError, OSError) as error:
             self._trouble = not_started(error)
 
-    def join(self, deadline_s: float) -> None:
-        """End all children and the thread by `deadline_s` (monotonic clock, s)."""
+    def end_all(self, deadline_s: float) -> None:
+        """End all children by `deadline_s` (monotonic clock, s)."""
         for processes in (self._viewers, self._serving):
             if processes is not None:
                 processes.end_all(deadline_s)
-        super().join(deadline_s)
 
 
-class Recordings(Worker):
-    """Runs one recorder at a time, on a thread of its own; methods except `join` return at once."""
+class Recordings:
+    """Runs one recorder at a time; methods except `end_all` return at once."""
 
-    def __init__(self) -> None:
-        super().__init__("window-recorder")
+    def __init__(self, jobs: Jobs) -> None:
+        self._jobs = jobs
         self._lock = threading.Lock()
         self._file: Path | None = None
         self._processes: Supervisor | None = None
@@ -169,7 +167,7 @@ class Recordings(Worker):
             self._trouble, self._ending = None, False
             stamp = f"{datetime.now().astimezone():%Y-%m-%d-%H%M%S}"
             file = self._file = folder() / f"{robot}-{stamp}.rrd"
-        self.put(lambda: self._begin(file, robot, endpoint))
+        self._jobs.put("recorder", lambda: self._begin(file, robot, endpoint))
 
     def _begin(self, file: Path, robot: str, endpoint: str) -> None:
         words = ("record", str(file), "--name", robot, "--connect", endpoint)
@@ -184,7 +182,7 @@ class Recordings(Worker):
     def end(self) -> None:
         """End the recording; its file is complete once `progress` reports that it no longer runs."""
         self._ending = True
-        self.put(self._end)
+        self._jobs.put("recorder", self._end)
 
     def _end(self) -> None:
         child = self._child
@@ -206,11 +204,10 @@ class Recordings(Worker):
                 if child is not None and processes is not None and child.code not in accepted:
                     self._trouble = ended(processes)
 
-    def join(self, deadline_s: float) -> None:
+    def end_all(self, deadline_s: float) -> None:
         """End the recording; wait for its end until `deadline_s` (monotonic clock, s) at the latest."""
         if self._processes is not None:
             self._processes.end_all(deadline_s)
-        super().join(deadline_s)
 
 
 def ended(processes: Supervisor) -> Trouble | None:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import contextlib
 import shutil
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
 from typing import Final
@@ -18,18 +17,16 @@ from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetRep
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from beatrix_zenoh.settings import Settings
-from gui.console.link.newest import Newest
-from gui.console.link.outcomes import WindowError, accepted, closed, done, failed
-from gui.console.link.worker import Worker
-from gui.console.state.actions import CopyProgram, FollowFace, Outcome
+from gui.console.link.jobs import Jobs
+from gui.console.link.outcomes import WindowError, accepted, done, failed
+from gui.console.link.programs import Program, Report
+from gui.console.state.actions import CopyProgram, FollowFace
 from gui.console.state.world import FaceProgress
 
 NAME: Final = "follow_the_face.py"
 SHIPPED: Final = Path(str(resources.files("beatrix_zenoh"))) / "examples" / NAME
 END_S = 1.0
 """Time (s) in which the program ends itself; after it the program is killed."""
-WAIT_S = 2.0
-"""Longest time (s) that a newer motion waits for the end of the program."""
 
 STILL_S = 0.3
 """Time (s) after which a person at the same place stands still."""
@@ -43,63 +40,26 @@ class Failure(msgspec.Struct, frozen=True):
     detail: Detail | None = None
 
 
-@dataclass(eq=False)
-class FaceJob:
-    """One run of the program, from the request to its end."""
+class FaceProgram:
+    """The files of the program, and the last line that it has printed."""
 
-    action: FollowFace
-    settings: Settings
-    ending: BeatrixError | None = None
-    """why the program must end; None: it may go on"""
-    unwanted: bool = False
-    """whether the user has ended it with the button"""
-
-    @property
-    def ends(self) -> bool:
-        """Whether the program must end."""
-        return self.unwanted or self.ending is not None
-
-
-class FaceProgram(Worker):
-    """Runs the program; methods except `wait_ended` and `join` return at once."""
-
-    def __init__(self, report: Callable[[Outcome], None]) -> None:
-        super().__init__("window-face")
-        self._report = report
-        self._newest: Newest[FaceJob] = Newest()
+    def __init__(self, jobs: Jobs, report: Report) -> None:
+        self._jobs, self._report = jobs, report
         self._own = Path.home() / "beatrix-programs" / NAME
-        self._file = self._chosen()
-        self._line = ""
+        self.file = self.chosen()
+        self.line = ""
 
-    def progress(self) -> FaceProgress:
+    def progress(self, *, running: bool) -> FaceProgress:
         """Return whether the program runs, its files, and its last line."""
-        return FaceProgress(self._newest.job is not None, self._file, self._own, self._line)
+        return FaceProgress(running, self.file, self._own, self.line)
 
-    def begin(self, action: FollowFace, settings: Settings, clear: Callable[[], None]) -> None:
-        """Start the program for the robot of the settings; `clear` ends other motions, on the program's thread."""
-        job = FaceJob(action, settings)
-        self._newest.begin(job)
-        self.put(lambda: self._run(job, clear))
-
-    def end(self, why: BeatrixError | None) -> None:
-        """End the program for a reason; None: the user has ended it."""
-        job = self._newest.job
-        if job is not None and not job.ends:
-            job.ending, job.unwanted = why, why is None
-
-    def wait_ended(self) -> bool:
-        """Wait for the end of the program; return False after `WAIT_S`."""
-        return self._newest.wait_ended(WAIT_S)
-
-    def copy(self, action: CopyProgram) -> None:
-        """Copy the shipped program to the file of the action, unless it exists."""
-        self.put(lambda: self._copy(action))
-
-    def _chosen(self) -> Path:
+    def chosen(self) -> Path:
         """Return the user's copy if there is one, otherwise the shipped program."""
         return self._own if self._own.is_file() else SHIPPED
 
-    # -- the program's thread -----------------------------------------------------------------------
+    def copy(self, action: CopyProgram) -> None:
+        """Copy the shipped program to the file of the action, unless it exists; returns at once."""
+        self._jobs.put("files", lambda: self._copy(action))
 
     def _copy(self, action: CopyProgram) -> None:
         try:
@@ -110,28 +70,35 @@ class FaceProgram(Worker):
             error = WindowError(Reason.BAD_VALUE, "result.no_write", file=str(action.file))
             self._report(failed(action.row, "", error))
         else:
-            self._file = action.file
+            self.file = action.file
             self._report(done(action.row, "", f"{action.file}: copied."))
 
-    def _run(self, job: FaceJob, clear: Callable[[], None]) -> None:
-        row, began_s, self._line = job.action.row, time.monotonic(), ""
-        self._file = self._chosen()
-        try:
-            clear()
-            self._perform(job)
-            outcome = done(row, "", "Ended.", time.monotonic() - began_s)
-        except BeatrixError as error:
-            outcome = failed(row, "", error)
-        except OSError as error:
-            self._line = str(error)
-            outcome = failed(row, "", program_failed())
-        finally:
-            self._newest.finish(job)
-        self._report(outcome)
 
-    def _perform(self, job: FaceJob) -> None:
+class Following(Program):
+    """One run of the program."""
+
+    QUEUE, WAIT_S = "face", 2.0
+
+    def __init__(self, action: FollowFace, settings: Settings, face: FaceProgram) -> None:
+        """Store the arguments; the program is run for the robot of the settings."""
+        super().__init__(action.row, "")
+        self._sides, self._settings, self._face = action.sides, settings, face
+
+    def perform(self, report: Report) -> str:
         """Run the program until its end; raises the reason why it must end, or its failure."""
-        settings = job.settings
+        face = self._face
+        face.file, face.line = face.chosen(), ""
+        with walking(self._settings) if self._sides[0] == "sim" else contextlib.nullcontext():
+            try:
+                self._follow(report)
+            except OSError as error:
+                face.line = str(error)
+                raise program_failed() from error
+        self.check()
+        return "Ended."
+
+    def _follow(self, report: Report) -> None:
+        settings = self._settings
         environment = {
             "BEATRIX_ROBOT": settings.robot,
             "BEATRIX_CONNECT": settings.connect,
@@ -140,34 +107,26 @@ class FaceProgram(Worker):
             "PYTHONIOENCODING": "utf-8",
         }
         children = Supervisor(environment)
-        with walking(settings) if job.action.sides[0] == "sim" else contextlib.nullcontext():
-            try:
-                if not job.ends:
-                    child = children.start("program", "--program", str(self._file), *job.action.sides)
-                    self._report(accepted(job.action.row, "", "Started.", 0.0))
-                    self._watch(job, child)
-            finally:
-                children.end()
-        if job.ending is not None:
-            raise job.ending
+        try:
+            if not self.ends:
+                child = children.start("program", "--program", str(self._face.file), *self._sides)
+                report(accepted(self.row, "", "Started.", 0.0))
+                self._watch(child)
+        finally:
+            children.end()
 
-    def _watch(self, job: FaceJob, child: Child) -> None:
-        while child.code is None and not job.ends:
+    def _watch(self, child: Child) -> None:
+        while child.code is None and not self.ends:
             time.sleep(POLL_S)
-        if job.ends:
+        if self.ends:
             child.end(END_S)
             return
         lines = [line for line in child.lines() if line.strip()]
-        self._line = lines[-1] if lines else ""
+        line = self._face.line = lines[-1] if lines else ""
         if child.code:
-            error = failure(self._line)
-            self._line = self._line if isinstance(error, WindowError) else error.message
+            error = failure(line)
+            self._face.line = line if isinstance(error, WindowError) else error.message
             raise error
-
-    def close(self) -> None:
-        """End the program and the thread; returns at once."""
-        self.end(closed())
-        super().close()
 
 
 @contextlib.contextmanager

@@ -10,7 +10,6 @@ from beatrix_zenoh.contract._generated.messages import LeaseQuery
 from beatrix_zenoh.contract.errors import BeatrixError
 from gui.console.link.connection import Session
 from gui.console.link.outcomes import of_several
-from gui.console.link.worker import Worker
 from gui.console.state.actions import Govern, Outcome
 
 PERIOD_S = 0.2
@@ -40,21 +39,11 @@ class ClassStates:
         return self._states
 
 
-class Governing(Worker):
-    """Sends lease queries to several robots at the same time, on a thread of its own."""
-
-    def __init__(self, report: Callable[[Outcome], None]) -> None:
-        super().__init__("window-class")
-        self._report = report
-
-    def send(self, action: Govern, session: Session) -> None:
-        """Queue a request; returns at once."""
-        self.put(lambda: self._send(action, session))
-
-    def _send(self, action: Govern, session: Session) -> None:
-        places = action.places or tuple(sorted(session.monitor.present()))
-        query = LeaseQuery(action=action.action, speed=action.speed, seat=action.seat)
-        results = dict(govern(session.client, places, query))
-        later = {} if action.places else pending(session.client, query)
-        failed = {place: found for place, found in results.items() if isinstance(found, BeatrixError)}
-        self._report(of_several(action.row, len(results) or len(later), failed))
+def send_govern(action: Govern, session: Session, report: Callable[[Outcome], None]) -> None:
+    """Send a lease query to several robots at the same time; report one outcome when they have answered."""
+    places = action.places or tuple(sorted(session.monitor.present()))
+    query = LeaseQuery(action=action.action, speed=action.speed, seat=action.seat)
+    results = dict(govern(session.client, places, query))
+    later = {} if action.places else pending(session.client, query)
+    failed = {place: found for place, found in results.items() if isinstance(found, BeatrixError)}
+    report(of_several(action.row, len(results) or len(later), failed))

@@ -12,8 +12,8 @@ from beatrix_zenoh.client import Motion, Robot
 from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import accepted, done, failed
-from gui.console.link.worker import Worker
 from gui.console.state.actions import Outcome
 from gui.console.state.holding import AHEAD_S, jog_query
 
@@ -42,12 +42,11 @@ class Press:
         return jog_query(self.part, self.sign, self.speed, ahead_s)
 
 
-class Jogging(Worker):
-    """Sends the goals of held buttons on a thread of its own; the newest goal replaces one that waits."""
+class Jogging:
+    """Sends the goals of held buttons in a queue of their own; the newest goal replaces one that waits."""
 
-    def __init__(self, report: Callable[[Outcome], None]) -> None:
-        super().__init__("window-jog")
-        self._report = report
+    def __init__(self, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
+        self._jobs, self._report = jobs, report
         self._lock = threading.Lock()
         self._press: Press | None = None
         self._goal: tuple[Press, float] | None = None
@@ -85,7 +84,7 @@ class Jogging(Worker):
     def _put(self, held: Press | None, press: Press, ahead_s: float) -> None:
         with self._lock:
             self._press, self._goal = held, (press, ahead_s)
-        self.put(self._step)
+        self._jobs.put("jog", self._step)
 
     def end(self, *, stopped: bool = False) -> None:
         """End the press without a last goal; `stopped`: STOP was sent, also to a goal that is being sent."""
@@ -106,7 +105,7 @@ class Jogging(Worker):
         if press is not None and self._press is press:
             self.over, self._press = max(self.over, press.number), None
 
-    # -- the thread ---------------------------------------------------------------------------------
+    # -- one after the other -----------------------------------------------------------------------
 
     def _step(self) -> None:
         with self._lock:
@@ -150,8 +149,3 @@ class Jogging(Worker):
             self._report(failed(press.row, side, error))
         elif error is None and newest and press.number <= self.over:
             self._report(done(press.row, side, motion.result(0.0).message, time.monotonic() - began_s))
-
-    def close(self) -> None:
-        """End the press and the thread; returns at once."""
-        self.end(stopped=True)
-        super().close()

@@ -2,61 +2,49 @@
 
 from __future__ import annotations
 
-import threading
+import math
 import time
-from collections.abc import Callable
 from typing import Final
 
-from beatrix_zenoh import threads
 from beatrix_zenoh.client import BeatrixError
 from beatrix_zenoh.client.lesson_reports import Row, read
 from gui.console.link.connection import Session
+from gui.console.link.jobs import Jobs
 
 PERIOD_S: Final = 5.0
 
 
 class LessonReports:
-    """Reads the reports on a thread that runs only while they are watched; `watch` is called in one thread only."""
+    """Reads the reports while they are watched; the methods are called in one thread only."""
 
-    def __init__(self, session: Callable[[], Session | None]) -> None:
-        """Store the argument: `session` returns the present session, or None."""
-        self._session = session
-        self._end = threading.Event()
-        self._thread: threading.Thread | None = None
+    def __init__(self, jobs: Jobs) -> None:
+        self._jobs = jobs
+        self._watches = 0
+        """number of calls of `watch`: a read that began before the last one is ignored"""
+        self._due_s = math.inf
+        """when to read again (monotonic clock, s); infinite while a read is under way, or nothing is watched"""
         self.rows: tuple[Row, ...] | None = None
         """the newest reports by seat and lesson; None: none were read yet"""
         self.failed = False
         """whether the last read failed, so that `rows` may be old"""
 
     def watch(self, *, on: bool) -> None:
-        """Begin or end reading; returns at once."""
-        self._end.set()
+        """Begin or end reading."""
+        self._watches += 1
+        self._due_s = 0.0 if on else math.inf
         self.rows, self.failed = None, False
-        if on:
-            end = self._end = threading.Event()
-            self._thread = threads.start(lambda: self._run(end), "window-lessons")
 
-    def _run(self, end: threading.Event) -> None:
-        while not end.is_set():
-            session = self._session()
-            if session is not None:
-                self._read(session, end)
-            end.wait(PERIOD_S if session is not None else PERIOD_S / 10)
+    def look(self, session: Session | None, now_s: float) -> None:
+        """Read the reports again if it is time; returns at once."""
+        if session is not None and now_s >= self._due_s:
+            self._due_s, watches = math.inf, self._watches
+            self._jobs.put("lessons", lambda: self._read(session, watches))
 
-    def _read(self, session: Session, end: threading.Event) -> None:
+    def _read(self, session: Session, watches: int) -> None:
         try:
             rows = tuple(read(session.client))
         except BeatrixError:
-            self.failed = not end.is_set()
-        else:
-            if not end.is_set():
-                self.rows, self.failed = rows, False
-
-    def close(self) -> None:
-        """End reading; returns at once."""
-        self._end.set()
-
-    def join(self, deadline_s: float) -> None:
-        """Wait for the end of the thread until `deadline_s` (monotonic clock, s)."""
-        if self._thread is not None:
-            self._thread.join(max(0.0, deadline_s - time.monotonic()))
+            rows = None
+        if watches == self._watches:
+            self.rows, self.failed = self.rows if rows is None else rows, rows is None
+            self._due_s = time.monotonic() + PERIOD_S

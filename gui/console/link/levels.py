@@ -9,6 +9,7 @@ from typing import Final
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.sound import Microphones, Sound
+from gui.console.link.jobs import Jobs
 from gui.console.link.pictures import MediaStream, Watcher
 
 SHOWN: Final = 5
@@ -49,9 +50,9 @@ class LevelStream(MediaStream[Sound]):
 class Levels(Watcher[str, LevelStream]):
     """Subscribes to the microphones of wanted sides of the selected robot."""
 
-    def __init__(self) -> None:
-        """Start the thread without subscriptions."""
-        super().__init__("window-levels", lambda client, robot, side: LevelStream(client, (robot, side)))
+    def __init__(self, jobs: Jobs) -> None:
+        """Subscribe to nothing yet."""
+        super().__init__("levels", jobs, lambda client, robot, side: LevelStream(client, (robot, side)))
 
     @property
     def newest(self) -> dict[str, Level]:

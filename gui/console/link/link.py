@@ -6,10 +6,8 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Never
 
-from beatrix_zenoh import threads
 from beatrix_zenoh.client.stopping import StopSender
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
@@ -18,7 +16,8 @@ from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
 from gui.console.link.children import HARDWARE, SIMULATION, Children, Recordings
 from gui.console.link.connection import Connection, Session
-from gui.console.link.governing import ClassStates, Governing
+from gui.console.link.governing import ClassStates, send_govern
+from gui.console.link.jobs import Jobs
 from gui.console.link.jogging import Jogging, Press
 from gui.console.link.lesson_reports import LessonReports
 from gui.console.link.levels import Levels
@@ -29,7 +28,6 @@ from gui.console.link.ports import Ports
 from gui.console.link.probe import Probe
 from gui.console.link.routers import Routers, own_account
 from gui.console.link.stopping import send_stop
-from gui.console.link.worker import LinkPart, Worker
 from gui.console.state.actions import (
     Abort,
     Action,
@@ -95,21 +93,19 @@ class Link:
         """
         self._on_outcome, self._caller = on_outcome, threading.get_ident()
         self._default_seat = names.default_seat()
-        self._outcomes = Worker("window-outcomes")
-        report = self._report
-        self._cameras, self._levels = cameras(on_image), Levels()
+        jobs, report = Jobs("window"), self._report
+        self._jobs = jobs
+        self._cameras, self._levels = cameras(jobs, on_image), Levels(jobs)
         self._connection = Connection(
             settings, self._follow, name_given=name_given, source=source, shared=shared
         )
-        self._moving, self.jogging = Moving(report), Jogging(report)
+        self._moving, self.jogging = Moving(jobs, report), Jogging(jobs, report)
         self._stop_sender = StopSender("window")
-        self._governing, self._class = Governing(report), ClassStates()
-        self._lessons = LessonReports(lambda: self._connection.session)
-        self._probes = {side: Probe(side, lambda: self._connection.session) for side in SIDES}
-        self._children = Children(self._connection.try_now)
-        self._recordings, self._ports = Recordings(), Ports()
-        self._routers = Routers(self._connection, self._leave)
-        self._files = Worker("window-files")
+        self._class, self._lessons = ClassStates(), LessonReports(jobs)
+        self._probes = {side: Probe(side, jobs) for side in SIDES}
+        self._children = Children(jobs, self._connection.try_now)
+        self._recordings, self._ports = Recordings(jobs), Ports(jobs)
+        self._routers = Routers(jobs, self._connection, self._leave)
         self._table = self._carrying_out()
 
     def start(self) -> None:
@@ -128,11 +124,14 @@ class Link:
 
     def world(self, robot: str = "") -> World:
         """Return the present world, by default of the selected robot; call it in one thread only, for a window Qt's."""
-        connection = self._connection
+        connection, moving, play = self._connection, self._moving, self._moving.play
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
         robot = robot or connection.robot
         sim, hw = connection.states(robot)
         session, now_s = connection.session, time.monotonic()
+        for probe in self._probes.values():
+            probe.look(session, now_s)
+        self._lessons.look(session, now_s)
         settings = connection.settings
         account = settings.account
         default_seat = self._default_seat if account is None else account.name
@@ -148,7 +147,7 @@ class Link:
             names=connection.names(),
             trouble=connection.trouble,
             latency_s=latency_s,
-            plan=self._moving.plans.progress(),
+            plan=moving.plans.progress(),
             recording=self._recordings.progress(),
             starting=self._children.starts(SIMULATION),
             own_simulation=self._children.runs(SIMULATION),
@@ -159,9 +158,9 @@ class Link:
             account=None if account is None else own_account(account),
             choosing=self._routers.busy,
             router_trouble=self._routers.trouble,
-            playing=self._moving.playing.title,
-            playing_pose=self._moving.playing.pose,
-            face=self._moving.face.progress(),
+            playing="" if play is None else play.title,
+            playing_pose=-1 if play is None else play.pose,
+            face=moving.face.progress(running=moving.following is not None),
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
@@ -205,9 +204,9 @@ class Link:
             ),
             UseRouter: self._routers.choose,
             UseAccount: self._routers.choose,
-            EndFollowing: lambda _: moving.face.end(None),
+            EndFollowing: lambda _: moving.end_following(),
             CopyProgram: moving.face.copy,
-            WriteFile: lambda action: self._files.put(lambda: self._write(action)),
+            WriteFile: lambda action: self._jobs.put("files", lambda: self._write(action)),
         }
 
     def _watch_class(self, action: WatchClass) -> None:
@@ -244,33 +243,29 @@ class Link:
     def _report(self, outcome: Outcome) -> None:
         """Report an outcome on a thread of the link, never on the caller's thread within `do`."""
         if threading.get_ident() == self._caller:
-            self._outcomes.put(lambda: self._on_outcome(outcome))
+            self._jobs.put("outcomes", lambda: self._on_outcome(outcome))
         else:
             self._on_outcome(outcome)
 
     def _govern(self, action: Govern) -> None:
-        session = self._connection.session
-        if session is None:
-            self._report(self._no_session(action.row))
-        else:
-            self._governing.send(action, session)
+        session = self._online(action.row)
+        if session is not None:
+            self._jobs.put("class", lambda: send_govern(action, session, self._report))
 
     def _request(self, action: Request) -> None:
         """Carry out an action that robots answer."""
-        session = self._connection.session
-        if session is None:
-            self._report(self._no_session(action.row))
-        else:
+        session = self._online(action.row)
+        if session is not None:
             self.jogging.end()
             settings = replace(self._connection.settings, robot=session.twin.name)
             self._moving.request(action, session.twin, settings)
 
     def _hold(self, action: Hold) -> None:
         """Begin or continue a hold; ignore the heartbeats of one that has ended."""
-        press, session = self.jogging.held(action.row), self._connection.session
+        press = self.jogging.held(action.row)
         if press is None and self.jogging.is_new(action.row):
+            session = self._online(action.row)
             if session is None:
-                self._report(self._no_session(action.row))
                 return
             self.make_way()
             robots = robots_of(session.twin, action.sides)
@@ -285,21 +280,24 @@ class Link:
     # -- STOP ---------------------------------------------------------------------------------------
 
     def _stop(self, action: SendStop) -> None:
-        session = self._connection.session
-        if session is None:
-            self._report(self._no_session(action.row))
-        else:
+        session = self._online(action.row)
+        if session is not None:
             send_stop(self._stop_sender, session, action, self._report)
         self.drop()  # in this thread, so that requests made after STOP are not dropped
 
-    def _no_session(self, row: int) -> Outcome:
+    def _online(self, row: int) -> Session | None:
+        """Return the session; without one report why a request failed."""
+        session = self._connection.session
+        if session is not None:
+            return session
         trouble = (
             self._connection.trouble
             or f"The window is looking for the router at {self._connection.settings.connect}."
         )
         refused = self._connection.phase is LinkPhase.REFUSED
         reason = Reason.ACCOUNT_REFUSED if refused else Reason.NO_ROUTER
-        return failed(row, "", NoAnswer(reason, trouble))
+        self._report(failed(row, "", NoAnswer(reason, trouble)))
+        return None
 
     def drop(self) -> None:
         """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
@@ -311,29 +309,13 @@ class Link:
     def close(self) -> None:
         """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
         deadline_s = time.monotonic() + CLOSE_S
-        parts: tuple[LinkPart, ...] = (
-            self.jogging,
-            *self._moving.parts,
-            *self._probes.values(),
-            self._stop_sender,
-            self._governing,
-            self._lessons,
-            self._cameras,
-            self._levels,
-            self._recordings,
-            self._ports,
-            self._routers,
-            self._children,
-            self._files,
-        )
-        for part in parts:
+        self.jogging.end(stopped=True)
+        for part in (self._moving, self._stop_sender, self._cameras, self._levels, self._ports):
             part.close()
-        # In parallel, because each part may need all of the time, for example while a recorder completes its file.
-        ends: list[Callable[[], None]] = [partial(part.join, deadline_s) for part in parts]
-        ends.append(self._connection.close)
-        ending = [threads.start(end, "window-end") for end in ends]
-        for thread in ending:
-            thread.join(max(0.0, deadline_s - time.monotonic()))
-        self._connection.join(deadline_s)
-        self._outcomes.close()
-        self._outcomes.join(deadline_s)
+        # In parallel, because each may need all of the time, for example while a recorder completes its file.
+        self._jobs.put("recorder-end", lambda: self._recordings.end_all(deadline_s))
+        self._jobs.put("children-end", lambda: self._children.end_all(deadline_s))
+        self._jobs.put("connection-end", self._connection.close)
+        self._jobs.close()
+        for threads in (self._stop_sender, self._connection, self._jobs):
+            threads.join(deadline_s)

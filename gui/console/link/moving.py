@@ -7,17 +7,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from beatrix_zenoh.client import lease
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
-from gui.console.link.face_program import FaceProgram
-from gui.console.link.outcomes import WindowError, deselected, failed, replaced, stopped
+from gui.console.link.face_program import FaceProgram, Following
+from gui.console.link.jobs import Jobs
+from gui.console.link.outcomes import WindowError, closed, deselected, failed, replaced, stopped
 from gui.console.link.plans import Plans
 from gui.console.link.playing import Playing
+from gui.console.link.programs import Programs
 from gui.console.link.request_queue import RequestQueue
-from gui.console.link.worker import LinkPart
 from gui.console.state import actions
 from gui.console.state.actions import Outcome
 
@@ -35,22 +38,35 @@ Request = (
 class Moving:
     """Carries out requests for one robot or both; no method waits for a robot."""
 
-    def __init__(self, report: Callable[[Outcome], None]) -> None:
-        """Start the threads; `report` is called with the outcomes of requests."""
+    def __init__(self, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
+        """Store the arguments; `report` is called with the outcomes of requests."""
         self._report = report
-        self._queues = {side: RequestQueue(side, report) for side in SIDES}
-        self.plans, self.playing, self.face = Plans(report), Playing(report), FaceProgram(report)
-
-    @property
-    def parts(self) -> tuple[LinkPart, ...]:
-        """What has threads, in the order in which the link closes it."""
-        return self.playing, self.face, self.plans, *self._queues.values()
+        self._queues = {side: RequestQueue(side, jobs, report) for side in SIDES}
+        self.plans, self.face = Plans(jobs, report), FaceProgram(jobs, report)
+        self._programs = Programs(jobs, report, lambda: self.plans.drop_leading(replaced()))
 
     @property
     def busy(self) -> bool:
         """Whether robots move, or are about to move, for the link."""
-        programs = bool(self.playing.title) or self.face.progress().running
-        return programs or self.plans.progress() is not None or any(q.busy for q in self._queues.values())
+        both = self._programs.newest is not None or self.plans.progress() is not None
+        return both or any(queue.busy for queue in self._queues.values())
+
+    @property
+    def play(self) -> Playing | None:
+        """The present play."""
+        program = self._programs.newest
+        return program if isinstance(program, Playing) else None
+
+    @property
+    def following(self) -> Following | None:
+        """The present run of the program that follows a face."""
+        program = self._programs.newest
+        return program if isinstance(program, Following) else None
+
+    def end_following(self) -> None:
+        """End the program that follows a face, because the user wants it."""
+        if (program := self.following) is not None:
+            program.end(None)
 
     def request(self, action: Request, twin: Twin, settings: Settings) -> None:
         """Carry out an action; programs get the robot, the router and the seat of the settings."""
@@ -64,21 +80,20 @@ class Moving:
                 self._send(action, twin, robots)
             case actions.Play():
                 self._clear(robots)
-                self.playing.begin(action, twin if len(robots) > 1 else robots[0], self._cleared_for_play)
+                self._programs.begin(Playing(action, twin if len(robots) > 1 else robots[0]))
             case actions.FollowFace():
                 self._clear(robots)
-                self.face.begin(action, settings, self._cleared_for_program)
+                self._programs.begin(Following(action, settings, self.face))
             case actions.SendCommand(row=row, command=command, value=value):
-                for robot in robots:
-                    self._queues[robot.side].command(row, robot, command, value=value)
+                self._ask(row, robots, lambda robot: robot.command(command, value=value).message)
             case actions.AskLease(row=row, action=asked):
-                self._queues[robots[0].side].lease(row, robots[0], asked)
+                self._ask(row, robots, lambda robot: lease.ask(robot, asked).message)
             case actions.MakeReady(row=row):
-                self._queues[robots[0].side].make_ready(row, robots[0])
+                self._ask(row, robots, _make_ready)
 
     def make_way(self) -> None:
         """End what must not run beside a motion that the face itself sends."""
-        self._end_programs()
+        self._programs.end(replaced())
         self.plans.drop_trying(replaced())
         self.plans.drop_leading(replaced())
         for queue in self._queues.values():
@@ -86,26 +101,32 @@ class Moving:
 
     def drop(self) -> None:
         """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
-        self.plans.drop(stopped())
-        self.playing.end(stopped())
-        self.face.end(stopped())
+        self._end(stopped())
         for queue in self._queues.values():
             queue.stop()
 
     def deselect(self) -> None:
         """End all motions, because the user selects another robot."""
-        self.plans.drop(deselected())
-        self.playing.end(deselected())
-        self.face.end(deselected())
+        self._end(deselected())
         for queue in self._queues.values():
             queue.release()
 
+    def close(self) -> None:
+        """End all motions and drop waiting requests, because the link closes."""
+        self._end(closed())
+        for queue in self._queues.values():
+            queue.close()
+
+    def _end(self, why: BeatrixError) -> None:
+        self.plans.drop(why)
+        self._programs.end(why)
+
     def _send(self, action: actions.Send, twin: Twin, robots: tuple[Robot, ...]) -> None:
-        self._end_programs()
+        self._programs.end(replaced())
         if len(robots) > 1:
             for queue in self._queues.values():
                 queue.replace()
-            self.plans.send(action.row, twin, action.query, action.lead_s, self._wait_for_programs)
+            self.plans.send(action.row, twin, action.query, action.lead_s, self._programs.wait_ended)
             return
         self.plans.drop_trying(replaced())
         for robot in robots:
@@ -113,34 +134,24 @@ class Moving:
                 action.row,
                 robot,
                 action.query,
-                self._wait_for_programs,
+                self._programs.wait_ended,
                 lambda: self.plans.drop_leading(replaced()),
             )
+
+    def _ask(self, row: int, robots: tuple[Robot, ...], do: Callable[[Robot], str]) -> None:
+        for robot in robots:
+            self._queues[robot.side].ask(row, robot, do)
 
     def _clear(self, robots: tuple[Robot, ...]) -> None:
         """End what a play or a program of these robots replaces."""
         for robot in robots:
             self._queues[robot.side].replace()
         self.plans.drop_trying(replaced())
-        self._end_programs()
 
-    def _end_programs(self) -> None:
-        self.playing.end(replaced())
-        self.face.end(replaced())
 
-    def _wait_for_programs(self) -> None:
-        self.playing.wait_ended()
-        self.face.wait_ended()
-
-    def _cleared_for_play(self) -> None:
-        """Wait on the thread of a play until no program moves the robots."""
-        self.face.wait_ended()
-        self.plans.drop_leading(replaced())
-
-    def _cleared_for_program(self) -> None:
-        """Wait on the thread of a program until no play moves the robots."""
-        self.playing.wait_ended()
-        self.plans.drop_leading(replaced())
+def _make_ready(robot: Robot) -> str:
+    robot.make_ready()
+    return "Motors on, home declared."
 
 
 def robots_of(twin: Twin, sides: tuple[str, ...]) -> tuple[Robot, ...]:

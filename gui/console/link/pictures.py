@@ -14,7 +14,7 @@ from beatrix_zenoh.client.subscription import Subscription, images
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 from gui.console.link.connection import Session
-from gui.console.link.worker import Worker
+from gui.console.link.jobs import Jobs
 
 OnImage = Callable[[str, CameraImage], None]
 """Twin and picture."""
@@ -135,13 +135,12 @@ class Streams(Generic[Key, Stream]):
             stream.join(deadline_s - time.monotonic())
 
 
-class Watcher(Worker, Generic[Key, Stream]):
+class Watcher(Generic[Key, Stream]):
     """Subscribes to wanted streams when there is a session, and again when another robot is selected."""
 
-    def __init__(self, name: str, begin: Callable[[Client, str, Key], Stream]) -> None:
-        """Start the thread without subscriptions; `begin` starts a stream of the robot of a name."""
-        super().__init__(name)
-        self._begin = begin
+    def __init__(self, name: str, jobs: Jobs, begin: Callable[[Client, str, Key], Stream]) -> None:
+        """Subscribe to nothing yet, in the queue `name` of the jobs; `begin` starts a stream of the robot of a name."""
+        self._name, self._jobs, self._begin = name, jobs, begin
         self._wanted: frozenset[Key] = frozenset()
         self.streams: Streams[Key, Stream] | None = None
 
@@ -153,7 +152,7 @@ class Watcher(Worker, Generic[Key, Stream]):
             if self.streams is not None:
                 self.streams.watch(wanted)
 
-        self.put(apply)
+        self._jobs.put(self._name, apply)
 
     def follow(self, session: Session) -> None:
         """Subscribe to the streams of this session's robots from now on; returns at once."""
@@ -164,7 +163,7 @@ class Watcher(Worker, Generic[Key, Stream]):
             self.streams = Streams(lambda key: self._begin(session.client, robot, key))
             self.streams.watch(self._wanted)
 
-        self.put(apply)
+        self._jobs.put(self._name, apply)
 
     def _end(self) -> None:
         if self.streams is not None:
@@ -172,15 +171,14 @@ class Watcher(Worker, Generic[Key, Stream]):
             self.streams = None
 
     def close(self) -> None:
-        """End the subscriptions and the thread; returns at once."""
-        self.put(self._end)
-        super().close()
+        """End the subscriptions; returns at once."""
+        self._jobs.put(self._name, self._end)
 
 
-def cameras(on_image: OnImage) -> Watcher[Camera, CameraStream]:
+def cameras(jobs: Jobs, on_image: OnImage) -> Watcher[Camera, CameraStream]:
     """Return what subscribes to cameras; `on_image` receives side and picture on its threads, and must return at once."""
 
     def begin(client: Client, robot: str, camera: Camera) -> CameraStream:
         return CameraStream(client, (robot, *camera), on_image)
 
-    return Watcher("window-cameras", begin)
+    return Watcher("cameras", jobs, begin)

@@ -13,8 +13,8 @@ from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from gui.console.link.outcomes import WindowError, accepted, closed, done, failed, replaced
-from gui.console.link.worker import Worker
+from gui.console.link.jobs import Jobs
+from gui.console.link.outcomes import WindowError, accepted, done, failed, replaced
 from gui.console.state.actions import Outcome
 from gui.console.state.world import PlanPhase, PlanProgress
 
@@ -56,12 +56,11 @@ class PlanJob:
             motion.run.end(why)
 
 
-class Plans(Worker):
-    """Carries out the newest motion of both robots; methods except `join` return at once. Any thread may call them."""
+class Plans:
+    """Carries out the newest motion of both robots; methods return at once. Any thread may call them."""
 
-    def __init__(self, report: Callable[[Outcome], None]) -> None:
-        super().__init__("window-plans")
-        self._report = report
+    def __init__(self, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
+        self._jobs, self._report = jobs, report
         self._lock = threading.Lock()
         self._trying: PlanJob | None = None
         """the newest job, until it is committed"""
@@ -76,7 +75,7 @@ class Plans(Worker):
         self.drop_trying(replaced())
         with self._lock:
             self._trying = job
-        self.put(lambda: self._run(job))
+        self._jobs.put("plans", lambda: self._run(job))
 
     def progress(self) -> PlanProgress | None:
         """Return the progress of the newest motion; None if none is under way."""
@@ -132,7 +131,7 @@ class Plans(Worker):
         if first:
             self._report(outcome)
 
-    # -- the worker's thread ------------------------------------------------------------------------
+    # -- one after the other -----------------------------------------------------------------------
 
     def _run(self, job: PlanJob) -> None:
         if job.dropped is not None:
@@ -165,11 +164,6 @@ class Plans(Worker):
             self._finish(job, failed(job.row, BOTH, _explained(error)))
         else:
             raise error
-
-    def close(self) -> None:
-        """End all plans and the thread; returns at once."""
-        self.drop(closed())
-        super().close()
 
 
 def _begin(job: PlanJob) -> tuple[Plan, TwinMotion] | None:

@@ -7,7 +7,7 @@ from typing import Final
 
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.processes import POLL_S, Supervisor
-from gui.console.link.worker import Worker
+from gui.console.link.jobs import Jobs
 from gui.console.state.world import UsbPort
 
 LIST_S: Final = 15.0
@@ -15,11 +15,11 @@ LIST_S: Final = 15.0
 END_S: Final = 1.0
 
 
-class Ports(Worker):
-    """Lists the ports on a thread of its own."""
+class Ports:
+    """Lists the ports."""
 
-    def __init__(self) -> None:
-        super().__init__("window-ports")
+    def __init__(self, jobs: Jobs) -> None:
+        self._jobs = jobs
         self._closed = False
         self.newest: tuple[UsbPort, ...] | None = None
         """the ports found last; None: not known yet"""
@@ -27,7 +27,7 @@ class Ports(Worker):
     def look(self) -> None:
         """List the ports anew; returns at once."""
         self.newest = None
-        self.put(self._look)
+        self._jobs.put("ports", self._look)
 
     def _look(self) -> None:
         processes = Supervisor()
@@ -43,9 +43,8 @@ class Ports(Worker):
             processes.end_all(time.monotonic() + END_S)
 
     def close(self) -> None:
-        """End the thread soon."""
+        """End the child soon."""
         self._closed = True
-        super().close()
 
 
 def parsed(lines: list[str]) -> tuple[UsbPort, ...]:

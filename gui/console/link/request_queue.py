@@ -1,4 +1,4 @@
-"""Requests to one robot, sent by a thread of its own, so that a silent robot does not delay the other one."""
+"""Requests to one robot, in a queue of their own, so that a silent robot does not delay the other one."""
 
 from __future__ import annotations
 
@@ -7,14 +7,13 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from beatrix_zenoh.client import lease
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import publish_stop
-from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery, Reason
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import accepted, done, failed, replaced, stopped
-from gui.console.link.worker import Worker
 from gui.console.state.actions import Outcome
 
 LIMIT = 8
@@ -37,12 +36,11 @@ class QueuedRequest:
     """called when the motion was accepted"""
 
 
-class RequestQueue(Worker):
+class RequestQueue:
     """Sends requests to one robot one after the other; a newer motion replaces one that still waits."""
 
-    def __init__(self, side: str, report: Callable[[Outcome], None]) -> None:
-        super().__init__(f"window-{side}")
-        self._side, self._report = side, report
+    def __init__(self, side: str, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
+        self._side, self._jobs, self._report = side, jobs, report
         self._lock = threading.Lock()
         self._waiting: list[QueuedRequest] = []
         self._stops = 0
@@ -61,27 +59,14 @@ class RequestQueue(Worker):
         row: int,
         robot: Robot,
         query: MotionQuery | PoseQuery,
-        clear: Callable[[], None] = lambda: None,
-        begun: Callable[[], None] = lambda: None,
+        clear: Callable[[], None],
+        begun: Callable[[], None],
     ) -> None:
         """Queue a motion, which replaces one that still waits."""
         self._put(QueuedRequest(row, robot, lambda _: "", query, clear, begun))
 
-    def command(self, row: int, robot: Robot, command: Command, *, value: bool) -> None:
-        """Queue a command that is not a motion."""
-        self._put(QueuedRequest(row, robot, lambda robot: robot.command(command, value=value).message))
-
-    def lease(self, row: int, robot: Robot, action: LeaseAction) -> None:
-        """Queue a lease query."""
-        self._put(QueuedRequest(row, robot, lambda robot: lease.ask(robot, action).message))
-
-    def make_ready(self, row: int, robot: Robot) -> None:
-        """Queue a call of `Robot.make_ready`."""
-
-        def do(robot: Robot) -> str:
-            robot.make_ready()
-            return "Motors on, home declared."
-
+    def ask(self, row: int, robot: Robot, do: Callable[[Robot], str]) -> None:
+        """Queue a request that is not a motion: `do` sends it and returns the robot's message."""
         self._put(QueuedRequest(row, robot, do))
 
     def stop(self) -> None:
@@ -121,9 +106,9 @@ class RequestQueue(Worker):
             )
             self._report(failed(task.row, self._side, Refused(Reason.BUSY, text)))
         else:
-            self.put(self._next)
+            self._jobs.put(self._side, self._next)
 
-    # -- the queue's thread --------------------------------------------------------------------------
+    # -- one after the other -----------------------------------------------------------------------
 
     def _next(self) -> None:
         with self._lock:
@@ -163,8 +148,7 @@ class RequestQueue(Worker):
         motion.add_done_callback(ended)
 
     def close(self) -> None:
-        """Drop waiting requests without reports, and end the thread; returns at once."""
+        """Drop waiting requests without reports; returns at once."""
         with self._lock:
             self._stops += 1
             self._waiting.clear()
-        super().close()

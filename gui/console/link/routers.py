@@ -16,19 +16,18 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from beatrix_zenoh.settings import Settings
 from gui.console.link.connection import Connection
-from gui.console.link.worker import Worker
+from gui.console.link.jobs import Jobs
 from gui.console.state.actions import UseAccount, UseRouter
 from gui.console.state.connecting import refusal
 from gui.console.state.world import LinkPhase, OwnAccount, Trouble
 
 
-class Routers(Worker):
-    """Checks choices on a thread of its own, and makes the connection use those that are possible."""
+class Routers:
+    """Checks choices one after the other, and makes the connection use those that are possible."""
 
-    def __init__(self, connection: Connection, leave: Callable[[], None]) -> None:
-        """Start the thread; `leave` ends what this link does at the present router, and must not wait."""
-        super().__init__("window-routers")
-        self._connection, self._leave = connection, leave
+    def __init__(self, jobs: Jobs, connection: Connection, leave: Callable[[], None]) -> None:
+        """Store the arguments; `leave` ends what this link does at the present router, and must not wait."""
+        self._jobs, self._connection, self._leave = jobs, connection, leave
         self.busy = False
         """whether a choice is being checked"""
         self.trouble: Trouble | None = None
@@ -47,9 +46,9 @@ class Routers(Worker):
             finally:
                 self.busy = False
 
-        self.put(check)
+        self._jobs.put("routers", check)
 
-    # -- the thread -----------------------------------------------------------------------------------
+    # -- one after the other -----------------------------------------------------------------------
 
     def _use(self, endpoint: str) -> Trouble | None:
         """Use the router at an endpoint, with the account of this computer if it is of that router."""
