@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from golden import same
 
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.trajectory import plan
-from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rows import Numbers, RecordingRow, RobotSet, of_robot
 from beatrix_zenoh.recording.rrd.stream import RowStream
 from beatrix_zenoh.recording.series import Floats

@@ -12,10 +12,10 @@ import pytest
 from PIL import Image
 from viewer_pictures import pictures
 
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
-from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rows import BodyTurn, Numbers, RecordingRow, RobotSet, of_model, of_robot
 from beatrix_zenoh.recording.rrd.layout import BACKGROUND
 from beatrix_zenoh.recording.rrd.stream import RowStream

@@ -10,11 +10,11 @@ import pytest
 import rerun as rr
 from golden import same
 
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.contract._generated.messages import Info, LimitInfo
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.about import About
-from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rows import (
     Bar,
     BodyTurn,
