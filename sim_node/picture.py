@@ -34,7 +34,7 @@ KEYS: Final = (
 
 def add_mechanism(spec: mujoco.MjSpec, robot: RobotData = ROBOT) -> None:
     """Add the mechanism to a model of this robot, in a group that is hidden at first."""
-    add_meshes(spec, mechanism(Figure(robot.geometry, robot.head)), MECHANISM)
+    add_meshes(spec, mechanism(Figure(robot.geometry, robot.head), fine=True), MECHANISM)
 
 
 def write_mechanism(path: Path) -> None:

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh.body.surface import Floats, Mesh
+from beatrix_zenoh.body.surface import Floats, Mesh, triangles
 
 LOOKED_AT: Final = 0.055
 """Height (m, from the neck centre) of the middle of the picture."""
@@ -107,6 +107,7 @@ class _Faces(NamedTuple):
     normals: Floats
     lifts: Floats
     """(m), in m: see LIFT"""
+    colours: npt.NDArray[np.uint8]
 
 
 @cache
@@ -114,8 +115,9 @@ def _faces(mesh: Mesh) -> _Faces:
     corners = mesh.points[mesh.faces]
     normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    lifts = np.where((mesh.order > 0) & (mesh.body == "head"), LIFT * (1 + mesh.order), 0.0)
-    return _Faces(corners, corners.mean(axis=1), normals, lifts)
+    order = mesh.order[mesh.faces[:, 0]]
+    lifts = np.where((order > 0) & (mesh.body == "head"), LIFT * (1 + order), 0.0)
+    return _Faces(corners, corners.mean(axis=1), normals, lifts, mesh.colours[mesh.faces[:, 0]])
 
 
 def draw(meshes: tuple[Mesh, ...], turns: dict[str, Floats], screen: Screen) -> HeadDrawing:
@@ -137,7 +139,7 @@ def draw(meshes: tuple[Mesh, ...], turns: dict[str, Floats], screen: Screen) -> 
         found.append(at)
         depths.append(at[..., 2].mean(axis=1) + faces.lifts[front])
         bright = _turned(faces.normals[front], (light @ turn)[None])[:, 0]
-        colours.append(_shaded(mesh.colours[front], bright))
+        colours.append(_shaded(faces.colours[front], bright))
     order = np.argsort(np.concatenate(depths), kind="stable")
     corners = np.concatenate(found)[order, :, :2]
     away = corners - corners.mean(axis=1, keepdims=True)
@@ -183,9 +185,9 @@ def rendered(
     for mesh in meshes:
         turn = turns[mesh.path]
         at = np.column_stack((screen.place(_turned(mesh.points, turn)), _lit(mesh.normals @ (light @ turn))))
-        for colour, found in mesh.solids():
-            corners.append(at[found])
-            colours.append(np.tile(colour, (len(found), 1)))
+        found = triangles(mesh.faces)
+        corners.append(at[found])
+        colours.append(mesh.colours[found[:, 0]])
     height, width = round(screen.height), round(screen.width)
     picture = np.empty((height * width, 3), np.uint8)
     picture[:] = ground

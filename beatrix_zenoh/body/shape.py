@@ -44,9 +44,9 @@ def meshes(figure: Figure, *, fine: bool = False) -> tuple[Mesh, ...]:
 
 
 @lru_cache(maxsize=8)
-def mechanism(figure: Figure) -> tuple[Mesh, ...]:
-    """Return the meshes of the mechanism inside each body."""
-    model = Modeller(fine=True)
+def mechanism(figure: Figure, *, fine: bool = False) -> tuple[Mesh, ...]:
+    """Return the meshes of the mechanism inside each body; see `Modeller` for `fine`."""
+    model = Modeller(fine=fine)
     model.tube("base", [(0.0, 0.0, SIZES.floor), CENTRE], AXIS_RADIUS * 1.5, COLOURS.black)
     model.ellipsoid("head", CENTRE, (0.007, 0.007, 0.007), COLOURS.black)
     model.tube("head", [CENTRE, (0.0, 0.0, HEAD_AXIS)], AXIS_RADIUS, COLOURS.black)

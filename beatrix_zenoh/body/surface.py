@@ -58,9 +58,9 @@ class Mesh:
     faces: Numbers
     """(m, 4), as of a Surface"""
     colours: npt.NDArray[np.uint8]
-    """(m, 3): red, green, blue of each face"""
+    """(n, 3): red, green, blue of each point; no two solids share a point"""
     order: Floats
-    """(m): from 0 for the first solid of the body to 1 after the last one; later ones lie on earlier ones"""
+    """(n): from 0 for the first solid of the body to 1 after the last one; later ones lie on earlier ones"""
 
     @property
     def body(self) -> str:
@@ -80,9 +80,10 @@ class Mesh:
 
     def solids(self) -> Iterator[tuple[Colour, Numbers]]:
         """Yield the colour and the triangles, (k, 3) indices of points, of each solid that is not quite hidden."""
-        for own in (self.order == part for part in np.unique(self.order)):
-            red, green, blue = self.colours[own][0].tolist()
-            yield (red, green, blue), triangles(self.faces[own])
+        order = self.order[self.faces[:, 0]]
+        for faces in (self.faces[order == part] for part in np.unique(order)):
+            red, green, blue = self.colours[faces[0, 0]].tolist()
+            yield (red, green, blue), triangles(faces)
 
 
 def triangles(faces: Numbers) -> Numbers:
@@ -105,7 +106,7 @@ def joined(path: str, surfaces: Sequence[Surface], *, cut: bool) -> Mesh:
         points.append(own)
         faces.append(shown + count)
         count += len(own)
-    sizes = [len(shown) for shown in faces]
+    sizes = [len(own) for own in points]
     colours = np.array([surface.colour for surface in surfaces], dtype=np.uint8)
     order = np.arange(len(surfaces)) / len(surfaces)
     return Mesh(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
 import rerun as rr
 
 from beatrix_zenoh.body.figure import Figure
@@ -135,14 +134,12 @@ def marks(texts: Sequence[str]) -> rr.StateConfiguration:
 
 
 def shape(mesh: Mesh) -> rr.Mesh3D:
-    """Return a body in its colours; each face has points of its own, so that edges between colours stay sharp."""
-    corners = [(mesh.points[found], mesh.normals[found], colour) for colour, found in mesh.solids()]
+    """Return a body in its colours."""
     return rr.Mesh3D(
-        vertex_positions=np.concatenate([points.reshape(-1, 3) for points, _, _ in corners]),
-        vertex_normals=np.concatenate([normals.reshape(-1, 3) for _, normals, _ in corners]),
-        vertex_colors=np.concatenate(
-            [np.tile(colour, (points.size // 3, 1)) for points, _, colour in corners]
-        ),
+        vertex_positions=mesh.points,
+        vertex_normals=mesh.normals,
+        vertex_colors=mesh.colours,
+        triangle_indices=triangles(mesh.faces),
     )
 
 
