@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -170,11 +169,10 @@ class Modeller:
             (np.outer(cv, cu), np.outer(cv, su), np.repeat(sv[:, None], around, axis=1)), axis=-1
         )
         poles = [middle + size * (0.0, 0.0, end) for end in (-1.0, 1.0)]
-        points, faces = _skin(middle + rings * size, *poles)
-        self._add(body, points, faces, colour, contains)
+        self._add(body, Surface(*_skin(middle + rings * size, *poles), colour, contains))
 
     def tube(
-        self, body: str, path: Sequence[Vector], radius: float, colour: Colour, *, box: bool = False
+        self, body: str, path: Sequence[Vector] | Floats, radius: float, colour: Colour, *, box: bool = False
     ) -> None:
         """Add a tube with flat ends along a path; `box`: its section is a square with this radius."""
         sides = (
@@ -192,7 +190,7 @@ class Modeller:
             mitre = way + after
             ring = ring - np.outer(ring @ mitre / (way @ mitre), way)
             rings.append(place + ring)
-        self._add(body, *_capped(np.array(rings)), colour)
+        self._add(body, Surface(*_capped(np.array(rings)), colour))
 
     def cylinder(
         self,
@@ -206,10 +204,8 @@ class Modeller:
     ) -> None:
         """Add a cylinder around `position` with its axis along a unit vector; `size` is radius and length."""
         radius, length = size
-        ends = [
-            tuple(p + a * length * end for p, a in zip(position, axis, strict=True)) for end in (-0.5, 0.5)
-        ]
-        self.tube(body, [(x, y, z) for x, y, z in ends], radius, colour, box=box)
+        half = np.array(axis) * length / 2
+        self.tube(body, np.array((position - half, position + half)), radius, colour, box=box)
 
     def gear(self, body: str, height: float, size: tuple[float, float], teeth: int, colour: Colour) -> None:
         """Add a ring around the axis z with teeth inside; `size` is its outer radius and its thickness.
@@ -221,19 +217,16 @@ class Modeller:
             self.cylinder(body, (0.0, 0.0, height), (0.0, 0.0, 1.0), size, colour)
             return
         turn = np.linspace(0.0, math.tau, 4 * teeth, endpoint=False)
-        pitch = radius * INNER
-        inner = pitch * (1.0 + 2.0 / teeth * np.tile((1.0, 1.0, -1.0, -1.0), teeth))
-        loops = [
-            np.column_stack((away * np.cos(turn), away * np.sin(turn), np.full(len(turn), height + up)))
-            for away, up in itertools.product(
-                (np.full(len(turn), radius), inner), (-thickness / 2, thickness / 2)
+        inner = radius * INNER * (1.0 + 2.0 / teeth * np.tile((1.0, 1.0, -1.0, -1.0), teeth))
+        edges = ((radius, -0.5), (radius, 0.5), (inner, 0.5), (inner, -0.5), (radius, -0.5))
+        rings = [
+            np.stack(
+                (away * np.cos(turn), away * np.sin(turn), np.full(len(turn), height + up * thickness)),
+                axis=1,
             )
+            for away, up in edges
         ]
-        low, high, inner_low, inner_high = loops
-        pairs = ((low, high), (high, inner_high), (inner_high, inner_low), (inner_low, low))
-        skins = [_skin(np.array(pair)) for pair in pairs]
-        faces = [faces + k * 2 * len(turn) for k, (_, faces) in enumerate(skins)]
-        self._add(body, np.concatenate([points for points, _ in skins]), np.concatenate(faces), colour)
+        self._add(body, Surface(*_skin(np.array(rings)), colour))
 
     def rod(
         self, body: str, ends: tuple[Vector, Vector], radius: float, size: tuple[float, float], colour: Colour
@@ -254,17 +247,10 @@ class Modeller:
             wide = math.cos(twist) * side + math.sin(twist) * out
             thin = np.cross(np.cross(side, out), wide)
             rings.append(out * radius + np.outer(across, wide) + np.outer(thick, thin))
-        self._add(body, *_capped(np.array(rings)), colour)
+        self._add(body, Surface(*_capped(np.array(rings)), colour))
 
-    def _add(
-        self,
-        body: str,
-        points: Floats,
-        faces: Numbers,
-        colour: Colour,
-        contains: Callable[[Floats], Flags] | None = None,
-    ) -> None:
-        self.bodies.setdefault(body, []).append(Surface(points, faces, colour, contains))
+    def _add(self, body: str, surface: Surface) -> None:
+        self.bodies.setdefault(body, []).append(surface)
 
 
 def _power(values: Floats, exponent: float) -> Floats:
