@@ -2,7 +2,7 @@
 
 MAKEFLAGS += --no-print-directory
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-long coverage check bench bundle firmware generate docs lock
+.PHONY: help demo test test-long coverage check bench bundle model firmware generate docs lock
 
 BIN := .venv/bin
 FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
@@ -53,6 +53,10 @@ bench: ## measure the figures of the design on this computer
 bundle: ## write one archive for a room without network (BUNDLE="--platform windows-x86_64 --python 3.12 --extras cli,gui")
 	@$(SETUP) test
 	$(BIN)/python tools/bundle.py $(BUNDLE)
+
+model: ## write the robot as MJCF and URDF for other programs, into build/robot
+	@$(SETUP) test
+	$(BIN)/python tools/robot_files.py
 
 firmware: ## build the firmware for the virtual board and the Mega
 	@$(SETUP) test

@@ -14,9 +14,9 @@ from typing import Final
 import mujoco
 import numpy as np
 
+from beatrix_zenoh.body.figure import Chain, chains, direction, scaled
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, DriveData, RobotData
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.figure import Chain, chains, direction, scaled
 from sim_node.visuals import COLLISION, add_visuals
 
 TIMESTEP_MS: Final = 2

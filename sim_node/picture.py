@@ -10,17 +10,17 @@ from typing import Final
 import mujoco
 import numpy as np
 
+from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.shape import mechanism
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.motion.gear import Arms
-from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.mechanism import mechanism
 from sim_node import gl
 from sim_node.gl import GlPainter
 from sim_node.model import build_spec
 from sim_node.painter import Image, Painter
 from sim_node.plant import Plant
 from sim_node.rays import RayPainter
-from sim_node.visuals import COLLISION, MATERIALS, VISUAL, add_solid, opaque
+from sim_node.visuals import COLLISION, MATERIALS, VISUAL, add_meshes
 
 MECHANISM: Final = 4
 """Geom group of the mechanism; MuJoCo's viewer shows and hides a group with the key of its number."""
@@ -32,19 +32,20 @@ KEYS: Final = (
 )
 
 
-def add_mechanism(spec: mujoco.MjSpec, robot: RobotData = ROBOT, group: int = MECHANISM) -> None:
-    """Add the mechanism to a model of this robot, in a group that is hidden unless another one is given."""
-    for body in mechanism(Figure(robot.geometry, robot.head)):
-        for solid in body.solids:
-            add_solid(spec, body.path, solid, group, rgba=opaque(solid.colour))
+def add_mechanism(spec: mujoco.MjSpec, robot: RobotData = ROBOT) -> None:
+    """Add the mechanism to a model of this robot, in a group that is hidden at first."""
+    add_meshes(spec, mechanism(Figure(robot.geometry, robot.head), fine=True), MECHANISM)
 
 
 def write_mechanism(path: Path) -> None:
     """Write a picture of the mechanism inside the translucent robot, as a PNG file; raises OSError."""
     spec = build_spec()
-    add_mechanism(spec, group=VISUAL)
     for name in MATERIALS.values():
         spec.material(name).rgba[3] = SKIN_OPACITY
+    add_mechanism(spec)
+    for geom in spec.geoms:
+        if geom.group == MECHANISM:
+            geom.group = VISUAL
     path.write_bytes(png(picture((0.0, 0.0, 0.0), 800, 720, spec)))
 
 

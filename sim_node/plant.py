@@ -15,13 +15,13 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from beatrix_zenoh.body.figure import chains
 from beatrix_zenoh.contract._generated.robot import ROBOT, DriveData, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Rotation, ypr_of
-from beatrix_zenoh.recording.figure import chains
 from sim_node.model import TIMESTEP_MS, mechanics
 
 CYCLE_FULL_STEPS: Final = 4

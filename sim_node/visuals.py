@@ -1,22 +1,21 @@
 """The appearance of the simulated robot: shapes without mass or contact, lights and the observer's camera.
 
-The shapes are those of `recording.figure`, with meshes for gears, rods, skull and motors, and details of the face.
+The shapes are those of `beatrix_zenoh.body`.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 import mujoco
 import numpy as np
 
+from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.shape import meshes
+from beatrix_zenoh.body.surface import Mesh
 from beatrix_zenoh.colours import Colour
 from beatrix_zenoh.contract._generated.robot import COLOURS, SIZES, RobotData
-from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.figure import Figure, Form, Solid, bar, face_details
-from sim_node.shapes import Shape, internal_gear, twisted_rod
 
 VISUAL: Final = 2
 """Geom group of all visible geoms."""
@@ -32,14 +31,7 @@ MATERIALS: Final[dict[Colour, str]] = {
     getattr(COLOURS, name): name for name in COLOURS.__struct_fields__ if name not in ("yaw", "pitch", "roll")
 }
 """The robot's materials by their colours."""
-_RINGS: Final = 22
-"""Fineness of rounded meshes."""
 _GLOSSY: Final = {"visor", "white", "iris", "black"}
-_FORMS: Final = {
-    Form.ELLIPSOID: mujoco.mjtGeom.mjGEOM_ELLIPSOID,
-    Form.CYLINDER: mujoco.mjtGeom.mjGEOM_CYLINDER,
-    Form.CAPSULE: mujoco.mjtGeom.mjGEOM_CAPSULE,
-}
 
 
 def add_visuals(spec: mujoco.MjSpec, robot: RobotData) -> None:
@@ -53,16 +45,7 @@ def add_visuals(spec: mujoco.MjSpec, robot: RobotData) -> None:
             shininess=0.9 if glossy else 0.4,
         )
     _surroundings(spec)
-    figure = Figure(robot.geometry, robot.head)
-    for body in figure.bodies:
-        for solid in body.solids:
-            if not solid.mesh:
-                add_solid(spec, body.path, solid, VISUAL, material=MATERIALS[solid.colour])
-    for index, name in enumerate(ARMS):
-        _motor(spec, robot, index)
-        _chain(spec, robot, figure, index, name)
-    for solid in face_details(robot.head):
-        add_solid(spec, "head", solid, VISUAL, material=MATERIALS[solid.colour])
+    add_meshes(spec, meshes(Figure(robot.geometry, robot.head), fine=True), VISUAL)
 
 
 def opaque(colour: Colour) -> list[float]:
@@ -70,46 +53,25 @@ def opaque(colour: Colour) -> list[float]:
     return [*(part / 255 for part in colour), 1.0]
 
 
-def add_solid(spec: mujoco.MjSpec, path: str, solid: Solid, group: int, **look: object) -> None:
-    """Add a solid of a figure to the body of this path in the figure; `look` is its material, or its rgba."""
-    x, y, z, w = solid.quaternion
-    quat, pos, size = np.array((w, x, y, z)), np.array(solid.position), list(solid.size)
-    if solid.roundness < 1:
-        mesh = spec.add_mesh(name=f"rounded_{len(spec.meshes)}", scale=size)
-        mesh.make_supersphere(_RINGS, solid.roundness, solid.roundness)
-        mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
-        look |= {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": mesh.name}
-    else:
-        if solid.form is not Form.ELLIPSOID:
-            size[1] /= 2  # MuJoCo wants half of the length
-        if solid.form is Form.CAPSULE:
-            axis = np.zeros(3)
-            mujoco.mju_rotVecQuat(axis, np.array((0.0, 0.0, 1.0)), quat)
-            pos = pos + axis * size[1]
-        look |= {"type": _FORMS[solid.form], "size": [*size, 0.0][:3]}
-    _add_geom(spec, path, group, pos=pos, quat=quat, **look)
-
-
-def _add_geom(spec: mujoco.MjSpec, path: str, group: int = VISUAL, **shape: object) -> None:
-    """Add a geom without mass and contact to the body of this path in a figure."""
-    name = path.rpartition("/")[2]
-    body = spec.worldbody if name == "base" else spec.body(name)
-    geom = body.add_geom(group=group, mass=0.0, **shape)
-    geom.contype = geom.conaffinity = 0
-
-
-def _add_mesh(
-    spec: mujoco.MjSpec, path: str, material: str, name: str, shape: Shape, pos: Sequence[float] = (0, 0, 0)
-) -> None:
-    """Add a mesh; `shape` is used only for the first mesh of this name."""
-    if not any(mesh.name == name for mesh in spec.meshes):
-        spec.add_mesh(
-            name=name,
-            uservert=shape.vertices.ravel(),
-            userface=shape.faces.ravel(),
-            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-        )
-    _add_geom(spec, path, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, material=material, pos=pos)
+def add_meshes(spec: mujoco.MjSpec, shape: Iterable[Mesh], group: int) -> None:
+    """Add a geom without mass and contact for each solid of each body; visible ones have a material."""
+    for mesh in shape:
+        body = spec.worldbody if mesh.body == "base" else spec.body(mesh.body)
+        for number, (colour, triangles) in enumerate(mesh.solids()):
+            used, faces = np.unique(triangles, return_inverse=True)
+            name = f"{mesh.body}_{group}_{number}"
+            spec.add_mesh(
+                name=name,
+                uservert=mesh.points[used].ravel(),
+                userface=faces.astype(np.int32).ravel(),
+                inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+            )
+            geom = body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, group=group, mass=0.0)
+            geom.contype = geom.conaffinity = 0
+            if group == VISUAL:
+                geom.material = MATERIALS[colour]
+            else:
+                geom.rgba = opaque(colour)
 
 
 def _surroundings(spec: mujoco.MjSpec) -> None:
@@ -169,31 +131,3 @@ def add_camera(
     right = np.cross(ahead, (0.0, 0.0, 1.0))
     right /= np.linalg.norm(right)
     world.add_camera(name=name, pos=place, xyaxes=[*right, *np.cross(right, ahead)], fovy=fovy)
-
-
-def _motor(spec: mujoco.MjSpec, robot: RobotData, index: int) -> None:
-    """Add a motor with its shaft and the pinion inside the ring gear of its arm."""
-    drive, height = robot.drive, SIZES.ring_heights[index]
-    module = SIZES.ring_radius * 0.88 * 2 / drive.gear_ring
-    azimuth = math.radians(robot.geometry.arm0_azimuth + 60.0 + 120.0 * index)
-    away = module * (drive.gear_ring - drive.gear_pinion) / 2
-    x, y = away * math.cos(azimuth), away * math.sin(azimuth)
-    box, cylinder = mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_CYLINDER
-    for material, form, size, z in (
-        ("motor", box, (0.021, 0.021, 0.017), -0.150),
-        ("metal", box, (0.0212, 0.0212, 0.005), -0.132),
-        ("metal", cylinder, (module * drive.gear_pinion / 2, SIZES.ring_thickness / 2, 0.0), height),
-    ):
-        _add_geom(spec, "base", type=form, size=size, pos=(x, y, z), material=material)
-    (shaft,) = bar([(x, y, -0.13), (x, y, height)], 0.0025, COLOURS.metal)
-    add_solid(spec, "base", shaft, VISUAL, material="metal")
-
-
-def _chain(spec: mujoco.MjSpec, robot: RobotData, figure: Figure, index: int, name: str) -> None:
-    """Add the ring gear and the twisted rod of an arm."""
-    radius, teeth = SIZES.ring_radius, robot.drive.gear_ring
-    gear = internal_gear(radius, radius * 0.88, SIZES.ring_thickness, teeth)
-    _add_mesh(spec, f"arm_{name}", name, "ring", gear, (0.0, 0.0, SIZES.ring_heights[index]))
-    _, elbow, mount = figure.chains[index]
-    rod = twisted_rod(np.array(elbow), np.array(mount), robot.head.arm_length, 0.014, 0.0065)
-    _add_mesh(spec, f"rod_{name}", "rod", f"rod_{name}", rod)

@@ -2,8 +2,8 @@
 
 python tools/bundle.py [--platform windows-x86_64] [--python 3.12] [--extras cli,gui] [--out FOLDER]
 
-The archive contains the wheels of the versions in constraints.txt, the program install.py, which needs only Python, and
-a README.txt. The firmware of the board is inside the wheel of BEATRIX.
+The archive contains the wheels of the versions in constraints.txt, the program install.py, which needs only Python,
+a README.txt, and the robot as MJCF and URDF. The firmware of the board is inside the wheel of BEATRIX.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from typing import Final
 
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
+from robot_files import write as write_robot
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 PROJECT: Final = "beatrix-zenoh"
@@ -69,6 +70,7 @@ Unpack this archive and type in its folder:
 
 install.py needs Python {python_text} and no network. It makes the folder beatrix-env.
 The program `beatrix` is in beatrix-env/bin, on Windows in beatrix-env/Scripts.
+The folder robot has the robot as MJCF (MuJoCo) and URDF (ROS, Rerun), for other programs.
 """
 
 
@@ -160,6 +162,7 @@ def bundle(target: str, python: str, extras: Sequence[str], out: Path) -> Path:
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     download(target, python, extras, folder / "wheels")
+    write_robot(folder / "robot")
     words = {"python_text": python, "version": version, "platform": target}
     number = tuple(map(int, python.split(".")))
     what = f"{PROJECT}[{','.join(extras)}]"

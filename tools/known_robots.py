@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.contract._generated.messages import (
     Event,
     EventKind,
@@ -23,7 +24,6 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.trajectory import Trajectory, plan
-from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.robot_rows import RobotRows
 from beatrix_zenoh.recording.rows import RecordingRow, RobotSet
 from beatrix_zenoh.recording.rrd.stream import RowStream

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bisect
 import io
 import itertools
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -12,17 +13,29 @@ from typing import Final, NamedTuple
 
 import av
 import numpy as np
+import numpy.typing as npt
 from av.video.reformatter import ColorRange, Colorspace
 from av.video.stream import VideoStream
 from PIL import Image, ImageDraw, ImageFont
 
+from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.scene import Screen, Viewpoint, rendered
+from beatrix_zenoh.body.shape import meshes
 from beatrix_zenoh.contract.names import ARMS, EYES, SIDE_TITLES, SIDES
-from beatrix_zenoh.recording.drawing import BACKGROUND, Array, Pixels, PoseRenderer
+from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.export import Block, Table
-from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.samples import EyePicture, EyePictures
 from beatrix_zenoh.recording.series import HEAD
 
+Array = npt.NDArray[np.float64]
+Pixels = npt.NDArray[np.uint8]
+"""(height, width, 3) red, green, blue"""
+
+BACKGROUND: Final = (236, 239, 243)
+VIEW: Final = Viewpoint(azimuth=-31.0, elevation=13.0, zoom=0.87, height=0.002)
+"""About as in the recording's side-by-side view, with the whole base."""
+SMOOTHING: Final = 2
+"""Pixels are drawn this much smaller in both directions, and averaged."""
 STEPS: Final = 2
 """Steps of the grid of 20 ms between two frames: 25 frames a second."""
 PANEL: Final = (640, 480)
@@ -40,6 +53,33 @@ class FilmFrame(NamedTuple):
 
     time_ns: int
     pixels: Pixels
+
+
+class PoseRenderer:
+    """Pictures of one robot in the poses that are asked for."""
+
+    def __init__(self, figure: Figure, width: int, height: int) -> None:
+        """Prepare pictures of this size (pixels)."""
+        self._figure = figure
+        self.screen = Screen(VIEW, width * SMOOTHING, height * SMOOTHING)
+        self._last: tuple[tuple[float, ...], Pixels] | None = None
+
+    def picture(self, arms_deg: Array, head_deg: Array) -> Pixels:
+        """Return the picture of a pose: angles of the arms, and yaw, pitch and roll of the head (deg)."""
+        pose = (*arms_deg.tolist(), *head_deg.tolist())
+        if self._last is None or max(abs(a - b) for a, b in zip(pose, self._last[0], strict=True)) > 0.02:
+            self._last = pose, self._drawn(pose)
+        return self._last[1]
+
+    def _drawn(self, pose: tuple[float, ...]) -> Pixels:
+        short, middle, long, *head = (math.radians(angle) for angle in pose)
+        turns = self._figure.orientations((short, middle, long), rotation_of(*head))
+        return averaged(rendered(meshes(self._figure), turns, self.screen, BACKGROUND))
+
+
+def averaged(fine: Pixels) -> Pixels:
+    """Return a picture with a SMOOTHING-th of the pixels in both directions."""
+    return np.asarray(Image.fromarray(fine).reduce(SMOOTHING))
 
 
 def eye_frames(pictures: Sequence[EyePicture]) -> Iterator[FilmFrame]:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Final, Self
 
 from beatrix_zenoh import threads
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.client.monitor import LOST_S
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.sound import Sound
@@ -16,7 +17,6 @@ from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.recording.about import About, about
 from beatrix_zenoh.recording.difference import Difference
-from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.losses import POSITIONS, Count, Losses, LossReport, Stream
 from beatrix_zenoh.recording.notes import NoteInbox, rows_of
 from beatrix_zenoh.recording.robot_rows import RobotRows

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from enum import StrEnum
 from typing import Final
 
+from beatrix_zenoh.body.figure import Figure, Quaternion
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import (
     Event,
@@ -24,7 +25,6 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.contract.sentences.events import plain_sentence
 from beatrix_zenoh.motion.rotation import rotation_of
-from beatrix_zenoh.recording.figure import Figure, Quaternion
 from beatrix_zenoh.recording.rows import Bar, BodyTurn, Line, Numbers, RecordingRow, of_model, of_robot
 
 STILL: Final = 5e-5

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from beatrix_zenoh.body.figure import Figure, Quaternion
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.recording.about import About
-from beatrix_zenoh.recording.figure import Figure, Quaternion
 
 RECORDER = "_recorder"
 """Root of the recorder's own entities; no robot can have this name."""

@@ -12,6 +12,7 @@ from enum import Enum, auto
 from typing import Final, NamedTuple
 
 from beatrix_zenoh import threads
+from beatrix_zenoh.body.figure import geometry_of
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.robot_base import Offset, clock_offsets
 from beatrix_zenoh.client.session import Client, Place
@@ -30,7 +31,6 @@ from beatrix_zenoh.contract._generated.messages import Event, Info, Positions, S
 from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import EYES
-from beatrix_zenoh.recording.figure import geometry_of
 from beatrix_zenoh.recording.losses import Losses, Stream, seq_of, stream_of, stream_of_key
 
 Value = Positions | Status | Event | CameraImage | Sound

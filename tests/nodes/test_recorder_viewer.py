@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from robots import until
 
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.outputs import PERIOD_S, PROBE_S, LiveOutput, ViewerState
 from beatrix_zenoh.recording.rows import Frame, Numbers, RecordingRow, RobotSet, of_robot
 from beatrix_zenoh.recording.rrd.read import read

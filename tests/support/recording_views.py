@@ -12,7 +12,7 @@ from rerun.chunk import RrdReader, StoreEntry
 
 KINDS = {1: "tabs", 2: "horizontal", 3: "vertical", 4: "grid"}
 DRAWS = {
-    "3D": {"Capsules3D", "Cylinders3D", "Ellipsoids3D"},
+    "3D": {"Mesh3D"},
     "2D": {"EncodedImage"},
     "TimeSeries": {"Scalars"},
     "TextLog": {"TextLog"},
@@ -134,6 +134,5 @@ def solids(place: tuple[str, str], variant: str, entities: frozenset[str]) -> It
     """Yield the bodies of a robot's model that are drawn in a variant, `solid` or `ghost`."""
     start = f"/{place[0]}/{place[1]}/model/"
     for entity in entities:
-        body, found, _ = entity.removeprefix(start).partition(f"/{variant}/")
-        if entity.startswith(start) and found:
-            yield body
+        if entity.startswith(start) and entity.endswith(f"/{variant}"):
+            yield entity.removeprefix(start).removesuffix(f"/{variant}")

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.recording.about import About
-from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rows import Numbers, RecordingRow, RobotSet, of_robot
 from beatrix_zenoh.recording.rrd.stream import RowStream
 

@@ -11,7 +11,8 @@ from rerun import SeriesLines
 from robots import ROOT
 
 from beatrix_zenoh import colours
-from beatrix_zenoh.recording.figure import Figure
+from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.shape import meshes
 from beatrix_zenoh.recording.rrd import scene
 from sim_node.model import build_spec
 
@@ -53,9 +54,9 @@ def test_the_colours_of_a_plot_are_distinguishable_with_colour_blindness(
 
 def test_models_and_viewer_use_the_table() -> None:
     model = build_spec().compile()
-    for body in Figure().bodies[1:4]:
-        name = body.path.removeprefix("arm_")
-        assert colours.ARMS[name] in {solid.colour for solid in body.solids}
+    for mesh in (mesh for mesh in meshes(Figure()) if mesh.body.startswith("arm_")):
+        name = mesh.body.removeprefix("arm_")
+        assert colours.ARMS[name] in {colour for colour, _ in mesh.solids()}
         assert model.material(name).rgba[:3] * 255 == pytest.approx(colours.ARMS[name], abs=0.01)
     for what in ("arms", "head"):
         names = colours.ARMS if what == "arms" else colours.AXES

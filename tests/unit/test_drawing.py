@@ -7,28 +7,31 @@ import math
 import numpy as np
 import pytest
 
+from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.scene import Screen, rendered
+from beatrix_zenoh.body.shape import meshes
+from beatrix_zenoh.body.surface import Mesh, Modeller
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
-from beatrix_zenoh.recording import drawing
-from beatrix_zenoh.recording.drawing import Array, Pixels, PoseRenderer
-from beatrix_zenoh.recording.figure import Body, Figure, ellipsoid
+from beatrix_zenoh.recording.film import BACKGROUND, VIEW, Array, Pixels, PoseRenderer
 
 SIZE = 320, 240
+ROBOT, SCREEN = Figure(), Screen(VIEW, *SIZE)
 MARK = (250, 10, 240)
 """A colour that the robot does not have."""
 
 
-class Marked(Figure):
-    """The robot with a ball of this radius (m) in front of its face."""
+def marked(place: tuple[float, float, float]) -> tuple[Mesh, ...]:
+    """Return the robot with a ball of a radius of 1 cm in front of its face."""
+    model = Modeller(fine=False)
+    model.ellipsoid("head", place, (0.01, 0.01, 0.01), MARK)
+    return (*meshes(ROBOT), *model.meshes())
 
-    def __init__(self, place: tuple[float, float, float], radius: float = 0.01) -> None:
-        super().__init__()
-        self.bodies = tuple(
-            Body(body.path, (*body.solids, ellipsoid(place, (radius,) * 3, MARK)))
-            if body.path == "head"
-            else body
-            for body in self.bodies
-        )
+
+def picture(shapes: tuple[Mesh, ...], *head: float) -> Pixels:
+    """Return the picture of a robot whose head is turned to yaw, pitch and roll (deg)."""
+    turns = ROBOT.orientations(tuple(np.radians(arms(*head))), rotation_of(*np.radians(head)))
+    return rendered(shapes, turns, SCREEN, BACKGROUND)
 
 
 def arms(*head: float) -> Array:
@@ -47,24 +50,16 @@ def where(picture: Pixels, colour: tuple[int, int, int]) -> tuple[float, float]:
 @pytest.mark.parametrize("head", [(0, 0, 0), (30, 10, 5), (-60, -15, -10), (20, 30, 0)])
 def test_a_mark_on_the_head_is_where_the_orientation_puts_it(head: tuple[float, float, float]) -> None:
     place = (0.14, 0.0, 0.1)
-    picture = PoseRenderer(Marked(place), *SIZE).picture(arms(*head), np.array(head, float))
-    x, y, _ = drawing.camera() @ (
-        np.array(rotation_of(*np.radians(head))) @ place - np.array((0, 0, drawing.CENTRE_HEIGHT_M))
-    )
-    scale = SIZE[1] / drawing.VISIBLE_M
-    column, row = where(picture, MARK)
-    assert column == pytest.approx(SIZE[0] / 2 + x * scale - 0.5, abs=1.0)
-    assert row == pytest.approx(SIZE[1] / 2 - y * scale - 0.5, abs=1.0)
+    shown = SCREEN.place(np.array(rotation_of(*np.radians(head)))[None] @ place)[0]
+    assert where(picture(marked(place), *head), MARK) == pytest.approx(shown[:2] - 0.5, abs=1.0)
 
 
 def test_a_mark_behind_the_head_is_hidden() -> None:
-    x, y, z = -0.13 * drawing.camera()[2]
-    figure = Marked((x, y, z + 0.11))
-    picture = PoseRenderer(figure, *SIZE).picture(arms(0, 0, 0), np.zeros(3))
+    x, y, z = -0.13 * VIEW.axes[2]
+    shapes = marked((x, y, z + 0.11))
     with pytest.raises(AssertionError, match="nothing is"):
-        where(picture, MARK)
-    turned = PoseRenderer(figure, *SIZE).picture(arms(150, 0, 0), np.array((150.0, 0, 0)))
-    where(turned, MARK)
+        where(picture(shapes, 0, 0, 0), MARK)
+    where(picture(shapes, 150, 0, 0), MARK)
 
 
 def test_a_pose_is_drawn_again_only_if_it_changes() -> None:

@@ -17,10 +17,9 @@ from golden import same
 from PIL import Image
 from written_recordings import BEGAN_NS, write_lesson
 
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.cli import app
-from beatrix_zenoh.recording.drawing import Pixels, PoseRenderer
-from beatrix_zenoh.recording.figure import Figure
-from beatrix_zenoh.recording.film import EMPTY, EYE, PANEL
+from beatrix_zenoh.recording.film import EMPTY, EYE, PANEL, Pixels, PoseRenderer
 from beatrix_zenoh.recording.rows import Frame, of_robot
 from beatrix_zenoh.recording.rrd.read import read
 

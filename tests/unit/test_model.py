@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 import pytest
 
+from beatrix_zenoh.body.figure import chains
 from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData, RobotData
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
-from beatrix_zenoh.recording.figure import chains
 from sim_node.model import build_spec, rod_range
 from sim_node.visuals import COLLISION, VISUAL
 

@@ -8,11 +8,11 @@ import mujoco
 import numpy as np
 import pytest
 
+from beatrix_zenoh.body.figure import Figure, Quaternion
 from beatrix_zenoh.colours import ARMS
 from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Vector, rotation_of
-from beatrix_zenoh.recording.figure import Figure, Quaternion
 from beatrix_zenoh.recording.samples import Floats
 from sim_node.model import build_spec
 

@@ -12,9 +12,9 @@ import pytest
 from rerun.chunk import RrdReader
 from rerun.error_utils import RerunWarning
 
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording import outputs
-from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.outputs import FileOutput
 from beatrix_zenoh.recording.rows import Frame, Numbers, RecordingRow, RobotSet, Say, of_robot
 from beatrix_zenoh.recording.rrd.read import read

@@ -12,9 +12,9 @@ from PIL import Image
 from viewer_pictures import pictures
 from written_recordings import BEGAN_NS, write_lesson
 
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
-from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.rows import BodyTurn, Numbers, RecordingRow, of_model, of_robot
 from beatrix_zenoh.recording.rrd.layout import BACKGROUND
 

@@ -8,6 +8,7 @@ import msgspec
 import pytest
 from statuses import AT_HOME, BOARD, READY
 
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.contract._generated.messages import (
     Event,
     EventKind,
@@ -21,7 +22,6 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.robot_rows import BarState, RobotRows, state_of
 from beatrix_zenoh.recording.rows import Bar, BodyTurn, Line, Numbers
 

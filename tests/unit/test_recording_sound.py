@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 from recording_views import tabs_of
 from written_recordings import BEGAN_NS, STEP_NS, write_lesson
 
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.client.sound import Sound
-from beatrix_zenoh.recording.figure import Figure
 from beatrix_zenoh.recording.losses import SOUND, Losses, findings
 from beatrix_zenoh.recording.rows import Numbers, RecordingRow, RobotSet, SoundRow
 from beatrix_zenoh.recording.rrd.layout import SOUND as TAB

@@ -73,10 +73,7 @@ def overlay(shown: RobotSet, name: str) -> rrb.View:
     contents = []
     for place in sides:
         ghost = place[1] == "sim" and len(sides) > 1
-        contents += [
-            f"+ {path}"
-            for path in solids_of(place, shown.robots[place].bodies, "ghost" if ghost else "solid")
-        ]
+        contents += [f"+ {path}" for path in solids_of(place, "ghost" if ghost else "solid")]
     title = f"{name}: hardware, and the simulation as a blue ghost" if len(sides) > 1 else titled(sides[0])
     return scene_view(f"/{name}", contents, title, sides)
 
@@ -86,7 +83,7 @@ def beside(shown: RobotSet, name: str) -> rrb.Container:
     columns: list[Part] = []
     shares = []
     for place in shown.sides(name):
-        contents = [f"+ {path}" for path in solids_of(place, shown.robots[place].bodies, "solid")]
+        contents = [f"+ {path}" for path in solids_of(place, "solid")]
         columns.append(scene_view("/" + of_robot(place), contents, titled(place), [place]))
         shares.append(ROBOT_SHARE)
         if place in shown.with_pictures:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import rerun as rr
 
+from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.shape import mechanism, meshes
+from beatrix_zenoh.body.surface import Mesh, triangles
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.colours import ARMS, AXES, Colour, pale
 from beatrix_zenoh.contract.names import SIDE_TITLES
-from beatrix_zenoh.recording.figure import Body, Figure, Form, Solid
-from beatrix_zenoh.recording.mechanism import mechanism
 from beatrix_zenoh.recording.robot_rows import BarState
 from beatrix_zenoh.recording.rows import of_difference, of_model, of_robot
 
@@ -22,8 +22,8 @@ MECHANISM = "mechanism"
 """Entity of a robot below which the mechanism is drawn."""
 GHOST = (20, 120, 255, 120)
 """Colour and opacity of the simulation over the hardware."""
-THINNER_M = 0.001
-"""Difference in thickness (m) of the ghost, because coincident surfaces would flicker."""
+THINNER_M = 0.0005
+"""By how much (m) the ghost is smaller than the solid, because coincident surfaces would flicker."""
 CURVES = {"arms": ARMS, "commanded": ARMS, "velocity": ARMS, "head": AXES, "head_measured": AXES}
 """Colours of the curves of an entity, by their names."""
 EARS = {"left": AXES["yaw"], "right": AXES["roll"]}
@@ -64,15 +64,11 @@ def of_place(place: Place, figure: Figure) -> Iterator[Item]:
 
     These are its solids, curve styles and state colours.
     """
-    for body in figure.bodies:
-        path = of_model(place, body.path)
-        for form in Form:
-            solids = [solid for solid in body.solids if solid.form is form]
-            if solids:
-                yield f"{path}/solid/{form}", shape(form, solids, [solid.colour for solid in solids])
-                if place[1] == "sim":
-                    thin = [thinner(solid) for solid in solids]
-                    yield f"{path}/ghost/{form}", shape(form, thin, [GHOST] * len(thin))
+    for mesh in meshes(figure):
+        path = of_model(place, mesh.path)
+        yield f"{path}/solid", shape(mesh)
+        if place[1] == "sim":
+            yield f"{path}/ghost", ghost(mesh)
     yield from inside(place, figure)
     yield from curves(place)
     ears = {f"{ear} ear": colour for ear, colour in EARS.items()}
@@ -95,13 +91,10 @@ def of_place(place: Place, figure: Figure) -> Iterator[Item]:
 
 def inside(place: Place, figure: Figure) -> Iterator[Item]:
     """Yield the mechanism in a tree of its own, so that one switch shows it; its parts move with the model's bodies."""
-    for body in mechanism(figure):
-        for form in Form:
-            solids = [solid for solid in body.solids if solid.form is form]
-            if solids:
-                path = f"{of_robot(place, MECHANISM)}/{body.path.rpartition('/')[2]}/{form}"
-                yield path, rr.CoordinateFrame(f"tf#/{of_model(place, body.path)}")
-                yield path, shape(form, solids, [solid.colour for solid in solids])
+    for mesh in mechanism(figure):
+        path = f"{of_robot(place, MECHANISM)}/{mesh.body}"
+        yield path, rr.CoordinateFrame(f"tf#/{of_model(place, mesh.path)}")
+        yield path, shape(mesh)
 
 
 def curves(place: Place) -> Iterator[Item]:
@@ -140,38 +133,26 @@ def marks(texts: Sequence[str]) -> rr.StateConfiguration:
     return rr.StateConfiguration(values=texts, labels=texts, colors=colours)
 
 
-def thinner(solid: Solid) -> Solid:
-    """Return the solid with each size reduced by THINNER_M, but at most by half."""
-    return replace(solid, size=tuple(max(size - THINNER_M, size / 2) for size in solid.size))
-
-
-def shape(form: Form, solids: Sequence[Solid], colours: Sequence[tuple[int, ...]]) -> rr.AsComponents:
-    """Return the components of one entity that shows solids of one form."""
-    places = [solid.position for solid in solids]
-    turns = [rr.Quaternion(xyzw=solid.quaternion) for solid in solids]
-    if form is Form.ELLIPSOID:
-        return rr.Ellipsoids3D(
-            half_sizes=[solid.size for solid in solids],
-            centers=places,
-            quaternions=turns,
-            colors=colours,
-            fill_mode="solid",
-        )
-    radii, lengths = [solid.size[0] for solid in solids], [solid.size[1] for solid in solids]
-    if form is Form.CYLINDER:
-        return rr.Cylinders3D(
-            radii=radii, lengths=lengths, centers=places, quaternions=turns, colors=colours, fill_mode="solid"
-        )
-    return rr.Capsules3D(
-        radii=radii,
-        lengths=lengths,
-        translations=places,
-        quaternions=turns,
-        colors=colours,
-        fill_mode="solid",
+def shape(mesh: Mesh) -> rr.Mesh3D:
+    """Return a body in its colours."""
+    return rr.Mesh3D(
+        vertex_positions=mesh.points,
+        vertex_normals=mesh.normals,
+        vertex_colors=mesh.colours,
+        triangle_indices=triangles(mesh.faces),
     )
 
 
-def solids_of(place: Place, bodies: tuple[Body, ...], kind: str) -> list[str]:
-    """Return Rerun's path patterns for the solids of all bodies; `kind` is `solid` or `ghost`."""
-    return [f"/{of_model(place, body.path)}/{kind}/**" for body in bodies]
+def ghost(mesh: Mesh) -> rr.Mesh3D:
+    """Return a translucent body that is a little thinner."""
+    return rr.Mesh3D(
+        vertex_positions=mesh.points - mesh.normals * THINNER_M,
+        vertex_normals=mesh.normals,
+        triangle_indices=triangles(mesh.faces),
+        albedo_factor=GHOST,
+    )
+
+
+def solids_of(place: Place, kind: str) -> list[str]:
+    """Return Rerun's paths of the shapes of all bodies; `kind` is `solid` or `ghost`."""
+    return [f"/{of_model(place, path)}/{kind}" for path in Figure.paths]

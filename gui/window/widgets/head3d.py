@@ -11,6 +11,7 @@ from PyQt5.QtCore import QPoint, QPointF, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QFocusEvent, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
 from PyQt5.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
 
+from beatrix_zenoh.body.scene import Screen, Viewpoint
 from gui.console.state.intents import (
     AimHead,
     GrabHead,
@@ -33,7 +34,6 @@ from gui.window.widgets.head3d_paint import (
     paint_robot,
     same,
 )
-from gui.window.widgets.head3d_scene import Screen, Viewpoint
 from gui.window.widgets.head_pad import after_key
 
 VIEWS: Final = {"front": Viewpoint(0.0), "behind": Viewpoint(180.0), "side": Viewpoint(90.0)}

@@ -9,12 +9,12 @@ from typing import Final
 
 import numpy as np
 
+from beatrix_zenoh.body.scene import Screen
+from beatrix_zenoh.body.surface import Floats
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
 from beatrix_zenoh.motion.rotation import Rotation, rotation_of
 from gui.console.state.orientation import HeadOrientation
 from gui.console.state.views import HeadView
-from gui.window.widgets.head3d_scene import Screen
-from gui.window.widgets.head3d_shape import Floats
 
 EAR_PX: Final = 24.0
 """Distance from an ear within which the mouse grabs it."""

@@ -11,17 +11,18 @@ import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt
 from PyQt5.QtGui import QBrush, QColor, QImage, QPainter, QPen, QPolygonF, QRadialGradient
 
+from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.scene import HeadDrawing, Screen, draw, hull
+from beatrix_zenoh.body.shape import meshes
+from beatrix_zenoh.body.surface import Floats
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits.region import reach
-from beatrix_zenoh.recording.figure import Figure
 from gui.console.state.orientation import HeadOrientation
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style
 from gui.window.widgets.head3d_drag import CROWN, EARS, FLOOR, NOSE, Part, on_screen, turned
-from gui.window.widgets.head3d_scene import HeadDrawing, Screen, draw, hull
-from gui.window.widgets.head3d_shape import BASE, HEAD, Floats, meshes, turns
 
 GHOST: Final = 0.42
 """Opacity of the ghost."""
@@ -118,14 +119,14 @@ def paint_ghost(image: QImage, head: HeadOrientation, screen: Screen, tint: str)
 
 def _drawing(head: HeadOrientation, screen: Screen, *, base: bool = True) -> HeadDrawing:
     """Return the faces of a robot whose head has this orientation; without arms if no arms fit it."""
-    shown = [mesh for mesh in meshes(_figure()) if base or mesh.body != BASE]
+    shown = [mesh for mesh in meshes(_figure()) if base or mesh.body != "base"]
     rows = turned(head)
     try:
         arms = _neck().inverse(*(math.radians(angle) for angle in (head.yaw, head.pitch, head.roll)))
     except Refused:
         arms = (0.0, 0.0, 0.0)
-        shown = [mesh for mesh in shown if mesh.body in {BASE, HEAD}]
-    return draw(tuple(shown), turns(_figure(), arms, rows), screen)
+        shown = [mesh for mesh in shown if mesh.body in {"base", "head"}]
+    return draw(tuple(shown), _figure().orientations(arms, rows), screen)
 
 
 def _tinted(drawing: HeadDrawing, tint: str, share: float) -> HeadDrawing:
@@ -248,9 +249,8 @@ def _paint_outline(painter: QPainter, marks: Marks) -> None:
     """Draw the outline of the head at the target, with eyes if they are turned to the viewer."""
     screen, target = marks.screen, marks.view.target
     rows = np.array(turned(target))
-    (head,) = (mesh for mesh in meshes(_figure()) if mesh.body == HEAD)
-    corners = head.corners[:, 0] @ rows.T
-    skull = corners[head.corners[:, 0, 2] > 0.05]
+    (head,) = (mesh for mesh in meshes(_figure()) if mesh.body == "head")
+    skull = head.points[head.points[:, 2] > 0.05] @ rows.T
     painter.setBrush(Qt.BrushStyle.NoBrush)
     refused = marks.strain > 1
     painter.setPen(QPen(QColor(marks.style.bad if refused else marks.style.text), 2.5))
