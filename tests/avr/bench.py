@@ -60,6 +60,7 @@ class _Report(ctypes.Structure):
 
 
 EDGE: Final = np.dtype([("cycle", "<u8"), ("signal", "u1"), ("level", "u1")], align=True)
+BYTE: Final = np.dtype([("cycle", "<u8"), ("byte", "u1")], align=True)
 
 
 class Work(NamedTuple):
@@ -71,6 +72,13 @@ class Work(NamedTuple):
     longest: int
     last: int
     """Cycle at which the last call began."""
+
+
+class Byte(NamedTuple):
+    """A byte from the board, and the cycle at which its stop bit ended."""
+
+    cycle: int
+    byte: int
 
 
 @cache
@@ -92,11 +100,12 @@ def _library() -> ctypes.CDLL:
     found.bench_receive.argtypes = [pointer, ctypes.c_char_p, number]
     found.bench_receive.restype = number
     found.bench_report.restype = ctypes.POINTER(_Report)
-    found.bench_edges.restype = pointer
+    found.bench_edges.restype = found.bench_sent.restype = pointer
     found.bench_hang.restype = number
-    for name in ("close", "reset", "report", "edges", "in_main", "hang"):
+    for name in ("close", "reset", "report", "edges", "sent", "in_main", "hang"):
         getattr(found, f"bench_{name}").argtypes = [pointer]
     found.bench_eeprom.argtypes = [pointer, ctypes.c_char_p, number]
+    found.bench_analogue.argtypes = [pointer, ctypes.c_uint8, number]
     found.bench_mend.argtypes = [pointer, number]
     return found
 
@@ -165,6 +174,11 @@ class Avr:
         """Send bytes, and run until the board has received the last one."""
         self.run_until(self.send(data))
 
+    def sent(self, since: int = 0) -> NDArray[np.void]:
+        """Return the bytes from the board, from this index on: fields `cycle` (of the stop bit) and `byte`."""
+        count = int(self._report.sent)
+        return self._copy(self._c.bench_sent(self._board), count, BYTE, since)
+
     def receive(self) -> bytes:
         """Return the complete bytes from the board since the last call."""
         received = b""
@@ -187,16 +201,16 @@ class Avr:
 
     def all_edges(self) -> NDArray[np.void]:
         """Return the changes of all wires in order; `signal` is 0 to 2 for step, 3 to 5 for direction, 6 for enable."""
-        count, address = int(self._report.edges), self._c.bench_edges(self._board)
-        if not count or not address:
-            return np.empty(0, EDGE)
-        copied: NDArray[np.void] = np.frombuffer(ctypes.string_at(address, count * EDGE.itemsize), EDGE)
-        return copied
+        return self._copy(self._c.bench_edges(self._board), int(self._report.edges), EDGE)
+
+    def level(self, signal: str, arm: int = 0) -> int:
+        """Return the present level of a wire."""
+        return int(self._report.levels[3 * SIGNALS.index(signal) + arm])
 
     @property
     def enabled(self) -> bool:
         """Whether the drivers are on: their wire is low."""
-        return int(self._report.levels[3 * SIGNALS.index("enable")]) == 0
+        return self.level("enable") == 0
 
     def steps(self, arm: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return the start cycles of an arm's steps, and their directions, +1 or -1."""
@@ -231,6 +245,10 @@ class Avr:
         self._c.bench_eeprom(self._board, held, EEPROM_SIZE)
         return held.raw
 
+    def analogue(self, pin: int, millivolts: int) -> None:
+        """Apply a voltage to one of the inputs A0 to A15; resets do not change it."""
+        self._c.bench_analogue(self._board, pin, millivolts)
+
     def hang(self) -> int:
         """Replace the next instruction of the main loop by a jump to itself; return the old one, for `mend`.
 
@@ -257,3 +275,13 @@ class Avr:
         """Return calls and cycles of an interrupt since power-on; see VECTORS."""
         row = self._report.work[vector]
         return Work(int(row.calls), int(row.cycles), int(row.longest), int(row.last))
+
+    def _copy(
+        self, address: int | None, count: int, kind: np.dtype[np.void], since: int = 0
+    ) -> NDArray[np.void]:
+        if count <= since or not address:
+            return np.empty(0, kind)
+        copied: NDArray[np.void] = np.frombuffer(
+            ctypes.string_at(address + since * kind.itemsize, (count - since) * kind.itemsize), kind
+        )
+        return copied

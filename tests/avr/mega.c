@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <simavr/avr_adc.h>
 #include <simavr/avr_eeprom.h>
 #include <simavr/avr_extint.h>
 #include <simavr/avr_flash.h>
@@ -26,7 +27,7 @@
 #include <simavr/sim_elf.h>
 #include <simavr/sim_hex.h>
 
-enum { ARMS = 3, VECTORS = 64 };
+enum { ARMS = 3, VECTORS = 64, ADC_INPUTS = 16 };
 enum { STEP = 0, DIRECTION = 3, ENABLE = 6, SIGNALS = 7 };
 enum { RESPONSE = 5, WAKE = 5, EEPROM_WRITE = 54400, UART_BUFFER = 2, RUN_LIMIT = 1000 };
 enum { UCSR0A = 0xC0, UCSR0B = 0xC1, UDR0 = 0xC6, RXC0 = 0x80, RXEN0 = 0x10 };
@@ -88,6 +89,7 @@ struct Bench {
   struct { int vector; uint64_t since; uint64_t own; } running[VECTORS];
   int depth;
   bool woken, fresh;
+  uint32_t millivolts[ADC_INPUTS];
 };
 
 // --- pins
@@ -345,6 +347,9 @@ static void prepare(Bench *b) {
   b->avr->run_cycle_limit = RUN_LIMIT;
   for (int i = 0; i < 8; i++) avr_extint_set_strict_lvl_trig(b->avr, i, 0);
   if (b->queue_head < b->queue_tail) avr_cycle_timer_register(b->avr, b->byte_cycles, on_byte, b);
+  for (int i = 0; i < ADC_INPUTS; i++) {
+    avr_raise_irq(avr_io_getirq(b->avr, AVR_IOCTL_ADC_GETIRQ, i), b->millivolts[i]);
+  }
 }
 
 static const uint32_t BOOT_LOADER = 0x3E000;
@@ -478,7 +483,13 @@ uint32_t bench_receive(Bench *b, uint8_t *bytes, uint32_t room) {
 
 const Report *bench_report(Bench *b) { return &b->report; }
 const Edge *bench_edges(Bench *b) { return b->edges; }
+const Byte *bench_sent(Bench *b) { return b->sent; }
 void bench_eeprom(Bench *b, uint8_t *bytes, uint32_t size) { use_eeprom(b, AVR_IOCTL_EEPROM_GET, bytes, 0, size); }
+
+void bench_analogue(Bench *b, uint8_t input, uint32_t millivolts) {
+  b->millivolts[input] = millivolts;
+  avr_raise_irq(avr_io_getirq(b->avr, AVR_IOCTL_ADC_GETIRQ, input), millivolts);
+}
 
 // Returns whether no interrupt is running: the main loop runs or sleeps.
 int bench_in_main(Bench *b) { return b->depth == 0; }

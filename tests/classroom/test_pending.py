@@ -16,10 +16,10 @@ from shell import beatrix
 from beatrix_zenoh import Robot
 from beatrix_zenoh.classroom.pending import Kept, decide, words
 from beatrix_zenoh.client import Client
+from beatrix_zenoh.client import lesson_reports as reports
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery
-from beatrix_zenoh.lessons import reports
 from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.settings import Settings
 
@@ -91,7 +91,7 @@ def test_a_robot_that_was_away_gets_the_decisions_of_the_teacher_and_none_of_a_s
 
         account = router.account("teacher")
         settings = Settings("bea2", account.connect, "teacher", account=account)
-        report = codec.encode(reports.state_of(Record(tries=1)))
+        report = codec.encode(Record(tries=1).state())
         ana.put(keys.lesson("ana", "01-hello"), report, codec.MSGPACK)
         until(lambda: bool(lessons(settings)), "a report of a lesson")
         router.process.end(signal.SIGKILL)
