@@ -15,7 +15,7 @@ from gui_windows import windowed
 from gui_worlds import absent, world
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from robots import Stage, free_endpoint, start_router
+from robots import Stage, free_endpoint
 
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh.client import Presence
@@ -25,7 +25,6 @@ from gui.console.state.intents import Choose, SendHead, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import RouterView
 from gui.console.state.world import LinkPhase, OwnAccount, Trouble, World
-from gui.console.texts import LANGUAGES
 
 ANA = OwnAccount("ana", "8b", "2027-07-31", expired=False)
 ALONE = world(absent("sim"), absent("hw"))
@@ -95,28 +94,6 @@ def test_a_router_that_cannot_be_used_says_what_to_do(
     assert sheet(now, "de").text != sheet(now).text
 
 
-@pytest.mark.parametrize(
-    "key",
-    [
-        "bad_address",
-        "bad_account",
-        "no_file",
-        "not_account",
-        "not_stored",
-        "expired",
-        "foreign",
-        "needs_account",
-    ],
-)
-def test_a_choice_that_cannot_be_used_is_explained_in_both_languages(key: str) -> None:
-    slots = dict.fromkeys(("address", "file", "endpoint", "account", "class", "expires"), "X")
-    now = replace(ALONE, router_trouble=Trouble(f"connect.{key}", detail="In English.", slots=slots))
-    texts = [sheet(now, language) for language in LANGUAGES]
-    assert texts[0].text != texts[1].text
-    assert {found.details for found in texts} == {"In English."}
-    assert not any(found.good for found in texts)
-
-
 def test_while_a_choice_is_checked_there_is_no_second_one() -> None:
     now = replace(ALONE, choosing=True)
     assert not sheet(now).use.enabled
@@ -173,19 +150,6 @@ def test_another_router_is_used_and_its_only_robot_is_shown() -> None:
             linked.do(UseRouter(here.endpoint))
             linked.until(lambda world: world.robot == "bea", "the first robot is shown again")
             linked.online("hw")
-
-
-def test_a_window_without_a_router_waits_for_the_one_that_was_typed() -> None:
-    later = free_endpoint()
-    with Linked(free_endpoint()) as linked:
-        linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "no router answers")
-        linked.do(UseRouter(later))
-        linked.until(lambda world: world.endpoint == later, "the window looks for the other router")
-        router = start_router(later)
-        try:
-            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "it answers")
-        finally:
-            router.end()
 
 
 def test_the_motion_of_the_window_ends_with_its_session() -> None:

@@ -8,13 +8,12 @@ from pathlib import Path
 import pytest
 from gui_links import Linked
 from gui_windows import windowed
-from gui_worlds import absent, robot, status, world
+from gui_worlds import absent, robot, world
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from robots import free_endpoint
 
 from beatrix_zenoh.client import Presence
-from gui.console.link.ports import parsed
 from gui.console.state.actions import ConnectHardware, LookForPorts
 from gui.console.state.connecting import VIRTUAL, CloseConnect
 from gui.console.state.intents import Choose
@@ -50,14 +49,6 @@ def test_absent_hardware_offers_to_connect() -> None:
     found = pill(WITHOUT, "hw", Texts("en")).next_step
     assert found is not None
     assert (found.text, found.intent) == ("Connect", LookForPorts())
-
-
-def test_hardware_whose_board_is_lost_offers_another_port_if_it_is_this_windows() -> None:
-    lost = world(hw=robot("hw", known=status("hw", connected=False)))
-    assert pill(lost, "hw", Texts("en")).next_step is None
-    found = pill(replace(lost, own_hardware=True), "hw", Texts("en")).next_step
-    assert found is not None
-    assert found.intent == LookForPorts()
 
 
 def test_the_list_has_boards_first_and_always_the_virtual_robot() -> None:
@@ -129,11 +120,6 @@ def test_a_failure_is_shown_in_the_language_with_the_output_as_a_detail() -> Non
     assert found is not None
     assert found.text == "Das Programm der Hardware ist zu Ende (1). Wähle noch einmal einen Anschluss."
     assert found.details == "Its output: ..."
-
-
-def test_the_output_of_the_program_is_read() -> None:
-    lines = ["other\t/dev/ttyUSB1\tFT232R", "a warning", "board\t/dev/ttyACM0\tArduino Mega"]
-    assert parsed(lines) == (BOARD, CABLE)
 
 
 @pytest.mark.usefixtures("qapp")

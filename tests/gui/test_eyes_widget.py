@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -57,12 +56,6 @@ def decoder(monkeypatch: pytest.MonkeyPatch) -> Decoder:
     return made
 
 
-def test_before_the_first_picture_the_window_says_that_it_waits(picture: CameraPicture) -> None:
-    shown = picture.grab().toImage()
-    picture.show_view(replace(ON, text=WORDS("eye.waiting")))
-    assert picture.grab().toImage() == shown
-
-
 @pytest.fixture
 def picture(qtbot: QtBot) -> CameraPicture:
     made = CameraPicture(WORDS)
@@ -96,22 +89,6 @@ def test_only_the_newest_picture_is_decoded_and_only_when_visible(
     assert alike(colour(picture, 0.5, 0.5), BLUE)
     picture.repaint()
     assert len(decoder.seen) == 1, "each picture is decoded once"
-
-
-def test_at_most_thirty_pictures_a_second_are_drawn(
-    qtbot: QtBot, picture: CameraPicture, decoder: Decoder
-) -> None:
-    picture.show()
-    qtbot.waitExposed(picture)
-    begin_s = time.monotonic()
-    last = b""
-    for seq in range(60):
-        last = picture_of((seq, 0, 0), seq=seq).jpeg
-        picture.show_image(of_bytes(last, seq=seq))
-        qtbot.wait(2)
-    qtbot.waitUntil(lambda: decoder.seen[-1:] == [last])
-    spent_s = time.monotonic() - begin_s
-    assert len(decoder.seen) <= spent_s * 1e3 / eyes.PERIOD_MS + 2
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from gui.console.state.choices import Choices
 from gui.console.state.intents import Intent, Theme
 from gui.console.state.memory import Memory
 from gui.console.state.world import FaceProgress
-from gui.console.texts import LANGUAGES, Texts
+from gui.console.texts import Texts
 from gui.window.theme import apply_theme, style_of
 from gui.window.widgets.gestures import GesturesPanel, PictureButton
 
@@ -84,27 +84,8 @@ def test_each_button_reports_its_intent(show: Show, *, by_key: bool) -> None:
     assert given == [*gestures, FollowFace(NEW, ()), CopyProgram(NEW, OWN)]
 
 
-@pytest.mark.parametrize("theme", list(Theme))
-@pytest.mark.parametrize("code", LANGUAGES)
-@pytest.mark.parametrize("width", [NARROW_PX, WIDE_PX])
-def test_all_buttons_fit_into_a_panel_of_any_width(show: Show, theme: Theme, code: str, width: int) -> None:
-    panel = show(theme, code, width)
-    assert panel.width() == width
-    for button in buttons(panel):
-        assert panel.rect().contains(button.geometry())
-        metrics = button.fontMetrics()
-        assert metrics.horizontalAdvance(button.text()) <= button.width()
-        assert button.accessibleName() == button.text()
-    rows = {button.y() for button in buttons(panel)}
-    for top in rows:
-        row = [button.geometry() for button in buttons(panel) if button.y() == top]
-        assert min(place.left() for place in row) < 10, "every row fills the panel"
-        assert max(place.right() for place in row) > width - 10
-
-
-@pytest.mark.parametrize("theme", list(Theme))
-def test_every_gesture_has_a_picture_of_its_own(show: Show, theme: Theme) -> None:
-    panel = show(theme, "en", NARROW_PX)
+def test_every_gesture_has_a_picture_of_its_own(show: Show) -> None:
+    panel = show(Theme.LIGHT, "en", NARROW_PX)
     side = min(
         min(button.width(), button.height() - button.fontMetrics().height()) for button in buttons(panel)
     )
@@ -128,12 +109,3 @@ def test_the_running_program_is_shown_with_its_file_and_its_last_line(show: Show
         "",
         "",
     )
-
-
-def test_a_low_panel_shows_pictures_only_and_names_are_tooltips(show: Show, qtbot: QtBot) -> None:
-    panel = show(Theme.DARK, "en", NARROW_PX)
-    panel.window().resize(NARROW_PX, panel.minimumSizeHint().height())
-    qtbot.waitUntil(lambda: len({button.y() for button in buttons(panel)}) == 1)
-    for button in buttons(panel):
-        assert panel.rect().contains(button.geometry())
-        assert button.toolTip().startswith(f"{button.accessibleName()}: ")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -28,7 +27,7 @@ from gui.console.state.intents import AimHead, Choose, Intent, LiveHead, Release
 from gui.console.state.orientation import HeadOrientation
 from gui.console.state.state import State
 from gui.console.state.world import World
-from gui.console.texts import LANGUAGES, Texts
+from gui.console.texts import Texts
 from gui.window.widgets.head3d import VIEWS, Head3dPanel
 from gui.window.widgets.head3d_drag import (
     EARS,
@@ -68,14 +67,6 @@ def test_the_middle_of_the_head_is_the_face(camera: Viewpoint, yaw: float, pitch
     ears = [on_screen(seen, head, place) for place in EARS.values()]
     if min(math.dist(middle[:2], ear[:2]) for ear in ears) > 30:
         assert picked(seen, head, middle[0], middle[1]) is Part.FACE
-
-
-def test_ears_are_grabbed_at_their_places_and_the_ground_nowhere() -> None:
-    seen = screen("behind")
-    for part in (Part.LEFT_EAR, Part.RIGHT_EAR):
-        ear = on_screen(seen, UPRIGHT, EARS[part])
-        assert picked(seen, UPRIGHT, ear[0], ear[1]) is part
-    assert picked(seen, UPRIGHT, 20.0, 430.0) is None
 
 
 def test_the_head_of_a_robot_is_grabbed_where_the_target_is_elsewhere() -> None:
@@ -272,24 +263,6 @@ def test_a_hidden_head_reports_no_more_live_targets(shown: Callable[..., Shown])
     assert not window.intents
 
 
-def test_the_picture_is_drawn_anew_only_when_a_robot_moves(
-    shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    drawn: list[object] = []
-    monkeypatch.setattr("gui.window.widgets.head3d.paint_robot", lambda *parts, **_: drawn.append(parts))
-    window = shown()
-    window.panel.grab()
-    first = len(drawn)
-    window.show()
-    window.handle(AimHead(20.0, 0.0, 0.0))
-    window.panel.grab()
-    assert len(drawn) == first  # the outline only
-    window.now = ready()
-    window.show()
-    window.panel.grab()
-    assert len(drawn) == first + 1
-
-
 @pytest.mark.parametrize(
     ("checked", "solid"), [(("sim",), "sim"), (("hw",), "hw"), (("sim", "hw"), "hw"), ((), "hw")]
 )
@@ -308,15 +281,13 @@ def test_the_checked_robot_is_solid_and_the_other_one_a_ghost(
     assert drawn == {"paint_robot": heads.pop(solid), "paint_ghost": heads.popitem()[1]}
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
 def test_a_gap_in_the_positions_greys_the_head_where_it_was(
-    shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch, language: str
+    shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn = list[tuple[object, bool]]()
     place = "gui.window.widgets.head3d.paint_robot"
     monkeypatch.setattr(place, lambda _, head, *__, grey: drawn.append((head, grey)))
     window = shown(ready())
-    window.handle(intents.Choose("language", language))
     window.panel.grab()
     here = window.state.view(window.now).head
     for side in ("sim", "hw"):
@@ -330,38 +301,3 @@ def test_a_gap_in_the_positions_greys_the_head_where_it_was(
     window.now = NOWHERE
     window.show()
     assert window.state.view(window.now).head.shown is None
-
-
-def test_a_robot_that_is_alone_is_solid(shown: Callable[..., Shown]) -> None:
-    for side in ("sim", "hw"):
-        window = shown(world(**{side: getattr(NOWHERE, side)}))
-        assert window.state.view(window.now).head.solid != side
-
-
-@pytest.mark.parametrize("code", LANGUAGES)
-def test_every_state_can_be_drawn_in_every_language(qtbot: QtBot, code: str) -> None:
-    panel = Head3dPanel(Texts(code))
-    qtbot.addWidget(panel)
-    panel.resize(500, 400)
-    only_sim = world(hw=NOWHERE.hw)
-    pictures = []
-    for now in (NOWHERE, only_sim, ready()):
-        aims = (AimHead(0.0, 0.0, 0.0), AimHead(170.0, 38.0, 10.0))
-        for aim in (
-            aims[:1] if now is NOWHERE else aims
-        ):  # without a robot the sentence has the picture for itself
-            state = State()
-            state.handle(aim, now)
-            panel.show_view(state.view(now).head)
-            pictures.append(panel.grab().toImage())
-    assert panel.head.accessibleName()
-    assert all(one != other for one, other in itertools.combinations(pictures, 2))
-
-
-def test_the_release_is_remembered_but_live_is_not(shown: Callable[..., Shown]) -> None:
-    window = shown()
-    QTest.mouseClick(window.panel.send, LEFT, pos=window.panel.send.rect().center())
-    assert Choose("send_on_release", value=True) in window.intents
-    window.handle(Choose("live", value=True))
-    again = State(window.state.saved).choices
-    assert (again.send_on_release, again.live) == (True, False)

@@ -82,15 +82,6 @@ def test_a_page_that_holds_a_button_says_the_same_until_its_row_has_ended() -> N
     assert state.view(world()).sending == idle
 
 
-def test_a_held_button_of_one_robot_changes_nothing_in_the_panel() -> None:
-    state = State()
-    idle = state.view(world()).sending
-    state.handle(HoldArm("short", 1), world())
-    held = state.view(world())
-    assert held.sending == idle
-    assert held.arms.rows[0].plus.tooltip.endswith(state.choices.texts("arm.hold"))
-
-
 @pytest.mark.parametrize(("part", "moved"), [("short", 1), ("all", 3)])
 def test_the_goal_of_a_hold_lies_ahead_at_a_limited_speed(part: str, moved: int) -> None:
     query = jog_query(part, 1, 90.0, AHEAD_S)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from pytestqt.qtbot import QtBot
 
 from gui.console.state.intents import Choose, Intent
 from gui.console.state.views import LevelView, SoundView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import ElidedLabel
 from gui.window.widgets.levels import LevelsPanel
 
 LOUD = LevelView("sim", "Simulation", 0.75, 0.5, "left -20 dB, right -40 dB")
@@ -26,20 +23,6 @@ def test_bars_are_there_only_while_the_box_is_checked(qtbot: QtBot) -> None:
     assert [bar.value() for bar in panel.bars.values()] == [75, 50, 0, 0]
     assert all(bar.isVisible() for bar in panel.bars.values())
     assert [text.text() for text in panel.texts.values()] == [LOUD.text, ABSENT.text]
-
-
-def test_a_long_reason_is_shortened_and_in_the_tooltip(qtbot: QtBot) -> None:
-    panel, long = (
-        LevelsPanel(Texts("en")),
-        replace(ABSENT, text="no microphones: start the robot with --mics " * 4),
-    )
-    qtbot.addWidget(panel)
-    panel.show_view(SoundView(True, (LOUD, long)))
-    panel.resize(600, 60)
-    panel.show()
-    panel.grab()
-    assert panel.texts["hw"].toolTip() == long.text
-    assert isinstance(panel.texts["hw"], ElidedLabel)
 
 
 def test_the_box_reports_what_the_user_wants(qtbot: QtBot) -> None:

@@ -69,15 +69,6 @@ def test_the_steps_follow_what_really_happened() -> None:
     assert state.saved.guided == len(STEPS)
 
 
-def test_a_refused_motion_is_no_step() -> None:
-    state = begun("send")
-    state.handle(AimHead(20.0, 5.0, 0.0), WELL)
-    (send,) = state.handle(SendHead(), WELL)
-    ended(state, send, Reason.NOT_ENABLED)
-    state.follow(WELL)
-    assert "Step 3 of 4" in text(state)
-
-
 @pytest.mark.parametrize(("yaws", "done"), [((0, 15, -15, 15), True), ((0, 15, 0, 4, 0, 4), False)])
 def test_a_head_says_no_by_turning_from_side_to_side(yaws: tuple[float, ...], done: bool) -> None:
     state = begun("no")
@@ -87,13 +78,6 @@ def test_a_head_says_no_by_turning_from_side_to_side(yaws: tuple[float, ...], do
     for number, yaw in enumerate(yaws):
         state.follow(turned(yaw, float(number)))
     assert ("Mission 2" in text(state)) is done
-
-
-def test_a_slow_turn_from_side_to_side_is_no_no() -> None:
-    state = begun("no")
-    for number, yaw in enumerate((0, 15, -15, 15)):
-        state.follow(turned(yaw, 10.0 * number))
-    assert "Mission 1" in text(state)
 
 
 @given(st.lists(st.floats(-9.9, 9.9), min_size=1))

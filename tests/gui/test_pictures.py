@@ -14,7 +14,7 @@ from gui.console.link.pictures import Camera, CameraStream, Streams
 
 FIRST_S = 20.0
 """Longest wait (s) for the first picture, which starts rendering."""
-LEFT, RIGHT = ("hw", "left"), ("hw", "right")
+LEFT = ("hw", "left")
 
 
 class ImageLog:

@@ -11,22 +11,20 @@ import msgspec
 import numpy as np
 import pytest
 from PyQt5.QtCore import QPoint, QPointF, Qt
-from PyQt5.QtGui import QImage, QTextDocument, QWheelEvent
+from PyQt5.QtGui import QImage, QWheelEvent
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from pyqtgraph import PlotDataItem
 from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client import RobotState
-from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.actions import WriteFile
 from gui.console.state.intents import Intent
 from gui.console.state.state import State
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.widgets import plots as plots_module
-from gui.window.widgets.plot_curves import ZOOM
-from gui.window.widgets.plot_samples import CAPACITY, History, sample_time_s, span, table
+from gui.window.widgets.plot_samples import CAPACITY, History, sample_time_s, span
 from gui.window.widgets.plots import PlotsPanel
 
 Arms = tuple[float, float, float]
@@ -83,19 +81,6 @@ def test_the_plots_show_the_lag_of_the_hardware(plots: PlotsPanel) -> None:
     assert apart[1, -1] == pytest.approx(-10 * LAG_S, abs=0.01), "hardware minus simulation"
     assert apart[1, 0] == pytest.approx(0.0)
     assert curve(plots.arms[1].lines[0])[1] == pytest.approx(0.0)
-
-
-def test_curves_are_drawn_at_most_20_times_a_second(
-    plots: PlotsPanel, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    plots.append(world_at(1.0))
-    plots.show()
-    monkeypatch.setattr(plots_module, "PERIOD_S", 60.0)
-    plots.append(world_at(1.05))
-    assert len(curve(plots.arms[0].lines[0])[0]) == 1
-    monkeypatch.setattr(plots_module, "PERIOD_S", 0.0)
-    plots.append(world_at(1.1))
-    assert len(curve(plots.arms[0].lines[0])[0]) == 3, "no sample is lost"
 
 
 def test_time_stamps_of_another_computer_are_converted_to_this_clock() -> None:
@@ -169,13 +154,6 @@ def test_a_pause_keeps_the_picture_and_time_to_look_around(filled: PlotsPanel) -
     assert curve(filled.arms[0].lines[1])[1].max() == 50
 
 
-def test_another_robot_ends_the_pause(filled: PlotsPanel) -> None:
-    filled.pause(on=True)
-    filled.append(replace(world_at(72.0), robot="bea2"))
-    assert not filled.bar.pause.isChecked()
-    assert len(curve(filled.arms[0].lines[0])[0]) == 1
-
-
 def test_the_cursor_reads_all_curves_in_the_language(qtbot: QtBot, filled: PlotsPanel) -> None:
     german = PlotsPanel(Texts("de"))
     qtbot.addWidget(german)
@@ -190,40 +168,6 @@ def test_the_cursor_reads_all_curves_in_the_language(qtbot: QtBot, filled: Plots
         assert angle not in panel.plots["short"].label.text()
     ticks = german.difference.plot.getAxis("left").tickStrings([-0.5, 0.0], 1.0, 0.5)
     assert ticks == ["−0,5", "0"]
-
-
-@pytest.mark.parametrize(("paused", "at_s"), [(True, -2.0), (False, -2.0 * ZOOM**4)])
-def test_the_cursor_follows_the_mouse_when_the_times_change(
-    filled: PlotsPanel,
-    paused: bool,
-    at_s: float,
-) -> None:
-    filled.pause(on=paused)
-    filled.plots["short"].mouse.pointed.emit(-19.0)
-    turn_wheel(filled, 4, -2.0)
-    shown = float(filled.bar.time.text().removesuffix(" s").replace("−", "-"))
-    assert shown == pytest.approx(at_s, abs=0.2)
-    assert "–" not in filled.plots["short"].label.text()
-    filled.show_span(20.0)
-    filled.plots["short"].mouse.pointed.emit(-19.0)
-    filled.show_span(5.0)
-    assert filled.bar.time.text() == ""
-
-
-def test_the_sign_of_a_curve_stays_beside_its_name(filled: PlotsPanel) -> None:
-    for width in range(120, 700, 7):
-        document = QTextDocument()
-        document.setHtml(filled.difference.label.text())
-        document.setTextWidth(width)
-        layout = document.firstBlock().layout()
-        assert layout is not None
-        text = document.firstBlock().text()
-        lines = [layout.lineAt(number) for number in range(layout.lineCount())]
-        words = [text[line.textStart() :][: line.textLength()].strip() for line in lines]
-        assert not [word for word in words if word.endswith(("—\u2060", "–\u2060", "···", "–"))], (
-            width,
-            words,
-        )
 
 
 def test_only_chosen_curves_are_shown(filled: PlotsPanel) -> None:
@@ -268,13 +212,6 @@ def test_the_export_has_what_is_shown_with_units(filled: PlotsPanel, tmp_path: P
     assert State().handle(WriteFile(0, Path(), ""), world_at(1.0)) == []
 
 
-def test_a_table_has_no_columns_for_an_absent_robot() -> None:
-    sim = np.array([[-1.0, 1, 2, 3], [0.0, 4, 5, 6]])
-    text = table({"hw": sim[:0], "sim": sim}, [f"{arm}_deg" for arm in ARMS], -0.5, 0.0)
-    assert text == "time_s,sim_short_deg,sim_middle_deg,sim_long_deg\n0.000,4.000,5.000,6.000\n"
-    assert table({}, [], -1.0, 0.0) == "time_s\n"
-
-
 def choose(plots: PlotsPanel, group: str, name: str) -> None:
     """Choose one of the other values in the menu."""
     plots.bar.menu.aboutToShow.emit()
@@ -312,17 +249,6 @@ def test_any_number_of_the_robots_can_be_shown(filled: PlotsPanel, tmp_path: Pat
         "hw_head.pitch",
         "hw_head.roll",
     ]
-
-
-def test_the_chosen_values_stay_when_the_language_changes(qtbot: QtBot, filled: PlotsPanel) -> None:
-    choose(filled, "board", "retries")
-    german = PlotsPanel(Texts("de"))
-    qtbot.addWidget(german)
-    german.keep(filled)
-    german.append(world_at(71.0))
-    german.show()
-    assert german.slots[0].isVisible()
-    assert "Platine Wiederholungen" in german.slots[0].label.text()
 
 
 def test_in_a_low_panel_the_plots_stand_in_two_columns(plots: PlotsPanel) -> None:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import ast
-from dataclasses import replace
 from pathlib import Path
 from unittest.mock import MagicMock
 
-import msgspec
 import pytest
 from gui_worlds import BOTH, accept, robot, state_after, world
 from hypothesis import given
@@ -90,14 +88,6 @@ def test_a_program_without_a_motion_is_a_program(tmp_path: Path) -> None:
     assert state.handle(SaveProgram(Path()), world()) == []
 
 
-def test_another_router_and_a_file_are_part_of_the_program() -> None:
-    state = state_after(Play(0, (), Path('my "best".csv')))
-    text = state.view(world()).code.text
-    assert "from beatrix_zenoh.client.choreography import load, play" in text
-    elsewhere = replace(world(), endpoint="tcp/10.0.0.1:7447")
-    assert 'Twin("bea1", connect="tcp/10.0.0.1:7447")' in state.view(elsewhere).code.text
-
-
 THREE = (
     SavedPose("nod", 20, 0, 0, 2.0),
     SavedPose("wait", 20, 0, 0, 1.5),
@@ -114,18 +104,6 @@ def plays_of(text: str, monkeypatch: pytest.MonkeyPatch) -> list[list[ArmPose]]:
     )
     exec(compile(text, "program", "exec"), {})
     return plays
-
-
-def test_a_played_sequence_is_repeated_with_its_pauses(monkeypatch: pytest.MonkeyPatch) -> None:
-    state = State(Saved(poses=THREE))
-    (play,) = state.handle(PlaySequence("sim"), world())
-    assert isinstance(play, Play)
-    ended(state, play.row, Reason.OK)
-    (found,) = plays_of(state.view(world()).code.text, monkeypatch)
-    assert [pose.at for pose in found] == [0.0, 2.0, 3.5]
-    assert [msgspec.structs.astuple(pose) for pose in found] == [
-        pytest.approx(msgspec.structs.astuple(pose), abs=1e-3) for pose in play.poses
-    ]
 
 
 @pytest.mark.parametrize("rounds", [1, 2, 4])
@@ -145,15 +123,6 @@ def test_a_loop_is_repeated_as_often_as_it_was_played(rounds: int, monkeypatch: 
     assert text.splitlines()[-1].strip().startswith("# play 3 poses: ended early"), (
         "the round that was stopped"
     )
-
-
-def test_one_loop_is_copied_as_a_program_without_an_end() -> None:
-    state = State(Saved(poses=THREE))
-    state.handle(intents.Choose("loop", value=True), world())
-    state.handle(PlaySequence("sim"), world())
-    (row,) = state.view(world()).history
-    ast.parse(row.program)
-    assert "while True:  # until Ctrl-C" in row.program
 
 
 PRESSES = st.sampled_from(

@@ -18,10 +18,9 @@ from beatrix_zenoh.contract.refusals import not_enabled
 from beatrix_zenoh.motion.trajectory import plan, shortest_s, speed_for
 from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Outcome, Play
-from gui.console.state.intents import AimHead, Choose, DeletePose, Intent, PlayPoses, SavePose
-from gui.console.state.orientation import HeadOrientation
+from gui.console.state.intents import AimHead, Choose, DeletePose, Intent, SavePose
 from gui.console.state.saved import Saved, SavedPose
-from gui.console.state.sequence import POSES_MAX, changed
+from gui.console.state.sequence import changed
 from gui.console.state.sequence_intents import (
     AddPose,
     DuplicatePose,
@@ -211,18 +210,6 @@ def test_poses_of_an_older_window_get_durations_at_the_saved_speed() -> None:
     assert [pose.duration_s for pose in state.saved.poses] == [2.5, 2.0]
 
 
-def test_a_sequence_has_a_largest_number_of_poses() -> None:
-    state = editing(*(replace_name(NOD, f"n{number}") for number in range(POSES_MAX)))
-    state.handle(AddPose(), world())
-    state.handle(DuplicatePose("n1"), world())
-    assert len(state.saved.poses) == POSES_MAX
-    assert not state.view(world()).sequence.add.enabled
-
-
-def replace_name(pose: SavedPose, name: str) -> SavedPose:
-    return SavedPose(name, *pose.arms, pose.duration_s)
-
-
 # -- playing ----------------------------------------------------------------------------------------
 
 
@@ -249,13 +236,6 @@ def test_the_hardware_follows_when_the_simulation_has_played_this_sequence() -> 
     assert not state.view(world()).sequence.hardware.enabled, "this sequence was not played yet"
     state.handle(UndoSequence(), world())
     assert state.view(world()).sequence.hardware.enabled
-
-
-def test_a_play_that_failed_does_not_free_the_hardware() -> None:
-    state = editing(NOD, LEFT)
-    play = played(state, PlaySequence("sim"))
-    state.report(Outcome(play.row, "sim", accepted=False, done=True, reason=Reason.STOPPED))
-    assert not state.view(world()).sequence.hardware.enabled
 
 
 def test_a_loop_frees_the_hardware_after_one_round() -> None:
@@ -306,18 +286,6 @@ def test_a_pose_that_the_limits_do_not_allow_is_said_at_the_pose(
     assert refusal_of(state) == f"The pose '{wrong[0].name}' cannot be played. {wrong[0].problem}"
 
 
-def test_only_the_robot_refuses_a_pose() -> None:
-    """Its neck may have another shape than the window assumes."""
-    state = editing(FAR, NOD)
-    play = played(state, PlaySequence("sim"))
-    state.report(Outcome(play.row, "sim", accepted=True, done=True))
-    assert refusal_of(state) == ""
-    state = editing(NOD, LEFT)
-    play = played(state, PlaySequence("sim"))
-    state.report(Outcome(play.row, "sim", accepted=False, done=True, reason=Reason.OUT_OF_REACH))
-    assert "'nod'" not in refusal_of(state)
-
-
 def test_a_play_with_the_motors_off_offers_the_next_step() -> None:
     state = editing(NOD, LEFT)
     play = played(state, PlaySequence("sim"))
@@ -344,17 +312,6 @@ def test_a_play_has_its_name_in_the_language_of_the_window() -> None:
     assert view.poses.playing == "Posen"
 
 
-@pytest.mark.parametrize(("poses", "what"), [((NOD,), "play one pose"), ((NOD, LEFT), "play 2 poses")])
-def test_a_play_is_counted_in_the_history(poses: tuple[SavedPose, ...], what: str) -> None:
-    state = editing(*poses)
-    played(state, PlaySequence("sim"))
-    assert what in state.view(world()).history[0].what
-
-
-def test_the_page_plays_the_poses_on_the_checked_robots() -> None:
-    assert played(editing(NOD, LEFT), PlayPoses()).sides == ("sim",)
-
-
 def test_invalid_requests_are_refused_with_a_reason() -> None:
     given_intents: list[tuple[Intent, str]] = [
         (PlaySequence("sim"), "no pose yet"),
@@ -371,8 +328,3 @@ def test_invalid_requests_are_refused_with_a_reason() -> None:
     state = editing(NOD)
     assert state.handle(SaveSequence(Path()), world()) == []
     assert "needs a name" in refusal_of(state)
-
-
-def test_a_pose_that_no_head_can_have_has_no_picture() -> None:
-    view = editing(SavedPose("odd", 300.0, 0.0, -300.0, 9.0)).view(world()).sequence
-    assert view.cards[0].head is None or isinstance(view.cards[0].head, HeadOrientation)

@@ -115,17 +115,6 @@ def test_the_keyboard_selects_moves_uses_and_deletes(
     assert strip.cards[strip.current].name == "left", "the restored one"
 
 
-def test_the_card_that_is_played_is_marked(window: Window, strip: Strip, link: RecordingLink) -> None:
-    pictures = []
-    for number in (-1, 1):
-        link.known = replace(link.known, playing="poses", playing_pose=number)
-        window.refresh()
-        assert strip.played == number
-        assert window.panels.sequence.loop.isEnabled() == (number < 0)
-        pictures.append(strip.grab(strip.card(1)).toImage())
-    assert pictures[0] != pictures[1]
-
-
 def test_a_duration_that_is_too_short_is_said_at_the_pose(
     window: Window, strip: Strip, intents: Taken
 ) -> None:
@@ -176,18 +165,3 @@ def test_loop_and_files_report_their_intents(
         panel.dialog.fileSelected.emit(str(file))
         assert intents() == [made]
         panel.dialog.close()
-
-
-@pytest.mark.parametrize(("height", "beside_the_head"), [(768, True), (600, True), (520, False)])
-def test_the_sequence_is_below_the_head_where_its_cards_fit(
-    qtbot: QtBot, window: Window, height: int, beside_the_head: bool
-) -> None:
-    panels = window.panels
-    window.setMinimumHeight(0)
-    window.resize(1024, height)
-    qtbot.waitUntil(lambda: window.height() == height)
-    home = panels.low_area if beside_the_head else panels.tabs
-    assert home.indexOf(panels.sequence) >= 0
-    home.setCurrentWidget(panels.sequence)
-    assert panels.sequence.isVisible()
-    assert panels.head3d.isVisible() is beside_the_head

@@ -66,13 +66,6 @@ def test_a_row_shows_state_driver_queue_rate_and_age() -> None:
     same("state class.a row shows state driver queue rate and age", silent.details)
 
 
-def test_a_row_shows_how_long_the_turn_lasts() -> None:
-    first, *others = TEACHER.robots
-    assert first.status is not None
-    robots = (replace(first, status=structs.replace(first.status, turn_s=43)), *others)
-    assert page(opened(), replace(TEACHER, robots=robots)).rows[0].cells[3:5] == ("ana (taken)", "43 s")
-
-
 def test_the_page_shows_a_summary_and_the_speed_limit() -> None:
     view = page(opened())
     same("state class.the page shows a summary and the speed limit", view.summary)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,14 +10,12 @@ from gui_worlds import BOTH, NOT_SIM, NOWHERE, robot, state_after, status, world
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES, load, shipped
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Reason
-from beatrix_zenoh.contract.refusals import not_enabled
 from gui.console.state.actions import CopyProgram, EndFollowing, FollowFace, Outcome, Play
 from gui.console.state.intents import Choose, Intent, Repeat
 from gui.console.state.state import State
 from gui.console.state.world import FaceProgress, World
 
 SHIPPED, OWN = Path("shipped/follow_the_face.py"), Path("beatrix-programs/follow_the_face.py")
-GERMAN = Choose("language", "de")
 
 
 def seeing(side: str, *, connected: bool = True, source: str = "") -> RobotState:
@@ -58,13 +55,6 @@ def test_a_press_plays_a_gesture_on_the_checked_robots(
 def test_a_gesture_is_repeated_on_the_robots_that_are_checked_then() -> None:
     state = state_after(Play(0, (), gesture="yes"), BOTH)
     assert state.handle(Repeat(1), world()) == [Play(2, ("sim", "hw"), lead_s=2.0, gesture="yes")]
-
-
-def test_titles_are_in_the_language_of_the_window() -> None:
-    state = state_after(GERMAN, Play(0, (), gesture="sleepy"))
-    view = state.view(world(playing="sleepy"))
-    assert (view.history[0].what, view.sending.title) == ("Geste: Müde (Simulation)", "Spielt Müde")
-    assert [button.text for _, button in view.gestures.gestures][:2] == ["Ja", "Nein"]
 
 
 def test_without_a_checked_robot_all_buttons_give_the_reason() -> None:
@@ -150,14 +140,6 @@ def test_a_second_press_ends_the_program_even_if_no_robot_is_checked() -> None:
     assert state.handle(view.follow.intent, now) == [EndFollowing()]
 
 
-def test_the_program_of_the_user_is_named_while_it_runs_and_while_it_waits() -> None:
-    state = State()
-    assert state.view(faces()).gestures.note == ""
-    assert str(OWN) in state.view(faces(file=OWN)).gestures.note
-    assert str(OWN) in state.view(faces(running=True, file=OWN)).gestures.note
-    assert str(SHIPPED) not in state.view(faces(running=True)).gestures.note
-
-
 def test_opening_the_program_copies_it_and_the_history_shows_the_path() -> None:
     state, now = State(), faces()
     assert state.handle(state.view(now).gestures.open.intent, now) == [CopyProgram(1, OWN)]
@@ -178,12 +160,3 @@ def test_a_failed_program_is_a_sentence_and_its_last_line_a_detail(language: str
     assert word in view.history[0].result
     assert "ValueError" not in view.history[0].result + view.last
     assert "ValueError" in view.gestures.details
-
-
-def test_a_refusal_of_the_robot_ends_the_program_in_the_language_of_the_window() -> None:
-    state, now, refused = state_after(GERMAN), faces(), not_enabled()
-    state.handle(FollowFace(0, ()), now)
-    end = Outcome(1, "", accepted=True, done=False)
-    state.report(end)
-    state.report(replace(end, accepted=False, done=True, reason=refused.reason, detail=refused.detail))
-    assert "Motoren" in state.view(now).history[0].result

@@ -93,13 +93,6 @@ def test_a_stop_that_one_side_has_not_carried_out_is_not_called_refused(
     assert (row.result, row.good) == (result, False)
 
 
-def test_a_stop_without_a_router_reached_no_side() -> None:
-    state = State()
-    state.handle(intents.EmergencyStop(), world())
-    state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.NO_ROUTER, message="No router."))
-    assert state.view(world()).history[0].result == "did not reach Simulation, Hardware: No router."
-
-
 # -- lines -------------------------------------------------------------------------------------------
 
 LINES: list[tuple[tuple[Intent, ...], str]] = [
@@ -294,13 +287,6 @@ def test_a_stop_of_another_seat_is_not_called_refused() -> None:
     assert (result.startswith("not confirmed by Simulation: "), good) == (True, False)
 
 
-def test_own_requests_are_not_shown_twice() -> None:
-    own = event(10, seat="ben", session="abc")
-    assert rows(own) == []
-    now = world(robot("sim", events=(own,)))
-    assert State().view(now).history == ()
-
-
 @pytest.mark.parametrize(("seat", "who"), [("cem", ["cem"]), ("", ["unknown"]), ("ben", [])])
 def test_a_stop_with_the_session_of_this_window_is_its_own_only_under_its_seat(
     seat: str, who: list[str]
@@ -327,19 +313,3 @@ def test_poses_are_saved_sent_and_played() -> None:
     assert [(pose.short, pose.middle, pose.long) for pose in play.poses] == [(10, 20.5, -5), (0, 0, 0)]
     state.handle(intents.DeletePose("up"), world())
     assert [pose.name for pose in state.saved.poses] == ["bow, low"]
-
-
-def test_invalid_requests_about_poses_are_refused_with_a_reason() -> None:
-    unknown = world(robot("sim", arms=None), robot("hw", arms=None))
-    given: list[tuple[Intent, World, str]] = [
-        (intents.SavePose(" "), world(), "needs a name"),
-        (intents.SavePose("a"), unknown, "present angles are unknown"),
-        (intents.GoToPose("b"), world(), "no pose named 'b'"),
-        (intents.PlayPoses(), world(), "no pose yet"),
-    ]
-    for intent, now, text in given:
-        state = State()
-        assert state.handle(intent, now) == []
-        refusal = state.view(now).commands.refusal
-        assert refusal is not None
-        assert text in refusal.text

@@ -156,12 +156,6 @@ def test_increments_of_both_robots_add_up_although_the_arms_stand_on_whole_micro
     assert goal == pytest.approx((increment * times,) * 3, abs=1e-4)
 
 
-def test_after_a_stop_increments_of_both_robots_count_from_where_the_arms_rest() -> None:
-    state = state_after(BOTH, intents.Choose("increment", 10), Jog("all", 1))
-    rests = world(robot("sim", arms=(4, 4, 4)), robot("hw", arms=(4, 4, 4)))
-    assert arms_of(sent(state.handle(Jog("all", 1), rests))) == pytest.approx((14, 14, 14))
-
-
 def test_a_simulation_left_at_the_target_is_offered_its_way_back() -> None:
     moving = robot("sim", arms=(4, 4, 4), known=status("sim", moving=True))
     left = world(robot("sim", arms=(5, 0, 0)), robot("hw"))
@@ -178,16 +172,6 @@ def test_a_simulation_left_at_the_target_is_offered_its_way_back() -> None:
     back = sent(state.handle(offer.alternative.intent, left))
     assert (back.sides, arms_of(back), back.query.absolute) == (("sim",), (0, 0, 0), True)
     assert state.view(left).head.refusal is None
-
-
-def test_the_offer_of_a_way_back_goes_when_both_robots_are_at_one_place() -> None:
-    left = world(robot("sim", arms=(5, 0, 0)), robot("hw"))
-    state = state_after(BOTH, Jog("short", 1))
-    state.handle(Abort(), plan(PlanPhase.LEADING, 1.0))
-    state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
-    for now, shown in ((left, True), (world(), False), (left, False)):
-        state.follow(now)
-        assert (state.view(now).head.refusal is not None) is shown
 
 
 def test_abort_just_after_the_lead_stops_both_robots() -> None:

@@ -25,7 +25,6 @@ from beatrix_zenoh.contract.refusals import (
     emergency_latched,
     not_calibrated,
     not_enabled,
-    stopped_pause,
     taken_by,
 )
 from gui.console.state import intents
@@ -128,13 +127,6 @@ def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> Non
     ]
 
 
-def test_the_next_step_of_a_refusal_keeps_the_target_of_the_pad() -> None:
-    state = state_after(BOTH, intents.AimHead(20.0, 5.0, 0.0), intents.SendHead())
-    refused(state, not_enabled().detail, Reason.NOT_ENABLED, side="sim")
-    assert state.handle(intents.TakeAlternative(), world()) == [MakeReady("sim", 2)]
-    assert state.view(world()).head.target.yaw == 20.0
-
-
 def test_the_robot_that_refused_is_read_from_the_message() -> None:
     state = state_after(BOTH, Jog("short", 1))
     refused(state, not_calibrated().detail, Reason.NOT_CALIBRATED, "bea1 (hw): Home is not known.", side="")
@@ -178,14 +170,6 @@ def test_a_motion_that_this_window_stops_or_aborts_is_not_a_refusal() -> None:
         assert view.arms.refusal is None
         assert view.history[-1].result == result
         assert view.history[-1].on_purpose is isinstance(intent, Abort)
-
-
-def test_a_stop_of_another_seat_is_shown_with_its_pause() -> None:
-    state = state_after(Jog("short", 1))
-    refused(state, stopped_pause("ben", 1.5).detail, Reason.STOPPED)
-    refusal = state.view(world()).arms.refusal
-    assert refusal is not None
-    assert "1.5 s" in refusal.text
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, ShownState
 
 from beatrix_zenoh.contract._generated.messages import Command
-from gui.console.state.actions import Abort, BeginRecording, EndRecording, SendNow, StartSimulation
+from gui.console.state.actions import Abort, BeginRecording, EndRecording, SendNow
 from gui.console.state.intents import (
     AimHead,
     Change,
@@ -197,27 +197,6 @@ def test_a_refusal_is_shown_at_the_pad_with_its_alternative(
     assert not panels.refusal.isVisible()
 
 
-def test_pills_and_banner_have_the_button_for_the_next_step(
-    window: Window, shown: ShownState, intents: Taken
-) -> None:
-    shown.shown = example("fault", Theme.LIGHT, "en")
-    window.refresh()
-    pill = window.panels.header.pills["hw"]
-    assert "emergency stop" in pill.state.text()
-    assert pill.toolTip()
-    QTest.mouseClick(pill.next_step, LEFT)
-    assert intents() == [RunCommand(Command.RESET, side="hw")]
-    assert not window.panels.header.pills["sim"].next_step.isVisible()
-    shown.shown = example("no-router", Theme.LIGHT, "en")
-    window.refresh()
-    QTest.mouseClick(window.panels.banner.buttons[0], LEFT)
-    assert intents() == [StartSimulation()]
-
-
-def pad_of(window: Window) -> HeadPad:
-    return window.panels.head.pad
-
-
 def drag(pad: HeadPad, start: QPointF, end: QPointF) -> None:
     QTest.mousePress(pad, LEFT, pos=start.toPoint())
     held = QMouseEvent(QEvent.Type.MouseMove, end, NO_BUTTON, LEFT, Qt.KeyboardModifier.NoModifier)
@@ -233,24 +212,19 @@ DRAGS: dict[str, tuple[QPointF, Callable[[AimHead], bool]]] = {
 }
 
 
-@pytest.mark.parametrize("name", DRAGS)
-def test_dragging_the_disc_changes_pitch_and_roll(window: Window, intents: Taken, name: str) -> None:
-    offset, right = DRAGS[name]
-    pad = pad_of(window)
+def test_dragging_the_disc_or_the_ring_changes_its_angles_only(window: Window, intents: Taken) -> None:
+    pad = window.panels.head.pad
     middle = QPointF(pad.width() / 2, pad.height() / 2)
-    drag(pad, middle, middle + offset)
-    aims = [intent for intent in intents() if isinstance(intent, AimHead)]
-    assert right(aims[-1])
-    assert aims[-1].yaw == 20.0, "the ring stays where it was"
-
-
-@pytest.mark.parametrize("yaw", [-170.0, -90.0, 0.0, 45.0, 120.0])
-def test_dragging_the_ring_changes_yaw(window: Window, intents: Taken, yaw: float) -> None:
-    pad = pad_of(window)
-    drag(pad, pad.yaw_point(10.0), pad.yaw_point(yaw))
-    aims = [intent for intent in intents() if isinstance(intent, AimHead)]
-    assert aims[-1].yaw == pytest.approx(yaw, abs=1.5)
-    assert (aims[-1].pitch, aims[-1].roll) == (14.0, 12.0), "the disc stays where it was"
+    for name, (offset, right) in DRAGS.items():
+        drag(pad, middle, middle + offset)
+        aim = [intent for intent in intents() if isinstance(intent, AimHead)][-1]
+        assert right(aim), name
+        assert aim.yaw == 20.0, "the ring stays where it was"
+    for yaw in (-170.0, -90.0, 0.0, 45.0, 120.0):
+        drag(pad, pad.yaw_point(10.0), pad.yaw_point(yaw))
+        aim = [intent for intent in intents() if isinstance(intent, AimHead)][-1]
+        assert aim.yaw == pytest.approx(yaw, abs=1.5)
+        assert (aim.pitch, aim.roll) == (14.0, 12.0), "the disc stays where it was"
 
 
 @pytest.mark.parametrize("theme", Theme)
@@ -280,25 +254,24 @@ def test_the_buttons_of_a_pill_name_its_robot_for_screen_readers(window: Window)
 
 
 @pytest.mark.parametrize("size", [(1366, 768), (1024, 560)])
-@pytest.mark.parametrize("control", ["head", "short", "commands", "gestures"])
 def test_a_refusal_covers_neither_a_control_nor_a_head(
-    window: Window, shown: ShownState, size: tuple[int, int], control: str
+    window: Window, shown: ShownState, size: tuple[int, int]
 ) -> None:
     window.resize(*size)
-    view = example("refusal", Theme.LIGHT, "en")
+    view, panels = example("refusal", Theme.LIGHT, "en"), window.panels
     assert view.head.refusal is not None
-    refused = replace(view.head, refusal=replace(view.head.refusal, control=control))
-    shown.shown = replace(view, head=refused)
-    window.refresh()
-    panels = window.panels
-    notice = QRect(panels.refusal.mapTo(panels, QPoint(0, 0)), panels.refusal.size())
     kinds = (QAbstractButton, QAbstractSpinBox, QSlider, HeadPad)
-    for other in (found for kind in kinds for found in panels.findChildren(kind)):
-        if other.isVisible() and not panels.refusal.isAncestorOf(other):
-            place = QRect(other.mapTo(panels, QPoint(0, 0)), other.size())
-            assert not notice.intersects(place), other.accessibleName()
-    head, robots = panels.head3d.head, (view.head.sim, view.head.hw)
-    for robot in filter(None, robots):
-        for point in (SKULL, *EARS.values()):
-            x, y, _ = on_screen(head.screen3d, robot, point)
-            assert not notice.contains(head.mapTo(panels, QPoint(round(x), round(y))))
+    for control in ("head", "short", "commands", "gestures"):
+        refused = replace(view.head, refusal=replace(view.head.refusal, control=control))
+        shown.shown = replace(view, head=refused)
+        window.refresh()
+        notice = QRect(panels.refusal.mapTo(panels, QPoint(0, 0)), panels.refusal.size())
+        for other in (found for kind in kinds for found in panels.findChildren(kind)):
+            if other.isVisible() and not panels.refusal.isAncestorOf(other):
+                place = QRect(other.mapTo(panels, QPoint(0, 0)), other.size())
+                assert not notice.intersects(place), (control, other.accessibleName())
+        head = panels.head3d.head
+        for robot in filter(None, (view.head.sim, view.head.hw)):
+            for point in (SKULL, *EARS.values()):
+                x, y, _ = on_screen(head.screen3d, robot, point)
+                assert not notice.contains(head.mapTo(panels, QPoint(round(x), round(y)))), control

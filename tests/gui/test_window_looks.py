@@ -69,11 +69,7 @@ def test_every_text_has_enough_contrast(theme: Theme) -> None:
         if contrast(*colours) < least
     }
     assert found == {}
-
-
-@pytest.mark.parametrize("theme", Theme)
-def test_the_message_beside_stop_is_on_a_dark_ground(theme: Theme) -> None:
-    assert luminance(style_of(theme).message) < DARK
+    assert luminance(style_of(theme).message) < DARK, "the message beside STOP"
 
 
 @pytest.mark.parametrize("theme", Theme)
@@ -198,11 +194,10 @@ def test_no_text_and_no_widget_is_cut_off(qtbot: QtBot, theme: Theme, language: 
     assert not found, "\n".join(sorted(set(found)))
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
-@pytest.mark.parametrize("theme", Theme)
-def test_the_sheet_that_connects_grows_with_its_message(qtbot: QtBot, theme: Theme, language: str) -> None:
+def test_the_sheet_that_connects_grows_with_its_message(qtbot: QtBot) -> None:
+    """In German and in the theme with the largest letters it needs most room."""
     link, state = RecordingLink(), State()
-    for intent in (Choose("theme", theme), Choose("language", language)):
+    for intent in (Choose("theme", Theme.PROJECTOR), Choose("language", "de")):
         state.handle(intent, link.known)
     window = Window(link, state)
     qtbot.add_widget(window)

@@ -11,14 +11,11 @@ from robots import until
 
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Presence, RobotState
-from beatrix_zenoh.client.degrees import ArmAngles, motion_query, pose_query
+from beatrix_zenoh.client.degrees import motion_query, pose_query
 from beatrix_zenoh.contract._generated.messages import Command, MotionQuery, PoseQuery
 from beatrix_zenoh.settings import Settings
 from gui.console.link import Link
 from gui.console.state.actions import Action, MakeReady, Outcome, SendCommand, SendStop
-from gui.console.state.intents import Intent
-from gui.console.state.state import State
-from gui.console.state.views import View
 from gui.console.state.world import World
 
 PATIENCE_S = 40.0
@@ -147,34 +144,3 @@ def is_home(state: RobotState) -> bool:
     """Return whether a robot is calibrated and all its commanded angles are 0."""
     known = state.status is not None and state.status.calibrated and state.reading is not None
     return known and state.reading is not None and state.reading.commanded == (0, 0, 0)
-
-
-class BareWindow:
-    """A window without widgets."""
-
-    def __init__(self, linked: Linked) -> None:
-        self.linked, self.state, self.reported = linked, State(), 0
-
-    def view(self) -> View:
-        """Return the present view."""
-        while self.reported < len(self.linked.outcomes):
-            self.state.report(self.linked.outcomes[self.reported])
-            self.reported += 1
-        return self.state.view(self.linked.world)
-
-    def want(self, intent: Intent) -> None:
-        for action in self.state.handle(intent, self.linked.world):
-            self.linked.do(action)
-
-    def ends(self) -> bool:
-        """Wait for the end of the newest request of the window; return whether it succeeded."""
-        until(lambda: self.own() is not None, "the newest request ends", 15.0)
-        return bool(self.own())
-
-    def own(self) -> bool | None:
-        return next(row.good for row in self.view().history if row.row > 0)
-
-    def commanded(self, side: str) -> ArmAngles:
-        reading = self.linked.world.side(side).reading
-        assert reading is not None
-        return reading.commanded

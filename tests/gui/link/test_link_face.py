@@ -99,13 +99,6 @@ def test_the_person_sways_while_the_program_runs_and_then_stands_where_it_stood(
     room.walk_target("still")
 
 
-def test_a_program_that_cannot_be_copied_is_reported(linked: Linked, tmp_path: Path) -> None:
-    (tmp_path / "taken").write_text("", encoding="utf-8")
-    linked.do(CopyProgram(1, tmp_path / "taken" / "follow.py"))
-    end = linked.end_of(1)
-    assert (end.accepted, end.key) == (False, "result.no_write")
-
-
 def test_a_newer_motion_or_play_replaces_the_program(linked: Linked, own: Path) -> None:
     write(own, TURNS)
     turning(linked, 1)
@@ -156,31 +149,25 @@ def test_the_loss_of_the_robot_ends_the_program(stage: Stage, linked: Linked, ow
     assert (end.accepted, end.key == FAILED) == (False, False), end
 
 
-@pytest.mark.parametrize(
-    ("text", "reason", "line"),
-    [
-        ("raise ValueError('no face')", Reason.BAD_VALUE, "ValueError: no face"),
-        ("from beatrix_zenoh import Robot\nRobot().look(yaw=500)", Reason.YAW_LIMIT, "500"),
-        ("from beatrix_zenoh import Robot\nRobot('absent').positions()", Reason.NO_SUCH_ROBOT, "absent"),
-    ],
+ENDS = (
+    ("import sys\nprint(sys.argv[1:])", Reason.OK, "['sim']"),
+    ("raise ValueError('no face')", Reason.BAD_VALUE, "ValueError: no face"),
+    ("from beatrix_zenoh import Robot\nRobot().look(yaw=500)", Reason.YAW_LIMIT, "500"),
+    ("from beatrix_zenoh import Robot\nRobot('absent').positions()", Reason.NO_SUCH_ROBOT, "absent"),
 )
-def test_a_program_that_fails_gives_a_reason_and_its_last_line(
-    linked: Linked, own: Path, text: str, reason: Reason, line: str
-) -> None:
-    write(own, text)
-    linked.do(FollowFace(1, ("sim",)))
-    end = linked.end_of(1, timeout_s=START_S)
-    assert (end.accepted, end.reason) == (False, reason)
-    assert (end.key == FAILED) == (reason is Reason.BAD_VALUE)
-    assert line in linked.world.face.line
-    assert (end.detail is None) == (reason is Reason.BAD_VALUE)
+"""Programs, the reason with which they end, and a part of their last line."""
 
 
-def test_a_program_that_ends_by_itself_is_done(linked: Linked, own: Path) -> None:
-    write(own, "import sys\nprint(sys.argv[1:])")
-    linked.do(FollowFace(1, ("hw", "sim")))
-    assert linked.end_of(1, timeout_s=START_S).accepted
-    assert linked.world.face.line == "['hw', 'sim']"
+def test_a_program_that_ends_gives_a_reason_and_its_last_line(linked: Linked, own: Path) -> None:
+    own.parent.mkdir()
+    for row, (text, reason, line) in enumerate(ENDS):
+        own.write_text(text, encoding="utf-8")
+        linked.do(FollowFace(row, ("sim",)))
+        end = linked.end_of(row, timeout_s=START_S)
+        assert (end.accepted, end.reason) == (reason is Reason.OK, reason)
+        assert (end.key == FAILED) == (reason is Reason.BAD_VALUE)
+        assert line in linked.world.face.line
+        assert (end.detail is None) == (reason in (Reason.OK, Reason.BAD_VALUE))
 
 
 def test_the_program_ends_with_the_link(stage: Stage, own: Path) -> None:

@@ -25,24 +25,22 @@ BOTH = ("sim", "hw")
 PATH = "t_s,yaw_deg,pitch_deg,roll_deg\n"
 
 
-@pytest.mark.parametrize(
-    ("lines", "sentence"),
-    [
-        ("0,1,2,3\n", "bend.csv hat nur einen Punkt"),
-        ("0,0,0,0\n1,5,0,0\n1,8,0,0\n", "Zeile 4 von bend.csv passt nicht"),
-        ("0,0,0,0\n4000,5,0,0\n", "höchstens 3600 s"),
-        ("0,0,0\n", "Zeile 2 von bend.csv passt nicht"),
-    ],
+WRONG = (
+    ("0,1,2,3\n", "bend.csv hat nur einen Punkt"),
+    ("0,0,0,0\n1,5,0,0\n1,8,0,0\n", "Zeile 4 von bend.csv passt nicht"),
+    ("0,0,0,0\n4000,5,0,0\n", "höchstens 3600 s"),
+    ("0,0,0\n", "Zeile 2 von bend.csv passt nicht"),
 )
-def test_a_path_that_cannot_be_played_is_explained_in_german(
-    linked: Linked, tmp_path: Path, lines: str, sentence: str
-) -> None:
+
+
+def test_a_path_that_cannot_be_played_is_explained_in_german(linked: Linked, tmp_path: Path) -> None:
     file = tmp_path / "bend.csv"
-    file.write_text(PATH + lines)
-    linked.do(Play(1, ("sim",), file=file))
-    outcome = linked.end_of(1, "sim")
-    assert outcome.reason is Reason.BAD_VALUE
-    assert sentence in Texts("de")(outcome.key, **outcome.slots)
+    for row, (lines, sentence) in enumerate(WRONG):
+        file.write_text(PATH + lines)
+        linked.do(Play(row, ("sim",), file=file))
+        outcome = linked.end_of(row, "sim")
+        assert outcome.reason is Reason.BAD_VALUE
+        assert sentence in Texts("de")(outcome.key, **outcome.slots)
 
 
 def turns(speed: float, *yaws: float) -> tuple[ArmPose, ...]:
@@ -82,15 +80,6 @@ def test_stop_ends_a_choreography_of_both_robots(linked: Linked) -> None:
     assert short(world, "hw") < 39
 
 
-def test_a_motion_replaces_a_choreography(linked: Linked) -> None:
-    linked.do(Play(1, ("sim",), poses=turns(30.0, 40.0, -40.0)))
-    linked.until(lambda world: short(world, "sim") > 2, "it moves")
-    linked.do(Send(2, look(0, 60), ("sim",)))
-    assert linked.end_of(2, "sim").accepted
-    assert linked.end_of(1, "sim").reason is Reason.REPLACED
-    assert short(linked.world, "sim") == pytest.approx(0, abs=0.1)
-
-
 def test_a_file_is_played_or_refused_with_the_line_of_the_error(linked: Linked, tmp_path: Path) -> None:
     path, wrong = tmp_path / "nod.csv", tmp_path / "wrong.csv"
     path.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n0.5,6,0,0\n1,6,0,0\n", encoding="utf-8")
@@ -123,7 +112,7 @@ def frozen(stage: Stage, linked: Linked) -> Iterator[Linked]:
         linked.do(ChooseRobot("ice"))
         at_home(linked)
         node.send(signal.SIGSTOP)
-        linked.until(lambda world: world.hw.presence is Presence.LOST, "the node is lost", 1.5)
+        linked.until(lambda world: world.hw.presence is Presence.LOST, "the node is lost")
         yield linked
         node.send(signal.SIGCONT)
 
@@ -131,14 +120,14 @@ def frozen(stage: Stage, linked: Linked) -> Iterator[Linked]:
 def test_a_plan_that_waits_for_a_suspended_node_delays_no_motion_of_the_simulation(frozen: Linked) -> None:
     frozen.do(Send(1, look(20, 30), BOTH, 1.0))
     frozen.do(Send(2, look(5, 60), ("sim",)))
-    assert frozen.end_of(1, timeout_s=0.5).reason is Reason.REPLACED
-    assert frozen.end_of(2, "sim", 1.5).accepted
+    assert frozen.end_of(1, timeout_s=5).reason is Reason.REPLACED
+    assert frozen.end_of(2, "sim", 5).accepted
     frozen.do(Send(3, look(20, 30), BOTH, 1.0))
     frozen.do(SendStop(4))
-    assert frozen.end_of(3, timeout_s=0.5).reason is Reason.STOPPED
-    assert frozen.end_of(4, "sim", 0.5).accepted
+    assert frozen.end_of(3, timeout_s=5).reason is Reason.STOPPED
+    assert frozen.end_of(4, "sim", 5).accepted
     frozen.do(Send(5, look(10, 30), BOTH, 1.0))
-    end = frozen.end_of(5, timeout_s=12)
+    end = frozen.end_of(5, timeout_s=30)
     assert end.reason in (Reason.NODE_HANGS, Reason.NODE_LOST)
     assert "ice (hw)" in end.message
     until(lambda: short(frozen.world, "sim") == pytest.approx(5, abs=0.1), "only the sent motions were made")
