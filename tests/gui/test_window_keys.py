@@ -239,12 +239,12 @@ def test_tab_reaches_every_control_and_returns_to_the_first(qtbot: QtBot, window
 
 
 STEPS = [
-    (Qt.Key.Key_Left, 0, (0.0, 0.0, -1.0)),
-    (Qt.Key.Key_Right, 0, (0.0, 0.0, 1.0)),
-    (Qt.Key.Key_Up, 0, (0.0, -1.0, 0.0)),
-    (Qt.Key.Key_Down, 0, (0.0, 1.0, 0.0)),
-    (Qt.Key.Key_PageUp, 0, (1.0, 0.0, 0.0)),
-    (Qt.Key.Key_PageDown, 0, (-1.0, 0.0, 0.0)),
+    (Qt.Key.Key_Left, Qt.KeyboardModifier.NoModifier, (0.0, 0.0, -1.0)),
+    (Qt.Key.Key_Right, Qt.KeyboardModifier.NoModifier, (0.0, 0.0, 1.0)),
+    (Qt.Key.Key_Up, Qt.KeyboardModifier.NoModifier, (0.0, -1.0, 0.0)),
+    (Qt.Key.Key_Down, Qt.KeyboardModifier.NoModifier, (0.0, 1.0, 0.0)),
+    (Qt.Key.Key_PageUp, Qt.KeyboardModifier.NoModifier, (1.0, 0.0, 0.0)),
+    (Qt.Key.Key_PageDown, Qt.KeyboardModifier.NoModifier, (-1.0, 0.0, 0.0)),
     (Qt.Key.Key_Down, Qt.KeyboardModifier.ShiftModifier, (0.0, 5.0, 0.0)),
 ]
 
@@ -255,7 +255,7 @@ def test_arrow_keys_move_the_target(qtbot: QtBot, window: Window, intents: Taken
         window.handle(AimHead(0.0, 0.0, 0.0))
         intents()
         for _ in range(2):
-            press(key, modifiers or Qt.KeyboardModifier.NoModifier)
+            press(key, modifiers)
         assert intents() == [AimHead(*step), AimHead(*(2 * angle for angle in step))]
 
 
