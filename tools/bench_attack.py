@@ -16,6 +16,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -137,6 +138,12 @@ def shares(took: list[float]) -> tuple[float, float, float]:
     return statistics.median(took), took[int(0.99 * len(took))], took[-1]
 
 
+def ends(lines: list[str]) -> str:
+    """Return how often each router has ended, and why, from the lines of their parent."""
+    found = re.findall(r"The router of (?:the )?(\w+).* has ended \((.*?)\)", "".join(lines))
+    return ", ".join(f"{who} {count} x: {why}" for (who, why), count in Counter(found).items()) or "0"
+
+
 def rows(folder: Path, seconds: float) -> Iterator[list[str]]:
     """Yield a row for each attack, while `beatrix top` runs for the teacher."""
     file = folder / "class.toml"
@@ -165,7 +172,7 @@ def rows(folder: Path, seconds: float) -> Iterator[list[str]]:
         teacher, ana = robot("bea2", "teacher"), robot("bea1", "ana")
         ana.make_ready()
         for name in sys.argv[2:] or attacks.ATTACKS:
-            ends, lost = router.count("has ended"), sum(node.count("was lost") for node in nodes)
+            before, lost = len(router.lines), sum(node.count("was lost") for node in nodes)
             users = Users(teacher, ana)
             card = "dan" if name == "tokens" else "cem"  # it is put out for a minute
             words = [name, str(seats / f"{card}.toml"), str(port), str(seconds)]
@@ -182,7 +189,7 @@ def rows(folder: Path, seconds: float) -> Iterator[list[str]]:
                 f"{users.stops.count(None)} of {len(users.stops)}",
                 f"{sum(users.motions)} of {len(users.motions)}",
                 str(sum(node.count("was lost") for node in nodes) - lost),
-                str(router.count("has ended") - ends),
+                ends(router.lines[before:]),
                 memory_mib(router.pid),
                 f"{os.getloadavg()[0]:.0f}",
             ]
