@@ -11,9 +11,11 @@ CODE = re.compile(r"^```text\n.*?^```|`[^`\n]+`", re.MULTILINE | re.DOTALL)
 """Inline code, and drawings in text."""
 PATH = re.compile(r"[\w.-]+/[\w./-]*")
 FOLDERS = {path.name for path in (*ROOT.iterdir(), *(ROOT / "beatrix_zenoh").iterdir()) if path.is_dir()} - {
-    "lessons"
+    "build",
+    "lessons",
 }
-"""First parts of the paths in pages: folders of the repository, or of the library. A pupil has a folder `lessons`, too."""
+"""First parts of the paths in pages: folders of the repository, or of the library, without those that also lie elsewhere:
+a pupil has a folder `lessons`, and `build` is made."""
 
 
 def named(page: Path) -> set[str]:
