@@ -15,7 +15,7 @@ from gui_windows import windowed
 from gui_worlds import absent, world
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from robots import Stage, free_endpoint
+from robots import Stage, free_endpoint, start_router
 
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh.client import Presence
@@ -150,6 +150,19 @@ def test_another_router_is_used_and_its_only_robot_is_shown() -> None:
             linked.do(UseRouter(here.endpoint))
             linked.until(lambda world: world.robot == "bea", "the first robot is shown again")
             linked.online("hw")
+
+
+def test_a_window_without_a_router_waits_for_the_one_that_was_typed() -> None:
+    later = free_endpoint()
+    with Linked(free_endpoint()) as linked:
+        linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "no router answers")
+        linked.do(UseRouter(later))
+        linked.until(lambda world: world.endpoint == later, "the window looks for the other router")
+        router = start_router(later)
+        try:
+            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "it answers")
+        finally:
+            router.end()
 
 
 def test_the_motion_of_the_window_ends_with_its_session() -> None:

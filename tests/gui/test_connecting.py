@@ -14,6 +14,7 @@ from PyQt5.QtTest import QTest
 from robots import free_endpoint
 
 from beatrix_zenoh.client import Presence
+from gui.console.link.ports import parsed
 from gui.console.state.actions import ConnectHardware, LookForPorts
 from gui.console.state.connecting import VIRTUAL, CloseConnect
 from gui.console.state.intents import Choose
@@ -120,6 +121,11 @@ def test_a_failure_is_shown_in_the_language_with_the_output_as_a_detail() -> Non
     assert found is not None
     assert found.text == "Das Programm der Hardware ist zu Ende (1). Wähle noch einmal einen Anschluss."
     assert found.details == "Its output: ..."
+
+
+def test_the_output_of_the_program_is_read() -> None:
+    lines = ["other\t/dev/ttyUSB1\tFT232R", "a warning", "board\t/dev/ttyACM0\tArduino Mega"]
+    assert parsed(lines) == (BOARD, CABLE)
 
 
 @pytest.mark.usefixtures("qapp")

@@ -20,7 +20,7 @@ from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Outcome, Play
 from gui.console.state.intents import AimHead, Choose, DeletePose, Intent, SavePose
 from gui.console.state.saved import Saved, SavedPose
-from gui.console.state.sequence import changed
+from gui.console.state.sequence import POSES_MAX, changed
 from gui.console.state.sequence_intents import (
     AddPose,
     DuplicatePose,
@@ -208,6 +208,14 @@ def test_add_takes_the_target_of_the_pad_or_the_present_pose() -> None:
 def test_poses_of_an_older_window_get_durations_at_the_saved_speed() -> None:
     state = State(Saved(speed=20.0, poses=(SavedPose("a", 40.0, 40.0, 40.0), NOD)))
     assert [pose.duration_s for pose in state.saved.poses] == [2.5, 2.0]
+
+
+def test_a_sequence_has_a_largest_number_of_poses() -> None:
+    state = editing(*(SavedPose(f"n{number}", *NOD.arms, 2.0) for number in range(POSES_MAX)))
+    state.handle(AddPose(), world())
+    state.handle(DuplicatePose("n1"), world())
+    assert len(state.saved.poses) == POSES_MAX
+    assert not state.view(world()).sequence.add.enabled
 
 
 # -- playing ----------------------------------------------------------------------------------------

@@ -174,6 +174,16 @@ def test_a_simulation_left_at_the_target_is_offered_its_way_back() -> None:
     assert state.view(left).head.refusal is None
 
 
+def test_the_offer_of_a_way_back_goes_when_both_robots_are_at_one_place() -> None:
+    left = world(robot("sim", arms=(5, 0, 0)), robot("hw"))
+    state = state_after(BOTH, Jog("short", 1))
+    state.handle(Abort(), plan(PlanPhase.LEADING, 1.0))
+    state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
+    for now, shown in ((left, True), (world(), False), (left, False)):
+        state.follow(now)
+        assert (state.view(now).head.refusal is not None) is shown
+
+
 def test_abort_just_after_the_lead_stops_both_robots() -> None:
     state = state_after(BOTH, Jog("short", 1))
     assert state.handle(Abort(), plan(PlanPhase.SENT)) == [Abort()]

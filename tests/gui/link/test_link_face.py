@@ -99,6 +99,13 @@ def test_the_person_sways_while_the_program_runs_and_then_stands_where_it_stood(
     room.walk_target("still")
 
 
+def test_a_program_that_cannot_be_copied_is_reported(linked: Linked, tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("", encoding="utf-8")
+    linked.do(CopyProgram(1, tmp_path / "taken" / "follow.py"))
+    end = linked.end_of(1)
+    assert (end.accepted, end.key) == (False, "result.no_write")
+
+
 def test_a_newer_motion_or_play_replaces_the_program(linked: Linked, own: Path) -> None:
     write(own, TURNS)
     turning(linked, 1)

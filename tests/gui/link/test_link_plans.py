@@ -100,6 +100,15 @@ def test_the_newest_of_many_motions_is_carried_out_and_each_row_ends_once(linked
         assert len([found for found in linked.of(row) if found.done]) == 1
 
 
+def test_a_motion_of_the_simulation_replaces_one_in_its_lead(linked: Linked) -> None:
+    before = steps(linked)
+    leading(linked, 1)
+    linked.do(Send(2, look(0, 60), ("sim",)))
+    assert linked.end_of(1).reason is Reason.REPLACED
+    assert linked.end_of(2, "sim").accepted
+    assert steps(linked) == before
+
+
 def test_a_refused_preview_has_a_detail_and_keeps_the_waiting_motion(linked: Linked) -> None:
     leading(linked, 1, 30.0, 1.5)
     linked.do(Send(2, pose_query(0, 60, 0, relative=False, speed=1.0), BOTH))
