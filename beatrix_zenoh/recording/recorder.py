@@ -16,10 +16,9 @@ from beatrix_zenoh.client.sound import Sound
 from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.recording.about import About, about
-from beatrix_zenoh.recording.difference import Difference
 from beatrix_zenoh.recording.losses import POSITIONS, Count, Losses, LossReport, Stream
 from beatrix_zenoh.recording.notes import NoteInbox, rows_of
-from beatrix_zenoh.recording.robot_rows import RobotRows
+from beatrix_zenoh.recording.robot_rows import Difference, RobotRows
 from beatrix_zenoh.recording.rows import (
     Frame,
     Numbers,
