@@ -21,7 +21,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.parts import joined, measured, numbers, spans_of, union
-from beatrix_zenoh.recording.robot_rows import GAP_NS, GRID_NS
+from beatrix_zenoh.recording.rows import GAP_NS, GRID_NS
 from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Note, Recorded, Samples
 from beatrix_zenoh.recording.series import HEAD
 

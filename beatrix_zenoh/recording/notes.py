@@ -15,8 +15,7 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import NoteQuery, NoteReply, Reason
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.recording.robot_rows import clock
-from beatrix_zenoh.recording.rows import MARK, NOTES, Bar, Line, RecordingRow
+from beatrix_zenoh.recording.rows import MARK, NOTES, Bar, Line, RecordingRow, clock
 from beatrix_zenoh.recording.samples import Note
 
 WAITING: Final = 10

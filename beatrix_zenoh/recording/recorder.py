@@ -18,12 +18,13 @@ from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.recording.about import About, about
 from beatrix_zenoh.recording.losses import POSITIONS, Count, Losses, LossReport, Stream
 from beatrix_zenoh.recording.notes import NoteInbox, rows_of
-from beatrix_zenoh.recording.robot_rows import Difference, RobotRows
 from beatrix_zenoh.recording.rows import (
+    Difference,
     Frame,
     Numbers,
     Output,
     RecordingRow,
+    RobotRows,
     RobotSet,
     Say,
     of_difference,

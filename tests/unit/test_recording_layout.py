@@ -11,9 +11,9 @@ from robots import ROOT
 
 from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.recording.robot_rows import BarState
 from beatrix_zenoh.recording.rows import (
     Bar,
+    BarState,
     BodyTurn,
     Frame,
     Line,

@@ -12,8 +12,7 @@ from beatrix_zenoh.body.surface import Mesh, triangles
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.colours import ARMS, AXES, Colour, pale
 from beatrix_zenoh.contract.names import SIDE_TITLES
-from beatrix_zenoh.recording.robot_rows import BarState
-from beatrix_zenoh.recording.rows import of_difference, of_model, of_robot
+from beatrix_zenoh.recording.rows import BarState, of_difference, of_model, of_robot
 
 Item = tuple[str, rr.AsComponents]
 """Path of an entity and its components."""
