@@ -28,7 +28,7 @@ from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.contract.sentences.events import plain_sentence
 from beatrix_zenoh.motion.rotation import rotation_of
-from beatrix_zenoh.recording.about import About
+from beatrix_zenoh.recording.samples import About
 
 RECORDER = "_recorder"
 """Root of the recorder's own entities; no robot can have this name."""

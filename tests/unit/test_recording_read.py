@@ -13,7 +13,6 @@ from written_recordings import BEGAN_NS, STEP_NS, write_lesson
 
 from beatrix_zenoh.contract._generated.messages import Info, LimitInfo
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.rows import (
     Bar,
     BodyTurn,
@@ -27,7 +26,7 @@ from beatrix_zenoh.recording.rows import (
 )
 from beatrix_zenoh.recording.rrd.read import read, read_about
 from beatrix_zenoh.recording.rrd.stream import RowStream
-from beatrix_zenoh.recording.samples import ClockOffset
+from beatrix_zenoh.recording.samples import About, ClockOffset
 from beatrix_zenoh.recording.viewer import verify
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
