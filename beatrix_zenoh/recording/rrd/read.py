@@ -15,7 +15,6 @@ from beatrix_zenoh.contract._generated.messages import Event, Reason
 from beatrix_zenoh.contract.codec import decode_json
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.contract.names import EYES, SIDES
-from beatrix_zenoh.recording.parts import Span, check_parts, union
 from beatrix_zenoh.recording.rows import NOTES, of_robot
 from beatrix_zenoh.recording.rrd.columns import (
     ABOUT,
@@ -46,8 +45,11 @@ from beatrix_zenoh.recording.samples import (
     Note,
     Recorded,
     Samples,
+    Span,
     TimedEvent,
     TimedTexts,
+    check_parts,
+    union,
 )
 from beatrix_zenoh.recording.sound import RecordedBlock
 
