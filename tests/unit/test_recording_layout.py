@@ -24,7 +24,7 @@ from beatrix_zenoh.recording.rows import (
     of_model,
     of_robot,
 )
-from beatrix_zenoh.recording.rrd.layout import TABS
+from beatrix_zenoh.recording.rrd.scene import TABS
 from beatrix_zenoh.recording.rrd.stream import RowStream
 
 Place = tuple[str, str]

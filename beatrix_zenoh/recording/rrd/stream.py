@@ -27,7 +27,7 @@ from beatrix_zenoh.recording.rows import (
 )
 from beatrix_zenoh.recording.rrd import scene
 from beatrix_zenoh.recording.rrd.columns import ABOUT, PROPERTY, ROBOT_TIME, TIME
-from beatrix_zenoh.recording.rrd.layout import layout
+from beatrix_zenoh.recording.rrd.scene import layout
 from beatrix_zenoh.recording.samples import About
 
 APPLICATION = "beatrix"
