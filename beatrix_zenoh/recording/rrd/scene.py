@@ -9,8 +9,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 from rerun.blueprint.encodings import TextLogColumn, TimelineColumn
 
-from beatrix_zenoh.body.figure import Figure
-from beatrix_zenoh.body.shape import mechanism, meshes
+from beatrix_zenoh.body.figure import Figure, mechanism, meshes
 from beatrix_zenoh.body.surface import Mesh, triangles
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.colours import ARMS, AXES, STYLES, Colour, pale
