@@ -12,9 +12,9 @@ from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, Twin
 from beatrix_zenoh.contract.names import ARMS
+from beatrix_zenoh.recording.arm_causes import Cause
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.diagnosis import findings
-from beatrix_zenoh.recording.finding import Cause
 from beatrix_zenoh.recording.series import LiveRecording, record_robots
 
 RMS_DEG, REST_DEG = 0.15, 0.3
