@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
 from typing import Final, NamedTuple
@@ -171,32 +171,11 @@ class Samples:
 
 
 @dataclass(frozen=True)
-class TimedTexts:
-    """Lines or states of one entity, in the order of time."""
-
-    time_ns: Nanoseconds
-    robot_ns: Nanoseconds
-    texts: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class TimedEvent:
     """An event of a robot, and its time (ns since 1970) by the clock of the recording computer."""
 
     time_ns: int
     event: Event
-
-
-@dataclass(frozen=True)
-class ClockOffset:
-    """A measurement of a robot's monotonic clock; `time_ns` of its samples has at most this error."""
-
-    time_ns: int
-    """time of the measurement by the clock of the recording computer"""
-    offset_s: float
-    """the robot's clock minus that of the recording computer"""
-    bound_s: float
-    """largest possible error: half the round trip of the query"""
 
 
 class Note(msgspec.Struct, frozen=True):
@@ -213,14 +192,8 @@ class Recorded:
     """The contents of a recording's file."""
 
     robots: dict[Place, Samples]
-    differences: dict[str, tuple[Nanoseconds, Floats]]
-    """by robot name: times (n,), and hardware minus simulation (n, 6): short, middle, long, yaw, pitch, roll (deg)"""
-    lines: dict[Place, TimedTexts]
-    """the events as sentences"""
-    states: dict[Place, TimedTexts]
     events: dict[Place, tuple[TimedEvent, ...]]
     """events of each robot in the order of time: what was requested, and what came of it"""
-    clocks: dict[Place, tuple[ClockOffset, ...]] = field(default_factory=dict)
     notes: tuple[Note, ...] = ()
     about: About | None = None
     """title, versions, robots and seats; None: a file of an earlier version"""

@@ -35,7 +35,7 @@ def samples(times_ns: list[int], arms: Floats | None = None, **changes: object) 
 
 
 def recorded(robots: dict[Place, Samples]) -> Recorded:
-    return Recorded(robots, {}, {}, {}, {})
+    return Recorded(robots, {})
 
 
 def grid(found: Table) -> dict[str, Floats]:

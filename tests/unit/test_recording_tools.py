@@ -205,7 +205,7 @@ REFUSED: dict[str, tuple[str, Callable[[Path, Path], Path]]] = {
         ),
     ),
     "an event that is none": (FOREIGN, with_robot("/x/sim/events", *TEXTS, *rr.AnyValues.columns(event=["x", "{}"]))),
-    "a clock of one number": (FOREIGN, with_robot("/x/sim/clock", *rr.Scalars.columns(scalars=[1.0, 2.0]))),
+    "a velocity of one number": (FOREIGN, with_robot("/x/sim/velocity", *rr.Scalars.columns(scalars=[1.0, 2.0]))),
 }  # fmt: skip
 
 
