@@ -10,8 +10,7 @@ from typing import Final
 import mujoco
 import numpy as np
 
-from beatrix_zenoh.body.figure import Figure
-from beatrix_zenoh.body.shape import mechanism
+from beatrix_zenoh.body.figure import Figure, mechanism
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.motion.gear import Arms
 from sim_node import gl

@@ -11,8 +11,7 @@ from typing import Final
 import mujoco
 import numpy as np
 
-from beatrix_zenoh.body.figure import Figure
-from beatrix_zenoh.body.shape import meshes
+from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.surface import Mesh
 from beatrix_zenoh.colours import Colour
 from beatrix_zenoh.contract._generated.robot import COLOURS, SIZES, RobotData

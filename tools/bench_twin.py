@@ -25,7 +25,7 @@ from beatrix_zenoh.paths.replay import replay
 from beatrix_zenoh.processes import Supervisor
 from beatrix_zenoh.recording.alignment import aligned
 from beatrix_zenoh.recording.compare import compare
-from beatrix_zenoh.recording.lag import lag
+from beatrix_zenoh.recording.motion_shifts import lag
 from beatrix_zenoh.recording.series import Floats, Recording, recording
 from beatrix_zenoh.recording.verbs.comparison_text import axes_table
 from beatrix_zenoh.shutdown import signals_interrupt

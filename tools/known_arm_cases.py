@@ -11,9 +11,8 @@ import numpy as np
 from known_robots import Act, Known, acts
 
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.arm_causes import FULL_STEP_DEG
+from beatrix_zenoh.recording.arm_causes import FULL_STEP_DEG, Cause
 from beatrix_zenoh.recording.compare import Thresholds
-from beatrix_zenoh.recording.finding import Cause
 from beatrix_zenoh.recording.series import Floats
 
 UNKNOWN = math.nan

@@ -8,8 +8,8 @@ from dataclasses import replace
 from known_arm_cases import UNKNOWN, Case, hw, of_all_arms
 from known_robots import GOALS, Act, Arms, Known, acts
 
+from beatrix_zenoh.recording.arm_causes import Cause
 from beatrix_zenoh.recording.compare import Thresholds
-from beatrix_zenoh.recording.finding import Cause
 
 HOME: Arms = (0.0, 0.0, 0.0)
 JITTER_S = (0.01, 0.04, 0.025, 0.065, 0.045, 0.085, 0.07, 0.1)

@@ -17,9 +17,9 @@ from known_cases import cases
 from known_robots import as_recordings, from_file
 
 from beatrix_zenoh.output import columns
+from beatrix_zenoh.recording.arm_causes import Cause, Finding
 from beatrix_zenoh.recording.compare import Comparison, compare
 from beatrix_zenoh.recording.diagnosis import findings
-from beatrix_zenoh.recording.finding import Cause, Finding
 from beatrix_zenoh.recording.verbs.comparison_text import lag_sentence, lead_sentences
 
 SECONDS = 21.0

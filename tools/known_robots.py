@@ -24,8 +24,7 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.trajectory import Trajectory, plan
-from beatrix_zenoh.recording.robot_rows import RobotRows
-from beatrix_zenoh.recording.rows import RecordingRow, RobotSet
+from beatrix_zenoh.recording.rows import RecordingRow, RobotRows, RobotSet
 from beatrix_zenoh.recording.rrd.stream import RowStream
 from beatrix_zenoh.recording.series import Floats, Recording, recording
 from beatrix_zenoh.recording.verbs.compare import recorded

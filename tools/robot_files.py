@@ -23,8 +23,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 
-from beatrix_zenoh.body.figure import Figure
-from beatrix_zenoh.body.shape import meshes
+from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.surface import Floats, Mesh
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError

@@ -11,7 +11,7 @@ from rerun.experimental import ViewerClient
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.recording.rrd.layout import TABS
+from beatrix_zenoh.recording.rrd.scene import TABS
 from beatrix_zenoh.recording.viewer import Viewer, address, free_port
 
 SIZE: Final = "1456x819"

@@ -1,20 +1,23 @@
-"""The bodies of the robot in pictures, and their rotations.
+"""The bodies of the robot in pictures: their rotations, their meshes, and the mechanism inside, which viewers hide at first.
 
 As in the MuJoCo model, every body's frame has its origin in the neck centre and is unrotated at home, so each body only
-rotates. Names are those of the model.
+rotates. Names are those of the model. Each arm's motor, ring, link and axes of the mechanism have the arm's colour.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh.colours import ARMS
+from beatrix_zenoh.body.surface import INNER, Mesh, Modeller
+from beatrix_zenoh.colours import ARMS, Colour
 from beatrix_zenoh.contract._generated.messages import GeometryInfo
-from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData, HeadData
+from beatrix_zenoh.contract._generated.robot import COLOURS, ROBOT, SIZES, GeometryData, HeadData
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.rotation import Rotation, Vector, cross, dot
 
@@ -163,3 +166,152 @@ def matrix(turn: Quaternion) -> Floats:
         (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
         (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
     ))  # fmt: skip
+
+
+# Lengths in m.
+UP: Final[Vector] = (0.0, 0.0, 1.0)
+CENTRE: Final[Vector] = (0.0, 0.0, 0.0)
+PLATE: Final = -0.124
+"""Height of the plate that carries the mast."""
+MOTOR: Final = -0.150
+"""Height of the motors' middles."""
+AXIS_RADIUS: Final = 0.0016
+AXIS_LENGTH: Final = 0.105
+"""Length of the elbows' and mounts' axes, from the neck centre on."""
+HEAD_AXIS: Final = 0.24
+LINK_RADIUS: Final = 0.0042
+ROD_PARTS: Final = 6
+"""Number of straight pieces that form the arc of the mechanism's rods."""
+
+
+@lru_cache(maxsize=16)
+def meshes(figure: Figure, *, fine: bool = False) -> tuple[Mesh, ...]:
+    """Return the mesh of each body; see `Modeller` for `fine`."""
+    model = Modeller(fine=fine)
+    _base(model, figure)
+    for index, (name, colour) in enumerate(ARMS.items()):
+        _chain(model, figure, index, name, colour)
+    _head(model, figure)
+    return model.meshes()
+
+
+@lru_cache(maxsize=8)
+def mechanism(figure: Figure, *, fine: bool = False) -> tuple[Mesh, ...]:
+    """Return the meshes of the mechanism inside each body; see `Modeller` for `fine`."""
+    model = Modeller(fine=fine)
+    model.tube("base", [(0.0, 0.0, SIZES.floor), CENTRE], AXIS_RADIUS * 1.5, COLOURS.black)
+    model.ellipsoid("head", CENTRE, (0.007, 0.007, 0.007), COLOURS.black)
+    model.tube("head", [CENTRE, (0.0, 0.0, HEAD_AXIS)], AXIS_RADIUS, COLOURS.black)
+    for index, (name, colour) in enumerate(ARMS.items()):
+        azimuth, elbow, mount = figure.chains[index]
+        reach, radius = figure.size.arm_length, figure.size.mount_radius
+        height, arm, rod = SIZES.ring_heights[index], f"arm_{name}", f"arm_{name}/rod_{name}"
+        motor, pinion = (motor_at(azimuth, up) for up in (MOTOR, height))
+        model.cylinder("base", motor, UP, (0.019, 0.034), colour)
+        model.tube("base", [motor, pinion], 0.003, colour)
+        model.cylinder("base", pinion, UP, (0.0155, 0.006), colour)
+        ring, post = (0.0, 0.0, height), direction(azimuth, SIZES.post_radius, height)
+        model.cylinder(arm, ring, UP, (SIZES.ring_radius, 0.003), colour)
+        model.tube(arm, [ring, post, scaled(elbow, reach)], LINK_RADIUS, colour)
+        model.tube(rod, [scaled(point, reach) for point in arc(elbow, mount)], LINK_RADIUS, COLOURS.rod)
+        model.tube("head", [scaled(mount, radius), (0.0, 0.0, radius)], LINK_RADIUS, COLOURS.black)
+        for body, axis, distance in ((arm, elbow, reach), (rod, mount, radius)):
+            model.cylinder(body, scaled(axis, distance), axis, (0.0095, 0.013), colour)
+            model.tube(body, [CENTRE, scaled(axis, AXIS_LENGTH)], AXIS_RADIUS, colour)
+    return model.meshes()
+
+
+def motor_at(azimuth: float, height: float) -> Vector:
+    """Return a point on the axis of the motor whose pinion drives the arm of this azimuth (rad)."""
+    drive = ROBOT.drive
+    away = SIZES.ring_radius * INNER * (1.0 - drive.gear_pinion / drive.gear_ring)
+    return direction(azimuth + math.pi / 3, away, height)
+
+
+def _base(model: Modeller, figure: Figure) -> None:
+    model.cylinder("base", (0.0, 0.0, SIZES.floor + 0.006), UP, (0.085, 0.012), COLOURS.base)
+    model.cylinder("base", (0.0, 0.0, SIZES.floor + 0.003), UP, (0.088, 0.006), COLOURS.trim)
+    model.cylinder("base", (0.0, 0.0, PLATE), UP, (0.062, 0.006), COLOURS.base)
+    drive = ROBOT.drive
+    pinion = SIZES.ring_radius * INNER * drive.gear_pinion / drive.gear_ring
+    for (azimuth, _, _), height in zip(figure.chains, SIZES.ring_heights, strict=True):
+        foot, top = direction(azimuth, 0.075, SIZES.floor), direction(azimuth, 0.05625, PLATE)
+        model.tube("base", [foot, top], 0.005, COLOURS.trim)
+        box = 0.021 * math.sqrt(2)
+        model.cylinder("base", motor_at(azimuth, MOTOR), UP, (box, 0.034), COLOURS.motor, box=True)
+        if model.fine:
+            flange = box * 1.01, 0.010
+            model.cylinder("base", motor_at(azimuth, -0.132), UP, flange, COLOURS.metal, box=True)
+            # Few faces: X            model.tube("base", [motor_at(azimuth, -0.13), motor_at(azimuth, height)], 0.0025, COLOURS.metal)
+            size = pinion, SIZES.ring_thickness
+            model.cylinder("base", motor_at(azimuth, height), UP, size, COLOURS.metal)
+    if model.fine:
+        model.tube("base", [(0.0, 0.0, PLATE), (0.0, 0.0, -0.058)], 0.007, COLOURS.metal)
+
+
+def _chain(model: Modeller, figure: Figure, index: int, name: str, colour: Colour) -> None:
+    arm, rod, reach = f"arm_{name}", f"arm_{name}/rod_{name}", figure.size.arm_length
+    (azimuth, elbow, mount), height = figure.chains[index], SIZES.ring_heights[index]
+    model.gear(arm, height, (SIZES.ring_radius, SIZES.ring_thickness), ROBOT.drive.gear_ring, colour)
+    link = (
+        direction(azimuth, SIZES.ring_radius, height),
+        direction(azimuth, SIZES.post_radius, height),
+        scaled(elbow, reach * 1.27),
+        scaled(elbow, reach * 1.1),
+    )
+    model.tube(arm, link, 0.0052, colour)
+    model.cylinder(arm, scaled(elbow, reach * 1.1), elbow, (0.0032, reach * 0.34), COLOURS.metal)
+    model.rod(rod, (elbow, mount), reach, (0.014, 0.0065), COLOURS.rod)
+    for axis, length in ((elbow, reach), (mount, figure.size.mount_radius)):
+        model.cylinder(rod, scaled(axis, length), axis, (0.0085, 0.0072), COLOURS.rod)
+
+
+def _head(model: Modeller, figure: Figure) -> None:
+    height, radius, top = figure.size.centre_height, figure.size.mount_radius, (0.0, 0.0, 0.040)
+    visor = (0.054, 0.0, height + SIZES.eye_up)
+    model.ellipsoid("head", (0.0, 0.0, height + 0.016), (0.082, 0.074, 0.078), COLOURS.shell, 0.82)
+    model.ellipsoid("head", (0.024, 0.0, height - 0.052), (0.052, 0.050, 0.034), COLOURS.shell, 0.75)
+    model.ellipsoid("head", visor, (0.036, 0.063, 0.033), COLOURS.visor, 0.6)
+    model.cylinder("head", (0.0, 0.0, 0.044), UP, (0.030, 0.012), COLOURS.trim)
+    for _, _, mount in figure.chains:
+        model.tube("head", [scaled(mount, 0.044), scaled(mount, radius * 1.08)], 0.0032, COLOURS.metal)
+        x, y, z = scaled(mount, 0.040)
+        model.tube("head", [scaled(mount, 0.046), (x, y, z + 0.012), top], 0.0065, COLOURS.trim)
+    for side in (1.0, -1.0):
+        _side(model, figure, side)
+    smile = [
+        (0.0745 - 6.0 * y * y, y, height - 0.060 + 9.0 * y * y) for y in (k * 0.006 for k in range(-4, 5))
+    ]
+    model.tube("head", smile, 0.0024, COLOURS.visor)
+    for side in (1.0, -1.0):
+        arch = [
+            (0.094 - 12.0 * y * y, side * figure.size.eye_baseline / 2 + y, visor[2] + 0.029 - 22.0 * y * y)
+            for y in ((step / 3 - 1) * 0.014 for step in range(7))
+        ]
+        model.tube("head", arch, 0.0024, COLOURS.visor)
+        model.ellipsoid("head", (0.068, side * 0.040, height - 0.030), (0.003, 0.011, 0.008), COLOURS.cheek)
+
+
+def _side(model: Modeller, figure: Figure, side: float) -> None:
+    """Add eye and ear of a side of the head: 1 is left, -1 right."""
+    height = figure.size.centre_height
+    x, y, z = eye = (0.081, side * figure.size.eye_baseline / 2, height + SIZES.eye_up)
+    ear, out = (-0.006, side * 0.072, height + 0.012), (0.0, 1.0, 0.0)
+    model.ellipsoid("head", eye, (0.0215, 0.0215, 0.0215), COLOURS.white)
+    model.ellipsoid("head", (x + 0.0178, y, z), (0.006, 0.0135, 0.0135), COLOURS.iris)
+    model.ellipsoid("head", (x + 0.0215, y, z), (0.004, 0.0075, 0.0075), COLOURS.black)
+    model.ellipsoid("head", (x + 0.0232, y + 0.004, z + 0.0045), (0.0024, 0.0024, 0.0024), COLOURS.white)
+    model.cylinder("head", ear, out, (0.023, 0.012), COLOURS.trim)
+    model.cylinder("head", ear, out, (0.016, 0.016), COLOURS.rod)
+    model.cylinder("head", ear, out, (0.007, 0.019), COLOURS.trim)
+
+
+def arc(start: Vector, end: Vector) -> Sequence[Vector]:
+    """Return points on the great circle between two unit vectors, both included."""
+    angle = math.acos(max(-1.0, min(1.0, dot(start, end))))
+    points = []
+    for index in range(ROD_PARTS + 1):
+        a, b = math.sin((1 - index / ROD_PARTS) * angle), math.sin(index / ROD_PARTS * angle)
+        x, y, z = ((a * s + b * e) / math.sin(angle) for s, e in zip(start, end, strict=True))
+        points.append((x, y, z))
+    return points

@@ -15,8 +15,16 @@ import numpy as np
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.lag import FAR_S, NEAR_S, lag
-from beatrix_zenoh.recording.motion_shifts import AROUND_S, LOCAL_S, Expected, MovedPart, all_measured
+from beatrix_zenoh.recording.motion_shifts import (
+    AROUND_S,
+    FAR_S,
+    LOCAL_S,
+    NEAR_S,
+    Expected,
+    MovedPart,
+    all_measured,
+    lag,
+)
 from beatrix_zenoh.recording.requests import NOT_ASKED, Alone, MotionRequest, Shared, alone, pairs, shared
 from beatrix_zenoh.recording.series import GRID_S, Flags, Floats, Recording, resample, resting, runs
 

@@ -1,18 +1,66 @@
-"""Why an arm differs: explanations fitted to the same differences, and compared by what they leave of them."""
+"""Findings, and why an arm differs: explanations fitted to the same differences, and compared by what they leave of them."""
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
 from typing import Final, NamedTuple
 
 import numpy as np
 
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.finding import Cause, Finding, count, listed
 from beatrix_zenoh.recording.motion_shifts import CLEARLY
 from beatrix_zenoh.recording.series import Flags, Floats, runs
+
+
+class Cause(StrEnum):
+    """The cause of differences."""
+
+    STOOD_STILL = "stood still"
+    NOT_ASKED = "not asked"
+    STOPPED = "stopped"
+    BEGAN_APART = "began apart"
+    EXCHANGED = "exchanged"
+    REVERSED = "reversed"
+    SCALE = "scale"
+    OFFSET = "offset"
+    MISSED_STEPS = "missed steps"
+    CREEP = "creep"
+    DRIFT = "drift"
+    CLOCK = "clock"
+    JUMP = "jump"
+    LOSS = "loss"
+    NEW_HOME = "new home"
+    FOLLOWED = "followed"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A cause, the arms that it concerns, its size and a sentence about it."""
+
+    cause: Cause
+    sentence: str
+    arms: tuple[str, ...] = ()
+    value: float = math.nan
+    """deg of BEGAN_APART, OFFSET and CREEP, full steps of MISSED_STEPS at the end, hardware / simulation - 1 of SCALE, s per s
+    of DRIFT, s of CLOCK and JUMP, share of LOSS, number of motions of NOT_ASKED"""
+    t: float = math.nan
+    """time since the begin of the comparison (s), if the cause has one"""
+
+
+def listed(names: tuple[str, ...]) -> str:
+    """Join names: 'short, middle and long'."""
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def count(number: int, what: str) -> str:
+    """Return a number with its noun."""
+    return f"{number} {what}" + "s" * (number != 1)
+
 
 FULL_STEP_DEG: Final = 360 / ROBOT.drive.full_steps * ROBOT.drive.gear_pinion / ROBOT.drive.gear_ring
 APART_DEG: Final = 0.25

@@ -12,8 +12,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.alignment import Alignment, aligned
-from beatrix_zenoh.recording.lag import best_shift, chosen
-from beatrix_zenoh.recording.motion_shifts import LOCAL_S, MovedPart, jump, window
+from beatrix_zenoh.recording.motion_shifts import LOCAL_S, MovedPart, best_shift, chosen, jump, window
 from beatrix_zenoh.recording.requests import Alone, Shared
 from beatrix_zenoh.recording.series import (
     AXES,

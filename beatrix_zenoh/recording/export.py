@@ -20,9 +20,19 @@ from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.recording.difference import GAP_NS, GRID_NS
-from beatrix_zenoh.recording.parts import joined, measured, numbers, spans_of, union
-from beatrix_zenoh.recording.samples import Floats, Nanoseconds, Note, Recorded, Samples
+from beatrix_zenoh.recording.rows import GAP_NS, GRID_NS
+from beatrix_zenoh.recording.samples import (
+    Floats,
+    Nanoseconds,
+    Note,
+    Recorded,
+    Samples,
+    joined,
+    measured,
+    numbers,
+    spans_of,
+    union,
+)
 from beatrix_zenoh.recording.series import HEAD
 
 BLOCK: Final = 3000

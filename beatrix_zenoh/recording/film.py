@@ -18,9 +18,8 @@ from av.video.reformatter import ColorRange, Colorspace
 from av.video.stream import VideoStream
 from PIL import Image, ImageDraw, ImageFont
 
-from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.scene import Screen, Viewpoint, rendered
-from beatrix_zenoh.body.shape import meshes
 from beatrix_zenoh.contract.names import ARMS, EYES, SIDE_TITLES, SIDES
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.export import Block, Table

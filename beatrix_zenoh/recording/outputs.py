@@ -14,9 +14,9 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import check_new
-from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.rows import RecordingRow, RobotSet, Say, SoundRow
 from beatrix_zenoh.recording.rrd.stream import Batch, RowStream
+from beatrix_zenoh.recording.samples import About
 from beatrix_zenoh.recording.viewer import HOST, PORT, address, answers
 
 PERIOD_S: Final = 0.5

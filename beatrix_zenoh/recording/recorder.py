@@ -15,30 +15,30 @@ from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.sound import Sound
 from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
-from beatrix_zenoh.recording.about import About, about
-from beatrix_zenoh.recording.difference import Difference
 from beatrix_zenoh.recording.losses import POSITIONS, Count, Losses, LossReport, Stream
-from beatrix_zenoh.recording.notes import NoteInbox, rows_of
-from beatrix_zenoh.recording.robot_rows import RobotRows
 from beatrix_zenoh.recording.rows import (
+    Difference,
     Frame,
     Numbers,
     Output,
     RecordingRow,
+    RobotRows,
     RobotSet,
     Say,
     of_difference,
     of_robot,
 )
-from beatrix_zenoh.recording.samples import Note
+from beatrix_zenoh.recording.samples import About, Note, about
 from beatrix_zenoh.recording.sound import rows_of as rows_of_sound
 from beatrix_zenoh.recording.sources import (
+    NoteInbox,
     RobotAnswer,
     RobotQueries,
     RobotSubscriptions,
     Timebase,
     Timed,
     TimedArrivals,
+    rows_of,
 )
 
 PERIOD_S: Final = 0.05

@@ -1,19 +1,109 @@
-"""The contents of a recording as arrays; `recording.rrd.read` reads them."""
+"""The contents of a recording: what it says of itself, its samples as arrays, and how those of several files are joined."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib import metadata
+from typing import Final, NamedTuple
 
 import msgspec
 import numpy as np
 import numpy.typing as npt
 
 from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.contract._generated.messages import Event
+from beatrix_zenoh.contract._generated import messages
+from beatrix_zenoh.contract._generated.messages import Event, Info, Reason
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.publishers import NUMBERS, TIMES, WITHIN, Order
-from beatrix_zenoh.recording.about import About
+
+DISTRIBUTION = "beatrix-zenoh"
+
+
+class RobotAbout(msgspec.Struct, frozen=True):
+    """A robot of a recording, in its own words."""
+
+    robot: str
+    side: str
+    """`hw` or `sim`"""
+    version: str
+    """version of beatrix-zenoh of its node"""
+    contract: str
+    """hash of its Zenoh messages and keys"""
+    firmware: str
+    """version of the firmware; empty: no board"""
+    fingerprint: str
+    """hash of all values of the robot file; empty: not known"""
+
+    def __str__(self) -> str:
+        firmware = f"firmware {self.firmware}" if self.firmware else "no board"
+        file = f", robot file {self.fingerprint}" if self.fingerprint else ""
+        return (
+            f"{self.robot} ({self.side}): beatrix {self.version}, {firmware}, contract {self.contract}{file}"
+        )
+
+
+class About(msgspec.Struct, frozen=True):
+    """A recording, as it describes itself."""
+
+    began_ns: int
+    """start of the recording by the wall clock of the recording computer, since 1970"""
+    version: str = ""
+    """version of beatrix-zenoh of the recorder"""
+    contract: str = ""
+    """hash of the Zenoh messages and keys of the recorder"""
+    title: str = ""
+    note: str = ""
+    """what the user wrote about the recording at its start"""
+    seat: str = ""
+    """seat that recorded"""
+    robots: tuple[RobotAbout, ...] = ()
+    seats: tuple[str, ...] = ()
+    """seats that have sent requests or notes, sorted"""
+
+    def heading(self) -> str:
+        """Return title, start, seat and version as a sentence."""
+        began = datetime.fromtimestamp(self.began_ns / 1e9, UTC)
+        by = f" by {self.seat}" if self.seat else ""
+        return f"{self.title or 'Recording'}, begun {began:%Y-%m-%d %H:%M:%S} UTC{by} with beatrix {self.version}."
+
+    def warnings(self) -> list[str]:
+        """Return a sentence for each robot whose simulation and hardware have different values."""
+        files: dict[str, set[str]] = {}
+        for one in self.robots:
+            if one.fingerprint:
+                files.setdefault(one.robot, set()).add(one.fingerprint)
+        return [
+            f"Simulation and hardware of {name} were started with different robot files: limits or geometry differ."
+            for name, found in files.items()
+            if len(found) > 1
+        ]
+
+    def lines(self) -> list[str]:
+        """Return these facts as sentences for people; the first names the title."""
+        notes = [f"Note: {self.note}"] if self.note else []
+        found = [self.heading(), *notes, *(f"{robot}." for robot in self.robots), *self.warnings()]
+        return [*found, f"Requests and notes came from {', '.join(self.seats)}."] if self.seats else found
+
+    def with_robot(self, place: Place, info: Info) -> About:
+        """Return these facts with those of a robot, in place of earlier ones."""
+        found = RobotAbout(*place, info.version, info.contract, info.firmware, info.fingerprint or "")
+        others = [one for one in self.robots if (one.robot, one.side) != place]
+        robots = sorted([*others, found], key=lambda one: (one.robot, one.side))
+        return msgspec.structs.replace(self, robots=tuple(robots))
+
+    def with_seat(self, seat: str) -> About:
+        """Return these facts with a seat that takes part."""
+        if not seat or seat in self.seats:
+            return self
+        return msgspec.structs.replace(self, seats=tuple(sorted({*self.seats, seat})))
+
+
+def about(began_ns: int, *, title: str = "", note: str = "", seat: str = "") -> About:
+    """Return the facts of a recording that this program begins."""
+    return About(began_ns, metadata.version(DISTRIBUTION), messages.CONTRACT, title, note, seat)
+
 
 Floats = npt.NDArray[np.float64]
 Nanoseconds = npt.NDArray[np.int64]
@@ -81,32 +171,11 @@ class Samples:
 
 
 @dataclass(frozen=True)
-class TimedTexts:
-    """Lines or states of one entity, in the order of time."""
-
-    time_ns: Nanoseconds
-    robot_ns: Nanoseconds
-    texts: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class TimedEvent:
     """An event of a robot, and its time (ns since 1970) by the clock of the recording computer."""
 
     time_ns: int
     event: Event
-
-
-@dataclass(frozen=True)
-class ClockOffset:
-    """A measurement of a robot's monotonic clock; `time_ns` of its samples has at most this error."""
-
-    time_ns: int
-    """time of the measurement by the clock of the recording computer"""
-    offset_s: float
-    """the robot's clock minus that of the recording computer"""
-    bound_s: float
-    """largest possible error: half the round trip of the query"""
 
 
 class Note(msgspec.Struct, frozen=True):
@@ -123,14 +192,8 @@ class Recorded:
     """The contents of a recording's file."""
 
     robots: dict[Place, Samples]
-    differences: dict[str, tuple[Nanoseconds, Floats]]
-    """by robot name: times (n,), and hardware minus simulation (n, 6): short, middle, long, yaw, pitch, roll (deg)"""
-    lines: dict[Place, TimedTexts]
-    """the events as sentences"""
-    states: dict[Place, TimedTexts]
     events: dict[Place, tuple[TimedEvent, ...]]
     """events of each robot in the order of time: what was requested, and what came of it"""
-    clocks: dict[Place, tuple[ClockOffset, ...]] = field(default_factory=dict)
     notes: tuple[Note, ...] = ()
     about: About | None = None
     """title, versions, robots and seats; None: a file of an earlier version"""
@@ -145,3 +208,99 @@ class EyePicture(NamedTuple):
 
 EyePictures = dict[tuple[str, str, str], list[EyePicture]]
 """Pictures in the order of time, by robot, side and eye."""
+
+
+APART_NS: Final = 3_600_000_000_000
+"""Parts further apart than this are not of one recording: a table would have 180 000 empty rows for each hour."""
+OVERLAP_NS: Final = 1_000_000_000
+"""Parts of one recording may overlap by samples that arrived late; more than this is another recording."""
+
+Span = tuple[int, int]
+"""First and last time (ns since 1970)."""
+
+
+def check_parts(parts: Iterable[Mapping[Place, Span]], what: str, instead: str) -> None:
+    """Check that parts are of one recording, by the spans of their robots.
+
+    Args:
+        parts: the spans of each part.
+        what: beginning of the error.
+        instead: what to do if they are not.
+
+    Raises:
+        Refused: BAD_VALUE, two parts contain the same time of a robot, or are far apart.
+    """
+    ends: dict[Place, int] = {}
+    for part in sorted(parts, key=lambda part: union(part.values())):
+        first_ns, _ = union(part.values())
+        apart_ns = first_ns - max(ends.values(), default=first_ns)
+        shared = [place for place, span in part.items() if ends.get(place, 0) - span[0] > OVERLAP_NS]
+        if shared or apart_ns > APART_NS:
+            how = (
+                "contain the same time of {} ({})".format(*shared[0])
+                if shared
+                else f"are {apart_ns / 3.6e12:.1f} h apart"
+            )
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"{what} {how}: they are not parts of one recording (`beatrix record --rotate`). {instead}",
+            )
+        ends |= {place: max(ends.get(place, 0), last_ns) for place, (_, last_ns) in part.items()}
+
+
+def union(spans: Iterable[Span]) -> Span:
+    """Return the span that contains these."""
+    firsts, lasts = zip(*spans, strict=True)
+    return min(firsts), max(lasts)
+
+
+def spans_of(part: Recorded) -> dict[Place, Span]:
+    """Return the span of each robot's samples."""
+    return {place: (int(each.time_ns[0]), int(each.time_ns[-1])) for place, each in part.robots.items()}
+
+
+def joined(parts: Sequence[Recorded]) -> dict[Place, Samples]:
+    """Return the samples of all robots in the order of time, from the files of one recording in any order.
+
+    Raises:
+        Refused: BAD_VALUE, two files contain the same time of one robot, or are far apart, so they are not parts of one
+            recording.
+    """
+    check_parts(map(spans_of, parts), "Two of the files", "Export them one by one.")
+    places = sorted({place for part in parts for place in part.robots})
+    return {
+        place: concatenated([part.robots[place] for part in parts if place in part.robots])
+        for place in places
+    }
+
+
+def concatenated(parts: Sequence[Samples]) -> Samples:
+    """Return the samples of one robot from several files; a sample that several files contain comes once."""
+    time_ns = np.concatenate([part.time_ns for part in parts])
+    source = np.repeat(np.arange(len(parts)), [len(part.time_ns) for part in parts])
+    order = np.argsort(time_ns, kind="stable")
+    again = (np.diff(time_ns[order]) == 0) & (np.diff(source[order]) != 0)
+    order = order[np.append(True, ~again)]
+    return Samples(
+        time_ns[order],
+        np.concatenate([part.robot_ns for part in parts])[order],
+        np.concatenate([part.arms for part in parts])[order],
+        np.concatenate([part.commanded for part in parts])[order],
+        np.concatenate([part.head for part in parts])[order],
+        None
+        if all(part.head_measured is None for part in parts)
+        else np.concatenate([measured(part) for part in parts])[order],
+        np.concatenate([part.velocity for part in parts])[order],
+        np.concatenate([numbers(part.seq, len(part.time_ns)) for part in parts])[order],
+        np.concatenate([numbers(part.repeats, len(part.time_ns)) for part in parts])[order],
+    )  # fmt: skip
+
+
+def numbers(values: Nanoseconds | None, count: int) -> Nanoseconds:
+    """Return whole numbers (n,); -1: not recorded."""
+    return np.full(count, -1, np.int64) if values is None else values
+
+
+def measured(samples: Samples) -> Floats:
+    """Return the measured orientation of the head (n, 3; deg); NaN: not measured."""
+    return np.full_like(samples.head, np.nan) if samples.head_measured is None else samples.head_measured

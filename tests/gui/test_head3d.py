@@ -18,9 +18,8 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.scene import Screen, Viewpoint, draw, hull
-from beatrix_zenoh.body.shape import meshes
 from beatrix_zenoh.client.degrees import HeadAngles
 from gui.console.state import intents
 from gui.console.state.intents import AimHead, Choose, Intent, LiveHead, ReleaseHead

@@ -12,10 +12,10 @@ from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, Twin
 from beatrix_zenoh.contract.names import ARMS
+from beatrix_zenoh.recording.arm_causes import Cause
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.diagnosis import findings
-from beatrix_zenoh.recording.finding import Cause
-from beatrix_zenoh.recording.record_robots import LiveRecording, record_robots
+from beatrix_zenoh.recording.series import LiveRecording, record_robots
 
 RMS_DEG, REST_DEG = 0.15, 0.3
 REST_S = 0.5

@@ -25,6 +25,7 @@ from beatrix_zenoh.contract._generated.messages import Positions
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.samples import Recorded
 from beatrix_zenoh.recording.viewer import verify
+from tests.support.recorded_values import STATE, recorded_values
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
 PAGE = Path(__file__).resolve().parents[2] / "docs/how-to/record.md"
@@ -199,7 +200,7 @@ def test_rotated_files_are_complete(stage: Stage, tmp_path: Path) -> None:
     assert not path.exists()
     one, two = (read(file).robots[SIM].time_ns for file in (first, second))
     assert 0 < two[0] - one[-1] < 60_000_000  # no sample is lost between the files
-    assert read(second).states[SIM].texts  # each file contains the state
+    assert recorded_values(second, "/".join((*SIM, "state")), STATE)  # each file contains the state
 
 
 def test_the_end_names_positions_that_the_network_lost(stage: Stage, tmp_path: Path) -> None:
@@ -237,7 +238,7 @@ def test_a_robot_may_leave_and_return_during_a_recording(stage: Stage, tmp_path:
     assert process.end(signal.SIGTERM) == 0
     recorded = read(path)
     assert list(recorded.robots) == [("guest", "hw")]
-    assert recorded.states["guest", "hw"].texts.count("lost") == 2
+    assert recorded_values(path, "guest/hw/state", STATE).count("lost") == 2
     gaps = np.diff(recorded.robots["guest", "hw"].time_ns)
     assert np.max(gaps) > 500_000_000
 

@@ -11,6 +11,7 @@ from shell import Shell
 
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.recording.rrd.read import read, read_about
+from tests.support.recorded_values import SCALARS, recorded_values
 
 
 def recorder(stage: Stage, path: Path, *options: str) -> Process:
@@ -63,5 +64,6 @@ def test_notes_of_all_seats_are_in_every_recording(stage: Stage, tmp_path: Path)
     ]
     assert about.seats == ("ana", "ben", "cem", "teacher")
     assert len({robot.fingerprint for robot in about.robots}) == 1
-    for offsets in one.clocks.values():
-        assert abs(offsets[0].offset_s) <= max(offsets[0].bound_s, 0.01)
+    for name, side in one.robots:
+        offset_s, bound_s, *_ = recorded_values(first, f"{name}/{side}/clock", SCALARS)
+        assert abs(offset_s) <= max(bound_s, 0.01)

@@ -26,7 +26,7 @@ from beatrix_zenoh.paths.replay import LATE_S, Progress
 from beatrix_zenoh.paths.replay import replay as replay_now
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.record_motion import record_motion
-from beatrix_zenoh.recording.record_robots import LiveRecording, record_robots
+from beatrix_zenoh.recording.series import LiveRecording, record_robots
 
 NOD = """t_s,yaw_deg,pitch_deg,roll_deg
 0.0,0,0,0

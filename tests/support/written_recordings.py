@@ -9,9 +9,9 @@ import numpy as np
 
 from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.rows import Numbers, RecordingRow, RobotSet, of_robot
 from beatrix_zenoh.recording.rrd.stream import RowStream
+from beatrix_zenoh.recording.samples import About
 
 BEGAN_NS = 1_763_000_000_000_000_000
 STEP_NS = 20_000_000

@@ -11,8 +11,7 @@ from rerun import SeriesLines
 from robots import ROOT
 
 from beatrix_zenoh import colours
-from beatrix_zenoh.body.figure import Figure
-from beatrix_zenoh.body.shape import meshes
+from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.recording.rrd import scene
 from sim_node.model import build_spec
 

@@ -7,9 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.scene import Screen, rendered
-from beatrix_zenoh.body.shape import meshes
 from beatrix_zenoh.body.surface import Mesh, Modeller
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of

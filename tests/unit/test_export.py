@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.recording import difference
+from beatrix_zenoh.recording import rows
 from beatrix_zenoh.recording.export import Span, Table, at, table
 from beatrix_zenoh.recording.samples import Floats, Note, Recorded, Samples
 
@@ -35,7 +35,7 @@ def samples(times_ns: list[int], arms: Floats | None = None, **changes: object) 
 
 
 def recorded(robots: dict[Place, Samples]) -> Recorded:
-    return Recorded(robots, {}, {}, {}, {})
+    return Recorded(robots, {})
 
 
 def grid(found: Table) -> dict[str, Floats]:
@@ -48,13 +48,13 @@ def grid(found: Table) -> dict[str, Floats]:
 def test_points_of_the_grid_are_those_of_the_difference(times_ns: list[int], data: st.DataObject) -> None:
     """The recorder interpolates the differences in a recording by code of its own; both must agree."""
     values = data.draw(st.lists(ANGLES, min_size=len(times_ns), max_size=len(times_ns)))
-    waiting: deque[tuple[int, difference.Angles]] = deque(
+    waiting: deque[tuple[int, rows.Angles]] = deque(
         (time, (value,)) for time, value in zip(times_ns, values, strict=True)
     )
     points = range(0, times_ns[-1] + 1, STEP_NS)
     found = at(np.array(times_ns, np.int64), np.array(values), np.array(points, np.int64))
     for value, point in zip(found, points, strict=True):
-        wanted = difference.at(waiting, point)
+        wanted = rows.at(waiting, point)
         assert math.isnan(value) if wanted is None else value == pytest.approx(wanted[0], abs=1e-6)
 
 

@@ -22,13 +22,11 @@ from known_robots import GOALS, Act, Known, acts, as_recordings
 from msgspec import structs
 
 from beatrix_zenoh.contract._generated.messages import EventKind, Vector3
-from beatrix_zenoh.recording.arm_causes import FULL_STEP_DEG
+from beatrix_zenoh.recording.arm_causes import FULL_STEP_DEG, Cause
 from beatrix_zenoh.recording.compare import Thresholds, compare
 from beatrix_zenoh.recording.diagnosis import findings
-from beatrix_zenoh.recording.finding import Cause
-from beatrix_zenoh.recording.record_robots import LiveRecording
 from beatrix_zenoh.recording.requests import homes_set
-from beatrix_zenoh.recording.series import Recording, part_of, recording
+from beatrix_zenoh.recording.series import LiveRecording, Recording, part_of, recording
 from beatrix_zenoh.recording.verbs.comparison_text import as_document, text
 
 CASES = {case.name: case for case in known_cases.cases()}

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh.recording.difference import GRID_NS, WAITING, AngleDifference, Difference
+from beatrix_zenoh.recording.rows import GRID_NS, WAITING, AngleDifference, Difference
 from beatrix_zenoh.recording.sources import Delay, Timebase
 
 MS = 1_000_000

@@ -11,9 +11,9 @@ from robots import ROOT
 
 from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.recording.robot_rows import BarState
 from beatrix_zenoh.recording.rows import (
     Bar,
+    BarState,
     BodyTurn,
     Frame,
     Line,
@@ -24,7 +24,7 @@ from beatrix_zenoh.recording.rows import (
     of_model,
     of_robot,
 )
-from beatrix_zenoh.recording.rrd.layout import TABS
+from beatrix_zenoh.recording.rrd.scene import TABS
 from beatrix_zenoh.recording.rrd.stream import RowStream
 
 Place = tuple[str, str]

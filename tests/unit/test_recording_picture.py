@@ -16,7 +16,7 @@ from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.rows import BodyTurn, Numbers, RecordingRow, of_model, of_robot
-from beatrix_zenoh.recording.rrd.layout import BACKGROUND
+from beatrix_zenoh.recording.rrd.scene import BACKGROUND
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
 

@@ -13,7 +13,6 @@ from written_recordings import BEGAN_NS, STEP_NS, write_lesson
 
 from beatrix_zenoh.contract._generated.messages import Info, LimitInfo
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.rows import (
     Bar,
     BodyTurn,
@@ -27,8 +26,9 @@ from beatrix_zenoh.recording.rows import (
 )
 from beatrix_zenoh.recording.rrd.read import read, read_about
 from beatrix_zenoh.recording.rrd.stream import RowStream
-from beatrix_zenoh.recording.samples import ClockOffset
+from beatrix_zenoh.recording.samples import About
 from beatrix_zenoh.recording.viewer import verify
+from tests.support.recorded_values import SCALARS, STATE, TEXT, recorded_values
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
 
@@ -101,7 +101,7 @@ def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
     assert [str(robot) for robot in last.robots] == [
         "bea (sim): beatrix 0.1.0, firmware 1.2.0, contract abc, robot file 0123abcd"
     ]
-    assert recorded.clocks[SIM] == (ClockOffset(BEGAN_NS, -12.5, 0.25),)
+    assert recorded_values(path, of_robot(SIM, "clock"), SCALARS) == [-12.5, 0.25]
     assert read_about(path) == last
     assert last.lines() == [
         "Lesson 2, begun 2025-11-13 02:13:20 UTC by ana with beatrix 0.1.0.",
@@ -114,7 +114,7 @@ def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
     same("recording read.a recording says what it is", warning)
 
 
-def test_events_states_and_differences_are_read(tmp_path: Path) -> None:
+def test_events_states_and_differences_are_written(tmp_path: Path) -> None:
     path = tmp_path / "lesson.rrd"
     other = [
         Line(of_robot(SIM, "events"), BEGAN_NS, BEGAN_NS, "ana stop: At rest.", "ERROR"),
@@ -125,12 +125,11 @@ def test_events_states_and_differences_are_read(tmp_path: Path) -> None:
         Numbers(of_difference("bea", "head"), BEGAN_NS, BEGAN_NS, (4.0, 5.0, 6.0)),
     ]
     write_lesson(path, [SIM], 0, [*sample(SIM, 0), *other])
-    recorded = read(path)
-    assert recorded.lines[SIM].texts == ("ana stop: At rest.", "ben look: Refused.")
-    assert recorded.states[SIM].texts == ("ready", "moving")
-    times, angles = recorded.differences["bea"]
-    assert times.tolist() == [BEGAN_NS]
-    assert angles.tolist() == [[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]]
+    texts = recorded_values(path, of_robot(SIM, "events"), TEXT)
+    assert texts == ["ana stop: At rest.", "ben look: Refused."]
+    assert recorded_values(path, of_robot(SIM, "state"), STATE) == ["ready", "moving"]
+    assert recorded_values(path, of_difference("bea", "arms"), SCALARS) == [1.0, 2.0, 3.0]
+    assert recorded_values(path, of_difference("bea", "head"), SCALARS) == [4.0, 5.0, 6.0]
 
 
 def test_a_file_that_is_no_recording_of_positions_is_refused(tmp_path: Path) -> None:

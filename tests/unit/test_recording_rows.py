@@ -22,8 +22,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.recording.robot_rows import BarState, RobotRows, state_of
-from beatrix_zenoh.recording.rows import Bar, BodyTurn, Line, Numbers
+from beatrix_zenoh.recording.rows import Bar, BarState, BodyTurn, Line, Numbers, RobotRows, state_of
 
 NOW_NS = 1_763_000_000_123_456_789
 

@@ -21,9 +21,9 @@ from beatrix_zenoh.cli import app
 from beatrix_zenoh.client.sound import Sound
 from beatrix_zenoh.recording.losses import SOUND, Losses, findings
 from beatrix_zenoh.recording.rows import Numbers, RecordingRow, RobotSet, SoundRow
-from beatrix_zenoh.recording.rrd.layout import SOUND as TAB
-from beatrix_zenoh.recording.rrd.layout import TABS
 from beatrix_zenoh.recording.rrd.read import read_sound
+from beatrix_zenoh.recording.rrd.scene import SOUND as TAB
+from beatrix_zenoh.recording.rrd.scene import TABS
 from beatrix_zenoh.recording.rrd.stream import RowStream
 from beatrix_zenoh.recording.sound import RecordedBlock, rows_of, write_wav
 from beatrix_zenoh.recording.verbs.record import missing

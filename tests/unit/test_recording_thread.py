@@ -19,13 +19,18 @@ from beatrix_zenoh.client.subscription import Arrival
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.codec import decode_json
-from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.losses import POSITIONS, Stream, total
-from beatrix_zenoh.recording.notes import Arrived, NoteInbox
 from beatrix_zenoh.recording.recorder import RecordingThread
 from beatrix_zenoh.recording.rows import Bar, Line, Numbers, RecordingRow, RobotSet
-from beatrix_zenoh.recording.samples import Note
-from beatrix_zenoh.recording.sources import RobotAnswer, RobotQueries, RobotSubscriptions, Value
+from beatrix_zenoh.recording.samples import About, Note
+from beatrix_zenoh.recording.sources import (
+    Arrived,
+    NoteInbox,
+    RobotAnswer,
+    RobotQueries,
+    RobotSubscriptions,
+    Value,
+)
 
 BEA = ("bea", "hw")
 AHEAD_NS = 3_600_000_000_000

@@ -15,10 +15,9 @@ from written_recordings import BEGAN_NS, STEP_NS, times, write_lesson
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.rows import NOTES, Bar, Frame, Line, Numbers, RecordingRow, SoundRow
 from beatrix_zenoh.recording.rrd.read import read, read_about, read_eyes
-from beatrix_zenoh.recording.samples import Note
+from beatrix_zenoh.recording.samples import About, Note
 from beatrix_zenoh.recording.verbs.files import read_recording
 from beatrix_zenoh.recording.viewer import tool
 
@@ -206,7 +205,7 @@ REFUSED: dict[str, tuple[str, Callable[[Path, Path], Path]]] = {
         ),
     ),
     "an event that is none": (FOREIGN, with_robot("/x/sim/events", *TEXTS, *rr.AnyValues.columns(event=["x", "{}"]))),
-    "a clock of one number": (FOREIGN, with_robot("/x/sim/clock", *rr.Scalars.columns(scalars=[1.0, 2.0]))),
+    "a velocity of one number": (FOREIGN, with_robot("/x/sim/velocity", *rr.Scalars.columns(scalars=[1.0, 2.0]))),
 }  # fmt: skip
 
 

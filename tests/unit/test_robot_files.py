@@ -11,8 +11,7 @@ import pytest
 import robot_files
 from rerun.urdf import UrdfTree
 
-from beatrix_zenoh.body.figure import Figure
-from beatrix_zenoh.body.shape import meshes
+from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.surface import triangles
 from beatrix_zenoh.contract._generated.robot import GeometryData, RobotData
 from beatrix_zenoh.contract.names import ARMS

@@ -20,7 +20,7 @@ from beatrix_zenoh.recording.samples import Nanoseconds
 from beatrix_zenoh.recording.viewer import check_recording
 
 TIME, ROBOT_TIME = "time", "robot_time"
-SCALARS, TEXT, STATE = "Scalars:scalars", "TextLog:text", "StateChange:state"
+SCALARS = "Scalars:scalars"
 EVENT = "event"
 """Component with the events as JSON."""
 BLOB, PCM, RATE, NUMBER = "EncodedImage:blob", "pcm", "rate", "number"
@@ -34,7 +34,7 @@ TYPES: Final = {
     BLOB: "list<item: uint8",
     PCM: "binary",
     **dict.fromkeys((RATE, NUMBER), "int64"),
-    **dict.fromkeys((TEXT, STATE, EVENT, ABOUT), "string"),
+    **dict.fromkeys((EVENT, ABOUT), "string"),
 }
 """How the Arrow type of each component's values begins."""
 ALWAYS: Final = (0, 2**63 - 1)

@@ -15,8 +15,6 @@ from beatrix_zenoh.contract._generated.messages import Event, Reason
 from beatrix_zenoh.contract.codec import decode_json
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.contract.names import EYES, SIDES
-from beatrix_zenoh.recording.about import About
-from beatrix_zenoh.recording.parts import Span, check_parts, union
 from beatrix_zenoh.recording.rows import NOTES, of_robot
 from beatrix_zenoh.recording.rrd.columns import (
     ABOUT,
@@ -27,8 +25,6 @@ from beatrix_zenoh.recording.rrd.columns import (
     PCM,
     RATE,
     SCALARS,
-    STATE,
-    TEXT,
     TIME,
     Column,
     Columns,
@@ -38,16 +34,17 @@ from beatrix_zenoh.recording.rrd.columns import (
     rows,
 )
 from beatrix_zenoh.recording.samples import (
-    ClockOffset,
+    About,
     EyePicture,
     EyePictures,
     Floats,
-    Nanoseconds,
     Note,
     Recorded,
     Samples,
+    Span,
     TimedEvent,
-    TimedTexts,
+    check_parts,
+    union,
 )
 from beatrix_zenoh.recording.sound import RecordedBlock
 
@@ -56,9 +53,7 @@ OF_ROBOT: Final[Mapping[str, Components]] = {
     **dict.fromkeys(("arms", "commanded", "head", "head_measured", "velocity"), ANGLES),
     "seq": {SCALARS: 1},
     "repeats": {SCALARS: 1},
-    "clock": {SCALARS: 2},
-    "events": {TEXT: 1, EVENT: 1},
-    "state": {STATE: 1},
+    "events": {EVENT: 1},
 }
 """Components of the entities of a robot."""
 NONE: Final[Components] = {}
@@ -92,14 +87,9 @@ def read(path: Path) -> Recorded:
             f"{path} contains no positions of a robot on the timeline `{TIME}`. `beatrix record` writes recordings; if "
             "another program has changed one, use the original file.",
         )
-    names = sorted({name for name, _ in robots})
     return Recorded(
         dict(sorted(robots.items())),
-        {name: found for name in names if (found := _difference(columns, name)) is not None},
-        {place: _texts(columns, "/{}/{}/events".format(*place), TEXT) for place in robots},
-        {place: _texts(columns, "/{}/{}/state".format(*place), STATE) for place in robots},
         {place: _events(path, columns, "/{}/{}/events".format(*place)) for place in robots},
-        {place: _clocks(columns, "/{}/{}/clock".format(*place)) for place in robots},
         tuple(note for _, note in _decoded(path, columns, f"/{NOTES}", EVENT, Note)),
         _about(path, columns),
     )
@@ -126,8 +116,6 @@ def _components(entity: str) -> Components:
         return {ABOUT: 1}
     if entity == f"/{NOTES}":
         return {EVENT: 1}
-    if side == "difference":
-        return ANGLES if what in ("arms", "head") else NONE
     return OF_ROBOT.get(what, NONE) if side in SIDES else NONE
 
 
@@ -177,31 +165,8 @@ def _at(column: Column, other: Column) -> Floats:
     return values
 
 
-def _difference(columns: Columns, name: str) -> tuple[Nanoseconds, Floats] | None:
-    arms, head = (columns.get((f"/{name}/difference/{what}", SCALARS)) for what in ("arms", "head"))
-    if arms is None or head is None:
-        return None
-    return arms.time_ns, np.hstack((arms.values.astype(np.float64), _at(head, arms)))
-
-
-def _texts(columns: Columns, entity: str, component: str) -> TimedTexts:
-    column = columns.get((entity, component))
-    if column is None:
-        none = np.empty(0, np.int64)
-        return TimedTexts(none, none, ())
-    return TimedTexts(column.time_ns, column.robot_ns, tuple(column.values[:, 0]))
-
-
 def _events(path: Path, columns: Columns, entity: str) -> tuple[TimedEvent, ...]:
     return tuple(TimedEvent(*row) for row in _decoded(path, columns, entity, EVENT, Event))
-
-
-def _clocks(columns: Columns, entity: str) -> tuple[ClockOffset, ...]:
-    column = columns.get((entity, SCALARS))
-    if column is None:
-        return ()
-    measured = zip(column.time_ns.tolist(), column.values.tolist(), strict=True)
-    return tuple(ClockOffset(time_ns, *values) for time_ns, values in measured)
 
 
 def _about(path: Path, columns: Columns) -> About | None:

@@ -14,7 +14,6 @@ import rerun as rr
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.codec import encode_json
-from beatrix_zenoh.recording.about import About
 from beatrix_zenoh.recording.rows import (
     MARK,
     Bar,
@@ -28,7 +27,8 @@ from beatrix_zenoh.recording.rows import (
 )
 from beatrix_zenoh.recording.rrd import scene
 from beatrix_zenoh.recording.rrd.columns import ABOUT, PROPERTY, ROBOT_TIME, TIME
-from beatrix_zenoh.recording.rrd.layout import layout
+from beatrix_zenoh.recording.rrd.scene import layout
+from beatrix_zenoh.recording.samples import About
 
 APPLICATION = "beatrix"
 

@@ -20,8 +20,8 @@ from beatrix_zenoh.terminal.targets import Selection, open_targets
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
     from beatrix_zenoh.recording.compare import Comparison
-    from beatrix_zenoh.recording.record_robots import LiveRecording
     from beatrix_zenoh.recording.samples import Recorded
+    from beatrix_zenoh.recording.series import LiveRecording
 
 LIVE = "live"
 Seconds = Annotated[
@@ -108,7 +108,7 @@ def compared(source: str, sim: LiveRecording, hw: LiveRecording) -> Comparison:
 
 def live(selection: Selection, seconds: float) -> tuple[LiveRecording, LiveRecording]:
     """Measure both robots of a name; raises NoAnswer if one is not online."""
-    from beatrix_zenoh.recording.record_robots import record_robots
+    from beatrix_zenoh.recording.series import record_robots
 
     title = "Measuring: move both robots"
     with open_targets(selection, Which.BOTH) as targets, progress_bar(title, seconds) as bar:
@@ -120,8 +120,7 @@ def live(selection: Selection, seconds: float) -> tuple[LiveRecording, LiveRecor
 
 def recorded(path: Path, name: str | None) -> tuple[LiveRecording, LiveRecording]:
     """Return both robots of a name from a recording; raises Refused if the recording lacks either."""
-    from beatrix_zenoh.recording.record_robots import LiveRecording
-    from beatrix_zenoh.recording.series import of_samples
+    from beatrix_zenoh.recording.series import LiveRecording, of_samples
 
     found = read_recording(path)
     if found.about is not None:

@@ -8,11 +8,10 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from beatrix_zenoh.output import columns
+from beatrix_zenoh.recording.arm_causes import count
 from beatrix_zenoh.recording.compare import MOST, AxisDifference, Comparison, why_no_lag
 from beatrix_zenoh.recording.diagnosis import findings
-from beatrix_zenoh.recording.finding import count
-from beatrix_zenoh.recording.record_robots import LiveRecording
-from beatrix_zenoh.recording.series import HOLE_S
+from beatrix_zenoh.recording.series import HOLE_S, LiveRecording
 
 AXIS_HEADS = (
     "hardware - simulation",

@@ -11,9 +11,8 @@ import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt
 from PyQt5.QtGui import QBrush, QColor, QImage, QPainter, QPen, QPolygonF, QRadialGradient
 
-from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.scene import HeadDrawing, Screen, draw, hull
-from beatrix_zenoh.body.shape import meshes
 from beatrix_zenoh.body.surface import Floats
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.kinematics import Neck
