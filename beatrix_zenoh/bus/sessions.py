@@ -12,9 +12,9 @@ from collections.abc import Callable, Iterable
 from collections.abc import Set as AbstractSet
 from pathlib import Path
 
+from beatrix_zenoh.bus.declarations import Publication
 from beatrix_zenoh.bus.incoming import Incoming, Received
 from beatrix_zenoh.bus.messages import PUBLISHER, QUERYABLE, REST, SUBSCRIBER, TOKEN, WATCH
-from beatrix_zenoh.bus.publication import Publication
 from beatrix_zenoh.bus.session import Bus
 from beatrix_zenoh.bus.watchdog import CONTROL, SessionListener, SessionWatchdog
 from beatrix_zenoh.contract._generated import keys
