@@ -12,11 +12,10 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.lesson_files import Lesson
 from beatrix_zenoh.lessons.attempt import Attempt
-from beatrix_zenoh.lessons.phrases import Phrase, error_data, phrase, said
+from beatrix_zenoh.lessons.phrases import NotMeasurable, Phrase, Unmet, busy, error_data, phrase, said
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.lessons.stage import Stage
-from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
 
 BUSY_CORES = 0.5
 """A program that uses a larger part of a core keeps the computer busy itself."""

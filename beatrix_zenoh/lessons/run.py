@@ -19,10 +19,9 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.codec import UNREADABLE
 from beatrix_zenoh.lessons.guarded import Guarded, exit_code
-from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, phrase
+from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, Unmet, phrase
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.sandbox import Sandbox
-from beatrix_zenoh.lessons.unmet import Unmet
 
 LINES = 200
 """Number of last output lines that are kept: a program may print without end."""

@@ -24,9 +24,7 @@ from beatrix_zenoh.contract._generated.messages import Event, EventKind, Positio
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import scratch
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
-from beatrix_zenoh.lessons.phrases import Phrase, error_data, phrase
-from beatrix_zenoh.lessons.still import Still, Tell
-from beatrix_zenoh.lessons.unmet import busy
+from beatrix_zenoh.lessons.phrases import Phrase, Still, Tell, busy, error_data, phrase
 from beatrix_zenoh.processes import Child, Supervisor
 from beatrix_zenoh.settings import Settings
 
