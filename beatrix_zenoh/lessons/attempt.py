@@ -32,11 +32,9 @@ from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import bench, slips
 from beatrix_zenoh.lessons.bench import Bench, Course
 from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER
-from beatrix_zenoh.lessons.guarded import Guarded
-from beatrix_zenoh.lessons.line_child import LineChild, NoReply
+from beatrix_zenoh.lessons.guarded import Guarded, LineChild, NoReply, Run
 from beatrix_zenoh.lessons.phrases import ErrorData, NotMeasurable, Phrase, Still, Unmet, busy, phrase, shown
 from beatrix_zenoh.lessons.program import Program
-from beatrix_zenoh.lessons.run import Run
 from beatrix_zenoh.lessons.sandbox import Sandbox
 from beatrix_zenoh.lessons.scratch import scratch
 from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage, pace

@@ -15,7 +15,7 @@ import numpy as np
 from beatrix_zenoh import processes
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.lessons.line_child import LineChild, NoReply
+from beatrix_zenoh.lessons.guarded import LineChild, NoReply
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
 from beatrix_zenoh.lessons.phrases import ErrorData, Still, Tell, Unmet, busy, phrase, shown
 

@@ -17,7 +17,7 @@ from beatrix_zenoh.lesson_files import find
 from beatrix_zenoh.lessons import attempt, bench
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
 from beatrix_zenoh.lessons.checking import check_of
-from beatrix_zenoh.lessons.line_child import LineChild, NoReply
+from beatrix_zenoh.lessons.guarded import LineChild, NoReply
 from beatrix_zenoh.lessons.phrases import NotMeasurable, busy, phrase
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.stage import ROBOT, SEAT, Stage

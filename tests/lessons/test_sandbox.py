@@ -16,8 +16,8 @@ from beatrix_zenoh import account
 from beatrix_zenoh.lesson_files import find
 from beatrix_zenoh.lessons import attempt, checking, phrases, program, sandbox
 from beatrix_zenoh.lessons.attempt import Attempt, Unmet
+from beatrix_zenoh.lessons.guarded import Run
 from beatrix_zenoh.lessons.phrases import Phrase, said
-from beatrix_zenoh.lessons.run import Run
 from beatrix_zenoh.lessons.sandbox import Sandbox
 from beatrix_zenoh.lessons.stage import PAUSE_S, hidden_s
 from sim_node.body import STALL_S
