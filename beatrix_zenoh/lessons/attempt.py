@@ -35,8 +35,7 @@ from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER
 from beatrix_zenoh.lessons.guarded import Guarded, LineChild, NoReply, Run
 from beatrix_zenoh.lessons.phrases import ErrorData, NotMeasurable, Phrase, Still, Unmet, busy, phrase, shown
 from beatrix_zenoh.lessons.program import Program
-from beatrix_zenoh.lessons.sandbox import Sandbox
-from beatrix_zenoh.lessons.scratch import scratch
+from beatrix_zenoh.lessons.sandbox import Sandbox, scratch
 from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage, pace
 
 __all__ = ["Attempt", "NotMeasurable", "Seen", "Stage", "Unmet"]

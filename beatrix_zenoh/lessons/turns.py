@@ -17,8 +17,7 @@ from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.lessons.guarded import Run
 from beatrix_zenoh.lessons.phrases import Unmet, said
 from beatrix_zenoh.lessons.program import Program
-from beatrix_zenoh.lessons.sandbox import Sandbox, refuse_teacher
-from beatrix_zenoh.lessons.scratch import scratch
+from beatrix_zenoh.lessons.sandbox import Sandbox, refuse_teacher, scratch
 from beatrix_zenoh.output import note, say
 from beatrix_zenoh.settings import Settings
 
