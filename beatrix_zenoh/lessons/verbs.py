@@ -196,7 +196,7 @@ def check(
     Exit codes: 0 passed, 1 not yet, 4 this computer was too busy to measure.
     """
     from beatrix_zenoh.client import lesson_reports
-    from beatrix_zenoh.lessons import checking, progress, verdict_text
+    from beatrix_zenoh.lessons import checking, progress
     from beatrix_zenoh.lessons import program as programs
     from beatrix_zenoh.lessons.sandbox import refuse_teacher
     from beatrix_zenoh.settings import resolve_valid
@@ -216,9 +216,9 @@ def check(
     record = workspace.record(found.name)
     checking.count(record, verdict, progress.sealed(found.name, program.sha256))
     if as_json:
-        print_json(verdict_text.document(found, verdict, record))
+        print_json(checking.document(found, verdict, record))
     else:
-        verdict_text.show(found, verdict, record)
+        checking.show(found, verdict, record)
     workspace.save()
     measured = verdict.result is not checking.Result.NOT_MEASURABLE
     lesson_reports.report(found.name, record.state(measured=measured))
@@ -255,7 +255,7 @@ def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:
 def hint(number: LatestNumber = None) -> None:
     """Print a hint: the one that helps with what the last check has found, then the others."""
     from beatrix_zenoh.client import lesson_reports
-    from beatrix_zenoh.lessons.verdict_text import LABELS, filled
+    from beatrix_zenoh.lessons.checking import LABELS, filled
 
     workspace = _workspace()
     found, _ = _program(number, workspace)
