@@ -26,6 +26,7 @@ START = {
     "de": ("Lektion {number}: {title} ({minutes} Minuten)", "Ordner", "lesen", "ändern", "prüfen"),
 }
 """What `start` prints: the head, and the labels of the lines below it."""
+FIELDS = ("number", "name", "title", "minutes", "level", "needs", "state")
 HEADS = ("lesson", "title", "minutes", "level", "needs", "state")
 LESSON = "`beatrix lesson"
 lesson = typer.Typer(
@@ -89,35 +90,22 @@ def list_lessons(as_json: Json = False) -> None:
 
     workspace = _workspace()
     found = lessons(workspace.progress.language)
-    states = [_state(workspace.progress.lessons.get(one.name)) for one in found]
+    rows = [
+        (
+            *(one.number, one.name, one.title, one.about.minutes, one.about.level, one.about.needs),
+            _state(workspace.progress.lessons.get(one.name)),
+        )
+        for one in found
+    ]
     if as_json:
-        rows = [
-            {
-                "number": one.number,
-                "name": one.name,
-                "title": one.title,
-                "minutes": one.about.minutes,
-                "level": one.about.level,
-                "needs": one.about.needs,
-                "state": state,
-            }
-            for one, state in zip(found, states, strict=True)
-        ]
-        print_json({"result": True, "lessons": rows})
+        print_json({"result": True, "lessons": [dict(zip(FIELDS, row, strict=True)) for row in rows]})
         return
     say(
         columns(
             HEADS,
             [
-                (
-                    str(one.number),
-                    one.title,
-                    str(one.about.minutes),
-                    one.about.level,
-                    ", ".join(one.about.needs) or "-",
-                    state,
-                )
-                for one, state in zip(found, states, strict=True)
+                (str(number), title, str(minutes), level, ", ".join(needs) or "-", state)
+                for number, _, title, minutes, level, needs, state in rows
             ],
         )
     )
