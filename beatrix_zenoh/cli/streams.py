@@ -14,7 +14,6 @@ from typing import Annotated, NamedTuple, Protocol, TypeVar, cast
 import msgspec
 import typer
 
-from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.client.robot import Robot
@@ -26,13 +25,12 @@ from beatrix_zenoh.client.subscription import (
     Arrival,
     CameraImage,
     Reader,
-    Sample,
     Subscription,
     images,
     message,
     same,
 )
-from beatrix_zenoh.contract import codec, names
+from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys, messages
 from beatrix_zenoh.contract._generated.keys import KeyRow
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason, Status
@@ -90,23 +88,13 @@ def subscribe(client: Client, name: str, robot: str, side: str) -> Subscription[
         return cast("Subscription[object]", pictures)
     row = streams()[name]
     kind, media = header(row), row.publish == "media"
-    read: Reader[object] = message(kind, same) if row.payload == kind.__name__ else attached(kind)
+    plain = row.payload == kind.__name__
+    read: Reader[object] = (
+        message(kind, same) if plain else lambda _, sample: client.read(sample.header, kind)
+    )
     key = row.key.format(robot=robot, side=side)
     timeout_s, bus = (FIRST_PICTURE_S, client.media) if media else (SILENCE_S, None)
     return Subscription(client, key, read, timeout_s=timeout_s, bus=bus)
-
-
-def attached(kind: type[msgspec.Struct]) -> Reader[object]:
-    """Make a reader for the message in the attachment of a publication."""
-
-    def read(client: Client, sample: Sample) -> object:
-        received = sample.received
-        sent = received.attachment or b""
-        return client.read(
-            Reply(received.key, sent, codec.MSGPACK, error=False, origin=received.session), kind
-        )
-
-    return read
 
 
 Stream = StrEnum("Stream", {name: name for name in streams()})  # type: ignore[misc] # follows from the contract
