@@ -1,11 +1,13 @@
-"""Results, notes and JSON documents on stdout and stderr, and the exit codes."""
+"""Results, notes, progress and JSON documents on stdout and stderr, and the exit codes."""
 
 from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Protocol
 
 import msgspec
 
@@ -95,3 +97,29 @@ def columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 def numeric(cell: str) -> bool:
     """Return whether a cell begins with a number, or is the dash for a missing one."""
     return cell == "-" or cell.lstrip("+-")[:1].isdigit()
+
+
+class ProgressBar(Protocol):
+    """A function that shows the completed amount, and a new title if it is given."""
+
+    def __call__(self, completed: float, title: str | None = None) -> None: ...
+
+
+@contextmanager
+def progress_bar(title: str, total: float) -> Iterator[ProgressBar | None]:
+    """Show a bar while the block runs; yield a function that updates it, or None if stderr is not a terminal."""
+    from rich.console import Console  # noqa: PLC0415 - it would delay every verb
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield None
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console) as progress:
+        task = progress.add_task(title, total=total)
+
+        def update(completed: float, title: str | None = None) -> None:
+            progress.update(task, completed=completed, description=title)
+
+        yield update

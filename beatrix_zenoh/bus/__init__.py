@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from beatrix_zenoh.bus.declarations import CLOSED as CLOSED
+from beatrix_zenoh.bus.declarations import Publication as Publication
 from beatrix_zenoh.bus.endpoint import endpoints as endpoints
 from beatrix_zenoh.bus.endpoint import is_listening as is_listening
 from beatrix_zenoh.bus.endpoint import is_local as is_local
@@ -14,7 +15,6 @@ from beatrix_zenoh.bus.incoming import Received as Received
 from beatrix_zenoh.bus.messages import PUBLISHER as PUBLISHER
 from beatrix_zenoh.bus.messages import QUERYABLE as QUERYABLE
 from beatrix_zenoh.bus.messages import SUBSCRIBER as SUBSCRIBER
-from beatrix_zenoh.bus.publication import Publication as Publication
 from beatrix_zenoh.bus.query import Query as Query
 from beatrix_zenoh.bus.query import Reply as Reply
 from beatrix_zenoh.bus.query import intersects as intersects
@@ -29,6 +29,6 @@ from beatrix_zenoh.bus.session import Bus as Bus
 from beatrix_zenoh.bus.session import connect as connect
 from beatrix_zenoh.bus.session import hanging_router as hanging_router
 from beatrix_zenoh.bus.sessions import ProcessSessions as ProcessSessions
+from beatrix_zenoh.bus.sessions import SessionListener as SessionListener
 from beatrix_zenoh.bus.sessions import Sessions as Sessions
 from beatrix_zenoh.bus.sessions import describe as describe
-from beatrix_zenoh.bus.watchdog import SessionListener as SessionListener

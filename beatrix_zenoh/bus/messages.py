@@ -14,9 +14,8 @@ import zenoh
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus.callbacks import direct
-from beatrix_zenoh.bus.declarations import Declared, RenewableSession
+from beatrix_zenoh.bus.declarations import Declared, Publication, RenewableSession
 from beatrix_zenoh.bus.incoming import Incoming, Received, subscribe_newest
-from beatrix_zenoh.bus.publication import Publication
 from beatrix_zenoh.bus.query import QUERY_S, Query, priority_of
 from beatrix_zenoh.contract._generated import keys
 

@@ -18,9 +18,8 @@ import msgspec
 from beatrix_zenoh import files
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.account import renewal as renewal_of
-from beatrix_zenoh.bus.access_control import EVERYTHING, ROOT, Grant, below
 from beatrix_zenoh.bus.credentials import Identity
-from beatrix_zenoh.bus.router import RouterAccess
+from beatrix_zenoh.bus.router import EVERYTHING, ROOT, Grant, RouterAccess, below
 from beatrix_zenoh.class_file import Classroom, read
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys

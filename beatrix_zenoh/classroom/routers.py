@@ -11,6 +11,7 @@ import os
 import queue
 import subprocess
 import sys
+import threading
 import time
 from collections import Counter
 from collections.abc import Collection, Iterator
@@ -21,11 +22,10 @@ import msgspec
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
-from beatrix_zenoh.account import today
+from beatrix_zenoh.account import Account, today
 from beatrix_zenoh.classroom import router_file
-from beatrix_zenoh.classroom.answering import FAILURES, Answering
 from beatrix_zenoh.classroom.pending import PendingDecisions
-from beatrix_zenoh.classroom.router_file import Part, RouterFile
+from beatrix_zenoh.classroom.router_file import CHECK_KEY, Part, RouterFile
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.output import note, say
@@ -41,6 +41,11 @@ AGAIN_S: Final = 1.0
 STACK: Final = str(8 << 20)
 """Stack (bytes) of each of Zenoh's threads. A key of 8 000 chunks overflows the usual 2 MiB; with 64 MiB the stacks alone
 would exceed the memory of `router_process.MEMORY` (decision 0090)."""
+PERIOD_S, ANSWER_S = 1.0, 2.0
+"""Time between two queries, and longest time until an answer (s)."""
+FAILURES: Final = 3
+"""Queries without an answer, one after the other, after which a router counts as stuck. Two may also fail because the
+computer was asleep."""
 STUCK: Final = f"it did not answer {FAILURES} times, so it was ended"
 PUT_OUT: Final = "take it out of class.toml and run `beatrix classroom init class.toml`."
 OFTEN, OFTEN_S = 3, 60.0
@@ -327,3 +332,39 @@ def run(of_class: Path, lessons: Collection[str], shutdown: Shutdown) -> None:
             routers.tend()
     finally:
         routers.close()
+
+
+class Answering:
+    """Asks the router of robots and teacher once a second, on a thread of its own, because a router can run and be stuck.
+
+    It sends a query as clients do: one for tokens may take a second after a seat with 2 000 subscribers has left, while
+    STOP takes 10 ms (measured).
+    """
+
+    def __init__(self, endpoint: str, account: Account) -> None:
+        """Connect to one of the routers, and ask through it until `close`."""
+        self._endpoint, self._account = endpoint, account
+        self.failures = 0
+        """number of queries without an answer, since the last answer"""
+        self._ended = threading.Event()
+        self._thread = threads.start(self._run, "answering")
+
+    def _run(self) -> None:
+        while not self._ended.is_set():
+            try:
+                bus = zbus.connect(self._endpoint, account=self._account)
+            except NoAnswer:  # strangers may keep sessions out of a router that serves all others
+                self._ended.wait(PERIOD_S)
+                continue
+            with bus:
+                while not self._ended.wait(PERIOD_S):
+                    self.failures = 0 if self._asked(bus) else self.failures + 1
+
+    def _asked(self, bus: zbus.Bus) -> bool:
+        query = bus.query(CHECK_KEY, timeout_s=ANSWER_S)
+        return next(query.replies(ANSWER_S), None) is not None
+
+    def close(self) -> None:
+        """End the queries; call it after the end of the router, which may let no session close."""
+        self._ended.set()
+        self._thread.join(3 * ANSWER_S)

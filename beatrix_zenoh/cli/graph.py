@@ -21,6 +21,8 @@ from beatrix_zenoh.terminal.options import Connect, Json, Who
 
 ANSWER_S: Final = 2.0
 """How long (s) to wait for the descriptions; programs that hang are then listed without keys."""
+DECLARED = ("serves", "publishes", "subscribes", "asks")
+"""Sets of keys of a program."""
 UNDESCRIBED = "does not describe itself: it hangs, or has another version"
 
 Owner = tuple[str, str]
@@ -47,10 +49,7 @@ def as_row(program: ProgramAtRouter) -> dict[str, object]:
     return {
         "title": program.title,
         "described": program.described,
-        "serves": sorted(program.serves),
-        "publishes": sorted(program.publishes),
-        "subscribes": sorted(program.subscribes),
-        "asks": sorted(program.asks),
+        **{name: sorted(getattr(program, name)) for name in DECLARED},
     }
 
 
@@ -127,7 +126,7 @@ def _title(seat: str, info: ProgramInfo | None) -> str:
 def _add(program: ProgramAtRouter, info: ProgramInfo | None) -> None:
     if info is not None:
         program.described = True
-        for name in ("serves", "publishes", "subscribes", "asks"):
+        for name in DECLARED:
             getattr(program, name).update(getattr(info, name))
 
 

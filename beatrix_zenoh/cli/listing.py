@@ -93,11 +93,7 @@ def as_row(robot: ListedRobot) -> dict[str, object]:
     if robot.status is not None:
         row |= state_row(robot.status)
     if robot.info is not None:
-        row |= {
-            "version": robot.info.version,
-            "contract": robot.info.contract,
-            "firmware": robot.info.firmware,
-        }
+        row |= {name: getattr(robot.info, name) for name in ("version", "contract", "firmware")}
     return row
 
 

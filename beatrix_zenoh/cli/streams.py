@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 import statistics
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -13,14 +14,25 @@ from typing import Annotated, NamedTuple, Protocol, TypeVar, cast
 import msgspec
 import typer
 
-from beatrix_zenoh.client import streams as client_streams
 from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_base import clock_offsets
-from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.client.streams import CAMERA, periodic, streams
-from beatrix_zenoh.client.subscription import Arrival, CameraImage, Subscription
+from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.client.subscription import (
+    FIRST_PICTURE_S,
+    SILENCE_S,
+    Arrival,
+    CameraImage,
+    Reader,
+    Subscription,
+    images,
+    message,
+    same,
+)
+from beatrix_zenoh.contract import names
+from beatrix_zenoh.contract._generated import keys, messages
+from beatrix_zenoh.contract._generated.keys import KeyRow
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.sentences.events import sentence
@@ -31,8 +43,58 @@ from beatrix_zenoh.terminal.states import problems, state, state_row
 from beatrix_zenoh.terminal.targets import Selection, Targets, degrees, open_targets
 
 T = TypeVar("T")
+BASE = "beatrix/{robot}/{side}/state/"
+CAMERA = "camera/"
+QUEUE = 100
+"""Length of the queue for pictures."""
 PAST = 10
 """Number of past events that are printed first, without --count."""
+
+
+def streams() -> dict[str, KeyRow]:
+    """Return the publications of a robot by name, such as `positions` or `camera/left`, without those in JSON."""
+    found = {row.key.removeprefix(BASE): row for row in keys.KEYS.values() if row.key.startswith(BASE)}
+    return {
+        name.replace("{eye}", view): row
+        for name, row in found.items()
+        for view in (names.VIEWS if "{eye}" in name else names.VIEWS[:1])
+        if not name.endswith("/json")
+    }
+
+
+def periodic() -> list[str]:
+    """Return the names of the streams whose rate and losses can be measured: with numbers, at a constant rate or media."""
+    return [
+        name
+        for name, row in streams().items()
+        if (row.rate_hz or row.publish == "media") and "seq" in header(row).__struct_fields__
+    ]
+
+
+def header(row: KeyRow) -> type[msgspec.Struct]:
+    """Return the message of a stream, or the one in the attachment of its bytes."""
+    kinds = (getattr(messages, word, None) for word in re.findall(r"\w+", row.payload))
+    return next(kind for kind in kinds if isinstance(kind, type) and issubclass(kind, msgspec.Struct))
+
+
+def subscribe(client: Client, name: str, robot: str, side: str) -> Subscription[object]:
+    """Subscribe to the messages of a stream: to pictures with their data, to sound by its headers alone.
+
+    Raises the errors of `images`.
+    """
+    if name.startswith(CAMERA):
+        eye = name.removeprefix(CAMERA)
+        pictures = images(client, robot, side, eye, timeout_s=FIRST_PICTURE_S, length=QUEUE)
+        return cast("Subscription[object]", pictures)
+    row = streams()[name]
+    kind, media = header(row), row.publish == "media"
+    plain = row.payload == kind.__name__
+    read: Reader[object] = (
+        message(kind, same) if plain else lambda _, sample: client.read(sample.header, kind)
+    )
+    key = row.key.format(robot=robot, side=side)
+    timeout_s, bus = (FIRST_PICTURE_S, client.media) if media else (SILENCE_S, None)
+    return Subscription(client, key, read, timeout_s=timeout_s, bus=bus)
 
 
 Stream = StrEnum("Stream", {name: name for name in streams()})  # type: ignore[misc] # follows from the contract
@@ -66,9 +128,7 @@ def echo(
             for place, event in limited(follow_events(robots, past), count):
                 show_event(place, event, as_json=as_json)
             return
-        arrivals = client_streams.stream(
-            targets.client, stream.value, targets.name, side_key(targets)
-        ).arrivals()
+        arrivals = subscribe(targets.client, stream.value, targets.name, side_key(targets)).arrivals()
         for arrival in limited(arrivals, count):
             show(arrival, as_json=as_json)
 
@@ -198,7 +258,7 @@ def hz(
         robots = targets.robots()
         offsets = [clock_offsets(targets.client, *robot.place).wall.offset for robot in robots]
         subscriptions = [
-            cast("Subscription[Numbered]", client_streams.stream(targets.client, stream.value, *robot.place))
+            cast("Subscription[Numbered]", subscribe(targets.client, stream.value, *robot.place))
             for robot in robots
         ]
         arrivals: list[list[Arrival[Numbered]]] = [[] for _ in robots]

@@ -15,7 +15,7 @@ import msgspec
 from msgspec.structs import replace
 
 from beatrix_zenoh.client import motion_file
-from beatrix_zenoh.client.degrees import HeadAngles, checked_wait, motion_query, pose_query
+from beatrix_zenoh.client.degrees import HeadAngles, checked_seconds, motion_query, pose_query
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.motion_file import FORM, SPEED, MotionFile, Place, WrongLine
 from beatrix_zenoh.client.plan import Plan, RobotPair
@@ -185,7 +185,7 @@ def play(
         WrongUsage: `lead_s` is not a valid time, or is given with lockstep or for one robot.
         Refused, Interrupted, NoAnswer: the error of the first motion that failed.
     """
-    lead_s = checked_wait("lead_s", lead_s)
+    lead_s = checked_seconds("lead_s", lead_s, zero=True)
     if lead_s and (lockstep or isinstance(robots, Robot)):
         raise WrongUsage(
             Reason.BAD_VALUE,

@@ -278,22 +278,17 @@ def true_or_false(what: str, on: bool) -> bool:  # noqa: FBT001
     raise WrongUsage(Reason.BAD_VALUE, f"{what} is {on!r}: give True or False.")
 
 
-def checked_seconds(what: str, value: float) -> float:
-    """Return a timeout in s; raises WrongUsage unless it is a number above 0 and at most a day."""
-    if isinstance(value, Real) and not isinstance(value, bool) and 0 < float(value) <= DAY_S:
+def checked_seconds(what: str, value: float, *, zero: bool = False) -> float:
+    """Return a time in s; raises WrongUsage unless it is a number above 0, or with `zero` from 0, and at most a day."""
+    if (
+        isinstance(value, Real)
+        and not isinstance(value, bool)
+        and 0 <= float(value) <= DAY_S
+        and (value or zero)
+    ):
         return float(value)
-    raise WrongUsage(
-        Reason.BAD_VALUE, f"{what} is {value!r}: give a number of seconds above 0, at most {DAY_S:.0f}."
-    )
-
-
-def checked_wait(what: str, value: float) -> float:
-    """Return a time to wait in s; raises WrongUsage unless it is a number from 0 to a day."""
-    if isinstance(value, Real) and not isinstance(value, bool) and 0 <= float(value) <= DAY_S:
-        return float(value)
-    raise WrongUsage(
-        Reason.BAD_VALUE, f"{what} is {value!r}: give a number of seconds from 0 to {DAY_S:.0f}."
-    )
+    allowed = f"from 0 to {DAY_S:.0f}" if zero else f"above 0, at most {DAY_S:.0f}"
+    raise WrongUsage(Reason.BAD_VALUE, f"{what} is {value!r}: give a number of seconds {allowed}.")
 
 
 def checked_factor(factor: float) -> float:

@@ -9,7 +9,7 @@ from beatrix_zenoh.client.degrees import (
     Path,
     RobotInfo,
     arm_angles,
-    checked_wait,
+    checked_seconds,
     head_angles,
     path_figure,
     true_or_false,
@@ -108,7 +108,7 @@ class Plan(ProcessBound):
             NoAnswer: one robot is not online, or has lost its board.
             Interrupted: the motion of one robot was stopped, or this one was aborted or replaced.
         """
-        lead_s, waits = checked_wait("lead_s", lead_s), true_or_false("wait", wait)
+        lead_s, waits = checked_seconds("lead_s", lead_s, zero=True), true_or_false("wait", wait)
         self._check_open()
         sim, hw = self._twin.sim, self._twin.hw
         motion = self._motion = TwinMotion(sim, hw, self._query, lead_s)  # from here on `abort` can cancel it

@@ -14,7 +14,6 @@ from beatrix_zenoh.client.degrees import (
     bearing,
     checked_number,
     checked_seconds,
-    checked_wait,
     motion_query,
     pose_query,
     preview_of,
@@ -138,7 +137,7 @@ class Robot(RobotWithRoom):
         Raises:
             Refused: NOT_HOLDER if another seat holds the robot, or the robot's reason, such as FROZEN.
         """
-        return Lease(self, checked_wait("wait_s", wait_s))
+        return Lease(self, checked_seconds("wait_s", wait_s, zero=True))
 
     def follow(self, on: bool = True) -> CommandReply:  # noqa: FBT001, FBT002 - `follow(False)` reads well
         """Let the simulation of this name follow the hardware, or end this.

@@ -12,13 +12,12 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
+from msgspec import structs
 
 from beatrix_zenoh import wav
-from beatrix_zenoh.bus import Reply
 from beatrix_zenoh.client.degrees import checked_number
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Arrival, Sample, Subscription
-from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason, SoundHeader
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
@@ -287,26 +286,15 @@ def joined(blocks: list[Sound], wanted: int) -> Sound:
 def sound(client: Client, sample: Sample) -> Sound | None:
     """Convert a publication to a block; log a warning and return None if it is not sound with a valid header."""
     received = sample.received
-    answer = Reply(
-        received.key, received.attachment or b"", codec.MSGPACK, error=False, origin=received.session
-    )
-    header = client.read(answer, SoundHeader)
+    header = client.read(sample.header, SoundHeader)
     if header is None:
         return None
     if not received.payload or len(received.payload) % _FRAME or not header.rate:
         text = f"ignored: {len(received.payload)} bytes at {header.rate} Hz are no sound. Another program publishes on this key: end it."
-        client.report(answer, text)
+        client.report(sample.header, text)
         return None
     samples = np.frombuffer(received.payload, "<i2").reshape(-1, 2).astype(np.float32) / np.float32(
         _FULL_SCALE
     )
     samples.setflags(write=False)
-    return Sound(
-        samples=samples,
-        rate=header.rate,
-        t_mono_ns=header.t_mono_ns,
-        t_wall_ns=header.t_wall_ns,
-        seq=header.seq,
-        source=header.source,
-        dropped=header.dropped,
-    )
+    return Sound(samples=samples, **structs.asdict(header))

@@ -88,6 +88,12 @@ class Sample(NamedTuple):
     t_mono_ns: int
     t_wall_ns: int
 
+    @property
+    def header(self) -> Reply:
+        """The attachment of a picture or of sound, to be read as a message."""
+        key, _, session, attachment = msgspec.structs.astuple(self.received)
+        return Reply(key, attachment or b"", codec.MSGPACK, error=False, origin=session)
+
 
 Reader = Callable[[Client, Sample], T | None]
 """Converts a sample to the value of a subscription; for an invalid sample, logs the error and returns None."""
@@ -415,26 +421,18 @@ def images(
 def image(client: Client, sample: Sample) -> CameraImage | None:
     """Convert a publication to a picture; log a warning and return None if it is not a JPEG with a valid header."""
     received, parts = sample.received, keys.parse(sample.received.key)
-    answer = Reply(
-        received.key, received.attachment or b"", codec.MSGPACK, error=False, origin=received.session
-    )
     if not received.payload.startswith(JPEG_BEGIN):
         client.report(
-            answer, "ignored: it is not a JPEG picture. Another program publishes on this key: end it."
+            sample.header, "ignored: it is not a JPEG picture. Another program publishes on this key: end it."
         )
         return None
-    header = client.read(answer, FrameHeader)
+    header = client.read(sample.header, FrameHeader)
     if parts is None or header is None:
         return None
     return CameraImage(
         jpeg=received.payload,
         eye=parts.eye,
-        seq=header.seq,
-        t_mono_ns=header.t_mono_ns,
-        t_wall_ns=header.t_wall_ns,
-        width=header.width,
-        height=header.height,
-        source=header.source,
+        **msgspec.structs.asdict(header),
         arrived_mono_ns=sample.t_mono_ns,
         arrived_wall_ns=sample.t_wall_ns,
     )

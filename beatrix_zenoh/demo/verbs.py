@@ -19,12 +19,11 @@ import typer
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import new_file
-from beatrix_zenoh.output import FAILED, note, print_json, say, typed
+from beatrix_zenoh.output import FAILED, note, print_json, progress_bar, say, typed
 from beatrix_zenoh.processes import Role, Supervisor, advice, end_on_interrupt, watch
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json
-from beatrix_zenoh.terminal.progress import progress_bar
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.choreography import Choreography, Step

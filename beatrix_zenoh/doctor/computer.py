@@ -176,24 +176,18 @@ def serial_ports() -> Iterator[CheckResult]:
     if not devices:
         yield CheckResult("serial ports", "no board on USB; `beatrix hw --port virtual:` needs none")
     for device in devices:
-        if os.access(device, os.R_OK | os.W_OK):
-            yield CheckResult(f"port {device}", "this user may open it")
-        else:
-            yield CheckResult(
-                f"port {device}",
-                "this user may not open it",
-                "sudo usermod -aG dialout $USER, then log out and in again",
-            )
+        yield may_open(f"port {device}", device, "dialout")
+
+
+def may_open(title: str, device: Path, group: str, shown: str = "") -> CheckResult:
+    """Return a finding, which begins with `shown`, about a device that the users of a group may open."""
+    if os.access(device, os.R_OK | os.W_OK):
+        return CheckResult(title, f"{shown}this user may open it")
+    advice = f"sudo usermod -aG {group} $USER, then log out and in again"
+    return CheckResult(title, f"{shown}this user may not open it", advice)
 
 
 def cameras() -> Iterator[CheckResult]:
     """Yield findings about USB cameras by their permanent paths, and whether this user may open them."""
     for device in sorted(VIDEO_DEVICES.glob("*-video-index0")):
-        if os.access(device, os.R_OK | os.W_OK):
-            yield CheckResult("camera", f"{device}: this user may open it")
-        else:
-            yield CheckResult(
-                "camera",
-                f"{device}: this user may not open it",
-                "sudo usermod -aG video $USER, then log out and in again",
-            )
+        yield may_open("camera", device, "video", f"{device}: ")

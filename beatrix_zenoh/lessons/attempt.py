@@ -32,16 +32,11 @@ from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import bench, slips
 from beatrix_zenoh.lessons.bench import Bench, Course
 from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER
-from beatrix_zenoh.lessons.guarded import Guarded
-from beatrix_zenoh.lessons.line_child import LineChild, NoReply
-from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, phrase, shown
+from beatrix_zenoh.lessons.guarded import Guarded, LineChild, NoReply, Run
+from beatrix_zenoh.lessons.phrases import ErrorData, NotMeasurable, Phrase, Still, Unmet, busy, phrase, shown
 from beatrix_zenoh.lessons.program import Program
-from beatrix_zenoh.lessons.run import Run
-from beatrix_zenoh.lessons.sandbox import Sandbox
-from beatrix_zenoh.lessons.scratch import scratch
+from beatrix_zenoh.lessons.sandbox import Sandbox, scratch
 from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage, pace
-from beatrix_zenoh.lessons.still import Still, Tell
-from beatrix_zenoh.lessons.unmet import NotMeasurable, Unmet, busy
 
 __all__ = ["Attempt", "NotMeasurable", "Seen", "Stage", "Unmet"]
 
@@ -69,7 +64,7 @@ class Attempt:
         limit_s: float,
         stage: Stage | None = None,
         keep: Path | None = None,
-        tell: Tell = lambda _: None,
+        tell: Callable[[Phrase], None] = lambda _: None,
     ) -> None:
         """Prepare a check.
 
@@ -331,16 +326,13 @@ class Attempt:
         self, running: ExitStack, robots: tuple[str, ...], path: str, robot_file: Path | None
     ) -> Stage:
         """Return a stage with these robots: the shared or the given one if it fits, otherwise a new one in `running`."""
+        wanted = robots, path, robot_file
         for stage in (self._shared, self._given):
-            if stage is not None and (stage.names, stage.path, stage.robot_file) == (
-                robots,
-                path,
-                robot_file,
-            ):
+            if stage is not None and (stage.names, stage.path, stage.robot_file) == wanted:
                 if stage is self._given:
                     stage.tidy()
                 return stage
-        return running.enter_context(Stage(robots, path, robot_file, self._tell))
+        return running.enter_context(Stage(*wanted, self._tell))
 
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
         """Return what the robots did, and set `doubt`; raises NotMeasurable."""

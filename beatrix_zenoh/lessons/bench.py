@@ -15,11 +15,9 @@ import numpy as np
 from beatrix_zenoh import processes
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.lessons.line_child import LineChild, NoReply
+from beatrix_zenoh.lessons.guarded import LineChild, NoReply
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
-from beatrix_zenoh.lessons.phrases import ErrorData, phrase, shown
-from beatrix_zenoh.lessons.still import Still, Tell
-from beatrix_zenoh.lessons.unmet import Unmet, busy
+from beatrix_zenoh.lessons.phrases import ErrorData, Still, Tell, Unmet, busy, phrase, shown
 
 TICK_S = 0.02
 """Time between two calls of the function (s): TICK_MS of sim_node/bench.py."""

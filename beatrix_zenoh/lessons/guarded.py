@@ -1,22 +1,51 @@
-"""A pupil's process under its guard (guard.py), which ends it and all that it has started."""
+"""A pupil's process under its guard (guard.py), which ends it and all that it has started.
+
+It is the whole program, or a child process that answers each line of JSON with one line of JSON.
+"""
 
 from __future__ import annotations
 
+import collections
 import contextlib
+import json
 import os
+import queue
+import re
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import IO
 
-from beatrix_zenoh import processes
+import msgspec
+
+from beatrix_zenoh import processes, threads
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.codec import UNREADABLE
+from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, Unmet, phrase
+from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.sandbox import Sandbox
 
 SIGNALLED = 128
 """An exit code of the guard above this number is that of a signal."""
-END_S = 5.0
+GUARD_S = 5.0
 """Longest time (s) in which the guard ends; the program may have suspended it."""
+LINES = 200
+"""Number of last output lines that are kept: a program may print without end."""
+END_S = 2.0
+"""Time (s) in which a program may end itself after Ctrl-C."""
+FRAME = re.compile(r'^  File "(?P<file>.+)", line (?P<line>\d+)')
+LONGEST_LINE = 4000
+"""Longest part of a line (bytes) that is kept at once: a program may print for ever without an end of line."""
+LONGEST_ERROR = 500
+"""Longest text of an error that is shown (characters)."""
+REFUSED = "Refused:"
+"""Beginning of the last line of a traceback, if the robot has refused a request."""
+PREFIX = re.compile(r"^[\w.]+\.(?=\w+(:|$))")
+"""The module of an exception's name, as in `beatrix_zenoh.contract.errors.Refused`."""
+Reply = dict[str, object]
 
 
 class Guarded:
@@ -68,7 +97,7 @@ class Guarded:
                 with contextlib.suppress(OSError):  # what was not yet written has no reader
                     pipe.close()
         with contextlib.suppress(subprocess.TimeoutExpired):
-            self.process.wait(END_S)
+            self.process.wait(GUARD_S)
         kill_group(self.process)  # if the program has killed or suspended its guard
         self.process.wait()
 
@@ -88,3 +117,154 @@ def exit_code(process: subprocess.Popen[bytes]) -> int:
     """Wait for the end of a guard; return the exit code of its program, negative for a signal."""
     code = process.wait()
     return SIGNALLED - code if code > SIGNALLED else code
+
+
+class NoReply(Exception):
+    """The child has not answered within the time limit; or it has ended, with the exit code `code`."""
+
+    def __init__(self, code: int | None = None) -> None:
+        super().__init__(f"exit code {code}")
+        self.code = code
+
+
+class LineChild:
+    """A child process that runs, ended by `close`."""
+
+    def __init__(
+        self, process: subprocess.Popen[bytes], requests: IO[bytes] | None, end: Callable[[], None]
+    ) -> None:
+        """Talk to a process through a pipe to its standard input; `end` ends it."""
+        assert requests is not None
+        self._process, self._requests, self._end = process, requests, end
+        self._lines: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
+        self._reader = threads.start(self._read, "lines-of-child")
+
+    def _read(self) -> None:
+        output = self._process.stdout
+        assert output is not None
+        for line in output:
+            self._lines.put(line)
+        self._lines.put(None)
+
+    def ask(self, request: Mapping[str, object], timeout_s: float) -> Reply:
+        """Return the answer to a request; raises NoReply after `timeout_s` (s), and if the child has ended."""
+        try:
+            self._requests.write(json.dumps(request).encode() + b"\n")
+            self._requests.flush()
+        except OSError as error:
+            raise NoReply(exit_code(self._process)) from error
+        return self.reply(timeout_s)
+
+    def reply(self, timeout_s: float) -> Reply:
+        """Return the next line; raises the errors of `ask`."""
+        try:
+            line = self._lines.get(timeout=timeout_s)
+        except queue.Empty:
+            raise NoReply from None
+        if line is None:
+            raise NoReply(exit_code(self._process))
+        found: Reply = json.loads(line)
+        return found
+
+    def close(self) -> None:
+        """End the child, which holds nothing that it would have to save."""
+        self._end()
+        self._reader.join()
+        for pipe in (self._requests, self._process.stdout):
+            if pipe is not None:
+                with contextlib.suppress(OSError):  # what was not yet written has no reader
+                    pipe.close()
+
+
+class Run:
+    """A program that runs; its output is read all the time, so that it never waits for a reader."""
+
+    def __init__(
+        self, file: Path, program: Program, sandbox: Sandbox, environment: Mapping[str, str]
+    ) -> None:
+        """Start it; `file` is what Python runs, `program` what the pupil has written."""
+        self._file, self._program, self._sandbox = file, program, sandbox
+        self._output: collections.deque[str] = collections.deque(maxlen=LINES)
+        paths = (str(program.path.parent), os.environ.get("PYTHONPATH"))
+        # The program of a notebook is in another folder.
+        more = {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
+        self._child = Guarded(sandbox, [str(file)], more | dict(environment))
+        self._process = self._child.process
+        self.cores = 0.0
+        """Part of a core that the program has used, known after `close`; 0 on Windows, which does not tell."""
+        self._reader = threads.start(self._read, "output-of-program")
+        self.began_ns = time.monotonic_ns()
+
+    def _read(self) -> None:
+        output = self._process.stdout
+        assert output is not None
+        for line in iter(lambda: output.readline(LONGEST_LINE), b""):
+            self._output.append(line.decode("utf-8", "replace").rstrip("\r\n"))
+
+    @property
+    def output(self) -> list[str]:
+        """The last lines that the program has printed."""
+        return list(self._output)
+
+    @property
+    def running(self) -> bool:
+        """Whether the program has not ended yet."""
+        return self._process.poll() is None
+
+    @property
+    def seconds(self) -> float:
+        """Time since the start (s)."""
+        return (time.monotonic_ns() - self.began_ns) / 1e9
+
+    def check(self) -> None:
+        """Raise Unmet (`runs`, `uncaught`, `other_robot` or `keyboard`) if the program has ended with an error."""
+        if self._process.poll() == 0:
+            return
+        self._reader.join(END_S)
+        lines = [line for line in self._output if line.strip()]
+        if lines and lines[-1].startswith("EOFError"):
+            raise Unmet("keyboard", where=self._where())
+        error = self._error(lines)
+        figure = "uncaught" if str(error).startswith(REFUSED) else "runs"
+        raise Unmet("other_robot" if _names_other_robot(error) else figure, error=error, where=self._where())
+
+    def _error(self, lines: list[str]) -> ErrorData | Phrase:
+        """Return the error of the traceback, or how the program has ended without one."""
+        code = exit_code(self._process)
+        if code < 0:
+            return phrase("signal", name=signal.Signals(-code).name)
+        if not lines:
+            return ErrorData(f"exit code {code}")
+        with contextlib.suppress(*UNREADABLE):  # an error of BEATRIX, if Attempt has asked for data
+            found = msgspec.json.decode(lines[-1], type=ErrorData)
+            if found.kind:
+                return found
+        return ErrorData(PREFIX.sub("", lines[-1])[:LONGEST_ERROR])
+
+    def _where(self) -> Phrase | str:
+        """Return the place in the pupil's program that the last traceback names."""
+        frames = [match for line in self._output if (match := FRAME.match(line))]
+        own = [int(match["line"]) for match in frames if Path(match["file"]) == self._file]
+        return self._program.where(own[-1] if own else None)
+
+    def close(self) -> None:
+        """End the program, first as Ctrl-C does, so that it can bring its robot to rest."""
+        if self.running and sys.platform != "win32":
+            self._child.interrupt()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(END_S)
+        self._child.end()
+        if not self.cores:
+            self.cores = self._sandbox.used_s() / self.seconds
+        self._reader.join(END_S)
+        if (
+            self._process.stdout is not None and not self._reader.is_alive()
+        ):  # else closing would wait for the reader
+            self._process.stdout.close()
+
+
+def _names_other_robot(error: ErrorData | Phrase) -> bool:
+    """Return whether this is the error of a program that names a robot which is not online."""
+    if not isinstance(error, ErrorData) or error.reason not in (Reason.NO_ANSWER, Reason.NO_SUCH_ROBOT):
+        return False
+    return error.detail is not None and error.detail.field not in ("", *error.detail.known)

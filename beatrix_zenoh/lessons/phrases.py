@@ -1,8 +1,13 @@
-"""What checks say besides the figures: texts of `phrases.toml` and errors of the pupil's program, as data until they are shown."""
+"""What checks say besides the figures, and how they end early.
+
+Texts of `phrases.toml` and errors of the pupil's program are data until they are shown.
+"""
 
 from __future__ import annotations
 
+import time
 import tomllib
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -16,6 +21,8 @@ from beatrix_zenoh.contract.sentences.templates import Number
 from beatrix_zenoh.lesson_files import ENGLISH
 
 FILE = Path(__file__).with_suffix(".toml")
+EVERY_S = 10.0
+"""Time (s) between two sentences about a check that takes long."""
 
 
 class Phrase(NamedTuple):
@@ -88,3 +95,47 @@ def said(value: object, language: str = ENGLISH) -> object:
 def phrases() -> dict[str, dict[str, str]]:
     """Return the templates of all phrases, by language."""
     return tomllib.loads(FILE.read_text(encoding="utf-8"))
+
+
+class Unmet(Exception):
+    """A figure is not met; `values` fill the sentences of hints.toml, and may be phrases."""
+
+    def __init__(self, figure: str, **values: object) -> None:
+        super().__init__(figure)
+        self.figure, self.values = figure, values
+        self.ended = False
+        """whether the program had ended by itself before"""
+
+
+class NotMeasurable(Exception):
+    """The check cannot judge the program; `why` says why, and what to do."""
+
+    def __init__(self, why: Phrase) -> None:
+        super().__init__(said(why))
+        self.why = why
+
+
+def busy(why: Phrase | str) -> NotMeasurable:
+    """Return the error of a computer that was too slow; `why` is a sentence with what was measured."""
+    return NotMeasurable(phrase("busy", why=why))
+
+
+Tell = Callable[[Phrase], None]
+
+
+class Still:
+    """Says every EVERY_S what is going on, with the seconds that are left, or that the caller gives."""
+
+    def __init__(self, tell: Tell, key: str, limit_s: float = 0.0, **values: object) -> None:
+        """Prepare a phrase that needs `seconds` and these values."""
+        self._tell, self._key, self._values = tell, key, values
+        self._next_s = time.monotonic() + EVERY_S
+        self._end_s = time.monotonic() + limit_s
+
+    def look(self, seconds: float | None = None) -> None:
+        """Say it if it is due; None: with the seconds that are left of the limit."""
+        now_s = time.monotonic()
+        if now_s >= self._next_s:
+            self._next_s = now_s + EVERY_S
+            left = self._end_s - now_s if seconds is None else seconds
+            self._tell(phrase(self._key, seconds=left, **self._values))

@@ -13,8 +13,7 @@ from pathlib import Path
 from beatrix_zenoh import files
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, phrase
-from beatrix_zenoh.lessons.unmet import Unmet
+from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, Unmet, phrase
 
 FORMAT = {"nbformat": 4, "nbformat_minor": 5}
 KERNEL = {

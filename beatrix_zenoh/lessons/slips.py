@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from beatrix_zenoh.contract._generated.messages import Event, Phase, Reason
+from beatrix_zenoh.lessons.phrases import Unmet
 from beatrix_zenoh.lessons.stage import Seen
-from beatrix_zenoh.lessons.unmet import Unmet
 
 LARGE = 0.25
 """Only numbers of at least this share of the largest one count: small ones fit to any slip."""

@@ -22,11 +22,9 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Positions, Status
 from beatrix_zenoh.contract.errors import BeatrixError
-from beatrix_zenoh.lessons import scratch
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
-from beatrix_zenoh.lessons.phrases import Phrase, error_data, phrase
-from beatrix_zenoh.lessons.still import Still, Tell
-from beatrix_zenoh.lessons.unmet import busy
+from beatrix_zenoh.lessons.phrases import Phrase, Still, Tell, busy, error_data, phrase
+from beatrix_zenoh.lessons.sandbox import PREFIX
 from beatrix_zenoh.processes import Child, Supervisor
 from beatrix_zenoh.settings import Settings
 
@@ -192,7 +190,7 @@ class Stage:
         self.watches: dict[str, RobotWatch] = {}
         self._running = ExitStack()
         account = {"BEATRIX_ACCOUNT": ""}  # the router of a check has no accounts
-        self._supervisor = Supervisor(account, scratch.PREFIX)
+        self._supervisor = Supervisor(account, PREFIX)
         self._person = (0.0, 0.0, 0.0)
         """place of the person (m) at the start"""
 

@@ -14,12 +14,10 @@ from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.contract.names import TEACHER
-from beatrix_zenoh.lessons.phrases import said
+from beatrix_zenoh.lessons.guarded import Run
+from beatrix_zenoh.lessons.phrases import Unmet, said
 from beatrix_zenoh.lessons.program import Program
-from beatrix_zenoh.lessons.run import Run
-from beatrix_zenoh.lessons.sandbox import Sandbox, refuse_teacher
-from beatrix_zenoh.lessons.scratch import scratch
-from beatrix_zenoh.lessons.unmet import Unmet
+from beatrix_zenoh.lessons.sandbox import Sandbox, refuse_teacher, scratch
 from beatrix_zenoh.output import note, say
 from beatrix_zenoh.settings import Settings
 

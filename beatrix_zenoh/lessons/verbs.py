@@ -26,6 +26,7 @@ START = {
     "de": ("Lektion {number}: {title} ({minutes} Minuten)", "Ordner", "lesen", "ändern", "prüfen"),
 }
 """What `start` prints: the head, and the labels of the lines below it."""
+FIELDS = ("number", "name", "title", "minutes", "level", "needs", "state")
 HEADS = ("lesson", "title", "minutes", "level", "needs", "state")
 LESSON = "`beatrix lesson"
 lesson = typer.Typer(
@@ -89,35 +90,22 @@ def list_lessons(as_json: Json = False) -> None:
 
     workspace = _workspace()
     found = lessons(workspace.progress.language)
-    states = [_state(workspace.progress.lessons.get(one.name)) for one in found]
+    rows = [
+        (
+            *(one.number, one.name, one.title, one.about.minutes, one.about.level, one.about.needs),
+            _state(workspace.progress.lessons.get(one.name)),
+        )
+        for one in found
+    ]
     if as_json:
-        rows = [
-            {
-                "number": one.number,
-                "name": one.name,
-                "title": one.title,
-                "minutes": one.about.minutes,
-                "level": one.about.level,
-                "needs": one.about.needs,
-                "state": state,
-            }
-            for one, state in zip(found, states, strict=True)
-        ]
-        print_json({"result": True, "lessons": rows})
+        print_json({"result": True, "lessons": [dict(zip(FIELDS, row, strict=True)) for row in rows]})
         return
     say(
         columns(
             HEADS,
             [
-                (
-                    str(one.number),
-                    one.title,
-                    str(one.about.minutes),
-                    one.about.level,
-                    ", ".join(one.about.needs) or "-",
-                    state,
-                )
-                for one, state in zip(found, states, strict=True)
+                (str(number), title, str(minutes), level, ", ".join(needs) or "-", state)
+                for number, _, title, minutes, level, needs, state in rows
             ],
         )
     )
@@ -196,7 +184,7 @@ def check(
     Exit codes: 0 passed, 1 not yet, 4 this computer was too busy to measure.
     """
     from beatrix_zenoh.client import lesson_reports
-    from beatrix_zenoh.lessons import checking, progress, verdict_text
+    from beatrix_zenoh.lessons import checking, progress
     from beatrix_zenoh.lessons import program as programs
     from beatrix_zenoh.lessons.sandbox import refuse_teacher
     from beatrix_zenoh.settings import resolve_valid
@@ -216,9 +204,9 @@ def check(
     record = workspace.record(found.name)
     checking.count(record, verdict, progress.sealed(found.name, program.sha256))
     if as_json:
-        print_json(verdict_text.document(found, verdict, record))
+        print_json(checking.document(found, verdict, record))
     else:
-        verdict_text.show(found, verdict, record)
+        checking.show(found, verdict, record)
     workspace.save()
     measured = verdict.result is not checking.Result.NOT_MEASURABLE
     lesson_reports.report(found.name, record.state(measured=measured))
@@ -255,7 +243,7 @@ def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:
 def hint(number: LatestNumber = None) -> None:
     """Print a hint: the one that helps with what the last check has found, then the others."""
     from beatrix_zenoh.client import lesson_reports
-    from beatrix_zenoh.lessons.verdict_text import LABELS, filled
+    from beatrix_zenoh.lessons.checking import LABELS, filled
 
     workspace = _workspace()
     found, _ = _program(number, workspace)

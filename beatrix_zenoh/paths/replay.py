@@ -10,7 +10,7 @@ from typing import Final
 from msgspec.structs import astuple, replace
 
 from beatrix_zenoh.client.choreography import stopping
-from beatrix_zenoh.client.degrees import arm_angles, checked_wait, motion_query
+from beatrix_zenoh.client.degrees import arm_angles, checked_seconds, motion_query
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_base import offset_of
@@ -156,7 +156,7 @@ def replay(
         WrongUsage: `lead_s` is not a valid time, or is given for one robot.
         Refused, Interrupted, NoAnswer: the motion to the start or a target failed.
     """
-    lead_s = checked_wait("lead_s", lead_s)
+    lead_s = checked_seconds("lead_s", lead_s, zero=True)
     if lead_s and isinstance(robots, Robot):
         raise WrongUsage(Reason.BAD_VALUE, "lead_s needs both robots: omit it for one robot.")
     _go_to_start(robots, following)

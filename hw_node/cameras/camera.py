@@ -16,7 +16,7 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage, quoted
 from beatrix_zenoh.node import CameraFrame, Node, camera_publisher
-from beatrix_zenoh.node.sensor_thread import SILENT_S, Sensor
+from beatrix_zenoh.node.sensors import SILENT_S, Sensor
 from hw_node.cameras.source import FrameSource
 from hw_node.cameras.stand_ins import Pattern, PictureFiles
 

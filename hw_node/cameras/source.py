@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 from beatrix_zenoh.node import CameraFrame
-from beatrix_zenoh.node.sensor_thread import SensorSource
+from beatrix_zenoh.node.sensors import SensorSource
 
 WIDTH, HEIGHT, HZ = 640, 480, 30
 """Format requested from cameras: pixels, and pictures a second."""

@@ -17,8 +17,7 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
 from beatrix_zenoh.node import Node, SoundBlock, microphones_publisher
-from beatrix_zenoh.node.sensor_thread import SILENT_S, Sensor, SensorSource
-from beatrix_zenoh.node.sensors import BLOCK, RATE, TITLE, BlockClock, to_pcm
+from beatrix_zenoh.node.sensors import BLOCK, RATE, SILENT_S, TITLE, BlockClock, Sensor, SensorSource, to_pcm
 
 TONES_HZ: Final = (500.0, 1000.0)
 """Frequencies of the test tone in the left and the right ear; a block contains whole periods of both."""

@@ -10,7 +10,7 @@ import pytest
 from class_router import Answering, ClassRouter, ReceivedKeys, certified, replies
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus.watchdog import reached
+from beatrix_zenoh.bus.sessions import reached
 from beatrix_zenoh.classroom.certificates import Authority
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason

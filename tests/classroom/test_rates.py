@@ -12,7 +12,7 @@ import zenoh
 from class_router import Answering, ClassRouter, ReceivedKeys
 
 from beatrix_zenoh.bus import credentials, is_listening
-from beatrix_zenoh.bus.access_control import LARGEST_REQUEST
+from beatrix_zenoh.bus.router import LARGEST_REQUEST
 from beatrix_zenoh.bus.transport import LARGEST_MESSAGE, opened
 from beatrix_zenoh.contract._generated import keys
 

@@ -15,7 +15,7 @@ from patient_connections import PATIENCE_S, patiently
 from robots import Process, ready, until
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.bus.access_control import DEPTH, below
+from beatrix_zenoh.bus.router import DEPTH, below
 from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.classroom.router_process import OUT_S, TOKENS_MAX, WINDOW_S, Guests
 from beatrix_zenoh.classroom.routers import OFTEN, STUCK, ended

@@ -17,11 +17,10 @@ from beatrix_zenoh.lesson_files import find
 from beatrix_zenoh.lessons import attempt, bench
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
 from beatrix_zenoh.lessons.checking import check_of
-from beatrix_zenoh.lessons.line_child import LineChild, NoReply
-from beatrix_zenoh.lessons.phrases import phrase
+from beatrix_zenoh.lessons.guarded import LineChild, NoReply
+from beatrix_zenoh.lessons.phrases import NotMeasurable, busy, phrase
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.stage import ROBOT, SEAT, Stage
-from beatrix_zenoh.lessons.unmet import NotMeasurable, busy
 
 PERIOD_S, MOTION_S = 0.02, 0.4
 NODS = [(0.0, pitch, 0.0) for pitch in (15, -5, 15, -5, 0)]

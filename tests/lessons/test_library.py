@@ -13,9 +13,8 @@ from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Limi
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lesson_files import LIBRARY, Lesson, lessons
 from beatrix_zenoh.lessons.checking import Result, Verdict, not_measurable, verdict
-from beatrix_zenoh.lessons.phrases import error_data, phrase, phrases
+from beatrix_zenoh.lessons.phrases import Unmet, busy, error_data, phrase, phrases
 from beatrix_zenoh.lessons.stage import Stage
-from beatrix_zenoh.lessons.unmet import Unmet, busy
 
 LESSONS = lessons()
 CHECKED = [of_lesson(lesson, lesson.name, lesson.name) for lesson in LESSONS]

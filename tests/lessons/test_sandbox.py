@@ -14,10 +14,10 @@ from robots import EVENT_S, PATIENCE_S, until
 
 from beatrix_zenoh import account
 from beatrix_zenoh.lesson_files import find
-from beatrix_zenoh.lessons import attempt, checking, program, sandbox, still
+from beatrix_zenoh.lessons import attempt, checking, phrases, program, sandbox
 from beatrix_zenoh.lessons.attempt import Attempt, Unmet
+from beatrix_zenoh.lessons.guarded import Run
 from beatrix_zenoh.lessons.phrases import Phrase, said
-from beatrix_zenoh.lessons.run import Run
 from beatrix_zenoh.lessons.sandbox import Sandbox
 from beatrix_zenoh.lessons.stage import PAUSE_S, hidden_s
 from sim_node.body import STALL_S
@@ -177,10 +177,10 @@ def test_a_pause_of_the_simulation_hides_no_motion(
 
 
 def test_a_long_check_says_how_long_it_still_takes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(still, "EVERY_S", 0.0)
+    monkeypatch.setattr(phrases, "EVERY_S", 0.0)
     told: list[Phrase] = []
-    still.Still(told.append, "still_runs", 40).look()
-    still.Still(told.append, "bench_at", whole=24.0).look(12.0)
+    phrases.Still(told.append, "still_runs", 40).look()
+    phrases.Still(told.append, "bench_at", whole=24.0).look(12.0)
     assert [said(one) for one in told] == [
         "Your program still runs: at most 40 s more.",
         "The bench is at 12 of 24 s.",

@@ -28,8 +28,8 @@ from beatrix_zenoh.lesson_files import find
 from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
 from beatrix_zenoh.lessons.checking import Verdict, check_of, verdict
+from beatrix_zenoh.lessons.guarded import Run
 from beatrix_zenoh.lessons.program import Program
-from beatrix_zenoh.lessons.run import Run
 from beatrix_zenoh.lessons.sandbox import Sandbox
 from beatrix_zenoh.lessons.stage import SEAT
 

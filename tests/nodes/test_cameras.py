@@ -15,7 +15,7 @@ from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import CameraFrame, Component, Node, sensor_thread
+from beatrix_zenoh.node import CameraFrame, Component, Node, sensors
 from hw_node.body import VirtualHardware
 from hw_node.cameras.camera import CameraSensor
 
@@ -64,7 +64,7 @@ class HardwareWithOneEye(VirtualHardware):
 
 @pytest.fixture
 def source(monkeypatch: pytest.MonkeyPatch) -> FakeSource:
-    monkeypatch.setattr(sensor_thread, "CHECK_S", 0.05)
+    monkeypatch.setattr(sensors, "CHECK_S", 0.05)
     return FakeSource()
 
 

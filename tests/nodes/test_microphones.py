@@ -14,7 +14,7 @@ from robots import Stage, until, wait_status
 from beatrix_zenoh import NoAnswer, Robot
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason, Status
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.node import SoundBlock, sensor_thread
+from beatrix_zenoh.node import SoundBlock, sensors
 from hw_node.body import VirtualHardware
 
 LISTENER = """
@@ -55,7 +55,7 @@ class FakeDevice:
 
 @pytest.fixture
 def device(monkeypatch: pytest.MonkeyPatch) -> FakeDevice:
-    monkeypatch.setattr(sensor_thread, "CHECK_S", 0.05)
+    monkeypatch.setattr(sensors, "CHECK_S", 0.05)
     return FakeDevice()
 
 

@@ -9,7 +9,7 @@ from typing import cast
 
 import zenoh
 
-from beatrix_zenoh.bus.publication import Publication
+from beatrix_zenoh.bus.declarations import Publication
 
 PATIENCE_S = 5.0
 

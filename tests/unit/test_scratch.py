@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from beatrix_zenoh.lessons.scratch import FRESH_S, OLD_S, PREFIX, scratch
+from beatrix_zenoh.lessons.sandbox import FRESH_S, OLD_S, PREFIX, scratch
 
 
 def test_folders_that_a_killed_check_has_left_are_removed(
@@ -42,7 +42,7 @@ def test_the_folder_of_a_killed_turn_is_removed_by_the_next_one(
 ) -> None:
     """It contains the home of a program; the folder of a turn that still runs stays, whatever its age."""
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    program = "from beatrix_zenoh.lessons.scratch import scratch\nwith scratch() as path: print(path, flush=True); input()"
+    program = "from beatrix_zenoh.lessons.sandbox import scratch\nwith scratch() as path: print(path, flush=True); input()"
     environment = os.environ | {"TMPDIR": str(tmp_path), "TEMP": str(tmp_path)}
     with subprocess.Popen(
         [sys.executable, "-c", program], env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE

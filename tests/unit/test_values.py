@@ -10,7 +10,7 @@ import msgspec
 import pytest
 from statuses import AT_HOME, READY
 
-from beatrix_zenoh.client.streams import header, periodic, streams
+from beatrix_zenoh.cli.streams import header, periodic, streams
 from beatrix_zenoh.contract import values
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Head, SeatCount, Status

@@ -9,7 +9,7 @@ from typing import Any, cast
 import pytest
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.bus.watchdog import CONTROL, SessionListener, SessionWatchdog
+from beatrix_zenoh.bus.sessions import CONTROL, SessionListener, SessionWatchdog
 from beatrix_zenoh.threads import Owner
 
 WAIT_S = 10.0
@@ -17,7 +17,7 @@ WAIT_S = 10.0
 
 def test_the_watchdog_belongs_to_all_robots(monkeypatch: pytest.MonkeyPatch) -> None:
     """Otherwise its failure would start the first robot anew, and no thread would check the sessions any more."""
-    monkeypatch.setattr("beatrix_zenoh.bus.watchdog.PERIOD_S", 0.01)
+    monkeypatch.setattr("beatrix_zenoh.bus.sessions.PERIOD_S", 0.01)
     owners: queue.SimpleQueue[Owner | None] = queue.SimpleQueue()
 
     def opened() -> dict[str, Any]:

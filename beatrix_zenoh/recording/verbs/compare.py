@@ -11,11 +11,10 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.files import new_file
-from beatrix_zenoh.output import FAILED, note, print_json, say
+from beatrix_zenoh.output import FAILED, note, print_json, progress_bar, say
 from beatrix_zenoh.recording.verbs.files import read_recording
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Connect, Json, Name, Which, Who, finite
-from beatrix_zenoh.terminal.progress import progress_bar
 from beatrix_zenoh.terminal.targets import Selection, open_targets
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s

@@ -13,11 +13,10 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDE_TITLES, SIDES
 from beatrix_zenoh.files import check_new, new_file
-from beatrix_zenoh.output import print_json, say
+from beatrix_zenoh.output import print_json, progress_bar, say
 from beatrix_zenoh.recording.verbs.files import RECORDING, read_recording
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json, Names, Which, finite
-from beatrix_zenoh.terminal.progress import progress_bar
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.export import Table

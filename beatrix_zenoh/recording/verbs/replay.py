@@ -15,10 +15,9 @@ from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits
-from beatrix_zenoh.output import note
+from beatrix_zenoh.output import note, progress_bar
 from beatrix_zenoh.recording.verbs.files import RECORDING, read_recording
 from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who, finite
-from beatrix_zenoh.terminal.progress import progress_bar
 from beatrix_zenoh.terminal.targets import (
     Selection,
     Targets,

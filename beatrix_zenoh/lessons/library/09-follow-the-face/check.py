@@ -14,7 +14,7 @@ from beatrix_zenoh.lessons.attempt import Attempt, Stage, Unmet
 from beatrix_zenoh.lessons.bench import Bench, Course
 from beatrix_zenoh.lessons.measures import at, rms
 from beatrix_zenoh.lessons.checking import BUSY_CORES
-from beatrix_zenoh.lessons.unmet import NotMeasurable, busy
+from beatrix_zenoh.lessons.phrases import NotMeasurable, busy
 
 PICTURES = Path(__file__).parent / "files"
 NOBODY = "nobody"
