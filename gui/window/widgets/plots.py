@@ -29,8 +29,7 @@ from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import NO_MARGINS, label, set_text, spaced
 from gui.window.widgets.files import FilePanel
-from gui.window.widgets.plot_bar import BOTH, DIFFERENCE, PlotBar
-from gui.window.widgets.plot_curves import Curves, Name
+from gui.window.widgets.plot_curves import BOTH, DIFFERENCE, Curves, Name, PlotBar
 from gui.window.widgets.plot_samples import (
     SPAN_MAX_S,
     History,
