@@ -20,7 +20,6 @@ from gui.window.theme import style_of
 from gui.window.widgets.arms import ArmsPanel
 from gui.window.widgets.class_page import ClassPage
 from gui.window.widgets.code import CodePanel
-from gui.window.widgets.commands import CommandsPanel, StopBar
 from gui.window.widgets.connect import ConnectSheet
 from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, spaced
 from gui.window.widgets.eyes import EyesPanel
@@ -31,7 +30,7 @@ from gui.window.widgets.header import Header
 from gui.window.widgets.history import HistoryPanel
 from gui.window.widgets.notices import Banner, RefusalNotice, TroubleNotice
 from gui.window.widgets.plots import PlotsPanel
-from gui.window.widgets.sending import SendingPanel
+from gui.window.widgets.sending import CommandsPanel, SendingPanel, StopBar
 from gui.window.widgets.sequence import SequencePanel
 
 P = TypeVar("P", bound=Panel)
