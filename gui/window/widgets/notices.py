@@ -4,13 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PyQt5.QtCore import QPoint, QRect
-from PyQt5.QtWidgets import QFrame, QHBoxLayout, QVBoxLayout, QWidget
+from PyQt5.QtCore import QEvent, QPoint, QRect
+from PyQt5.QtWidgets import QFileDialog, QFrame, QHBoxLayout, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
 
+from gui.console.state.actions import UseAccount, UseRouter
 from gui.console.state.intents import DismissRefusal
-from gui.console.state.views import BannerView, ButtonView, RefusalView
+from gui.console.state.views import BannerView, ButtonView, ConnectView, RefusalView, RouterView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, Panel, label, plain_button, set_text, spaced
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    IntentButton,
+    Panel,
+    label,
+    plain_button,
+    set_role,
+    set_text,
+    spaced,
+)
+from gui.window.widgets.files import FilePanel
 
 WIDTH_PX = 290
 BUTTONS = 4
@@ -137,3 +148,140 @@ class RefusalNotice(Panel):
         left = control.center().x() <= picture.center().x()
         level = max(0, min(control.bottom(), picture.bottom()) + 1 - height)
         self.setGeometry(picture.left() if left else picture.right() + 1 - width, level, width, height)
+
+
+SHEET_PX = 900
+GAP_PX = 28
+"""Space between router and hardware, which stand side by side: a low window has no room for one below the other."""
+ROLES = {None: "", True: "good", False: "bad"}
+"""Role of the state of the router."""
+
+
+class RouterPanel(FilePanel):
+    """The address of the router, whether it answers, and the account."""
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__(texts)
+        self._view: RouterView | None = None
+        self.address = QLineEdit()
+        self.address.setAccessibleName(texts("label.router_address"))
+        self.address.setToolTip(texts("tip.router_address"))
+        self.use, self.join = IntentButton(), IntentButton()
+        self.state, self.account = label(wrap=True), label(wrap=True)
+        first, last = QHBoxLayout(), QHBoxLayout()
+        first.addWidget(self.address, 1)
+        first.addWidget(self.use)
+        last.addWidget(self.account, 1)
+        last.addWidget(self.join)
+        layout = spaced(QVBoxLayout(self), 6, NO_MARGINS)
+        layout.addWidget(label(texts("label.router"), "title"))
+        layout.addLayout(first)
+        layout.addWidget(self.state)
+        layout.addLayout(last)
+        layout.addStretch(1)
+        self.address.returnPressed.connect(self._use)
+        self.use.intent.connect(self._use)
+        self.join.intent.connect(self._choose)
+
+    def show_view(self, view: RouterView) -> None:
+        """Show the present router; keep an address that the user is typing."""
+        old, self._view = self._view, view
+        if old is None or old.address != view.address:
+            self.address.setText(view.address)
+            self.address.setCursorPosition(0)
+        set_text(self.state, view.text)
+        self.state.setToolTip(view.details)
+        set_role(self.state, "role", ROLES[view.good])
+        set_text(self.account, view.account)
+        self.use.show_view(view.use)
+        self.join.show_view(view.join)
+
+    def _use(self) -> None:
+        if self.use.isEnabled():
+            self.intent.emit(UseRouter(self.address.text()))
+
+    def _choose(self) -> None:
+        mode, made = QFileDialog.AcceptMode.AcceptOpen, UseAccount
+        self.choose_file(self.join.text(), mode, "toml", made)
+
+
+class ConnectSheet(Panel):
+    """A frame over the middle of the panels; not a dialog, so that STOP stays usable."""
+
+    def __init__(self, texts: Texts, parent: QWidget) -> None:
+        super().__init__("notice", parent)
+        self._view: ConnectView | None = None
+        self.setAccessibleName(texts("connect.title"))
+        self.router, self.text = RouterPanel(texts), label(wrap=True)
+        self.router.intent.connect(self.intent)
+        self.ports: list[IntentButton] = []
+        self._list = spaced(QVBoxLayout(), 6)
+        self.again, self.close_button = self._button(), self._button()
+        buttons = QHBoxLayout()
+        buttons.addWidget(self.again)
+        buttons.addStretch(1)
+        buttons.addWidget(self.close_button)
+        hardware, columns = QVBoxLayout(), QHBoxLayout()
+        hardware.setSpacing(6)
+        hardware.addWidget(label(texts("label.hw"), "title"))
+        hardware.addWidget(self.text)
+        hardware.addLayout(self._list)
+        hardware.addStretch(1)
+        columns.setSpacing(GAP_PX)
+        columns.addWidget(self.router, 1)
+        columns.addLayout(hardware, 1)
+        layout = spaced(QVBoxLayout(self), 12, (20, 14, 20, 14))
+        layout.addLayout(columns)
+        layout.addLayout(buttons)
+        self.hide()
+
+    def _button(self) -> IntentButton:
+        button = IntentButton()
+        button.intent.connect(self.intent)
+        return button
+
+    def show_view(self, view: ConnectView | None) -> None:
+        """Show the sheet, or hide it."""
+        if view == self._view:
+            return
+        appears, self._view = self._view is None, view
+        if view is None:
+            self.hide()
+            return
+        self.router.show_view(view.router)
+        set_text(self.text, view.text)
+        self.text.setToolTip(view.details)
+        while len(self.ports) < len(view.ports):
+            self.ports.append(self._button())
+            self.ports[-1].setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+            self._list.addWidget(self.ports[-1])
+        for button, shown in zip(self.ports, view.ports, strict=False):
+            button.show_view(shown)
+        for number, button in enumerate(self.ports):
+            button.setVisible(number < len(view.ports))
+        self.again.show_view(view.again)
+        self.again.setVisible(bool(view.ports))
+        self.close_button.show_view(view.close)
+        self.show()
+        self.place()
+        self.raise_()
+        if appears:
+            self.close_button.setFocus()
+
+    def event(self, event: QEvent) -> bool:
+        """Take the height that the texts need when a text has changed: Qt measures the inner panel only now."""
+        handled = super().event(event)
+        if event.type() == QEvent.Type.LayoutRequest and self.isVisible():
+            self.place()
+        return handled
+
+    def place(self) -> None:
+        """Move to the middle of the parent."""
+        parent, layout = self.parentWidget(), self.layout()
+        if parent is None:
+            return
+        width = min(max(SHEET_PX, layout.minimumSize().width()), parent.width())
+        height = max(layout.totalHeightForWidth(width), layout.minimumSize().height())
+        self.setGeometry(
+            (parent.width() - width) // 2, max(0, (parent.height() - height) // 2), width, height
+        )
