@@ -19,14 +19,13 @@ from gui.window.keys import KeySheet
 from gui.window.theme import style_of
 from gui.window.widgets.arms import ArmsPanel
 from gui.window.widgets.class_page import ClassPage
-from gui.window.widgets.code import CodePanel
 from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, spaced
 from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
 from gui.window.widgets.head3d import Head3dPanel
 from gui.window.widgets.header import Header
-from gui.window.widgets.history import HistoryPanel
+from gui.window.widgets.history import CodePanel, HistoryPanel
 from gui.window.widgets.notices import Banner, ConnectSheet, RefusalNotice, TroubleNotice
 from gui.window.widgets.plots import PlotsPanel
 from gui.window.widgets.sending import CommandsPanel, SendingPanel, StopBar
