@@ -11,7 +11,6 @@ from statuses import AT_HOME, BOARD, READY
 from beatrix_zenoh.contract._generated.messages import FollowState, Head, Status
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import vector
-from sim_node.following.course import SetPoint
 from sim_node.following.follower import (
     CONTESTED,
     LASTS_S,
@@ -25,6 +24,7 @@ from sim_node.following.follower import (
     Limits,
     Parting,
     Places,
+    SetPoint,
 )
 
 LIMITS = Limits(math.radians(30), math.radians(90), math.radians(180))
