@@ -20,10 +20,10 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node import Component
+from sim_node.model import scene_spec
 from sim_node.painter import PosedModel, SceneState
 from sim_node.picture import MECHANISM, add_mechanism, show_through
 from sim_node.piped_process import NICE, PipedProcess
-from sim_node.scene import scene_spec
 from sim_node.shapes import Vector
 
 READY: Final = "ready"
