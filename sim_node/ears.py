@@ -12,8 +12,7 @@ from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.node import Node, SoundBlock, microphones_publisher
 from beatrix_zenoh.node.sensor_thread import Sensor
 from beatrix_zenoh.node.sensors import RATE, TITLE, BlockClock, to_pcm
-from sim_node.hearing import Ears, Hearing
-from sim_node.sounds import PlayingSound
+from sim_node.hearing import Ears, Hearing, PlayingSound
 
 
 class SimulatedSound:
