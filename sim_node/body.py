@@ -13,8 +13,7 @@ from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.node import ArmState, Component, Node
-from sim_node.drawing import Drawing
-from sim_node.eyes import Eyes
+from sim_node.eyes import Drawing, Eyes
 from sim_node.following.handler import FollowHandler
 from sim_node.hearing import Hearing, SimulatedMicrophones, hearing
 from sim_node.model import TIMESTEP_MS
