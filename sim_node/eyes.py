@@ -1,7 +1,7 @@
 """The cameras of the simulation: two eyes in the head, and a view from outside; drawn while a client subscribes.
 
 Physics has priority. A separate process draws at low priority from a copy of the state, and less often if drawing would
-take too much time or if physics steps are late.
+take too much time or if physics steps are late. `Drawing` starts and ends this process, and handles its failures.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""What two ears on a turning head hear of one source: delay, distance, head shadow, noise, and the stepper motors.
+"""Sounds for the simulated room, all of them computed, and what two ears on a turning head hear of one source.
 
-Pure calculations on blocks of sound; no clock, no thread, no room echo.
+Ears hear delay, distance, head shadow, noise, and the stepper motors, but no room echo. These are pure calculations on
+blocks of sound; only `SimulatedMicrophones` has a thread, which publishes them while a client subscribes.
 
 The delay of a block changes linearly from its first to its last frame, and a block begins where the last one ended, so
 that nothing clicks while head or source move. Sound between two samples is computed with a windowed sinc.

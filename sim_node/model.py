@@ -1,8 +1,11 @@
-"""The neck as a MuJoCo model, built from the robot's data.
+"""The neck as a MuJoCo model, built from the robot's data, and the scene for pictures: robot, room and person.
 
 Every body's frame has its origin in the neck centre and is unrotated at home, so that joint axes are plain vectors
 and home is qpos0. Frames: x forward, y left, z up. Three chains base -> arm -> rod are closed on the head, which
 turns on a ball joint, by one `connect` each: 9 degrees of freedom, 6 of them taken by the loops.
+
+The model of the physics contains the robot only. The room is the file `room/room.xml`; its origin is on the desk, below
+the neck. Other places are in m in the frame of the neck centre.
 """
 
 from __future__ import annotations

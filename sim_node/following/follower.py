@@ -1,4 +1,11 @@
-"""The decisions of a simulation that follows: what it does next, and what its status says. No I/O, no clock."""
+"""The decisions of a simulation that follows: what it does next, and what its status says. No I/O, no clock.
+
+The firmware brakes before its target, so a target at the hardware's place would be reached late: at 60 deg/s the arms
+brake over the last 10 deg. The target is therefore the place at which the hardware would rest if it braked now, and the
+speed is that of the hardware, corrected in proportion to the distance between the two.
+
+`Parting` finds out that hardware and simulation are in different places although both have the same set points.
+"""
 
 from __future__ import annotations
 

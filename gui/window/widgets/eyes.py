@@ -1,4 +1,4 @@
-"""Pictures of cameras: the eyes of both robots."""
+"""Eyes and ears of both robots: the pictures of the cameras, and the levels of the microphones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Requests of this window and of other seats, to send again or to copy as Python."""
+"""Requests of this window and of other seats, to send again or to copy as Python; and the program made of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sentences over the panels: the next action needed, an error of the window, a refusal beside its control."""
+"""What lies over the panels: the next action needed, errors, a refusal beside its control, and the sheet that connects."""
 
 from __future__ import annotations
 

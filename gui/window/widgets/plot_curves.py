@@ -1,4 +1,4 @@
-"""One plot: curves over time, with a cursor that reads them."""
+"""The parts of the plots: one plot with its curves and cursor, and the buttons above all plots."""
 
 from __future__ import annotations
 

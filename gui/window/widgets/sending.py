@@ -1,4 +1,4 @@
-"""Below the head pad: where motions go, Send, and the motion that waits to be sent to the hardware."""
+"""What the user asks of the robots: below the pad the motion and where it goes, the commands of every day, and STOP."""
 
 from __future__ import annotations
 
