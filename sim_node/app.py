@@ -16,9 +16,8 @@ from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, RobotFile, 
 from beatrix_zenoh.terminal.run import run_command
 from sim_node.body import EYES_HZ, EYES_HZ_MAX, Simulation
 from sim_node.eyes import Drawing
-from sim_node.picture import KEYS
 from sim_node.target import TargetPath
-from sim_node.viewer import SceneViewer
+from sim_node.viewer import KEYS, SceneViewer
 
 OwnNames = Annotated[
     list[str] | None,

@@ -7,7 +7,7 @@ import numpy as np
 
 from beatrix_zenoh import colours
 from sim_node.model import build_spec, scene_spec
-from sim_node.picture import MECHANISM, add_mechanism
+from sim_node.viewer import MECHANISM, add_mechanism
 
 
 def test_joints_are_where_the_model_has_them() -> None:
