@@ -20,7 +20,17 @@ from gui.console.state.intents import LimitClass, Theme
 from gui.console.state.views import ClassRowView, ClassView, SeatView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import IntentButton, Panel, label, plain_button, set_role, set_text, spaced
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    IntentButton,
+    Panel,
+    filled,
+    label,
+    plain_button,
+    set_role,
+    set_text,
+    spaced,
+)
 from gui.window.widgets.lessons import LessonsTable
 
 COLUMNS = ("robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks")
@@ -110,41 +120,21 @@ class ClassPage(Panel):
 
     def _lay_out(self, texts: Texts) -> None:
         self._lines = QWidget(), QWidget(), QWidget()
-        top, every, one = map(QHBoxLayout, self._lines)
-        for line in (top, every, one):
-            line.setContentsMargins(0, 0, 0, 0)
-            line.setSpacing(6)
-        top.addWidget(self.summary, 1)
-        top.addWidget(self.project)
-        every.addWidget(label(texts("label.class_all"), "title"))
-        every.addWidget(self.freeze_all)
-        every.addWidget(self.unfreeze_all)
+        top, every, one = (spaced(QHBoxLayout(line), 6, NO_MARGINS) for line in self._lines)
+        filled(top, (self.summary, 1), self.project)
+        filled(every, label(texts("label.class_all"), "title"), self.freeze_all, self.unfreeze_all)
         every.addSpacing(12)
-        every.addWidget(label(texts("label.class_limit")))
-        every.addWidget(self.limit)
-        every.addWidget(self.set_limit)
-        every.addWidget(self.limit_now, 1)
-        one.addWidget(label(texts("label.class_one"), "title"))
-        one.addWidget(self.selected)
-        one.addWidget(self.freeze)
-        one.addWidget(self.take)
-        one.addWidget(self.show_robot)
-        one.addStretch(1)
-        one.addWidget(self.seat_label)
-        one.addWidget(self.seats)
-        one.addWidget(self.mute)
-        layout = spaced(QVBoxLayout(self), 6, (8, 8, 8, 8))
-        layout.addWidget(self._lines[0])
-        layout.addWidget(self._lines[1])
-        layout.addWidget(self.tabs, 1)
+        limit = label(texts("label.class_limit"))
+        filled(every, limit, self.limit, self.set_limit, (self.limit_now, 1))
+        filled(one, label(texts("label.class_one"), "title"), self.selected, self.freeze, self.take)
+        filled(one, self.show_robot, None, self.seat_label, self.seats, self.mute)
         robots = QWidget()
         inner = spaced(QVBoxLayout(robots), 6, (0, 0, 0, 4))
-        inner.addWidget(self.list, 1)
-        inner.addWidget(self.empty, 1)
-        inner.addWidget(self._lines[2])
+        filled(inner, (self.list, 1), (self.empty, 1), self._lines[2])
+        layout = spaced(QVBoxLayout(self), 6, (8, 8, 8, 8))
+        filled(layout, *self._lines[:2], (self.tabs, 1), self.result)
         self.tabs.addTab(robots, texts("label.class_robots"))
         self.tabs.addTab(self.lessons, "")
-        layout.addWidget(self.result)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""

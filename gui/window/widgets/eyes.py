@@ -16,7 +16,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.views import EyeView, SoundView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, ElidedLabel, Panel, spaced
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, ElidedLabel, Panel, filled, spaced
 
 LEVEL_STEPS: Final = 100
 LEVEL_PX: Final = 8
@@ -247,9 +247,8 @@ class EyesPanel(Panel):
         self.cameras = ChoiceCheck(texts, "cameras")
         self.cameras.intent.connect(self.intent)
         self.sound = LevelsPanel(texts)
-        below = spaced(QHBoxLayout(), 12)
-        below.addWidget(self.cameras, 0, Qt.AlignmentFlag.AlignTop)
-        below.addWidget(self.sound, 1)
+        below = filled(spaced(QHBoxLayout(), 12), self.cameras, (self.sound, 1))
+        below.setAlignment(self.cameras, Qt.AlignmentFlag.AlignTop)
         grid.addLayout(below, len(SIDES), 0, 1, len(EYES))
 
     def show_view(self, eyes: tuple[EyeView, ...]) -> None:

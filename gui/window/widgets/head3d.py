@@ -23,7 +23,7 @@ from gui.console.state.orientation import HeadOrientation
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
-from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, plain_button, spaced
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, filled, plain_button, spaced
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import (
     GHOST,
@@ -263,22 +263,12 @@ class Head3dPanel(Panel):
         self.head.setProperty("sends", True)  # noqa: FBT003
         self.views = {name: plain_button(texts(f"view.{name}"), texts("tip.view")) for name in VIEWS}
         self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
-        over, row = QHBoxLayout(), QHBoxLayout()
-        over.addStretch(1)
-        row.setContentsMargins(6, 0, 6, 4)
         for name, button in self.views.items():
             button.setCheckable(True)
             button.clicked.connect(lambda _, name=name: self._look(name))
-            over.addWidget(button)
-        on_picture = QVBoxLayout(self.head)
-        on_picture.addStretch(1)
-        on_picture.addLayout(over)
-        row.addWidget(self.live)
-        row.addWidget(self.send)
-        row.addStretch(1)
-        layout = spaced(QVBoxLayout(self), 4, NO_MARGINS)
-        layout.addWidget(self.head, 1)
-        layout.addLayout(row)
+        filled(QVBoxLayout(self.head), None, filled(QHBoxLayout(), None, *self.views.values()))
+        row = filled(spaced(QHBoxLayout(), None, (6, 0, 6, 4)), self.live, self.send, None)
+        filled(spaced(QVBoxLayout(self), 4, NO_MARGINS), (self.head, 1), row)
         for part in (self.live, self.send, self.head):
             part.intent.connect(self.intent)
         self.head.moved.connect(self._show_camera)

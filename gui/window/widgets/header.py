@@ -32,6 +32,7 @@ from gui.window.widgets.controls import (
     OptionalLabel,
     Panel,
     PartsLabel,
+    filled,
     label,
     plain_button,
     set_role,
@@ -195,19 +196,11 @@ class Pill(Panel):
         self.lease.intent.connect(self.intent)
         self.next_step.setProperty("next_step", True)  # noqa: FBT003
         self.next_step.intent.connect(self.intent)
-        first = spaced(QHBoxLayout(), 8)
-        first.addWidget(self.title)
-        first.addWidget(self.notes, 1)
-        words = spaced(QVBoxLayout(), 0)
-        words.addLayout(first)
-        words.addWidget(self.state)
+        first = filled(spaced(QHBoxLayout(), 8), self.title, (self.notes, 1))
+        words = filled(spaced(QVBoxLayout(), 0), first, self.state)
+        self.reason, menu = OptionalLabel("dim"), self._menu_button(texts)
         layout = spaced(QHBoxLayout(self), None, (6, 2, 6, 2))
-        self.reason = OptionalLabel("dim")
-        layout.addLayout(words)
-        layout.addWidget(self.reason, 1)
-        layout.addWidget(self.next_step)
-        layout.addWidget(self.lease)
-        layout.addWidget(self._menu_button(texts))
+        filled(layout, words, (self.reason, 1), self.next_step, self.lease, menu)
         self.next_step.hide()
         self.lease.hide()
 
@@ -273,15 +266,11 @@ class Header(Panel):
         self.menu_button = plain_button("≡", texts("tip.menu"), texts("label.menu"))
         self.menu, self.choices = self._menu(texts)
         self.menu_button.clicked.connect(self._open_menu)
+        pills = ((pill, 1) for pill in self.pills.values())
         layout = spaced(QHBoxLayout(self), 4, NO_MARGINS)
-        layout.addWidget(self.robots)
-        layout.addWidget(self.page)
-        for pill in self.pills.values():
-            layout.addWidget(pill, 1)
-            pill.intent.connect(self.intent)
-        layout.addWidget(self.record)
-        layout.addWidget(self.menu_button)
-        self.record.intent.connect(self.intent)
+        filled(layout, self.robots, self.page, *pills, self.record, self.menu_button)
+        for part in (*self.pills.values(), self.record):
+            part.intent.connect(self.intent)
 
     def _menu(self, texts: Texts) -> tuple[QMenu, dict[str, QAction]]:
         menu, choices = QMenu(self), {}

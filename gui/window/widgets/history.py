@@ -21,7 +21,16 @@ from gui.console.state.program import SaveProgram
 from gui.console.state.views import CodeLine, CodeView, HistoryRowView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import Panel, label, plain_button, set_role, set_text, spaced
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    Panel,
+    filled,
+    label,
+    plain_button,
+    set_role,
+    set_text,
+    spaced,
+)
 from gui.window.widgets.files import FilePanel
 
 ICON_PX = 16
@@ -50,18 +59,10 @@ class HistoryPanel(Panel):
         self.python = plain_button(
             texts("label.copy_python"), texts("tip.copy_python"), texts("label.copy_python")
         )
-        self.uses, uses = QWidget(), QVBoxLayout()
+        self.uses = QWidget()
         """what can be done with the selected row"""
-        uses.setContentsMargins(0, 0, 0, 0)
-        uses.setSpacing(4)
-        uses.addWidget(self.details)
-        uses.addWidget(self.repeat)
-        uses.addWidget(self.python)
-        self.uses.setLayout(uses)
-        layout = spaced(QVBoxLayout(self), 4, (6, 6, 6, 6))
-        layout.addWidget(self.empty)
-        layout.addWidget(self.list, 1)
-        layout.addWidget(self.uses)
+        filled(spaced(QVBoxLayout(self.uses), 4, NO_MARGINS), self.details, self.repeat, self.python)
+        filled(spaced(QVBoxLayout(self), 4, (6, 6, 6, 6)), self.empty, (self.list, 1), self.uses)
         self.repeat.clicked.connect(self._repeat)
         self.python.clicked.connect(self._copy)
         self.list.currentRowChanged.connect(self._show_buttons)
@@ -198,13 +199,9 @@ class CodePanel(FilePanel):
         self.list.currentRowChanged.connect(self._report_row)
         self.copy = self._button(texts, "copy")
         self.save = self._button(texts, "save")
-        buttons = spaced(QHBoxLayout(), 4)
-        buttons.addWidget(self.copy, 1)
-        buttons.addWidget(self.save, 1)
-        layout = spaced(QVBoxLayout(self), 4, (6, 6, 6, 6))
-        layout.addWidget(label(texts("label.code_hint"), "dim", wrap=True))
-        layout.addWidget(self.list, 1)
-        layout.addLayout(buttons)
+        buttons = filled(spaced(QHBoxLayout(), 4), (self.copy, 1), (self.save, 1))
+        hint = label(texts("label.code_hint"), "dim", wrap=True)
+        filled(spaced(QVBoxLayout(self), 4, (6, 6, 6, 6)), hint, (self.list, 1), buttons)
         self.copy.clicked.connect(self._copy)
         self.save.clicked.connect(self._choose_file)
 

@@ -12,7 +12,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.lessons import SYMBOLS, LessonRowView, LessonsView, Progress
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import label, set_text, spaced
+from gui.window.widgets.controls import filled, label, set_text, spaced
 
 COLUMNS = ("seat", "lesson", "progress", "passed")
 PROGRESS = COLUMNS.index("progress")
@@ -52,10 +52,7 @@ class LessonsTable(QFrame):
         self.list.setMinimumHeight(60)
         self.empty, self.notice = label(role="dim", wrap=True), label(role="warn", wrap=True)
         # The table needs all of its width.
-        layout = spaced(QVBoxLayout(self), None, (0, 6, 0, 6))
-        layout.addWidget(self.notice)
-        layout.addWidget(self.list, 1)
-        layout.addWidget(self.empty, 1)
+        filled(spaced(QVBoxLayout(self), None, (0, 6, 0, 6)), self.notice, (self.list, 1), (self.empty, 1))
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""

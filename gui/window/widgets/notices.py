@@ -15,6 +15,7 @@ from gui.window.widgets.controls import (
     NO_MARGINS,
     IntentButton,
     Panel,
+    filled,
     label,
     plain_button,
     set_role,
@@ -69,9 +70,7 @@ class TroubleNotice(QFrame):
         self.text = label(wrap=True)
         self.close_button = plain_button(texts("label.dismiss"), texts("tip.dismiss"))
         self.close_button.clicked.connect(self.hide)
-        layout = spaced(QHBoxLayout(self), None, (10, 4, 6, 4))
-        layout.addWidget(self.text, 1)
-        layout.addWidget(self.close_button)
+        filled(spaced(QHBoxLayout(self), None, (10, 4, 6, 4)), (self.text, 1), self.close_button)
         self.hide()
 
     def show_text(self, text: str) -> None:
@@ -104,12 +103,8 @@ class RefusalNotice(Panel):
         self.dismiss.show_view(ButtonView(close, texts("tip.dismiss"), DismissRefusal()))
         self.alternative.intent.connect(self.intent)
         self.dismiss.intent.connect(self.intent)
-        buttons = QHBoxLayout()
-        buttons.addWidget(self.alternative, 1)
-        buttons.addWidget(self.dismiss)
-        layout = spaced(QVBoxLayout(self), None, (10, 8, 10, 8))
-        layout.addWidget(self.text)
-        layout.addLayout(buttons)
+        buttons = filled(QHBoxLayout(), (self.alternative, 1), self.dismiss)
+        filled(spaced(QVBoxLayout(self), None, (10, 8, 10, 8)), self.text, buttons)
         self.hide()
 
     def show_beside(self, view: RefusalView | None, beside: QWidget | None) -> None:
@@ -168,17 +163,10 @@ class RouterPanel(FilePanel):
         self.address.setToolTip(texts("tip.router_address"))
         self.use, self.join = IntentButton(), IntentButton()
         self.state, self.account = label(wrap=True), label(wrap=True)
-        first, last = QHBoxLayout(), QHBoxLayout()
-        first.addWidget(self.address, 1)
-        first.addWidget(self.use)
-        last.addWidget(self.account, 1)
-        last.addWidget(self.join)
-        layout = spaced(QVBoxLayout(self), 6, NO_MARGINS)
-        layout.addWidget(label(texts("label.router"), "title"))
-        layout.addLayout(first)
-        layout.addWidget(self.state)
-        layout.addLayout(last)
-        layout.addStretch(1)
+        title = label(texts("label.router"), "title")
+        first = filled(QHBoxLayout(), (self.address, 1), self.use)
+        last = filled(QHBoxLayout(), (self.account, 1), self.join)
+        filled(spaced(QVBoxLayout(self), 6, NO_MARGINS), title, first, self.state, last, None)
         self.address.returnPressed.connect(self._use)
         self.use.intent.connect(self._use)
         self.join.intent.connect(self._choose)
@@ -217,22 +205,11 @@ class ConnectSheet(Panel):
         self.ports: list[IntentButton] = []
         self._list = spaced(QVBoxLayout(), 6)
         self.again, self.close_button = self._button(), self._button()
-        buttons = QHBoxLayout()
-        buttons.addWidget(self.again)
-        buttons.addStretch(1)
-        buttons.addWidget(self.close_button)
-        hardware, columns = QVBoxLayout(), QHBoxLayout()
-        hardware.setSpacing(6)
-        hardware.addWidget(label(texts("label.hw"), "title"))
-        hardware.addWidget(self.text)
-        hardware.addLayout(self._list)
-        hardware.addStretch(1)
-        columns.setSpacing(GAP_PX)
-        columns.addWidget(self.router, 1)
-        columns.addLayout(hardware, 1)
-        layout = spaced(QVBoxLayout(self), 12, (20, 14, 20, 14))
-        layout.addLayout(columns)
-        layout.addLayout(buttons)
+        buttons = filled(QHBoxLayout(), self.again, None, self.close_button)
+        title = label(texts("label.hw"), "title")
+        hardware = filled(spaced(QVBoxLayout(), 6), title, self.text, self._list, None)
+        columns = filled(spaced(QHBoxLayout(), GAP_PX), (self.router, 1), (hardware, 1))
+        filled(spaced(QVBoxLayout(self), 12, (20, 14, 20, 14)), columns, buttons)
         self.hide()
 
     def _button(self) -> IntentButton:

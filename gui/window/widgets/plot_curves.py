@@ -16,7 +16,7 @@ from beatrix_zenoh.contract.names import ARMS, SIDES
 from beatrix_zenoh.contract.values import Value
 from gui.console.texts import Texts
 from gui.window.theme import Style
-from gui.window.widgets.controls import NO_MARGINS, label, plain_button, spaced
+from gui.window.widgets.controls import NO_MARGINS, filled, label, plain_button, spaced
 from gui.window.widgets.plot_samples import Samples, span
 
 SPANS: Final = (5, 20, 60)
@@ -50,11 +50,7 @@ class PlotBar(QWidget):
         """time at the cursor"""
         self.csv = described("CSV", texts("tip.plot_csv"))
         self.png = described("PNG", texts("tip.plot_png"))
-        for button in (*self.spans.values(), self.pause, self.curves):
-            row.addWidget(button)
-        row.addWidget(self.time, 1)
-        row.addWidget(self.csv)
-        row.addWidget(self.png)
+        filled(row, *self.spans.values(), self.pause, self.curves, (self.time, 1), self.csv, self.png)
         self.menu = QMenu(self)
         self.choices = {
             name: self._choice(texts(f"label.{name}" if name in (*SIDES, DIFFERENCE) else f"arm.{name}"))
@@ -174,9 +170,7 @@ class Curves(QWidget):
         self.area = pg.PlotWidget()
         self.area.setMinimumSize(1, 1)
         self.plot = self.area.getPlotItem()
-        column = spaced(QVBoxLayout(self), 0, NO_MARGINS)
-        column.addWidget(self.label)
-        column.addWidget(self.area, stretch=1)
+        filled(spaced(QVBoxLayout(self), 0, NO_MARGINS), self.label, (self.area, 1))
         self.lines = [self.plot.plot(connect="finite", antialias=True) for _ in names]
         self._shown: list[tuple[Samples, Samples]] = []
         self._span = (0.0, 0.0)

@@ -27,7 +27,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, label, set_text, spaced
+from gui.window.widgets.controls import NO_MARGINS, filled, label, set_text, spaced
 from gui.window.widgets.files import FilePanel
 from gui.window.widgets.plot_curves import BOTH, DIFFERENCE, Curves, Name, PlotBar
 from gui.window.widgets.plot_samples import (
@@ -142,9 +142,7 @@ class PlotsPanel(FilePanel):
         self.none.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._grid.addWidget(self.none, len(self.plots), 0)
         drawing = QWidget()
-        inner = spaced(QVBoxLayout(drawing), 0, NO_MARGINS)
-        inner.addWidget(self.bar)
-        inner.addWidget(self._graphics, 1)
+        filled(spaced(QVBoxLayout(drawing), 0, NO_MARGINS), self.bar, (self._graphics, 1))
         self._stack = QStackedLayout(self)
         self._stack.addWidget(self.empty)
         self._stack.addWidget(drawing)

@@ -8,7 +8,17 @@ from PyQt5.QtWidgets import QHBoxLayout, QProgressBar, QPushButton, QSizePolicy,
 from gui.console.state.intents import Choose, WindowPage
 from gui.console.state.views import CommandsView, SendingView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import ChoiceCheck, IntentButton, Panel, label, set_role, set_text, spaced
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    ChoiceCheck,
+    IntentButton,
+    Panel,
+    filled,
+    label,
+    set_role,
+    set_text,
+    spaced,
+)
 from gui.window.widgets.number_box import NumberBox
 
 LEAD_MAX_S = 60.0
@@ -44,31 +54,15 @@ class SendingPanel(Panel):
         self._connect()
 
     def _lay_out(self) -> None:
-        to, send, plan = QHBoxLayout(), QHBoxLayout(), QHBoxLayout()
-        state = QVBoxLayout()
-        to.addWidget(self.sim)
-        to.addWidget(self.hw)
-        to.addStretch(1)
-        to.addWidget(self.lead_name)
-        to.addWidget(self.lead)
-        send.setSpacing(SEND_GAP_PX)
-        send.addWidget(self.send, 1)
-        send.addLayout(state, 1)
-        state.setSpacing(2)
-        for part in (self.title, self.countdown, self.progress):
-            state.addWidget(part)
-        for button in (self.send_now, self.change, self.abort):
-            plan.addWidget(button, 1)
-        plan.setContentsMargins(0, 0, 0, 0)
-        self.plan.setLayout(plan)
+        to = filled(QHBoxLayout(), self.sim, self.hw, None, self.lead_name, self.lead)
+        state = filled(spaced(QVBoxLayout(), 2), self.title, self.countdown, self.progress)
+        send = filled(spaced(QHBoxLayout(), SEND_GAP_PX), (self.send, 1), (state, 1))
+        plan = spaced(QHBoxLayout(self.plan), None, NO_MARGINS)
+        filled(plan, (self.send_now, 1), (self.change, 1), (self.abort, 1))
         self.text.setAlignment(Qt.AlignmentFlag.AlignTop)
         for part in (self.title, self.countdown, self.text):  # longer texts must not widen the column
             part.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        layout = spaced(QVBoxLayout(self), 4, (8, 8, 8, 8))
-        layout.addLayout(to)
-        layout.addLayout(send)
-        layout.addWidget(self.text)
-        layout.addWidget(self.plan)
+        filled(spaced(QVBoxLayout(self), 4, (8, 8, 8, 8)), to, send, self.text, self.plan)
 
     def _connect(self) -> None:
         self.lead.valueChanged.connect(lambda seconds: self.intent.emit(Choose("lead_s", seconds)))
@@ -169,9 +163,7 @@ class StopBar(QPushButton):
         )  # a button alone would not count these
         layout.addWidget(self.word)
         layout.addSpacing(12)
-        layout.addWidget(self.keys)
-        layout.addStretch(1)
-        layout.addWidget(self.emergency)
+        filled(layout, self.keys, None, self.emergency)
         for part in (self.word, self.keys):
             part.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.pressed.connect(self.stop)
