@@ -31,7 +31,7 @@ from gui.window.widgets.controls import (
     set_text,
     spaced,
 )
-from gui.window.widgets.lessons import LessonsTable
+from gui.window.widgets.lessons import LessonsTable, key_of, table
 
 COLUMNS = ("robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks")
 STATE = COLUMNS.index("state")
@@ -96,14 +96,8 @@ class ClassPage(Panel):
         self._lay_out(texts)
 
     def _list(self, texts: Texts) -> QTreeWidget:
-        found = QTreeWidget()
-        found.setRootIsDecorated(False)
-        found.setUniformRowHeights(True)
-        found.setAllColumnsShowFocus(True)
-        found.setAccessibleName(texts("label.class"))
+        found = table(texts("label.class"))
         found.setHeaderLabels([texts(f"label.class_{name}") for name in COLUMNS])
-        found.setMinimumHeight(60)
-        found.setTabKeyNavigation(False)
         header = found.header()
         if header is not None:
             header.setSectionResizeMode(QHeaderView.ResizeMode.Interactive)
@@ -218,8 +212,8 @@ class ClassPage(Panel):
 
     def _show_rows(self, rows: tuple[ClassRowView, ...]) -> None:
         """Show the rows in the existing items; create new items if the robots are not the same as before."""
-        chosen = self._place_of(self.list.currentItem())
-        places = [self._place_of(self.list.topLevelItem(i)) for i in range(self.list.topLevelItemCount())]
+        chosen = key_of(self.list.currentItem())
+        places = [key_of(self.list.topLevelItem(i)) for i in range(self.list.topLevelItemCount())]
         if places != [row.place for row in rows]:
             self.list.blockSignals(True)  # noqa: FBT003
             self.list.clear()
@@ -253,10 +247,6 @@ class ClassPage(Panel):
             self.mute.show_view(seats[index].mute)
 
     @staticmethod
-    def _place_of(item: QTreeWidgetItem | None) -> tuple[str, str] | None:
-        return None if item is None else item.data(0, Qt.ItemDataRole.UserRole)
-
-    @staticmethod
     def _item(row: ClassRowView) -> QTreeWidgetItem:
         item = QTreeWidgetItem()
         item.setData(0, Qt.ItemDataRole.UserRole, row.place)
@@ -276,7 +266,7 @@ class ClassPage(Panel):
 
     def _show_selected(self) -> None:
         """Show the buttons of the selected robot."""
-        place = self._place_of(self.list.currentItem())
+        place = key_of(self.list.currentItem())
         rows = () if self._view is None else self._view.rows
         row = next((found for found in rows if found.place == place), None)
         for part in (self.selected, self.freeze, self.take, self.show_robot):
