@@ -83,6 +83,8 @@ class Panels(QWidget):
         self._low: bool | None = None
         self._refusal: RefusalView | None = None
         self._parts: list[tuple[Panel, Callable[[View], object]]] = []
+        self._shown: dict[Panel, object] = {}
+        """the part of the view that each panel shows; without an entry it shows nothing yet"""
         self.header = self._add(Header(texts), lambda view: view)
         self.banner = self._add(Banner(), lambda view: view.banner)
         self.guide = self._add(Banner(quiet=True), lambda view: view.guide)
@@ -205,11 +207,14 @@ class Panels(QWidget):
         self._arrange()
 
     def show_view(self, view: View) -> None:
-        """Pass each part of the view to its widget."""
+        """Pass each part of the view that has changed to its widget."""
         for box in self._boxes:
             box.setChecked(getattr(view.choices, box.name))
         for panel, part in self._parts:
-            panel.show_view(part(view))  # type: ignore[arg-type]  # each panel shows the part that `_add` was given
+            shown = part(view)
+            if shown != self._shown.get(panel):
+                self._shown[panel] = shown
+                panel.show_view(shown)  # type: ignore[arg-type]  # each panel shows the part that `_add` was given
         self._show_page(view.choices.page)
         self.stop_bar.show_view(view)
         self.stop_bar.show_last(view.last)

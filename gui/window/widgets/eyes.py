@@ -27,7 +27,6 @@ class LevelsPanel(Panel):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
-        self._view: SoundView | None = None
         self.box = ChoiceCheck(texts, "microphones")
         self.box.intent.connect(self.intent)
         self.bars = {(side, ear): QProgressBar() for side in SIDES for ear in (0, 1)}
@@ -54,9 +53,6 @@ class LevelsPanel(Panel):
 
     def show_view(self, view: SoundView) -> None:
         """Show the levels."""
-        if view == self._view:
-            return
-        self._view = view
         for level in view.levels:
             self.titles[level.side].setText(level.title)
             self.texts[level.side].setText(level.text)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from PyQt5.QtCore import QRect, QSignalBlocker, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QFontDatabase, QGuiApplication, QIcon, QPainter, QPixmap
 from PyQt5.QtWidgets import (
@@ -74,7 +76,7 @@ class HistoryPanel(Panel):
         """Show the rows; the selected one stays selected while it exists."""
         if rows == self._rows:
             return
-        older = _alike_at_the_end(rows, self._rows)
+        older = _alike_at_the_start(rows[::-1], self._rows[::-1])
         self._fill(rows, older)
 
     def show_theme(self, theme: Theme) -> None:
@@ -171,12 +173,6 @@ class HistoryPanel(Panel):
             clipboard.setText(chosen.program)
 
 
-def _alike_at_the_end(one: tuple[HistoryRowView, ...], other: tuple[HistoryRowView, ...]) -> int:
-    """Return how many rows at the end of both are equal."""
-    pairs = zip(reversed(one), reversed(other), strict=False)
-    return next((count for count, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))
-
-
 def _details(row: HistoryRowView) -> str:
     return f"{row.time}  {row.who}: {row.what}\n{row.symbol} {row.result}"
 
@@ -211,8 +207,6 @@ class CodePanel(FilePanel):
 
     def show_view(self, view: CodeView) -> None:
         """Show the program; the lines of the selected row stay selected, and new lines at the end become visible."""
-        if view == self._view:
-            return
         chosen = self._chosen().row
         kept = _alike_at_the_start(self._view.lines, view.lines)
         self._view = view
@@ -251,7 +245,7 @@ class CodePanel(FilePanel):
         self.choose_file(self._texts("code.save_name"), save, "py", SaveProgram)
 
 
-def _alike_at_the_start(one: tuple[CodeLine, ...], other: tuple[CodeLine, ...]) -> int:
-    """Return how many lines at the start of both are equal."""
+def _alike_at_the_start(one: Sequence[object], other: Sequence[object]) -> int:
+    """Return how many items at the start of both are equal."""
     pairs = zip(one, other, strict=False)
     return next((count for count, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))

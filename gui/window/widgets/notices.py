@@ -35,7 +35,6 @@ class Banner(Panel):
     def __init__(self, *, quiet: bool = False) -> None:
         """Create a hidden banner; a `quiet` one looks like a panel, because nothing is wrong."""
         super().__init__("panel" if quiet else "notice")
-        self._view: BannerView | None = None
         self.text = label(role="" if quiet else "title", wrap=True)
         self.buttons = [IntentButton(main=not number and not quiet) for number in range(BUTTONS)]
         layout = QHBoxLayout(self)
@@ -49,9 +48,6 @@ class Banner(Panel):
 
     def show_view(self, view: BannerView | None) -> None:
         """Show the banner, or hide it."""
-        if view == self._view:
-            return
-        self._view = view
         if view is not None:
             set_text(self.text, view.text)
             for button, shown in zip(self.buttons, view.buttons, strict=False):
@@ -198,7 +194,6 @@ class ConnectSheet(Panel):
 
     def __init__(self, texts: Texts, parent: QWidget) -> None:
         super().__init__("notice", parent)
-        self._view: ConnectView | None = None
         self.setAccessibleName(texts("connect.title"))
         self.router, self.text = RouterPanel(texts), label(wrap=True)
         self.router.intent.connect(self.intent)
@@ -219,9 +214,7 @@ class ConnectSheet(Panel):
 
     def show_view(self, view: ConnectView | None) -> None:
         """Show the sheet, or hide it."""
-        if view == self._view:
-            return
-        appears, self._view = self._view is None, view
+        appears = self.isHidden()
         if view is None:
             self.hide()
             return

@@ -119,7 +119,6 @@ class CommandsPanel(Panel):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__("panel")
-        self._view: CommandsView | None = None
         self.setAccessibleName(texts("label.commands"))
         self.buttons = {name: IntentButton() for name in DAILY}
         layout = spaced(QVBoxLayout(self), 8, (8, 8, 8, 8))
@@ -130,9 +129,6 @@ class CommandsPanel(Panel):
 
     def show_view(self, view: CommandsView) -> None:
         """Show the buttons."""
-        if view == self._view:
-            return
-        self._view = view
         self.buttons["home"].show_view(view.home)
         self.buttons["undo"].show_view(view.undo)
 
