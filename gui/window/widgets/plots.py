@@ -89,7 +89,7 @@ class PlotsPanel(FilePanel):
         self._graphics = QWidget()
         self._graphics.setAutoFillBackground(True)
         self.plots = self._made_plots(texts)
-        """by arm, slot, and DIFFERENCE"""
+        """by arm, slot, and DIFFERENCE; those of the slots are hidden until the user chooses other values"""
         self.empty = label(texts("label.plots_empty"), wrap=True)
         self.empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._lay_out()
@@ -97,21 +97,6 @@ class PlotsPanel(FilePanel):
         self._choose()
         self._show_times()
         self.show_theme(Theme.DARK)
-
-    @property
-    def arms(self) -> list[Curves]:
-        """The plots of the arms."""
-        return [self.plots[arm] for arm in ARMS]
-
-    @property
-    def slots(self) -> list[Curves]:
-        """The plots of other values, which are hidden until the user chooses one."""
-        return [self.plots[slot] for slot in SLOTS]
-
-    @property
-    def difference(self) -> Curves:
-        """The plot of the difference."""
-        return self.plots[DIFFERENCE]
 
     @staticmethod
     def _made_plots(texts: Texts) -> dict[str, Curves]:
@@ -363,12 +348,9 @@ class PlotsPanel(FilePanel):
         ground.setColor(self._graphics.backgroundRole(), QColor(colours.field))
         self._graphics.setPalette(ground)
         pens = [pg.mkPen(pale, width=3 * thin), pg.mkPen(colours.sim, width=thin)]
-        for curves in (*self.arms, *self.slots):
-            curves.show_theme(pens, colours)
-        self.difference.show_theme(
-            [
-                pg.mkPen(hues.hexadecimal(hues.ARMS[arm]), width=thin, style=style)
-                for arm, style in zip(ARMS, STYLES, strict=True)
-            ],
-            colours,
-        )
+        arms = [
+            pg.mkPen(hues.hexadecimal(hues.ARMS[arm]), width=thin, style=style)
+            for arm, style in zip(ARMS, STYLES, strict=True)
+        ]
+        for name, curves in self.plots.items():
+            curves.show_theme(arms if name == DIFFERENCE else pens, colours)
