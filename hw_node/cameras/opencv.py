@@ -18,7 +18,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import CameraFrame
-from hw_node.cameras.source import HEIGHT, HZ, WIDTH
+from hw_node.cameras.jpeg import HEIGHT, HZ, WIDTH
 
 Pixels = NDArray[np.uint8]
 """Height x width x 3: blue, green, red."""
