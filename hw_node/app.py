@@ -17,7 +17,7 @@ from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, Ro
 from beatrix_zenoh.terminal.run import run_command
 from hw_node.body import build
 from hw_node.cameras.camera import choices
-from hw_node.microphones.microphones import choose
+from hw_node.microphones import choose
 from hw_node.port import VIRTUAL, listed
 
 MicrophonesOption = Annotated[

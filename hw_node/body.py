@@ -12,7 +12,7 @@ from beatrix_zenoh.contract._generated.serial import TELEMETRY_PERIOD, Telemetry
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node import ArmState, Component, Node
 from hw_node.cameras.camera import PATTERN, CameraChoice, CameraSensor, same_for_both
-from hw_node.microphones.microphones import MicrophoneSensor, SoundSource
+from hw_node.microphones import MicrophoneSensor, SoundSource
 from hw_node.port import VIRTUAL, SerialPort, find
 
 

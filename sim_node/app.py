@@ -15,10 +15,9 @@ from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, RobotFile, finite
 from beatrix_zenoh.terminal.run import run_command
 from sim_node.body import EYES_HZ, EYES_HZ_MAX, Simulation
-from sim_node.drawing import Drawing
-from sim_node.picture import KEYS
+from sim_node.eyes import Drawing
 from sim_node.target import TargetPath
-from sim_node.viewer import SceneViewer
+from sim_node.viewer import KEYS, SceneViewer
 
 OwnNames = Annotated[
     list[str] | None,

@@ -9,19 +9,17 @@ from collections import deque
 from beatrix_zenoh.board.state import Port, TimedPort
 from beatrix_zenoh.board.virtual import BUSY_S, Firmware, RealTimePort, VirtualBoard
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
+from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus, PreviewReply
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemetry
 from beatrix_zenoh.node import ArmState, Component, Node
-from sim_node.drawing import Drawing
-from sim_node.ears import SimulatedMicrophones
-from sim_node.eyes import Eyes
+from sim_node.eyes import Drawing, Eyes
 from sim_node.following.handler import FollowHandler
-from sim_node.hearing import Hearing, hearing
+from sim_node.hearing import Hearing, SimulatedMicrophones, hearing
 from sim_node.model import TIMESTEP_MS
 from sim_node.painter import SceneState
 from sim_node.plant import Plant
-from sim_node.preview import PreviewHandler, PreviewResult, simulate_motion
+from sim_node.preview import PreviewHandler, simulate_motion
 from sim_node.sound_queries import SoundSource, sound_queries
 from sim_node.target import PersonTarget, TargetPath, target_queries
 from sim_node.viewer import SceneViewer, ViewerFeed
@@ -232,8 +230,8 @@ class Simulation:
             reached_s, head, arms = self._clock.reached_s, self._plant.rotation(), self._plant.arms()
         return hearing(head, arms, self._sound.place(self._target.place(reached_s)), self._robot)
 
-    def preview(self, move: Move | MoveStraight) -> PreviewResult:
-        """Carry out the motion on a copy of firmware and plant, and return its samples."""
+    def preview(self, move: Move | MoveStraight) -> PreviewReply:
+        """Carry out the motion on a copy of firmware and plant, and return the reply with its samples."""
         with self._lock, self._board.lock:
             memory, plant = self._firmware.snapshot(), self._plant.copy()
         copy = Firmware(boot=1, name="preview")

@@ -1,23 +1,28 @@
-"""The neck as a MuJoCo model, built from the robot's data.
+"""The neck as a MuJoCo model, built from the robot's data, and the scene for pictures: robot, room and person.
 
 Every body's frame has its origin in the neck centre and is unrotated at home, so that joint axes are plain vectors
 and home is qpos0. Frames: x forward, y left, z up. Three chains base -> arm -> rod are closed on the head, which
 turns on a ball joint, by one `connect` each: 9 degrees of freedom, 6 of them taken by the loops.
+
+The model of the physics contains the robot only. The room is the file `room/room.xml`; its origin is on the desk, below
+the neck. Other places are in m in the frame of the neck centre.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Final
 
 import mujoco
 import numpy as np
 
 from beatrix_zenoh.body.figure import Chain, chains, direction, scaled
+from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, DriveData, RobotData
 from beatrix_zenoh.contract.names import ARMS
-from sim_node.visuals import COLLISION, add_visuals
+from sim_node.visuals import COLLISION, add_camera, add_visuals
 
 TIMESTEP_MS: Final = 2
 """Length of a physics step (ms)."""
@@ -161,3 +166,33 @@ def _add_solid(
     touches = kind != "ring"
     solid.contype = solid.conaffinity = int(touches)
     return solid
+
+
+ROOM: Final = Path(__file__).with_name("room") / "room.xml"
+PREFIX: Final = "room/"
+"""Before the names of bodies and geoms of the room; the body `room/person` is the person."""
+OUTSIDE: Final = ((0.655, 0.235, 0.13), (0.0, 0.0, 0.058), 32.0)
+"""The outside camera: its place and the point that it looks at (m), and its vertical angle of view (deg)."""
+
+
+def scene_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
+    """Return the editable model of robot, room and person; its joints, and so its qpos, are those of `build_spec`."""
+    spec = build_spec(robot)
+    for part in (spec.geom("floor"), *spec.lights):
+        spec.delete(part)
+    room = mujoco.MjSpec.from_file(str(ROOM))
+    spec.visual.headlight = room.visual.headlight
+    spec.attach(room, prefix=PREFIX, frame=spec.worldbody.add_frame(pos=[0.0, 0.0, SIZES.floor]))
+    add_camera(spec.worldbody, names.OUTSIDE, *OUTSIDE)
+    return spec
+
+
+def eye_scene(robot: RobotData = ROBOT) -> mujoco.MjSpec:
+    """Return the model of `scene_spec` for published pictures, simplified to save time."""
+    spec = scene_spec(robot)
+    quality = spec.visual.quality
+    # All light is directional, so one quad for each wall is enough.
+    quality.numquads = 1
+    quality.numslices, quality.numstacks = 16, 10
+    spec.delete(spec.texture("sky"))
+    return spec

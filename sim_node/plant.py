@@ -153,8 +153,6 @@ class Plant:
         self._velocities = self.data.qvel[_stride([int(joint.dofadr[0]) for joint in arms])]
         head = int(self.model.joint("head").qposadr[0])
         self._quaternion = self.data.qpos[head : head + 4]
-        self._rod_ends = [self.model.site(f"rod_{name}").id for name in ARMS]
-        self._mounts = [self.model.site(f"mount_{name}").id for name in ARMS]
         self._forces, self._speeds = self.data.xfrc_applied, self.data.qvel
         self._pulled_to, self._options = self.data.ctrl, self.model.opt
         self._until_check, self._checks = _CHECK_STEPS, 0
@@ -220,11 +218,6 @@ class Plant:
         """Return a copy of all joint positions, for a painter; shape (10,)."""
         posture: npt.NDArray[np.float64] = self.data.qpos.copy()
         return posture
-
-    def closure_error(self) -> float:
-        """Return the largest distance (m) between the end of a rod and its mount on the head, at the last step."""
-        sites = self.data.site_xpos
-        return float(np.linalg.norm(sites[self._rod_ends] - sites[self._mounts], axis=1).max())
 
     def set_points(self) -> Arms:
         """Return the angles that the motors pull the arms to (rad): the counted steps minus the slip."""

@@ -9,7 +9,6 @@ import math
 import queue
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final
 
 from beatrix_zenoh import threads
@@ -47,22 +46,6 @@ PREVIEW_MAX_S = 60.0
 """Longest duration (s) of a motion in a preview."""
 
 
-@dataclass(frozen=True)
-class PreviewResult:
-    """Result of a motion on a copy of the robot.
-
-    `arms` and `head` (yaw, pitch, roll), in rad, are the angles at the times `t` (s) after the start; `tilt_max` and
-    `gap_min` (rad) are the largest tilt and the smallest gap during the motion.
-    """
-
-    duration_s: float
-    tilt_max: float
-    gap_min: float
-    t: list[float]
-    arms: list[Arms]
-    head: list[Arms]
-
-
 LONGEST_MS: Final = round(PREVIEW_MAX_S * 1000)
 """Longest preview (simulated ms), in case the firmware takes longer than was computed before."""
 SAMPLES_MAX: Final = 300
@@ -78,8 +61,8 @@ _SEQ_MOVE: Final = 1
 _SEQ_PING: Final = 2
 
 
-def simulate_motion(plant: Plant, firmware: Firmware, move: Move | MoveStraight) -> PreviewResult:
-    """Carry out a motion until the arms rest, as fast as this computer can, and return its samples.
+def simulate_motion(plant: Plant, firmware: Firmware, move: Move | MoveStraight) -> PreviewReply:
+    """Carry out a motion until the arms rest, as fast as this computer can, and return the reply with its samples.
 
     This changes `plant` and `firmware`, which must be copies. Raises Refused if the firmware refuses the motion, stops
     it before its end, or needs more than LONGEST_MS, or if the neck would leave its home assembly.
@@ -153,7 +136,7 @@ class _MotionSimulation:
         waited = self.now_ms - self._stopped_ms >= _SETTLE_MS
         return waited or max(map(abs, self._plant.velocities())) < _AT_REST
 
-    def result(self) -> PreviewResult:
+    def result(self) -> PreviewReply:
         """Return the samples of the motion up to its end; raises Refused if the firmware stopped it."""
         outcome = BoardOutcome.DONE if self._telemetry is None else BoardOutcome(self._telemetry.outcome)
         if outcome is not BoardOutcome.DONE:
@@ -162,13 +145,17 @@ class _MotionSimulation:
             )
         if self._samples[-1][0] != self.now_ms:
             self._sample()
-        return PreviewResult(
-            duration_s=self.now_ms / 1000,
+        duration_s = self.now_ms / 1000
+        return PreviewReply(
+            result=True,
+            reason=Reason.OK,
+            message=f"Possible: {duration_s:.1f} s.",
+            duration=duration_s,
             tilt_max=self._tilt_max,
             gap_min=self._gap_min,
             t=[t / 1000 for t, _, _ in self._samples],
-            arms=[arms for _, arms, _ in self._samples],
-            head=[head for _, _, head in self._samples],
+            arms=[vector(arms) for _, arms, _ in self._samples],
+            head=[Head(*head) for _, _, head in self._samples],
         )
 
     def _sample(self) -> None:
@@ -202,7 +189,7 @@ class PreviewHandler(Component):
         self,
         name: str,
         controller: MotionController,
-        carry_out: Callable[[Move | MoveStraight], PreviewResult],
+        carry_out: Callable[[Move | MoveStraight], PreviewReply],
     ) -> None:
         """Store `carry_out`, which runs a motion on a copy of the robot and may raise BeatrixError."""
         self._key, self._controller, self._carry_out = keys.preview(name, "*"), controller, carry_out
@@ -228,12 +215,12 @@ class PreviewHandler(Component):
     def _run(self) -> None:
         while (incoming := self._waiting.get()) is not None:
             try:
-                reply = preview_reply(self._preview(incoming.raw))
+                reply = self._preview(incoming.raw)
             except BeatrixError as error:
                 reply = preview_refusal(error)
             self._reply(incoming, reply)
 
-    def _preview(self, raw: RawQuery) -> PreviewResult:
+    def _preview(self, raw: RawQuery) -> PreviewReply:
         query = query_forms.read_motion_or_pose(raw)
         controller = self._controller
         if controller.access.following:
@@ -258,21 +245,6 @@ class PreviewHandler(Component):
         self._waiting.put(None)
         if self._thread is not None:
             self._thread.join(timeout=2.0)
-
-
-def preview_reply(preview: PreviewResult) -> PreviewReply:
-    """Return the reply to a preview."""
-    return PreviewReply(
-        result=True,
-        reason=Reason.OK,
-        message=f"Possible: {preview.duration_s:.1f} s.",
-        duration=preview.duration_s,
-        tilt_max=preview.tilt_max,
-        gap_min=preview.gap_min,
-        t=preview.t,
-        arms=[vector(arms) for arms in preview.arms],
-        head=[Head(*head) for head in preview.head],
-    )
 
 
 def preview_refusal(error: BeatrixError) -> PreviewReply:

@@ -24,10 +24,10 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.lettering import cells
 from sim_node.gl import GlPainter
+from sim_node.model import eye_scene
 from sim_node.painter import Image, Painter, SceneState
 from sim_node.piped_process import NICE, OPENING_S, PipedProcess
 from sim_node.rays import RayPainter
-from sim_node.scene import eye_scene
 
 WIDTH: Final = 640
 HEIGHT: Final = 480

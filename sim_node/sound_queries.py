@@ -18,8 +18,8 @@ from beatrix_zenoh.contract.errors import BeatrixError, Refused, quoted
 from beatrix_zenoh.contract.refusals import bad_field
 from beatrix_zenoh.node import QueryThread
 from beatrix_zenoh.node.sensors import FULL_SCALE, RATE
+from sim_node.hearing import GENERATORS, PlayingSound, Samples, generated
 from sim_node.shapes import Point
-from sim_node.sounds import GENERATORS, PlayingSound, Samples, generated
 from sim_node.target import BOUNDS
 
 SILENCE, SAMPLES = "silence", "samples"

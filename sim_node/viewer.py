@@ -1,4 +1,7 @@
-"""MuJoCo's viewer, in a subprocess because it needs the main thread and a display, and crashes when it ends."""
+"""MuJoCo's viewer with the mechanism inside the robot, hidden at first.
+
+It runs in a subprocess because it needs the main thread and a display, and crashes when it ends.
+"""
 
 from __future__ import annotations
 
@@ -12,20 +15,31 @@ from collections.abc import Callable
 from typing import Final
 
 import msgspec
+import mujoco
 import numpy as np
+from beatrix_zenoh.body.shape import mechanism
 
 from beatrix_zenoh import threads
+from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract._generated.robot import RobotData
+from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node import Component
+from sim_node.model import scene_spec
 from sim_node.painter import PosedModel, SceneState
-from sim_node.picture import MECHANISM, add_mechanism, show_through
 from sim_node.piped_process import NICE, PipedProcess
-from sim_node.scene import scene_spec
 from sim_node.shapes import Vector
+from sim_node.visuals import COLLISION, MATERIALS, add_meshes
 
+MECHANISM: Final = 4
+"""Geom group of the mechanism; MuJoCo's viewer shows and hides a group with the key of its number."""
+SKIN_OPACITY: Final = 0.22
+"""Opacity of the robot around the mechanism."""
+KEYS: Final = (
+    f"In the window, key {MECHANISM} shows the mechanism inside the robot, key {COLLISION} the simple shapes with mass "
+    "that can touch each other."
+)
 READY: Final = "ready"
 """Printed by the subprocess when the window is open."""
 PERIOD_S: Final = 1 / 30
@@ -101,6 +115,17 @@ class StateReader:
             while len(state := stream.read(self._bytes)) == self._bytes:
                 self.newest = np.frombuffer(state)
         self.ended = True
+
+
+def add_mechanism(spec: mujoco.MjSpec, robot: RobotData = ROBOT) -> None:
+    """Add the mechanism to a model of this robot, in a group that is hidden at first."""
+    add_meshes(spec, mechanism(Figure(robot.geometry, robot.head), fine=True), MECHANISM)
+
+
+def show_through(model: mujoco.MjModel, *, through: bool) -> None:
+    """Make the robot translucent, so that its mechanism is seen, or opaque again."""
+    for name in MATERIALS.values():
+        model.material(name).rgba[3] = SKIN_OPACITY if through else 1.0
 
 
 def main(words: list[str]) -> int:

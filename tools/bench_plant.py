@@ -6,10 +6,13 @@ import math
 import statistics
 import time
 
+import numpy as np
+
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract._generated.serial import Enable, FrameType, MoveStraight
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from sim_node.model import TIMESTEP_MS
@@ -21,6 +24,14 @@ _TO_REACH_US = 30
 _AMPLITUDE = math.radians(25)
 _CIRCLES_HZ = 0.35
 """Highest frequency of the circle at which the arms stay below their top speed."""
+
+
+def closure_error(plant: Plant) -> float:
+    """Return the largest distance (m) between the end of a rod and its mount on the head, at the last step."""
+    ends, mounts = (
+        np.array([plant.data.site(f"{part}_{name}").xpos for name in ARMS]) for part in ("rod", "mount")
+    )
+    return float(np.linalg.norm(ends - mounts, axis=1).max())
 
 
 def circling(t: float) -> Arms:
@@ -61,7 +72,7 @@ def preview_factor(gear: Gear) -> float:
     nod = MoveStraight(1, gear.to_steps(Neck().inverse(0.0, 0.4, 0.0)), 1000)
     begin = time.perf_counter()
     preview = simulate_motion(plant, firmware, nod)
-    return preview.duration_s / (time.perf_counter() - begin)
+    return preview.duration / (time.perf_counter() - begin)
 
 
 def main() -> None:
@@ -79,7 +90,7 @@ def main() -> None:
     closure = error = fastest = 0.0
     for pulses in path:
         plant.step(pulses, drivers_on=True)
-        closure = max(closure, plant.closure_error())
+        closure = max(closure, closure_error(plant))
         error = max(error, angle_between(plant, neck))
         fastest = max(fastest, *map(abs, plant.velocities()))
     print(f"plant made in {made * 1e3:.0f} ms, copied in {copied * 1e3:.1f} ms")

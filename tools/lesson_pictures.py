@@ -12,10 +12,10 @@ from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.kinematics import Neck
 from sim_node import gl
 from sim_node.gl import GlPainter
+from sim_node.model import eye_scene
 from sim_node.painter import PosedModel
 from sim_node.plant import Plant
 from sim_node.renderer import encode
-from sim_node.scene import eye_scene
 
 FOLDER: Final = Path(__file__).resolve().parents[1] / "beatrix_zenoh/lessons/library/09-follow-the-face/files"
 WIDTH: Final = 160

@@ -15,6 +15,7 @@ from typing import Final
 
 from bench_node import ROOT, Served
 from PIL import Image, ImageDraw, ImageFont
+from robot_pictures import CAMERA
 
 from beatrix_zenoh import Twin
 from beatrix_zenoh.client.degrees import ArmAngles
@@ -22,7 +23,6 @@ from beatrix_zenoh.motion.gear import Arms
 from sim_node import gl
 from sim_node.gl import GlPainter
 from sim_node.model import build_spec
-from sim_node.picture import CAMERA
 from sim_node.plant import Plant
 
 NAME: Final = "bea1"

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Final
 
 import mujoco
+from robot_pictures import write_mechanism
 
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, path_figure
 from beatrix_zenoh.client.degrees import Path as ArmsPath
@@ -19,7 +20,6 @@ from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.trajectory import plan
 from sim_node.model import build_spec
-from sim_node.picture import write_mechanism
 
 DOCS: Final = Path(__file__).resolve().parent.parent / "docs"
 PAGE: Final = DOCS / "explanation/neck.md"

@@ -19,19 +19,16 @@ from gui.window.keys import KeySheet
 from gui.window.theme import style_of
 from gui.window.widgets.arms import ArmsPanel
 from gui.window.widgets.class_page import ClassPage
-from gui.window.widgets.code import CodePanel
-from gui.window.widgets.commands import CommandsPanel, StopBar
-from gui.window.widgets.connect import ConnectSheet
-from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, spaced
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, filled, spaced
 from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
 from gui.window.widgets.head3d import Head3dPanel
 from gui.window.widgets.header import Header
-from gui.window.widgets.history import HistoryPanel
-from gui.window.widgets.notices import Banner, RefusalNotice, TroubleNotice
+from gui.window.widgets.history import CodePanel, HistoryPanel
+from gui.window.widgets.notices import Banner, ConnectSheet, RefusalNotice, TroubleNotice
 from gui.window.widgets.plots import PlotsPanel
-from gui.window.widgets.sending import SendingPanel
+from gui.window.widgets.sending import CommandsPanel, SendingPanel, StopBar
 from gui.window.widgets.sequence import SequencePanel
 
 P = TypeVar("P", bound=Panel)
@@ -86,6 +83,8 @@ class Panels(QWidget):
         self._low: bool | None = None
         self._refusal: RefusalView | None = None
         self._parts: list[tuple[Panel, Callable[[View], object]]] = []
+        self._shown: dict[Panel, object] = {}
+        """the part of the view that each panel shows; without an entry it shows nothing yet"""
         self.header = self._add(Header(texts), lambda view: view)
         self.banner = self._add(Banner(), lambda view: view.banner)
         self.guide = self._add(Banner(quiet=True), lambda view: view.guide)
@@ -132,46 +131,25 @@ class Panels(QWidget):
             self.tabs.addTab(page, self._texts(f"label.tab_{name}"))
         self.low_area.addTab(self.gestures, self._texts("label.gestures"))
         self._lay_out_columns()
-        inner = spaced(QVBoxLayout(), 8, (8, 8, 8, 8))
-        inner.addWidget(self.header)
-        inner.addWidget(self.banner)
-        inner.addWidget(self.guide)
-        pages = spaced(QVBoxLayout(self.pages), None, NO_MARGINS)
-        pages.addWidget(self.body)
-        pages.addWidget(self.class_page)
-        inner.addWidget(self.pages, 1)
+        inner = filled(spaced(QVBoxLayout(), 8, (8, 8, 8, 8)), self.header, self.banner, self.guide)
+        filled(spaced(QVBoxLayout(self.pages), None, NO_MARGINS), self.body, self.class_page)
+        filled(inner, (self.pages, 1))
         self.area.setFrameShape(QFrame.Shape.NoFrame)
         content = QWidget()
         content.setLayout(inner)
         self.area.setWidget(content)
-        layout = spaced(QVBoxLayout(self), 0, NO_MARGINS)
-        layout.addWidget(self.area, 1)
-        bottom = spaced(QHBoxLayout(), 0)
-        bottom.addWidget(self.stop_bar, 3)
-        bottom.addWidget(self.stop_bar.last, 2)
-        layout.addLayout(bottom)
+        bottom = filled(spaced(QHBoxLayout(), 0), (self.stop_bar, 3), (self.stop_bar.last, 2))
+        filled(spaced(QVBoxLayout(self), 0, NO_MARGINS), (self.area, 1), bottom)
         self._arrange()
 
     def _lay_out_columns(self) -> None:
-        left, middle, right = (QVBoxLayout() for _ in range(3))
-        left.addWidget(self.head, 1)
-        left.addWidget(self.sending)
-        left.addWidget(self.arms)
-        below = self._below = QHBoxLayout()
+        left = filled(spaced(QVBoxLayout(), 8), (self.head, 1), self.sending, self.arms)
+        self._below = filled(spaced(QHBoxLayout(), 8), (self.low_area, 1))
         """the low area, and in a low window the commands beside it"""
-        below.setSpacing(8)
-        below.addWidget(self.low_area, 1)
-        middle.addWidget(self.tabs, 1)
-        middle.addLayout(below)
-        right.addWidget(self.side, 1)
-        right.addWidget(self.commands)
-        self._right = right
-        columns = self._columns = QHBoxLayout(self.body)
-        columns.setContentsMargins(0, 0, 0, 0)
-        columns.setSpacing(8)
-        for column in (left, middle, right):
-            column.setSpacing(8)
-            columns.addLayout(column)
+        middle = filled(spaced(QVBoxLayout(), 8), (self.tabs, 1), self._below)
+        self._right = filled(spaced(QVBoxLayout(), 8), (self.side, 1), self.commands)
+        self._columns = spaced(QHBoxLayout(self.body), 8, NO_MARGINS)
+        filled(self._columns, left, middle, self._right)
 
     def _connect(self) -> None:
         for notice in (self.refusal, self.stop_bar):
@@ -229,11 +207,14 @@ class Panels(QWidget):
         self._arrange()
 
     def show_view(self, view: View) -> None:
-        """Pass each part of the view to its widget."""
+        """Pass each part of the view that has changed to its widget."""
         for box in self._boxes:
             box.setChecked(getattr(view.choices, box.name))
         for panel, part in self._parts:
-            panel.show_view(part(view))  # type: ignore[arg-type]  # each panel shows the part that `_add` was given
+            shown = part(view)
+            if shown != self._shown.get(panel):
+                self._shown[panel] = shown
+                panel.show_view(shown)  # type: ignore[arg-type]  # each panel shows the part that `_add` was given
         self._show_page(view.choices.page)
         self.stop_bar.show_view(view)
         self.stop_bar.show_last(view.last)

@@ -16,11 +16,13 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage, quoted
 from beatrix_zenoh.node import CameraFrame, Node, camera_publisher
-from beatrix_zenoh.node.sensors import SILENT_S, Sensor
-from hw_node.cameras.source import FrameSource
+from beatrix_zenoh.node.sensors import SILENT_S, Sensor, SensorSource
 from hw_node.cameras.stand_ins import Pattern, PictureFiles
 
 SILENCE: Final = f"The camera is plugged in but has delivered no picture for {SILENT_S:g} s. Unplug it, and plug it in again."
+
+FrameSource = SensorSource[CameraFrame]
+"""A camera or another source of pictures."""
 
 
 class CameraSensor(Sensor[CameraFrame]):

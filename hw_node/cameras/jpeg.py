@@ -1,4 +1,7 @@
-"""Reads the segments of JPEG pictures (size, tables) and the pictures of a stream, without decoding."""
+"""The pictures of cameras: the format that is requested, and the segments of JPEG files.
+
+Segments (size, tables) and the pictures of a stream are read without decoding.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,8 @@ from typing import Final, NamedTuple
 import numpy as np
 import simplejpeg
 
+WIDTH, HEIGHT, HZ = 640, 480, 30
+"""Format requested from cameras: pixels, and pictures a second."""
 SOI, EOI = b"\xff\xd8", b"\xff\xd9"
 DHT, SOS = 0xC4, 0xDA
 SIZES: Final = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}

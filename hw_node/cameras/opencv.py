@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import queue
 import sys
@@ -17,7 +18,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import CameraFrame
-from hw_node.cameras.source import HEIGHT, HZ, WIDTH
+from hw_node.cameras.jpeg import HEIGHT, HZ, WIDTH
 
 Pixels = NDArray[np.uint8]
 """Height x width x 3: blue, green, red."""
@@ -180,17 +181,10 @@ class Reader:
                 self._ended.wait(PAUSE_S)
 
     def _put(self, one: tuple[Pixels, int] | Exception) -> None:
-        while True:
-            try:
-                return self.pictures.put_nowait(one)
-            except queue.Full:
-                self._drop()
-
-    def _drop(self) -> None:
-        try:
-            self.pictures.get_nowait()
-        except queue.Empty:
-            return  # `next` has taken the picture
+        while self.pictures.full():
+            with contextlib.suppress(queue.Empty):  # `next` has taken the picture
+                self.pictures.get_nowait()
+        self.pictures.put(one)  # does not wait, because only this thread puts
 
 
 def backend(opencv: OpenCv) -> int:

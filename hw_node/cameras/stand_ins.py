@@ -17,7 +17,7 @@ from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.lettering import cells
 from beatrix_zenoh.node import CameraFrame
 from hw_node.cameras import jpeg
-from hw_node.cameras.source import HEIGHT, HZ, WIDTH, FrameTimer
+from hw_node.cameras.jpeg import HEIGHT, HZ, WIDTH
 
 Pixels = NDArray[np.uint8]
 """Height x width x 3: red, green, blue."""
@@ -58,6 +58,26 @@ def background(eye: str) -> Pixels:
     order = BARS if eye == "left" else BARS[::-1]
     image[:SWEEP_Y] = np.repeat(np.array(order, np.uint8), -(-WIDTH // len(BARS)), axis=0)[:WIDTH]
     return image
+
+
+class FrameTimer:
+    """Absolute deadlines of pictures at a constant rate."""
+
+    def __init__(self, hz: float = HZ) -> None:
+        self._period_s = 1 / hz
+        self._due_s = time.monotonic()
+
+    def wait(self, timeout_s: float) -> bool:
+        """Wait for the next deadline; return False after `timeout_s` if it is later."""
+        left_s = self._due_s - time.monotonic()
+        if left_s > timeout_s:
+            time.sleep(timeout_s)
+            return False
+        if left_s > 0:
+            time.sleep(left_s)
+        # Missed deadlines are skipped, so that no burst of late pictures follows a delay.
+        self._due_s = max(self._due_s + self._period_s, time.monotonic())
+        return True
 
 
 class Pattern:

@@ -15,7 +15,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import CameraFrame
 from hw_node.cameras import jpeg
-from hw_node.cameras.source import HEIGHT, HZ, WIDTH
+from hw_node.cameras.jpeg import HEIGHT, HZ, WIDTH
 
 RATES_HZ: Final = (HZ, 15)
 """The second rate is for USB buses that have no bandwidth for two cameras at the first rate."""

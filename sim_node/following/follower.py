@@ -1,4 +1,11 @@
-"""The decisions of a simulation that follows: what it does next, and what its status says. No I/O, no clock."""
+"""The decisions of a simulation that follows: what it does next, and what its status says. No I/O, no clock.
+
+The firmware brakes before its target, so a target at the hardware's place would be reached late: at 60 deg/s the arms
+brake over the last 10 deg. The target is therefore the place at which the hardware would rest if it braked now, and the
+speed is that of the hardware, corrected in proportion to the distance between the two.
+
+`Parting` finds out that hardware and simulation are in different places although both have the same set points.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +15,190 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from beatrix_zenoh.contract._generated.messages import FollowState, Positions, Status
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import tuple3
-from sim_node.following.course import AHEAD_S, Course, SetPoint, advanced, course_to, distance, resting_place
-from sim_node.following.parting import Parting, Places
+
+GAIN: Final = 10.0
+"""Correction of the speed per distance (1/s)."""
+AHEAD_S: Final = 0.1
+"""Time (s) by which a target is ahead of an arm that does not brake, so that the simulation does not brake before the
+next set point arrives: five periods of publication, because on a busy computer some arrive late."""
+LAG_S: Final = 0.02
+"""Intended lag (s) behind the received set points. The simulation hears of a brake up to a period of publication late;
+without a lag it would overshoot meanwhile."""
+SLOWEST: Final = math.radians(1.0)
+"""Lowest speed (rad/s) of an arm, which is also that of an arm that has to wait for the hardware."""
+AT_REST: Final = math.radians(0.2)
+"""An arm below this velocity (rad/s) rests."""
+SETTLING: Final = math.radians(20.0)
+"""Lowest speed (rad/s) towards the place of a hardware that rests."""
+
+
+class SetPoint(NamedTuple):
+    """Set points (rad) of the arms and their velocities (rad/s)."""
+
+    place: Arms
+    velocity: Arms
+
+
+class Course(NamedTuple):
+    """Targets (rad) of the arms, and their top speeds (rad/s)."""
+
+    target: Arms
+    speed: Arms
+
+
+def resting_place(point: SetPoint, acceleration: float) -> Arms:
+    """Return the places (rad) at which the arms would rest if they braked now with this acceleration (rad/s2)."""
+    (x, y, z), (u, v, w) = point.place, point.velocity
+    braked = 2 * acceleration
+    return x + u * abs(u) / braked, y + v * abs(v) / braked, z + w * abs(w) / braked
+
+
+def advanced(point: SetPoint, by_s: float) -> SetPoint:
+    """Return the set points after `by_s` (s) at constant velocity."""
+    (x, y, z), (u, v, w) = point.place, point.velocity
+    return SetPoint((x + u * by_s, y + v * by_s, z + w * by_s), point.velocity)
+
+
+def distance(one: Arms, other: Arms) -> float:
+    """Return the largest distance (rad) between the same arms."""
+    return max(abs(a - b) for a, b in zip(one, other, strict=True))
+
+
+def course_to(
+    hardware: SetPoint,
+    before: Arms,
+    own: SetPoint,
+    *,
+    acceleration: float,
+    speed_max: float,
+    ahead_s: float = AHEAD_S,
+) -> Course:
+    """Return the motion that keeps the simulation at the hardware.
+
+    Args:
+        hardware: its set points now.
+        before: its velocities (rad/s) in the previous sample.
+        own: set points of the simulation now.
+        acceleration: of an arm (rad/s2).
+        speed_max: largest speed of an arm (rad/s).
+        ahead_s: time by which targets are ahead (s).
+    """
+    rest = resting_place(hardware, acceleration)
+    behind = advanced(hardware, -LAG_S).place
+    target, speed = [], []
+    for i in range(3):
+        velocity, away = hardware.velocity[i], behind[i] - own.place[i]
+        if abs(velocity) < AT_REST:
+            target.append(hardware.place[i])
+            speed.append(min(speed_max, max(SETTLING, GAIN * abs(away))))
+            continue
+        brakes = abs(velocity) < abs(before[i])
+        end = rest[i] + (0.0 if brakes else velocity * ahead_s)
+        towards = math.copysign(1.0, end - own.place[i])
+        target.append(end)
+        speed.append(min(speed_max, max(SLOWEST, (velocity + GAIN * away) * towards)))
+    return Course((target[0], target[1], target[2]), (speed[0], speed[1], speed[2]))
+
+
+ARM_APART: Final = math.radians(0.5)
+"""Allowed distance (rad) of two arms at rest, less than a full step of a motor (0.69 deg)."""
+HEAD_APART: Final = math.radians(1.0)
+"""Allowed distance (rad) of two heads at rest in yaw, pitch and roll; near the limit of the tilt 0.5 deg of an arm make
+up to twice as much."""
+LATE_S: Final = 0.1
+"""Allowed lag (s) in motion: the distance may be larger by the way of this time."""
+LASTS_S: Final = 0.5
+"""Time (s) for which the places must differ, or agree again."""
+SAID_S: Final = 1.0
+"""Shortest time (s) between two sentences while the places differ, because each is published with the status."""
+TURNED: Final = math.radians(1.5)
+"""Turn (rad) since the places agreed, above which its direction is compared."""
+STANDS: Final = 0.2
+"""An arm that has made less than this share of the other's turn stands still."""
+ADVICE: Final = "Stop the hardware and look at it; then calibrate it."
+
+
+class Places(NamedTuple):
+    """Measured angles (rad) and velocities (rad/s) of the arms, and yaw, pitch, roll (rad) of the head."""
+
+    arms: Arms
+    velocity: Arms
+    head: Arms
+
+    def after(self, by_s: float) -> Places:
+        """Return the places after `by_s` (s) at constant velocity; the head stays."""
+        (x, y, z), (u, v, w) = self.arms, self.velocity
+        return self._replace(arms=(x + u * by_s, y + v * by_s, z + w * by_s))
+
+
+class Parting:
+    """Compares places until they differ, or agree again, for LASTS_S."""
+
+    def __init__(self) -> None:
+        self.text = ""
+        """how the places differ, as a sentence; empty: they agree"""
+        self._agreed: tuple[Places, Places] | None = None
+        """the places of simulation and hardware when they last agreed"""
+        self._changed_s: float | None = None
+        self._said_s = float("-inf")
+
+    def reset(self) -> None:
+        """Forget everything, because the set points differ."""
+        self.text, self._agreed, self._changed_s = "", None, None
+
+    def compare(self, now_s: float, simulation: Places, hardware: Places) -> None:
+        """Compare the places at `now_s` (s, of any clock)."""
+        different = describe(simulation, hardware, self._agreed)
+        if not different:
+            self._agreed = simulation, hardware
+        if bool(different) == bool(self.text):
+            self._changed_s = None
+            if now_s - self._said_s >= SAID_S:
+                self.text, self._said_s = different, now_s
+            return
+        if self._changed_s is None:
+            self._changed_s = now_s
+        if now_s - self._changed_s >= LASTS_S:
+            self.text, self._said_s, self._changed_s = different, now_s, None
+
+
+def describe(simulation: Places, hardware: Places, agreed: tuple[Places, Places] | None) -> str:
+    """Return how the places differ, as a sentence; empty if they agree."""
+    fastest = max(map(abs, (*simulation.velocity, *hardware.velocity)))
+    allowed = ARM_APART + LATE_S * fastest
+    apart = [abs(one - other) for one, other in zip(simulation.arms, hardware.arms, strict=True)]
+    arms = [_arm(i, angle, simulation, hardware, agreed) for i, angle in enumerate(apart) if angle > allowed]
+    if arms:
+        return f"Hardware and simulation have parted: {'; '.join(arms)}. {ADVICE}"
+    heads = max(
+        abs(math.remainder(one - other, math.tau))
+        for one, other in zip(simulation.head, hardware.head, strict=True)
+    )
+    if heads > HEAD_APART + 2 * LATE_S * fastest:
+        return (
+            f"Hardware and simulation have parted: their arms agree, but their heads are {math.degrees(heads):.1f}° "
+            "apart. Start both with the same robot file; if they have it, look at the rods."
+        )
+    return ""
+
+
+def _arm(
+    i: int, apart: float, simulation: Places, hardware: Places, agreed: tuple[Places, Places] | None
+) -> str:
+    """Return the words about one arm of the hardware."""
+    words = f"the {ARMS[i]} arm of the hardware"
+    angle = f"{math.degrees(apart):.1f}°"
+    if agreed is not None:
+        here, there = simulation.arms[i] - agreed[0].arms[i], hardware.arms[i] - agreed[1].arms[i]
+        if abs(here) > TURNED and abs(there) < STANDS * abs(here):
+            return f"{words} stands still, {angle} away"
+        if abs(here) > TURNED and here * there < 0:
+            return f"{words} turns the other way, {angle} away"
+    return f"{words} is {angle} away"
+
 
 SILENT_S: Final = 0.5
 """Time (s) without positions after which the hardware counts as lost."""

@@ -17,9 +17,7 @@ from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.planner import tuple3
 from beatrix_zenoh.node.snapshot import Snapshot
-from sim_node.following.course import SetPoint, advanced
-from sim_node.following.follower import HardwareSample, Limits, Step
-from sim_node.following.parting import Places
+from sim_node.following.follower import HardwareSample, Limits, Places, SetPoint, Step, advanced
 
 ANSWER_S: Final = 5.0
 """Longest wait (s) for the robot file of the hardware."""

@@ -11,7 +11,7 @@ from robots import Stage, ready
 
 from beatrix_zenoh import Robot
 from hw_node.body import VirtualHardware
-from hw_node.microphones.microphones import Tone
+from hw_node.microphones import Tone
 
 BODIES = ("sim", "in-process", "mega")
 """A simulation; a node of this process with a virtual board; the hardware node with the firmware on a simulated

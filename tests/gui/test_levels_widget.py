@@ -7,7 +7,7 @@ from pytestqt.qtbot import QtBot
 from gui.console.state.intents import Choose, Intent
 from gui.console.state.views import LevelView, SoundView
 from gui.console.texts import Texts
-from gui.window.widgets.levels import LevelsPanel
+from gui.window.widgets.eyes import LevelsPanel
 
 LOUD = LevelView("sim", "Simulation", 0.75, 0.5, "left -20 dB, right -40 dB")
 ABSENT = LevelView("hw", "Hardware", 0.0, 0.0, "not online")

@@ -18,6 +18,7 @@ from pyqtgraph import PlotDataItem
 from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.actions import WriteFile
 from gui.console.state.intents import Intent
 from gui.console.state.state import State
@@ -25,7 +26,7 @@ from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.widgets import plots as plots_module
 from gui.window.widgets.plot_samples import CAPACITY, History, sample_time_s, span
-from gui.window.widgets.plots import PlotsPanel
+from gui.window.widgets.plots import SLOTS, PlotsPanel
 
 Arms = tuple[float, float, float]
 LAG_S = 0.2
@@ -73,14 +74,14 @@ def curve(line: PlotDataItem) -> np.ndarray:
 def test_the_plots_show_the_lag_of_the_hardware(plots: PlotsPanel) -> None:
     fill(plots, lambda time_s: (ramp(time_s), 0, 0))
     plots.show()
-    hw, sim = (curve(line) for line in plots.arms[0].lines)
+    hw, sim = (curve(line) for line in plots.plots["short"].lines)
     assert sim[0, -1] == pytest.approx(-0.01), "times before now"
     assert np.interp(20.0, sim[1], sim[0]) == pytest.approx(-3.0, abs=0.01), "20 deg at 7 s of 10 s"
     assert np.interp(20.0, hw[1], hw[0]) == pytest.approx(-3.0 + LAG_S, abs=0.01)
-    apart = curve(plots.difference.lines[0])
+    apart = curve(plots.plots["difference"].lines[0])
     assert apart[1, -1] == pytest.approx(-10 * LAG_S, abs=0.01), "hardware minus simulation"
     assert apart[1, 0] == pytest.approx(0.0)
-    assert curve(plots.arms[1].lines[0])[1] == pytest.approx(0.0)
+    assert curve(plots.plots["middle"].lines[0])[1] == pytest.approx(0.0)
 
 
 def test_time_stamps_of_another_computer_are_converted_to_this_clock() -> None:
@@ -100,15 +101,15 @@ def filled(plots: PlotsPanel) -> PlotsPanel:
 
 def shown_s(plots: PlotsPanel) -> tuple[float, float]:
     """Return the times (s) at both edges of the lowest plot."""
-    (begin_s, end_s), _ = plots.difference.plot.viewRange()
+    (begin_s, end_s), _ = plots.plots["difference"].plot.viewRange()
     room_s = 0.035 * (end_s - begin_s) / 1.07
     return round(begin_s + room_s, 3), round(end_s - room_s, 3)
 
 
 def turn_wheel(plots: PlotsPanel, notches: int, at_s: float) -> None:
     """Turn the wheel over a time of the first plot."""
-    area = plots.arms[0].area
-    scene = plots.arms[0].plot.getViewBox().mapViewToScene(QPointF(at_s, 0.0))
+    area = plots.plots["short"].area
+    scene = plots.plots["short"].plot.getViewBox().mapViewToScene(QPointF(at_s, 0.0))
     point = QPointF(area.mapFromScene(scene))
     wheel = QWheelEvent(
         point,
@@ -129,7 +130,7 @@ def test_buttons_and_wheel_choose_the_time(filled: PlotsPanel) -> None:
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
         assert shown_s(filled) == (-seconds, 0)
         assert [one for one, other in filled.bar.spans.items() if other.isChecked()] == [seconds]
-    assert curve(filled.arms[0].lines[1])[0, 0] < -59, "a whole minute is kept"
+    assert curve(filled.plots["short"].lines[1])[0, 0] < -59, "a whole minute is kept"
     turn_wheel(filled, 1, -10)
     assert shown_s(filled) == pytest.approx((-48, 0), abs=0.01), "now stays at the right edge"
     turn_wheel(filled, -50, -10)
@@ -140,18 +141,18 @@ def test_buttons_and_wheel_choose_the_time(filled: PlotsPanel) -> None:
 
 def test_a_pause_keeps_the_picture_and_time_to_look_around(filled: PlotsPanel) -> None:
     QTest.mouseClick(filled.bar.pause, Qt.MouseButton.LeftButton)
-    before = curve(filled.arms[0].lines[1])
+    before = curve(filled.plots["short"].lines[1])
     filled.append(world_at(71.0, sim=(50, 0, 0)))
-    assert np.array_equal(curve(filled.arms[0].lines[1]), before, equal_nan=True)
+    assert np.array_equal(curve(filled.plots["short"].lines[1]), before, equal_nan=True)
     turn_wheel(filled, 3, -10)
     begin_s, end_s = shown_s(filled)
     assert begin_s < -10 < end_s < 0, "the time at the mouse stays in place"
     filled.plots["short"].mouse.dragged.emit(100.0)
     assert shown_s(filled)[0] == -60, "no time before the first is shown"
-    assert curve(filled.arms[0].lines[1])[0, 0] < -59
+    assert curve(filled.plots["short"].lines[1])[0, 0] < -59
     QTest.mouseClick(filled.bar.pause, Qt.MouseButton.LeftButton)
     assert shown_s(filled)[1] == 0
-    assert curve(filled.arms[0].lines[1])[1].max() == 50
+    assert curve(filled.plots["short"].lines[1])[1].max() == 50
 
 
 def test_the_cursor_reads_all_curves_in_the_language(qtbot: QtBot, filled: PlotsPanel) -> None:
@@ -166,7 +167,7 @@ def test_the_cursor_reads_all_curves_in_the_language(qtbot: QtBot, filled: Plots
         panel.plots["short"].mouse.pointed.emit(None)
         assert panel.bar.time.text() == ""
         assert angle not in panel.plots["short"].label.text()
-    ticks = german.difference.plot.getAxis("left").tickStrings([-0.5, 0.0], 1.0, 0.5)
+    ticks = german.plots["difference"].plot.getAxis("left").tickStrings([-0.5, 0.0], 1.0, 0.5)
     assert ticks == ["−0,5", "0"]
 
 
@@ -175,10 +176,10 @@ def test_only_chosen_curves_are_shown(filled: PlotsPanel) -> None:
     choices["hw"].setChecked(False)
     choices["middle"].setChecked(False)
     assert [name for name, one in filled.plots.items() if one.isVisible()] == ["short", "long", "difference"]
-    assert [line.isVisible() for line in filled.arms[0].lines] == [False, True]
-    assert [line.isVisible() for line in filled.difference.lines] == [True, False, True]
-    assert "Middle" not in filled.difference.label.text()
-    assert curve(filled.arms[0].lines[1])[1, -1] == pytest.approx(7.0, abs=0.01)
+    assert [line.isVisible() for line in filled.plots["short"].lines] == [False, True]
+    assert [line.isVisible() for line in filled.plots["difference"].lines] == [True, False, True]
+    assert "Middle" not in filled.plots["difference"].label.text()
+    assert curve(filled.plots["short"].lines[1])[1, -1] == pytest.approx(7.0, abs=0.01)
     for action in choices.values():
         action.setChecked(False)
     assert not any(one.isVisible() for one in filled.plots.values())
@@ -220,19 +221,20 @@ def choose(plots: PlotsPanel, group: str, name: str) -> None:
 
 
 def test_any_number_of_the_robots_can_be_shown(filled: PlotsPanel, tmp_path: Path) -> None:
-    assert not any(one.isVisible() for one in filled.slots), "arms and their difference are the default"
+    slots = [filled.plots[slot] for slot in SLOTS]
+    assert not any(one.isVisible() for one in slots), "arms and their difference are the default"
     choose(filled, "board", "boot")
     choose(filled, "velocity", "short")
-    assert [one.isVisible() for one in filled.slots] == [True, True, False]
-    assert "velocity short (°/s)" in filled.slots[1].label.text()
+    assert [one.isVisible() for one in slots] == [True, True, False]
+    assert "velocity short (°/s)" in slots[1].label.text()
     fill(filled, lambda _: (0, 0, 0), 71.0)
-    hw, sim = (curve(line) for line in filled.slots[0].lines)
+    hw, sim = (curve(line) for line in slots[0].lines)
     assert hw[1, -1] == sim[1, -1] == 1
     choose(filled, "velocity", "short")
     choose(filled, "head", "pitch")
     choose(filled, "head", "roll")
     choose(filled, "lease", "frozen")
-    assert "boot" not in filled.slots[0].label.text(), "the first choice makes room for a fourth"
+    assert "boot" not in slots[0].label.text(), "the first choice makes room for a fourth"
     asked: list[Intent] = []
     filled.intent.connect(asked.append)
     QTest.mouseClick(filled.bar.csv, Qt.MouseButton.LeftButton)
@@ -257,7 +259,7 @@ def test_in_a_low_panel_the_plots_stand_in_two_columns(plots: PlotsPanel) -> Non
     for height in (220, 500):
         plots.resize(545, height)
         QApplication.processEvents()
-        shown = [*plots.arms, plots.difference]
+        shown = [plots.plots[name] for name in (*ARMS, "difference")]
         assert all(curves.area.height() > 50 for curves in shown)
         assert len({curves.x() for curves in shown}) == (2 if height < 300 else 1)
 

@@ -116,7 +116,7 @@ def test_another_language_keeps_tabs_camera_curves_and_row(
     old.plots.bar.choices["sim"].setChecked(False)
     old.plots.show_span(5.0)
     old.plots.pause(on=True)
-    shown = old.plots.arms[0].lines[0].getData()
+    shown = old.plots.plots["short"].lines[0].getData()
     pages = {name for name in PAGES if getattr(old, name).isVisible()}
     assert "plots" in pages
     old.header.choices["de"].trigger()
@@ -130,7 +130,7 @@ def test_another_language_keeps_tabs_camera_curves_and_row(
     assert new.plots.bar.pause.isChecked()
     assert new.plots.bar.spans[5].isChecked()
     assert not new.plots.bar.chosen("sim")
-    assert np.array_equal(new.plots.arms[0].lines[0].getData(), shown)
+    assert np.array_equal(new.plots.plots["short"].lines[0].getData(), shown)
 
 
 @pytest.mark.qt_no_exception_capture

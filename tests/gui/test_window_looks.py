@@ -24,8 +24,8 @@ from gui.console.state.world import Trouble
 from gui.console.texts import LANGUAGES
 from gui.window.run import SIZE, show
 from gui.window.theme import Style, style_of
-from gui.window.widgets.commands import HEIGHT_PX
 from gui.window.widgets.controls import ElidedLabel, OptionalLabel, PartsLabel
+from gui.window.widgets.sending import STOP_PX
 from gui.window.window import Window
 
 SIZES = [(1366, 768), (1024, 600), (1024, 560)]
@@ -219,7 +219,7 @@ def test_stop_keeps_its_height_and_spans_more_than_half_the_window(qtbot: QtBot,
         QApplication.processEvents()
         bar = window.panels.stop_bar
         assert (window.width(), window.height()) == size
-        assert bar.height() == bar.last.height() == HEIGHT_PX
+        assert bar.height() == bar.last.height() == STOP_PX
         assert bar.width() > size[0] / 2
         assert bar.mapTo(window, bar.rect().bottomLeft()).y() == size[1] - 1
         assert bar.last.mapTo(window, bar.last.rect().bottomRight()).x() == size[0] - 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bench_poses
+from bench_plant import closure_error
 
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.contract._generated.serial import FrameType, Move
@@ -20,5 +21,5 @@ def test_jumps_without_the_checks_of_the_node_never_leave_the_home_assembly() ->
             bench.firmware.receive(encode(FrameType.PING, 200, b""))
             bench.run(100)
             assert not bench.plant.home_assembly_left()
-            assert bench.plant.closure_error() < 1e-3
+            assert closure_error(bench.plant) < 1e-3
     assert bench.plant.re_placed == 0

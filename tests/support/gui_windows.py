@@ -18,7 +18,7 @@ from beatrix_zenoh.settings import Settings
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.window.run import linked_window
-from gui.window.widgets.robot_menu import RobotMenu
+from gui.window.widgets.header import RobotMenu
 from gui.window.window import Window
 
 PATIENCE_S = 40.0

@@ -14,8 +14,7 @@ from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import HEARTBEAT_PERIOD, FrameType, Move
 from beatrix_zenoh.motion.gear import Arms, Gear
-from sim_node.following.course import AHEAD_S, Course, SetPoint, course_to, distance, resting_place
-from sim_node.following.follower import Limits
+from sim_node.following.follower import AHEAD_S, Course, Limits, SetPoint, course_to, distance, resting_place
 
 GEAR = Gear()
 LIMITS = Limits(math.radians(30), math.radians(90), math.radians(180))

@@ -11,9 +11,9 @@ from statuses import AT_HOME, BOARD, READY
 from beatrix_zenoh.contract._generated.messages import FollowState, Head, Status
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.planner import vector
-from sim_node.following.course import SetPoint
 from sim_node.following.follower import (
     CONTESTED,
+    LASTS_S,
     NO_SET_POINTS,
     NO_STATUS,
     RETRY_S,
@@ -22,8 +22,10 @@ from sim_node.following.follower import (
     Follower,
     HardwareSample,
     Limits,
+    Parting,
+    Places,
+    SetPoint,
 )
-from sim_node.following.parting import LASTS_S, Parting, Places
 
 LIMITS = Limits(math.radians(30), math.radians(90), math.radians(180))
 REST: Arms = (0.0, 0.0, 0.0)

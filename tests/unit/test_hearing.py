@@ -13,9 +13,19 @@ from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Rotation
 from beatrix_zenoh.node.sensors import BLOCK, RATE
-from sim_node.hearing import SHADOW, SOUND, Ears, Hearing, heard_by, hearing
+from sim_node.hearing import (
+    GENERATORS,
+    LOUDNESS,
+    SHADOW,
+    SOUND,
+    Ears,
+    Hearing,
+    PlayingSound,
+    generated,
+    heard_by,
+    hearing,
+)
 from sim_node.shapes import Point, Vector
-from sim_node.sounds import GENERATORS, LOUDNESS, PlayingSound, generated
 
 REST = (0.0, 0.0, 0.0)
 HEIGHT = ROBOT.head.centre_height

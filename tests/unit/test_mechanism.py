@@ -6,9 +6,8 @@ import mujoco
 import numpy as np
 
 from beatrix_zenoh import colours
-from sim_node.model import build_spec
-from sim_node.picture import MECHANISM, add_mechanism
-from sim_node.scene import scene_spec
+from sim_node.model import build_spec, scene_spec
+from sim_node.viewer import MECHANISM, add_mechanism
 
 
 def test_joints_are_where_the_model_has_them() -> None:

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node.sensors import BEHIND, BLOCK, BLOCK_NS, RATE, BlockClock
-from hw_node.microphones.microphones import SoundFile, SoundSource, Tone, choose
+from hw_node.microphones import SoundFile, SoundSource, Tone, choose
 
 
 def written(path: Path, samples: list[list[int]], *, rate: int = RATE, width: int = 2) -> Path:

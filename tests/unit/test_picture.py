@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from robot_pictures import picture
 
 from beatrix_zenoh.motion.gear import Arms
 from sim_node import gl
 from sim_node.painter import Image
-from sim_node.picture import picture
 
 HOME: Arms = (0.0, 0.0, 0.0)
 WIDTH, HEIGHT = 160, 120

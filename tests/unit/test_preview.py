@@ -8,13 +8,14 @@ import pytest
 
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
-from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import PreviewReply, Reason
 from beatrix_zenoh.contract._generated.serial import Enable, FrameType, Move, MoveStraight
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.node.planner import tuple3
 from sim_node.plant import Plant
-from sim_node.preview import PreviewResult, simulate_motion
+from sim_node.preview import simulate_motion
 
 GEAR = Gear()
 NECK = Neck()
@@ -49,7 +50,7 @@ def copy_of(firmware: Firmware) -> Firmware:
     return other
 
 
-def preview(move: Move | MoveStraight) -> PreviewResult:
+def preview(move: Move | MoveStraight) -> PreviewReply:
     return simulate_motion(*ready(), move)
 
 
@@ -58,8 +59,8 @@ def test_the_motion_is_the_same_as_its_preview() -> None:
     seen = simulate_motion(plant.copy(), copy_of(firmware), move_to(NODDED))
     firmware.receive(encode(FrameType.MOVE_STRAIGHT, 3, move_to(NODDED).pack()))
     for arms, head in zip(seen.arms, seen.head, strict=True):
-        assert plant.arms() == pytest.approx(arms, abs=1e-9)
-        assert plant.head() == pytest.approx(head, abs=1e-9)
+        assert plant.arms() == pytest.approx(tuple3(arms), abs=1e-9)
+        assert plant.head() == pytest.approx((head.yaw, head.pitch, head.roll), abs=1e-9)
         firmware.receive(encode(FrameType.PING, 4, b""))
         pass_time(plant, firmware, 20)
 
@@ -69,9 +70,9 @@ def test_a_preview_starts_from_a_running_motion() -> None:
     firmware.receive(encode(FrameType.MOVE_STRAIGHT, 3, move_to(NODDED).pack()))
     pass_time(plant, firmware, 300)
     seen = simulate_motion(plant.copy(), copy_of(firmware), move_to((0.0, 0.0, 0.0)))
-    assert seen.arms[0] == plant.arms()
-    assert max(map(abs, seen.arms[0])) > 0.05
-    assert seen.arms[-1] == pytest.approx((0.0, 0.0, 0.0), abs=math.radians(0.25))
+    assert tuple3(seen.arms[0]) == plant.arms()
+    assert max(map(abs, tuple3(seen.arms[0]))) > 0.05
+    assert tuple3(seen.arms[-1]) == pytest.approx((0.0, 0.0, 0.0), abs=math.radians(0.25))
 
 
 def test_a_motion_that_the_firmware_refuses_has_no_preview() -> None:
@@ -98,7 +99,7 @@ def test_a_motion_that_takes_too_long_is_refused_with_advice(monkeypatch: pytest
 
 def test_largest_tilt_and_smallest_gap_are_those_of_the_whole_motion() -> None:
     seen = preview(move_to(NODDED))
-    tilts = [math.acos(math.cos(pitch) * math.cos(roll)) for _, pitch, roll in seen.head]
+    tilts = [math.acos(math.cos(at.pitch) * math.cos(at.roll)) for at in seen.head]
     assert seen.tilt_max >= max(tilts) - 1e-9
     assert seen.tilt_max == pytest.approx(0.35, abs=math.radians(0.5))
     assert seen.gap_min == pytest.approx(min(NECK.gaps(NODDED)), abs=math.radians(1.0))

@@ -15,11 +15,11 @@ from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
 from beatrix_zenoh.lettering import ROWS, cells
 from beatrix_zenoh.motion.kinematics import Neck
 from sim_node import gl
+from sim_node.model import eye_scene, scene_spec
 from sim_node.painter import Image, PosedModel
 from sim_node.plant import Plant
 from sim_node.rays import RayPainter
 from sim_node.renderer import BADGE, CELL, HEIGHT, WIDTH, encode, open_painter, paint_view
-from sim_node.scene import eye_scene, scene_spec
 from sim_node.shapes import Point, Vector
 from sim_node.target import HOME
 from sim_node.visuals import VISUAL

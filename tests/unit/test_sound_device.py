@@ -15,8 +15,7 @@ from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import SoundBlock
 from beatrix_zenoh.node.sensors import BEHIND, BLOCK, BLOCK_NS
-from hw_node.microphones.device import Callback, Device, DeviceMicrophones
-from hw_node.microphones.microphones import choose
+from hw_node.microphones import Callback, Device, DeviceMicrophones, choose
 
 
 class FakeError(Exception):

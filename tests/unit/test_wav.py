@@ -11,7 +11,7 @@ import pytest
 from beatrix_zenoh import wav
 from beatrix_zenoh.client.sound import mono
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
-from hw_node.microphones.microphones import SoundFile
+from hw_node.microphones import SoundFile
 
 RATE = 48_000
 FRAMES = np.random.default_rng(1).integers(-(2**15), 2**15, (960, 2)).astype("<i2")

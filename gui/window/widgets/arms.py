@@ -19,6 +19,7 @@ from gui.window.widgets.controls import (
     Panel,
     Radio,
     SliderBox,
+    filled,
     label,
     set_text,
     spaced,
@@ -146,19 +147,13 @@ class ArmsPanel(Panel):
         self.speed = SliderBox(texts, "speed", least=LEAST_SPEED)
         for slider in (self.increment, self.speed):
             slider.intent.connect(self.intent)
-        layout = spaced(QVBoxLayout(self), 2, (8, 4, 8, 4))
-        layout.addLayout(grid)
         self._sliders = spaced(QBoxLayout(QBoxLayout.Direction.TopToBottom), 2)
-        self._sliders.addWidget(self.increment)
-        self._sliders.addWidget(self.speed)
-        layout.addLayout(self._sliders)
+        filled(self._sliders, self.increment, self.speed)
+        filled(spaced(QVBoxLayout(self), 2, (8, 4, 8, 4)), grid, self._sliders)
 
     def _modes(self) -> QWidget:
         widget = QWidget()
-        layout = spaced(QHBoxLayout(widget), None, NO_MARGINS)
-        layout.addWidget(self.relative)
-        layout.addWidget(self.absolute)
-        layout.addStretch(1)
+        filled(spaced(QHBoxLayout(widget), None, NO_MARGINS), self.relative, self.absolute, None)
         return widget
 
     @staticmethod

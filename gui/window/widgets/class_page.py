@@ -20,8 +20,18 @@ from gui.console.state.intents import LimitClass, Theme
 from gui.console.state.views import ClassRowView, ClassView, SeatView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import IntentButton, Panel, label, plain_button, set_role, set_text, spaced
-from gui.window.widgets.lessons import LessonsTable
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    IntentButton,
+    Panel,
+    filled,
+    label,
+    plain_button,
+    set_role,
+    set_text,
+    spaced,
+)
+from gui.window.widgets.lessons import LessonsTable, key_of, table
 
 COLUMNS = ("robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks")
 STATE = COLUMNS.index("state")
@@ -86,14 +96,8 @@ class ClassPage(Panel):
         self._lay_out(texts)
 
     def _list(self, texts: Texts) -> QTreeWidget:
-        found = QTreeWidget()
-        found.setRootIsDecorated(False)
-        found.setUniformRowHeights(True)
-        found.setAllColumnsShowFocus(True)
-        found.setAccessibleName(texts("label.class"))
+        found = table(texts("label.class"))
         found.setHeaderLabels([texts(f"label.class_{name}") for name in COLUMNS])
-        found.setMinimumHeight(60)
-        found.setTabKeyNavigation(False)
         header = found.header()
         if header is not None:
             header.setSectionResizeMode(QHeaderView.ResizeMode.Interactive)
@@ -110,41 +114,21 @@ class ClassPage(Panel):
 
     def _lay_out(self, texts: Texts) -> None:
         self._lines = QWidget(), QWidget(), QWidget()
-        top, every, one = map(QHBoxLayout, self._lines)
-        for line in (top, every, one):
-            line.setContentsMargins(0, 0, 0, 0)
-            line.setSpacing(6)
-        top.addWidget(self.summary, 1)
-        top.addWidget(self.project)
-        every.addWidget(label(texts("label.class_all"), "title"))
-        every.addWidget(self.freeze_all)
-        every.addWidget(self.unfreeze_all)
+        top, every, one = (spaced(QHBoxLayout(line), 6, NO_MARGINS) for line in self._lines)
+        filled(top, (self.summary, 1), self.project)
+        filled(every, label(texts("label.class_all"), "title"), self.freeze_all, self.unfreeze_all)
         every.addSpacing(12)
-        every.addWidget(label(texts("label.class_limit")))
-        every.addWidget(self.limit)
-        every.addWidget(self.set_limit)
-        every.addWidget(self.limit_now, 1)
-        one.addWidget(label(texts("label.class_one"), "title"))
-        one.addWidget(self.selected)
-        one.addWidget(self.freeze)
-        one.addWidget(self.take)
-        one.addWidget(self.show_robot)
-        one.addStretch(1)
-        one.addWidget(self.seat_label)
-        one.addWidget(self.seats)
-        one.addWidget(self.mute)
-        layout = spaced(QVBoxLayout(self), 6, (8, 8, 8, 8))
-        layout.addWidget(self._lines[0])
-        layout.addWidget(self._lines[1])
-        layout.addWidget(self.tabs, 1)
+        limit = label(texts("label.class_limit"))
+        filled(every, limit, self.limit, self.set_limit, (self.limit_now, 1))
+        filled(one, label(texts("label.class_one"), "title"), self.selected, self.freeze, self.take)
+        filled(one, self.show_robot, None, self.seat_label, self.seats, self.mute)
         robots = QWidget()
         inner = spaced(QVBoxLayout(robots), 6, (0, 0, 0, 4))
-        inner.addWidget(self.list, 1)
-        inner.addWidget(self.empty, 1)
-        inner.addWidget(self._lines[2])
+        filled(inner, (self.list, 1), (self.empty, 1), self._lines[2])
+        layout = spaced(QVBoxLayout(self), 6, (8, 8, 8, 8))
+        filled(layout, *self._lines[:2], (self.tabs, 1), self.result)
         self.tabs.addTab(robots, texts("label.class_robots"))
         self.tabs.addTab(self.lessons, "")
-        layout.addWidget(self.result)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
@@ -228,8 +212,8 @@ class ClassPage(Panel):
 
     def _show_rows(self, rows: tuple[ClassRowView, ...]) -> None:
         """Show the rows in the existing items; create new items if the robots are not the same as before."""
-        chosen = self._place_of(self.list.currentItem())
-        places = [self._place_of(self.list.topLevelItem(i)) for i in range(self.list.topLevelItemCount())]
+        chosen = key_of(self.list.currentItem())
+        places = [key_of(self.list.topLevelItem(i)) for i in range(self.list.topLevelItemCount())]
         if places != [row.place for row in rows]:
             self.list.blockSignals(True)  # noqa: FBT003
             self.list.clear()
@@ -263,10 +247,6 @@ class ClassPage(Panel):
             self.mute.show_view(seats[index].mute)
 
     @staticmethod
-    def _place_of(item: QTreeWidgetItem | None) -> tuple[str, str] | None:
-        return None if item is None else item.data(0, Qt.ItemDataRole.UserRole)
-
-    @staticmethod
     def _item(row: ClassRowView) -> QTreeWidgetItem:
         item = QTreeWidgetItem()
         item.setData(0, Qt.ItemDataRole.UserRole, row.place)
@@ -286,7 +266,7 @@ class ClassPage(Panel):
 
     def _show_selected(self) -> None:
         """Show the buttons of the selected robot."""
-        place = self._place_of(self.list.currentItem())
+        place = key_of(self.list.currentItem())
         rows = () if self._view is None else self._view.rows
         row = next((found for found in rows if found.place == place), None)
         for part in (self.selected, self.freeze, self.take, self.show_robot):

@@ -7,6 +7,7 @@ from typing import Never, TypeVar
 from PyQt5.QtCore import QRect, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QFocusEvent, QPainter, QPaintEvent
 from PyQt5.QtWidgets import (
+    QBoxLayout,
     QCheckBox,
     QFrame,
     QHBoxLayout,
@@ -36,6 +37,7 @@ ARMED_MS = 6000
 
 NO_MARGINS = 0, 0, 0, 0
 L = TypeVar("L", bound=QLayout)
+B = TypeVar("B", bound=QBoxLayout)
 
 
 def spaced(layout: L, gap: int | None, margins: tuple[int, int, int, int] | None = None) -> L:
@@ -44,6 +46,19 @@ def spaced(layout: L, gap: int | None, margins: tuple[int, int, int, int] | None
         layout.setSpacing(gap)
     if margins is not None:
         layout.setContentsMargins(*margins)
+    return layout
+
+
+def filled(layout: B, *parts: QWidget | QLayout | tuple[QWidget | QLayout, int] | None) -> B:
+    """Return the layout after adding parts to it, with their stretch if it is given; None: a gap that stretches."""
+    for part in parts:
+        item, stretch = part if isinstance(part, tuple) else (part, 0)
+        if item is None:
+            layout.addStretch(1)
+        elif isinstance(item, QLayout):
+            layout.addLayout(item, stretch)
+        else:
+            layout.addWidget(item, stretch)
     return layout
 
 
@@ -185,10 +200,7 @@ class SliderBox(QWidget):
         for control in (self.slider, self.box):
             control.setToolTip(texts(f"tip.{name}"))
             control.setAccessibleName(f"{title} ({unit.strip()})")
-        layout = spaced(QHBoxLayout(self), GAP_PX, NO_MARGINS)
-        for part in (self._name, self.slider, self.box):
-            layout.addWidget(part)
-        layout.setStretch(1, 1)
+        filled(spaced(QHBoxLayout(self), GAP_PX, NO_MARGINS), self._name, (self.slider, 1), self.box)
         self.slider.valueChanged.connect(lambda at: self.intent.emit(Choose(name, at / STEPS)))
         self.box.valueChanged.connect(lambda value: self.intent.emit(Choose(name, value)))
 

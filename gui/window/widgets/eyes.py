@@ -1,4 +1,4 @@
-"""Pictures of cameras: the eyes of both robots."""
+"""Eyes and ears of both robots: the pictures of the cameras, and the levels of the microphones."""
 
 from __future__ import annotations
 
@@ -8,16 +8,61 @@ from typing import Final
 
 from PyQt5.QtCore import QBuffer, QRect, QSize, Qt, QTimer
 from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QSizePolicy, QWidget
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import EYES, SIDES
 from gui.console.state.intents import Theme
-from gui.console.state.views import EyeView
+from gui.console.state.views import EyeView, SoundView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, spaced
-from gui.window.widgets.levels import LevelsPanel
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, ElidedLabel, Panel, filled, spaced
+
+LEVEL_STEPS: Final = 100
+LEVEL_PX: Final = 8
+
+
+class LevelsPanel(Panel):
+    """One row for each robot: its name, a bar for the left and for the right ear, and their levels."""
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self.box = ChoiceCheck(texts, "microphones")
+        self.box.intent.connect(self.intent)
+        self.bars = {(side, ear): QProgressBar() for side in SIDES for ear in (0, 1)}
+        self.titles = {side: QLabel() for side in SIDES}
+        self.texts = {side: ElidedLabel() for side in SIDES}
+        grid = spaced(QGridLayout(self), 4, NO_MARGINS)
+        grid.addWidget(self.box, 0, 0, len(SIDES), 1)
+        for row, side in enumerate(SIDES):
+            grid.addWidget(self.titles[side], row, 1)
+            grid.addWidget(self.texts[side], row, 4)
+        for (side, ear), bar in self.bars.items():
+            bar.setProperty("side", side)
+            bar.setRange(0, LEVEL_STEPS)
+            bar.setTextVisible(False)
+            bar.setFixedHeight(LEVEL_PX)
+            bar.setInvertedAppearance(
+                ear == 0
+            )  # both grow from the middle, as the ears are beside each other
+            grid.addWidget(bar, SIDES.index(side), 2 + ear)
+        for text in self.texts.values():  # a long reason must not widen the window
+            text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        for column, stretch in ((2, 1), (3, 1), (4, 2)):
+            grid.setColumnStretch(column, stretch)
+
+    def show_view(self, view: SoundView) -> None:
+        """Show the levels."""
+        for level in view.levels:
+            self.titles[level.side].setText(level.title)
+            self.texts[level.side].setText(level.text)
+            self.texts[level.side].setToolTip(level.text)
+            for ear, share in enumerate((level.left, level.right)):
+                bar = self.bars[level.side, ear]
+                bar.setVisible(view.on)
+                bar.setValue(round(share * LEVEL_STEPS))
+                bar.setAccessibleName(f"{level.title}: {level.text}")
+
 
 PERIOD_MS: Final = 33
 """Shortest time between two drawings."""
@@ -198,9 +243,8 @@ class EyesPanel(Panel):
         self.cameras = ChoiceCheck(texts, "cameras")
         self.cameras.intent.connect(self.intent)
         self.sound = LevelsPanel(texts)
-        below = spaced(QHBoxLayout(), 12)
-        below.addWidget(self.cameras, 0, Qt.AlignmentFlag.AlignTop)
-        below.addWidget(self.sound, 1)
+        below = filled(spaced(QHBoxLayout(), 12), self.cameras, (self.sound, 1))
+        below.setAlignment(self.cameras, Qt.AlignmentFlag.AlignTop)
         grid.addLayout(below, len(SIDES), 0, 1, len(EYES))
 
     def show_view(self, eyes: tuple[EyeView, ...]) -> None:

@@ -125,7 +125,6 @@ class GesturesPanel(Panel):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
-        self._view: GesturesView | None = None
         self._room: Room | None = None
         self.buttons = {name: PictureButton(name) for name in GESTURES}
         self.follow, self.open = PictureButton("follow"), PictureButton("program")
@@ -188,9 +187,6 @@ class GesturesPanel(Panel):
 
     def show_view(self, view: GesturesView) -> None:
         """Show the buttons, and what the program does."""
-        if view == self._view:
-            return
-        self._view = view
         for name, button_view in view.gestures:
             self.buttons[name].show_view(button_view)
         self.follow.show_view(view.follow)

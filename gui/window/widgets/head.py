@@ -27,7 +27,6 @@ class HeadPanel(Panel):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__("panel")
-        self._view: HeadView | None = None
         self._texts = texts
         self.pad = HeadPad(texts)
         self.pad.setProperty("sends", True)  # noqa: FBT003
@@ -102,9 +101,6 @@ class HeadPanel(Panel):
     def show_view(self, view: HeadView) -> None:
         """Show the pad and the numbers."""
         self.pad.show_view(view)
-        if view == self._view:
-            return
-        self._view = view
         self._show_numbers("target", view.target)
         self._show_numbers("sim", view.sim)
         self._show_numbers("hw", view.hw)

@@ -8,12 +8,11 @@ from dataclasses import replace
 from typing import Final
 
 from PyQt5.QtCore import QPoint, QPointF, QSize, Qt, QTimer, pyqtSignal
-from PyQt5.QtGui import QFocusEvent, QImage, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
-from PyQt5.QtWidgets import QHBoxLayout, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
+from PyQt5.QtWidgets import QHBoxLayout, QVBoxLayout
 
 from beatrix_zenoh.body.scene import Screen, Viewpoint
 from gui.console.state.intents import (
-    AimHead,
     GrabHead,
     LiveHead,
     ReleaseHead,
@@ -22,8 +21,8 @@ from gui.console.state.intents import (
 from gui.console.state.orientation import HeadOrientation
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
-from gui.window.theme import Style, style_of
-from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, plain_button, spaced
+from gui.window.theme import style_of
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, filled, plain_button, spaced
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import (
     GHOST,
@@ -34,7 +33,7 @@ from gui.window.widgets.head3d_paint import (
     paint_robot,
     same,
 )
-from gui.window.widgets.head_pad import after_key
+from gui.window.widgets.head_pad import TargetWidget
 
 VIEWS: Final = {"front": Viewpoint(0.0), "behind": Viewpoint(180.0), "side": Viewpoint(90.0)}
 HALF_WIDTH: Final = 0.14
@@ -51,18 +50,15 @@ ZOOM_STEP: Final = 1.15
 """Factor for a notch of the wheel."""
 
 
-class Head3d(QWidget):
+class Head3d(TargetWidget):
     """Draws both robots from their positions, and reports new targets. Draws only when the picture changes."""
 
-    intent = pyqtSignal(object)
     moved = pyqtSignal()
     """the camera has moved"""
 
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
+        super().__init__(texts("label.head3d"), texts("tip.head3d"))
         self._texts = texts
-        self._view: HeadView | None = None
-        self._style: Style = style_of(Theme.DARK)
         self.camera = VIEWS["behind"]
         self._drag: Drag | None = None
         self._orbit: QPointF | None = None
@@ -72,12 +68,7 @@ class Head3d(QWidget):
         self._live = QTimer(self)
         self._live.setInterval(LIVE_MS)
         self._live.timeout.connect(lambda: self.intent.emit(LiveHead()))
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setMouseTracking(True)
-        self.setToolTip(texts("tip.head3d"))
-        self.setAccessibleName(texts("label.head3d"))
-        self.setAccessibleDescription(texts("tip.head3d"))
 
     def sizeHint(self) -> QSize:  # noqa: N802 - Qt's name
         return QSize(420, 320)
@@ -119,7 +110,7 @@ class Head3d(QWidget):
             self.moved.emit()
             self.update()
 
-    # Mouse and keys
+    # Mouse
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         at, view = event.localPos(), self._view
@@ -140,7 +131,7 @@ class Head3d(QWidget):
             return
         if self._drag is not None:
             target = self._drag.at(at.x(), at.y(), view.tilt_max * BEYOND, view.yaw_max)
-            self._aim(target)
+            self._report(target)
             if view.drag.live and not self._live.isActive():
                 self.intent.emit(LiveHead())
                 self._live.start()
@@ -174,16 +165,9 @@ class Head3d(QWidget):
         self.look_from(replace(self.camera, zoom=max(LEAST_ZOOM, min(MOST_ZOOM, zoom))))
         event.accept()
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
-        target = None if self._view is None else after_key(event, self._view)
-        if target is None:
-            super().keyPressEvent(event)
-        else:
-            self._aim(target)
-
-    def _aim(self, target: HeadOrientation) -> None:
+    def _report(self, target: HeadOrientation) -> None:
         if self._view is None or target != self._view.target:
-            self.intent.emit(AimHead(*target.tenths))
+            super()._report(target)
 
     def _hover(self, part: Part | None) -> None:
         if part is not self._over:
@@ -197,14 +181,6 @@ class Head3d(QWidget):
 
     def leaveEvent(self, event: object) -> None:  # noqa: N802, ARG002
         self._hover(None)
-
-    def focusInEvent(self, event: QFocusEvent) -> None:  # noqa: N802
-        super().focusInEvent(event)
-        self.update()
-
-    def focusOutEvent(self, event: QFocusEvent) -> None:  # noqa: N802
-        super().focusOutEvent(event)
-        self.update()
 
     # Drawing
 
@@ -263,22 +239,12 @@ class Head3dPanel(Panel):
         self.head.setProperty("sends", True)  # noqa: FBT003
         self.views = {name: plain_button(texts(f"view.{name}"), texts("tip.view")) for name in VIEWS}
         self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
-        over, row = QHBoxLayout(), QHBoxLayout()
-        over.addStretch(1)
-        row.setContentsMargins(6, 0, 6, 4)
         for name, button in self.views.items():
             button.setCheckable(True)
             button.clicked.connect(lambda _, name=name: self._look(name))
-            over.addWidget(button)
-        on_picture = QVBoxLayout(self.head)
-        on_picture.addStretch(1)
-        on_picture.addLayout(over)
-        row.addWidget(self.live)
-        row.addWidget(self.send)
-        row.addStretch(1)
-        layout = spaced(QVBoxLayout(self), 4, NO_MARGINS)
-        layout.addWidget(self.head, 1)
-        layout.addLayout(row)
+        filled(QVBoxLayout(self.head), None, filled(QHBoxLayout(), None, *self.views.values()))
+        row = filled(spaced(QHBoxLayout(), None, (6, 0, 6, 4)), self.live, self.send, None)
+        filled(spaced(QVBoxLayout(self), 4, NO_MARGINS), (self.head, 1), row)
         for part in (self.live, self.send, self.head):
             part.intent.connect(self.intent)
         self.head.moved.connect(self._show_camera)

@@ -52,25 +52,50 @@ class Grip(StrEnum):
     DISC = "disc"
 
 
-class HeadPad(QWidget):
-    """Shows target, simulation and hardware; reports new targets."""
+class TargetWidget(QWidget):
+    """A picture in which the user moves the target of the head: what the pad and the view in three dimensions share."""
 
     intent = pyqtSignal(object)
 
-    def __init__(self, texts: Texts) -> None:
+    def __init__(self, name: str, tip: str) -> None:
         super().__init__()
         self._view: HeadView | None = None
         self._style: Style = style_of(Theme.DARK)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setToolTip(tip)
+        self.setAccessibleName(name)
+        self.setAccessibleDescription(tip)
+
+    def _report(self, target: HeadOrientation) -> None:
+        self.intent.emit(AimHead(*target.tenths))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
+        target = None if self._view is None else after_key(event, self._view)
+        if target is None:
+            super().keyPressEvent(event)
+        else:
+            self._report(target)
+
+    def focusInEvent(self, event: QFocusEvent) -> None:  # noqa: N802
+        super().focusInEvent(event)
+        self.update()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:  # noqa: N802
+        super().focusOutEvent(event)
+        self.update()
+
+
+class HeadPad(TargetWidget):
+    """Shows target, simulation and hardware; reports new targets."""
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__(texts("label.head"), texts("tip.head_pad"))
         self._grip: Grip | None = None
         self._captions = {
             name: texts(f"label.pad_{name}")
             for name in ("up", "down", "left", "right", "yaw_left", "yaw_right")
         }
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setToolTip(texts("tip.head_pad"))
-        self.setAccessibleName(texts("label.head"))
-        self.setAccessibleDescription(texts("tip.head_pad"))
         self.setCursor(Qt.CursorShape.CrossCursor)
 
     def sizeHint(self) -> QSize:  # noqa: N802
@@ -160,10 +185,7 @@ class HeadPad(QWidget):
         scale = self._view.tilt_max * BEYOND / self._disc
         self._report(HeadOrientation(target.yaw, offset.y() * scale, offset.x() * scale))
 
-    def _report(self, target: HeadOrientation) -> None:
-        self.intent.emit(AimHead(*target.tenths))
-
-    # Mouse and keys
+    # Mouse
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         if event.button() != Qt.MouseButton.LeftButton:
@@ -181,21 +203,6 @@ class HeadPad(QWidget):
 
     def mouseReleaseEvent(self, _event: QMouseEvent) -> None:  # noqa: N802
         self._grip = None
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
-        target = None if self._view is None else after_key(event, self._view)
-        if target is None:
-            super().keyPressEvent(event)
-        else:
-            self._report(target)
-
-    def focusInEvent(self, event: QFocusEvent) -> None:  # noqa: N802
-        super().focusInEvent(event)
-        self.update()
-
-    def focusOutEvent(self, event: QFocusEvent) -> None:  # noqa: N802
-        super().focusOutEvent(event)
-        self.update()
 
     # Drawing
 

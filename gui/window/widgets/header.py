@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from PyQt5.QtCore import QPoint, QSignalBlocker, QSize, Qt, pyqtSignal
+from PyQt5.QtGui import QHideEvent, QKeyEvent
 from PyQt5.QtWidgets import (
+    QAbstractButton,
     QAction,
     QActionGroup,
     QComboBox,
@@ -12,13 +14,15 @@ from PyQt5.QtWidgets import (
     QPushButton,
     QSizePolicy,
     QVBoxLayout,
+    QWidget,
 )
 
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import ChooseRobot, LookForPorts
-from gui.console.state.intents import Choose, Theme, WindowPage
+from gui.console.state.intents import Choose, EmergencyStop, Intent, Theme, WindowPage
 from gui.console.state.views import ButtonView, PillView, RecordView, View
 from gui.console.texts import LANGUAGES, Texts
+from gui.window.keys import SEND_KEYS
 from gui.window.theme import CONDITION_ROLES
 from gui.window.widgets.controls import (
     NO_MARGINS,
@@ -28,13 +32,89 @@ from gui.window.widgets.controls import (
     OptionalLabel,
     Panel,
     PartsLabel,
+    filled,
     label,
     plain_button,
     set_role,
     set_text,
     spaced,
 )
-from gui.window.widgets.robot_menu import RobotMenu
+
+MENU_PX = 230
+
+
+class RobotMenu(Panel):
+    """Buttons below the pill; one with a question shows it here and stays open for the second press."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__("panel", parent)
+        self.setWindowFlags(Qt.WindowType.Popup)
+        self._views: tuple[ButtonView, ...] = ()
+        self.setFixedWidth(MENU_PX)
+        self.buttons: list[IntentButton] = []
+        self.question = label(wrap=True)
+        self.question.hide()
+        self._column = spaced(QVBoxLayout(self), 8, (8, 8, 8, 8))
+        self._column.addWidget(self.question)
+
+    def show_view(self, views: tuple[ButtonView, ...]) -> None:
+        """Show a button for each command."""
+        if views == self._views:
+            return
+        self._views = views
+        while len(self.buttons) < len(views):
+            button = IntentButton()
+            if isinstance(views[len(self.buttons)].intent, EmergencyStop):
+                button.setObjectName("emergency")
+            button.intent.connect(self._choose)
+            button.asking.connect(self._ask)
+            self._column.insertWidget(len(self.buttons), button)
+            self.buttons.append(button)
+        for number, button in enumerate(self.buttons):
+            button.setVisible(number < len(views))
+            if number < len(views):
+                button.show_view(views[number])
+        self._fit()
+
+    def open(self, below: QWidget) -> None:
+        """Open below a button, at its right edge."""
+        self._fit()
+        corner = below.mapToGlobal(QPoint(below.width() - self.width(), below.height() + 2))
+        self.move(max(0, corner.x()), corner.y())
+        self.show()
+        if self.buttons:
+            self.buttons[0].setFocus()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
+        """Press the focused button with Enter, as in the window; Space is STOP."""
+        focus = self.focusWidget()
+        if event.key() in SEND_KEYS and isinstance(focus, QAbstractButton):
+            focus.click()
+        else:
+            super().keyPressEvent(event)
+
+    def hideEvent(self, event: QHideEvent) -> None:  # noqa: N802
+        super().hideEvent(event)
+        for button in self.buttons:
+            button.disarm()
+
+    def _choose(self, intent: Intent) -> None:
+        self.close()
+        self.intent.emit(intent)
+
+    def _ask(self, question: str) -> None:
+        set_text(self.question, f"▲ {question}")
+        self.question.setVisible(bool(question))
+        self._fit()
+
+    def _fit(self) -> None:
+        """Take the height that the buttons and the wrapped question need."""
+        self._column.activate()
+        column = self._column
+        # Only the question has a height for a width: without it Qt returns -1 here.
+        wraps = column.hasHeightForWidth()
+        self.setFixedHeight(column.totalHeightForWidth(MENU_PX) if wraps else column.totalSizeHint().height())
+
 
 MORE_PX = 24
 ROBOT_PX = 160
@@ -116,19 +196,11 @@ class Pill(Panel):
         self.lease.intent.connect(self.intent)
         self.next_step.setProperty("next_step", True)  # noqa: FBT003
         self.next_step.intent.connect(self.intent)
-        first = spaced(QHBoxLayout(), 8)
-        first.addWidget(self.title)
-        first.addWidget(self.notes, 1)
-        words = spaced(QVBoxLayout(), 0)
-        words.addLayout(first)
-        words.addWidget(self.state)
+        first = filled(spaced(QHBoxLayout(), 8), self.title, (self.notes, 1))
+        words = filled(spaced(QVBoxLayout(), 0), first, self.state)
+        self.reason, menu = OptionalLabel("dim"), self._menu_button(texts)
         layout = spaced(QHBoxLayout(self), None, (6, 2, 6, 2))
-        self.reason = OptionalLabel("dim")
-        layout.addLayout(words)
-        layout.addWidget(self.reason, 1)
-        layout.addWidget(self.next_step)
-        layout.addWidget(self.lease)
-        layout.addWidget(self._menu_button(texts))
+        filled(layout, words, (self.reason, 1), self.next_step, self.lease, menu)
         self.next_step.hide()
         self.lease.hide()
 
@@ -194,15 +266,11 @@ class Header(Panel):
         self.menu_button = plain_button("≡", texts("tip.menu"), texts("label.menu"))
         self.menu, self.choices = self._menu(texts)
         self.menu_button.clicked.connect(self._open_menu)
+        pills = ((pill, 1) for pill in self.pills.values())
         layout = spaced(QHBoxLayout(self), 4, NO_MARGINS)
-        layout.addWidget(self.robots)
-        layout.addWidget(self.page)
-        for pill in self.pills.values():
-            layout.addWidget(pill, 1)
-            pill.intent.connect(self.intent)
-        layout.addWidget(self.record)
-        layout.addWidget(self.menu_button)
-        self.record.intent.connect(self.intent)
+        filled(layout, self.robots, self.page, *pills, self.record, self.menu_button)
+        for part in (*self.pills.values(), self.record):
+            part.intent.connect(self.intent)
 
     def _menu(self, texts: Texts) -> tuple[QMenu, dict[str, QAction]]:
         menu, choices = QMenu(self), {}

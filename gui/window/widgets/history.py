@@ -1,23 +1,39 @@
-"""Requests of this window and of other seats, to send again or to copy as Python."""
+"""Requests of this window and of other seats, to send again or to copy as Python; and the program made of them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from PyQt5.QtCore import QRect, QSignalBlocker, Qt, pyqtSignal
-from PyQt5.QtGui import QColor, QGuiApplication, QIcon, QPainter, QPixmap
+from PyQt5.QtGui import QColor, QFontDatabase, QGuiApplication, QIcon, QPainter, QPixmap
 from PyQt5.QtWidgets import (
+    QFileDialog,
+    QHBoxLayout,
     QLabel,
     QListWidget,
     QListWidgetItem,
+    QPushButton,
     QSizePolicy,
     QVBoxLayout,
     QWidget,
 )
 
 from gui.console.state.intents import Repeat, Theme
-from gui.console.state.views import HistoryRowView
+from gui.console.state.program import SaveProgram
+from gui.console.state.views import CodeLine, CodeView, HistoryRowView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import Panel, label, plain_button, set_role, set_text, spaced
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    Panel,
+    filled,
+    label,
+    plain_button,
+    set_role,
+    set_text,
+    spaced,
+)
+from gui.window.widgets.files import FilePanel
 
 ICON_PX = 16
 
@@ -45,18 +61,10 @@ class HistoryPanel(Panel):
         self.python = plain_button(
             texts("label.copy_python"), texts("tip.copy_python"), texts("label.copy_python")
         )
-        self.uses, uses = QWidget(), QVBoxLayout()
+        self.uses = QWidget()
         """what can be done with the selected row"""
-        uses.setContentsMargins(0, 0, 0, 0)
-        uses.setSpacing(4)
-        uses.addWidget(self.details)
-        uses.addWidget(self.repeat)
-        uses.addWidget(self.python)
-        self.uses.setLayout(uses)
-        layout = spaced(QVBoxLayout(self), 4, (6, 6, 6, 6))
-        layout.addWidget(self.empty)
-        layout.addWidget(self.list, 1)
-        layout.addWidget(self.uses)
+        filled(spaced(QVBoxLayout(self.uses), 4, NO_MARGINS), self.details, self.repeat, self.python)
+        filled(spaced(QVBoxLayout(self), 4, (6, 6, 6, 6)), self.empty, (self.list, 1), self.uses)
         self.repeat.clicked.connect(self._repeat)
         self.python.clicked.connect(self._copy)
         self.list.currentRowChanged.connect(self._show_buttons)
@@ -68,7 +76,7 @@ class HistoryPanel(Panel):
         """Show the rows; the selected one stays selected while it exists."""
         if rows == self._rows:
             return
-        older = _alike_at_the_end(rows, self._rows)
+        older = _alike_at_the_start(rows[::-1], self._rows[::-1])
         self._fill(rows, older)
 
     def show_theme(self, theme: Theme) -> None:
@@ -165,11 +173,79 @@ class HistoryPanel(Panel):
             clipboard.setText(chosen.program)
 
 
-def _alike_at_the_end(one: tuple[HistoryRowView, ...], other: tuple[HistoryRowView, ...]) -> int:
-    """Return how many rows at the end of both are equal."""
-    pairs = zip(reversed(one), reversed(other), strict=False)
-    return next((count for count, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))
-
-
 def _details(row: HistoryRowView) -> str:
     return f"{row.time}  {row.who}: {row.what}\n{row.symbol} {row.result}"
+
+
+class CodePanel(FilePanel):
+    """The lines of the program; a line is tied to the row of the history that it sends."""
+
+    row_chosen = pyqtSignal(int)
+    """number of the row of the history whose line the user has selected"""
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__(texts)
+        self._view = CodeView()
+        self.list = QListWidget()
+        self.list.setAccessibleName(texts("label.code"))
+        self.list.setMinimumHeight(40)
+        self.list.setWordWrap(True)  # a line is wider than the panel
+        self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.list.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
+        self.list.currentRowChanged.connect(self._report_row)
+        self.copy = self._button(texts, "copy")
+        self.save = self._button(texts, "save")
+        buttons = filled(spaced(QHBoxLayout(), 4), (self.copy, 1), (self.save, 1))
+        hint = label(texts("label.code_hint"), "dim", wrap=True)
+        filled(spaced(QVBoxLayout(self), 4, (6, 6, 6, 6)), hint, (self.list, 1), buttons)
+        self.copy.clicked.connect(self._copy)
+        self.save.clicked.connect(self._choose_file)
+
+    @staticmethod
+    def _button(texts: Texts, name: str) -> QPushButton:
+        return plain_button(texts(f"code.{name}"), texts(f"code.{name}_tip"), texts(f"code.{name}_name"))
+
+    def show_view(self, view: CodeView) -> None:
+        """Show the program; the lines of the selected row stay selected, and new lines at the end become visible."""
+        chosen = self._chosen().row
+        kept = _alike_at_the_start(self._view.lines, view.lines)
+        self._view = view
+        with QSignalBlocker(self.list):
+            while self.list.count() > kept:
+                self.list.takeItem(self.list.count() - 1)
+            for line in view.lines[kept:]:
+                self.list.addItem(line.text)
+                added = self.list.item(self.list.count() - 1)
+                if added is not None:
+                    added.setToolTip(line.text.strip())
+        self.list.scrollToBottom()
+        self.choose(chosen)
+
+    def choose(self, row: int) -> None:
+        """Select the first line of a row of the history; none if the program has no such line."""
+        numbers = [number for number, line in enumerate(self._view.lines) if row > 0 and line.row == row]
+        with QSignalBlocker(self.list):
+            self.list.setCurrentRow(numbers[0] if numbers else -1)
+
+    def _chosen(self) -> CodeLine:
+        number = self.list.currentRow()
+        return self._view.lines[number] if 0 <= number < len(self._view.lines) else CodeLine("")
+
+    def _report_row(self) -> None:
+        if self._chosen().row:
+            self.row_chosen.emit(self._chosen().row)
+
+    def _copy(self) -> None:
+        clipboard = QGuiApplication.clipboard()
+        if clipboard is not None:
+            clipboard.setText(self._view.text)
+
+    def _choose_file(self) -> None:
+        save = QFileDialog.AcceptMode.AcceptSave
+        self.choose_file(self._texts("code.save_name"), save, "py", SaveProgram)
+
+
+def _alike_at_the_start(one: Sequence[object], other: Sequence[object]) -> int:
+    """Return how many items at the start of both are equal."""
+    pairs = zip(one, other, strict=False)
+    return next((count for count, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))

@@ -12,7 +12,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.lessons import SYMBOLS, LessonRowView, LessonsView, Progress
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import label, set_text, spaced
+from gui.window.widgets.controls import filled, label, set_text, spaced
 
 COLUMNS = ("seat", "lesson", "progress", "passed")
 PROGRESS = COLUMNS.index("progress")
@@ -33,6 +33,23 @@ ROLES = {
 CENTRE = int(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter)
 
 
+def table(name: str) -> QTreeWidget:
+    """Return an empty table with this accessible name; `key_of` returns the key of a row."""
+    made = QTreeWidget()
+    made.setRootIsDecorated(False)
+    made.setUniformRowHeights(True)
+    made.setAllColumnsShowFocus(True)
+    made.setTabKeyNavigation(False)
+    made.setAccessibleName(name)
+    made.setMinimumHeight(60)
+    return made
+
+
+def key_of(item: QTreeWidgetItem | None) -> object:
+    """Return what identifies the row of a table; None without a row."""
+    return None if item is None else item.data(0, Qt.ItemDataRole.UserRole)
+
+
 class LessonsTable(QFrame):
     """Shows a `LessonsView`: a row for each seat, and after its present lesson a mark for each lesson of the class."""
 
@@ -41,21 +58,12 @@ class LessonsTable(QFrame):
         self._texts = texts
         self._view: LessonsView | None = None
         self._style = style_of(Theme.DARK)
-        self.list = QTreeWidget()
-        self.list.setRootIsDecorated(False)
-        self.list.setUniformRowHeights(True)
-        self.list.setAllColumnsShowFocus(True)
+        self.list = table(texts("label.lessons"))
         self.list.setAlternatingRowColors(True)
-        self.list.setTabKeyNavigation(False)
         self.list.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        self.list.setAccessibleName(texts("label.lessons"))
-        self.list.setMinimumHeight(60)
         self.empty, self.notice = label(role="dim", wrap=True), label(role="warn", wrap=True)
         # The table needs all of its width.
-        layout = spaced(QVBoxLayout(self), None, (0, 6, 0, 6))
-        layout.addWidget(self.notice)
-        layout.addWidget(self.list, 1)
-        layout.addWidget(self.empty, 1)
+        filled(spaced(QVBoxLayout(self), None, (0, 6, 0, 6)), self.notice, (self.list, 1), (self.empty, 1))
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
@@ -108,7 +116,7 @@ class LessonsTable(QFrame):
 
     def _show_rows(self, rows: tuple[LessonRowView, ...]) -> None:
         """Show the rows in the existing items; create new items if there are more or fewer than before."""
-        chosen = self._seat_of(self.list.currentItem())
+        chosen = key_of(self.list.currentItem())
         if self.list.topLevelItemCount() != len(rows):
             self.list.clear()
             self.list.addTopLevelItems([QTreeWidgetItem() for _ in rows])
@@ -118,10 +126,6 @@ class LessonsTable(QFrame):
                 self._fill(item, row)
                 if row.seat == chosen:
                     self.list.setCurrentItem(item)
-
-    @staticmethod
-    def _seat_of(item: QTreeWidgetItem | None) -> str | None:
-        return None if item is None else item.data(0, Qt.ItemDataRole.UserRole)
 
     def _fill(self, item: QTreeWidgetItem, row: LessonRowView) -> None:
         item.setData(0, Qt.ItemDataRole.UserRole, row.seat)

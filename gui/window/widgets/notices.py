@@ -1,16 +1,28 @@
-"""Sentences over the panels: the next action needed, an error of the window, a refusal beside its control."""
+"""What lies over the panels: the next action needed, errors, a refusal beside its control, and the sheet that connects."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from PyQt5.QtCore import QPoint, QRect
-from PyQt5.QtWidgets import QFrame, QHBoxLayout, QVBoxLayout, QWidget
+from PyQt5.QtCore import QEvent, QPoint, QRect
+from PyQt5.QtWidgets import QFileDialog, QFrame, QHBoxLayout, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
 
+from gui.console.state.actions import UseAccount, UseRouter
 from gui.console.state.intents import DismissRefusal
-from gui.console.state.views import BannerView, ButtonView, RefusalView
+from gui.console.state.views import BannerView, ButtonView, ConnectView, RefusalView, RouterView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import IntentButton, Panel, label, plain_button, set_text, spaced
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    IntentButton,
+    Panel,
+    filled,
+    label,
+    plain_button,
+    set_role,
+    set_text,
+    spaced,
+)
+from gui.window.widgets.files import FilePanel
 
 WIDTH_PX = 290
 BUTTONS = 4
@@ -23,7 +35,6 @@ class Banner(Panel):
     def __init__(self, *, quiet: bool = False) -> None:
         """Create a hidden banner; a `quiet` one looks like a panel, because nothing is wrong."""
         super().__init__("panel" if quiet else "notice")
-        self._view: BannerView | None = None
         self.text = label(role="" if quiet else "title", wrap=True)
         self.buttons = [IntentButton(main=not number and not quiet) for number in range(BUTTONS)]
         layout = QHBoxLayout(self)
@@ -37,9 +48,6 @@ class Banner(Panel):
 
     def show_view(self, view: BannerView | None) -> None:
         """Show the banner, or hide it."""
-        if view == self._view:
-            return
-        self._view = view
         if view is not None:
             set_text(self.text, view.text)
             for button, shown in zip(self.buttons, view.buttons, strict=False):
@@ -58,9 +66,7 @@ class TroubleNotice(QFrame):
         self.text = label(wrap=True)
         self.close_button = plain_button(texts("label.dismiss"), texts("tip.dismiss"))
         self.close_button.clicked.connect(self.hide)
-        layout = spaced(QHBoxLayout(self), None, (10, 4, 6, 4))
-        layout.addWidget(self.text, 1)
-        layout.addWidget(self.close_button)
+        filled(spaced(QHBoxLayout(self), None, (10, 4, 6, 4)), (self.text, 1), self.close_button)
         self.hide()
 
     def show_text(self, text: str) -> None:
@@ -93,12 +99,8 @@ class RefusalNotice(Panel):
         self.dismiss.show_view(ButtonView(close, texts("tip.dismiss"), DismissRefusal()))
         self.alternative.intent.connect(self.intent)
         self.dismiss.intent.connect(self.intent)
-        buttons = QHBoxLayout()
-        buttons.addWidget(self.alternative, 1)
-        buttons.addWidget(self.dismiss)
-        layout = spaced(QVBoxLayout(self), None, (10, 8, 10, 8))
-        layout.addWidget(self.text)
-        layout.addLayout(buttons)
+        buttons = filled(QHBoxLayout(), (self.alternative, 1), self.dismiss)
+        filled(spaced(QVBoxLayout(self), None, (10, 8, 10, 8)), self.text, buttons)
         self.hide()
 
     def show_beside(self, view: RefusalView | None, beside: QWidget | None) -> None:
@@ -137,3 +139,119 @@ class RefusalNotice(Panel):
         left = control.center().x() <= picture.center().x()
         level = max(0, min(control.bottom(), picture.bottom()) + 1 - height)
         self.setGeometry(picture.left() if left else picture.right() + 1 - width, level, width, height)
+
+
+SHEET_PX = 900
+GAP_PX = 28
+"""Space between router and hardware, which stand side by side: a low window has no room for one below the other."""
+ROLES = {None: "", True: "good", False: "bad"}
+"""Role of the state of the router."""
+
+
+class RouterPanel(FilePanel):
+    """The address of the router, whether it answers, and the account."""
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__(texts)
+        self._view: RouterView | None = None
+        self.address = QLineEdit()
+        self.address.setAccessibleName(texts("label.router_address"))
+        self.address.setToolTip(texts("tip.router_address"))
+        self.use, self.join = IntentButton(), IntentButton()
+        self.state, self.account = label(wrap=True), label(wrap=True)
+        title = label(texts("label.router"), "title")
+        first = filled(QHBoxLayout(), (self.address, 1), self.use)
+        last = filled(QHBoxLayout(), (self.account, 1), self.join)
+        filled(spaced(QVBoxLayout(self), 6, NO_MARGINS), title, first, self.state, last, None)
+        self.address.returnPressed.connect(self._use)
+        self.use.intent.connect(self._use)
+        self.join.intent.connect(self._choose)
+
+    def show_view(self, view: RouterView) -> None:
+        """Show the present router; keep an address that the user is typing."""
+        old, self._view = self._view, view
+        if old is None or old.address != view.address:
+            self.address.setText(view.address)
+            self.address.setCursorPosition(0)
+        set_text(self.state, view.text)
+        self.state.setToolTip(view.details)
+        set_role(self.state, "role", ROLES[view.good])
+        set_text(self.account, view.account)
+        self.use.show_view(view.use)
+        self.join.show_view(view.join)
+
+    def _use(self) -> None:
+        if self.use.isEnabled():
+            self.intent.emit(UseRouter(self.address.text()))
+
+    def _choose(self) -> None:
+        mode, made = QFileDialog.AcceptMode.AcceptOpen, UseAccount
+        self.choose_file(self.join.text(), mode, "toml", made)
+
+
+class ConnectSheet(Panel):
+    """A frame over the middle of the panels; not a dialog, so that STOP stays usable."""
+
+    def __init__(self, texts: Texts, parent: QWidget) -> None:
+        super().__init__("notice", parent)
+        self.setAccessibleName(texts("connect.title"))
+        self.router, self.text = RouterPanel(texts), label(wrap=True)
+        self.router.intent.connect(self.intent)
+        self.ports: list[IntentButton] = []
+        self._list = spaced(QVBoxLayout(), 6)
+        self.again, self.close_button = self._button(), self._button()
+        buttons = filled(QHBoxLayout(), self.again, None, self.close_button)
+        title = label(texts("label.hw"), "title")
+        hardware = filled(spaced(QVBoxLayout(), 6), title, self.text, self._list, None)
+        columns = filled(spaced(QHBoxLayout(), GAP_PX), (self.router, 1), (hardware, 1))
+        filled(spaced(QVBoxLayout(self), 12, (20, 14, 20, 14)), columns, buttons)
+        self.hide()
+
+    def _button(self) -> IntentButton:
+        button = IntentButton()
+        button.intent.connect(self.intent)
+        return button
+
+    def show_view(self, view: ConnectView | None) -> None:
+        """Show the sheet, or hide it."""
+        appears = self.isHidden()
+        if view is None:
+            self.hide()
+            return
+        self.router.show_view(view.router)
+        set_text(self.text, view.text)
+        self.text.setToolTip(view.details)
+        while len(self.ports) < len(view.ports):
+            self.ports.append(self._button())
+            self.ports[-1].setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+            self._list.addWidget(self.ports[-1])
+        for button, shown in zip(self.ports, view.ports, strict=False):
+            button.show_view(shown)
+        for number, button in enumerate(self.ports):
+            button.setVisible(number < len(view.ports))
+        self.again.show_view(view.again)
+        self.again.setVisible(bool(view.ports))
+        self.close_button.show_view(view.close)
+        self.show()
+        self.place()
+        self.raise_()
+        if appears:
+            self.close_button.setFocus()
+
+    def event(self, event: QEvent) -> bool:
+        """Take the height that the texts need when a text has changed: Qt measures the inner panel only now."""
+        handled = super().event(event)
+        if event.type() == QEvent.Type.LayoutRequest and self.isVisible():
+            self.place()
+        return handled
+
+    def place(self) -> None:
+        """Move to the middle of the parent."""
+        parent, layout = self.parentWidget(), self.layout()
+        if parent is None:
+            return
+        width = min(max(SHEET_PX, layout.minimumSize().width()), parent.width())
+        height = max(layout.totalHeightForWidth(width), layout.minimumSize().height())
+        self.setGeometry(
+            (parent.width() - width) // 2, max(0, (parent.height() - height) // 2), width, height
+        )

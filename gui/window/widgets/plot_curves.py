@@ -1,21 +1,96 @@
-"""One plot: curves over time, with a cursor that reads them."""
+"""The parts of the plots: one plot with its curves and cursor, and the buttons above all plots."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
 import pyqtgraph as pg
 from PyQt5.QtCore import QEvent, QObject, QPoint, QPointF, Qt, pyqtSignal
 from PyQt5.QtGui import QFont, QMouseEvent, QPen, QWheelEvent
-from PyQt5.QtWidgets import QLabel, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QAction, QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayout, QWidget
 
+from beatrix_zenoh.contract.names import ARMS, SIDES
+from beatrix_zenoh.contract.values import Value
 from gui.console.texts import Texts
 from gui.window.theme import Style
-from gui.window.widgets.controls import NO_MARGINS, spaced
+from gui.window.widgets.controls import NO_MARGINS, filled, label, plain_button, spaced
 from gui.window.widgets.plot_samples import Samples, span
+
+SPANS: Final = (5, 20, 60)
+"""Times that the plots show at the press of a button (s)."""
+BOTH: Final = ("hw", "sim")
+"""The robots in the order in which they are drawn."""
+DIFFERENCE: Final = "difference"
+
+
+def described(text: str, tooltip: str) -> QPushButton:
+    """Return a button whose text is too short to be its name."""
+    return plain_button(text, tooltip, tooltip)
+
+
+class PlotBar(QWidget):
+    """The buttons above the plots."""
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self._word = texts.word
+        row = spaced(QHBoxLayout(self), 4, (4, 4, 4, 0))
+        self.spans = {
+            seconds: described(f"{seconds} s", texts("tip.plot_span", seconds=str(seconds)))
+            for seconds in SPANS
+        }
+        self.pause = described(texts("plot.pause"), texts("tip.plot_pause"))
+        for button in (*self.spans.values(), self.pause):
+            button.setCheckable(True)
+        self.curves = described(f"{texts('plot.curves')} ▾", texts("tip.plot_curves"))
+        self.time = label(role="dim")
+        """time at the cursor"""
+        self.csv = described("CSV", texts("tip.plot_csv"))
+        self.png = described("PNG", texts("tip.plot_png"))
+        filled(row, *self.spans.values(), self.pause, self.curves, (self.time, 1), self.csv, self.png)
+        self.menu = QMenu(self)
+        self.choices = {
+            name: self._choice(texts(f"label.{name}" if name in (*SIDES, DIFFERENCE) else f"arm.{name}"))
+            for name in (*BOTH, *ARMS, DIFFERENCE)
+        }
+        """by side, arm or DIFFERENCE"""
+        self.menu.addSeparator()
+        self.values = self.menu.addMenu(texts("plot.values"))
+        """the values of the robots, in groups; `offer` fills it"""
+        self.curves.clicked.connect(self._open_menu)
+
+    def _choice(self, text: str) -> QAction:
+        action = QAction(text, self.menu)
+        action.setCheckable(True)
+        action.setChecked(True)
+        self.menu.addAction(action)
+        return action
+
+    def _open_menu(self) -> None:
+        """Open the menu without blocking the window."""
+        self.menu.popup(self.curves.mapToGlobal(QPoint(0, self.curves.height())))
+
+    def chosen(self, name: str) -> bool:
+        """Return whether a side, an arm or the difference is shown."""
+        return self.choices[name].isChecked()
+
+    def offer(
+        self, found: Iterable[Value], watched: Container[str], watch: Callable[[Value, bool], None]
+    ) -> None:
+        """Offer these values in the menu; those whose field is in `watched` are checked."""
+        self.values.clear()
+        groups: dict[str, QMenu] = {}
+        for value in found:
+            if value.group not in groups:
+                groups[value.group] = self.values.addMenu(self._word(value.group))
+            action = groups[value.group].addAction(self._word(value.title))
+            action.setCheckable(True)
+            action.setChecked(value.field in watched)
+            action.toggled.connect(lambda on, value=value: watch(value, on))
+
 
 NOTCH: Final = 120
 """Angle that Qt reports for one notch of a wheel."""
@@ -95,9 +170,7 @@ class Curves(QWidget):
         self.area = pg.PlotWidget()
         self.area.setMinimumSize(1, 1)
         self.plot = self.area.getPlotItem()
-        column = spaced(QVBoxLayout(self), 0, NO_MARGINS)
-        column.addWidget(self.label)
-        column.addWidget(self.area, stretch=1)
+        filled(spaced(QVBoxLayout(self), 0, NO_MARGINS), self.label, (self.area, 1))
         self.lines = [self.plot.plot(connect="finite", antialias=True) for _ in names]
         self._shown: list[tuple[Samples, Samples]] = []
         self._span = (0.0, 0.0)

@@ -27,10 +27,9 @@ from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, label, set_text, spaced
+from gui.window.widgets.controls import NO_MARGINS, filled, label, set_text, spaced
 from gui.window.widgets.files import FilePanel
-from gui.window.widgets.plot_bar import BOTH, DIFFERENCE, PlotBar
-from gui.window.widgets.plot_curves import Curves, Name
+from gui.window.widgets.plot_curves import BOTH, DIFFERENCE, Curves, Name, PlotBar
 from gui.window.widgets.plot_samples import (
     SPAN_MAX_S,
     History,
@@ -90,7 +89,7 @@ class PlotsPanel(FilePanel):
         self._graphics = QWidget()
         self._graphics.setAutoFillBackground(True)
         self.plots = self._made_plots(texts)
-        """by arm, slot, and DIFFERENCE"""
+        """by arm, slot, and DIFFERENCE; those of the slots are hidden until the user chooses other values"""
         self.empty = label(texts("label.plots_empty"), wrap=True)
         self.empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._lay_out()
@@ -98,21 +97,6 @@ class PlotsPanel(FilePanel):
         self._choose()
         self._show_times()
         self.show_theme(Theme.DARK)
-
-    @property
-    def arms(self) -> list[Curves]:
-        """The plots of the arms."""
-        return [self.plots[arm] for arm in ARMS]
-
-    @property
-    def slots(self) -> list[Curves]:
-        """The plots of other values, which are hidden until the user chooses one."""
-        return [self.plots[slot] for slot in SLOTS]
-
-    @property
-    def difference(self) -> Curves:
-        """The plot of the difference."""
-        return self.plots[DIFFERENCE]
 
     @staticmethod
     def _made_plots(texts: Texts) -> dict[str, Curves]:
@@ -143,9 +127,7 @@ class PlotsPanel(FilePanel):
         self.none.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._grid.addWidget(self.none, len(self.plots), 0)
         drawing = QWidget()
-        inner = spaced(QVBoxLayout(drawing), 0, NO_MARGINS)
-        inner.addWidget(self.bar)
-        inner.addWidget(self._graphics, 1)
+        filled(spaced(QVBoxLayout(drawing), 0, NO_MARGINS), self.bar, (self._graphics, 1))
         self._stack = QStackedLayout(self)
         self._stack.addWidget(self.empty)
         self._stack.addWidget(drawing)
@@ -366,12 +348,9 @@ class PlotsPanel(FilePanel):
         ground.setColor(self._graphics.backgroundRole(), QColor(colours.field))
         self._graphics.setPalette(ground)
         pens = [pg.mkPen(pale, width=3 * thin), pg.mkPen(colours.sim, width=thin)]
-        for curves in (*self.arms, *self.slots):
-            curves.show_theme(pens, colours)
-        self.difference.show_theme(
-            [
-                pg.mkPen(hues.hexadecimal(hues.ARMS[arm]), width=thin, style=style)
-                for arm, style in zip(ARMS, STYLES, strict=True)
-            ],
-            colours,
-        )
+        arms = [
+            pg.mkPen(hues.hexadecimal(hues.ARMS[arm]), width=thin, style=style)
+            for arm, style in zip(ARMS, STYLES, strict=True)
+        ]
+        for name, curves in self.plots.items():
+            curves.show_theme(arms if name == DIFFERENCE else pens, colours)

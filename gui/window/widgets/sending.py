@@ -1,14 +1,24 @@
-"""Below the head pad: where motions go, Send, and the motion that waits to be sent to the hardware."""
+"""What the user asks of the robots: below the pad the motion and where it goes, the commands of every day, and STOP."""
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QSignalBlocker, Qt
-from PyQt5.QtWidgets import QHBoxLayout, QProgressBar, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtCore import QSignalBlocker, Qt, pyqtSignal
+from PyQt5.QtWidgets import QHBoxLayout, QProgressBar, QPushButton, QSizePolicy, QVBoxLayout, QWidget
 
-from gui.console.state.intents import Choose
-from gui.console.state.views import SendingView, View
+from gui.console.state.intents import Choose, WindowPage
+from gui.console.state.views import CommandsView, SendingView, View
 from gui.console.texts import Texts
-from gui.window.widgets.controls import ChoiceCheck, IntentButton, Panel, label, set_role, set_text, spaced
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    ChoiceCheck,
+    IntentButton,
+    Panel,
+    filled,
+    label,
+    set_role,
+    set_text,
+    spaced,
+)
 from gui.window.widgets.number_box import NumberBox
 
 LEAD_MAX_S = 60.0
@@ -44,31 +54,15 @@ class SendingPanel(Panel):
         self._connect()
 
     def _lay_out(self) -> None:
-        to, send, plan = QHBoxLayout(), QHBoxLayout(), QHBoxLayout()
-        state = QVBoxLayout()
-        to.addWidget(self.sim)
-        to.addWidget(self.hw)
-        to.addStretch(1)
-        to.addWidget(self.lead_name)
-        to.addWidget(self.lead)
-        send.setSpacing(SEND_GAP_PX)
-        send.addWidget(self.send, 1)
-        send.addLayout(state, 1)
-        state.setSpacing(2)
-        for part in (self.title, self.countdown, self.progress):
-            state.addWidget(part)
-        for button in (self.send_now, self.change, self.abort):
-            plan.addWidget(button, 1)
-        plan.setContentsMargins(0, 0, 0, 0)
-        self.plan.setLayout(plan)
+        to = filled(QHBoxLayout(), self.sim, self.hw, None, self.lead_name, self.lead)
+        state = filled(spaced(QVBoxLayout(), 2), self.title, self.countdown, self.progress)
+        send = filled(spaced(QHBoxLayout(), SEND_GAP_PX), (self.send, 1), (state, 1))
+        plan = spaced(QHBoxLayout(self.plan), None, NO_MARGINS)
+        filled(plan, (self.send_now, 1), (self.change, 1), (self.abort, 1))
         self.text.setAlignment(Qt.AlignmentFlag.AlignTop)
         for part in (self.title, self.countdown, self.text):  # longer texts must not widen the column
             part.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        layout = spaced(QVBoxLayout(self), 4, (8, 8, 8, 8))
-        layout.addLayout(to)
-        layout.addLayout(send)
-        layout.addWidget(self.text)
-        layout.addWidget(self.plan)
+        filled(spaced(QVBoxLayout(self), 4, (8, 8, 8, 8)), to, send, self.text, self.plan)
 
     def _connect(self) -> None:
         self.lead.valueChanged.connect(lambda seconds: self.intent.emit(Choose("lead_s", seconds)))
@@ -112,3 +106,87 @@ class SendingPanel(Panel):
         set_role(
             self.send, "main", "false" if waits else "true"
         )  # while a motion waits, the next press is Send now
+
+
+DAILY = ("home", "undo")
+"""Commands of every day; the menus of the pills contain the others."""
+STOP_PX = 56
+"""Height of the bar of STOP; the style sheet contains it, too."""
+
+
+class CommandsPanel(Panel):
+    """A large button for each command of every day."""
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__("panel")
+        self.setAccessibleName(texts("label.commands"))
+        self.buttons = {name: IntentButton() for name in DAILY}
+        layout = spaced(QVBoxLayout(self), 8, (8, 8, 8, 8))
+        for button in self.buttons.values():
+            button.setProperty("daily", True)  # noqa: FBT003
+            layout.addWidget(button)
+            button.intent.connect(self.intent)
+
+    def show_view(self, view: CommandsView) -> None:
+        """Show the buttons."""
+        self.buttons["home"].show_view(view.home)
+        self.buttons["undo"].show_view(view.undo)
+
+
+class StopBar(QPushButton):
+    """Reports STOP when it is pressed, not when it is released."""
+
+    intent = pyqtSignal(object)
+
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
+        self._view: View | None = None
+        self._last = self._question = ""
+        self.emergency = IntentButton()
+        """within this button, so that a press beside it is STOP"""
+        self.emergency.setObjectName("emergency")
+        self.emergency.intent.connect(self.intent)
+        self.emergency.asking.connect(self._ask)
+        self.setObjectName("stop")
+        self.word, self.last = label(role="stop_word"), label(role="message", wrap=True)
+        """STOP, and the last request with its outcome, which stands beside this button"""
+        self.keys = label(texts("label.keys_stop").partition(": ")[0], "stop")
+        self.last.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
+        self.last.setFixedHeight(STOP_PX)
+        layout = spaced(QHBoxLayout(self), None, (20, 2, 12, 2))
+        layout.setSizeConstraint(
+            QHBoxLayout.SizeConstraint.SetMinimumSize
+        )  # a button alone would not count these
+        layout.addWidget(self.word)
+        layout.addSpacing(12)
+        filled(layout, self.keys, None, self.emergency)
+        for part in (self.word, self.keys):
+            part.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.pressed.connect(self.stop)
+
+    def show_last(self, text: str) -> None:
+        """Show the last request with its outcome, unless EMERGENCY_STOP asks its question there."""
+        self._last = text
+        set_text(self.last, f"▲ {self._question}" if self._question else text)
+
+    def _ask(self, question: str) -> None:
+        self._question = question
+        self.show_last(self._last)
+
+    def show_view(self, view: View) -> None:
+        """Show the texts of both buttons."""
+        stop, self._view = view.stop, view
+        self.last.setToolTip(view.last_detail)
+        self.emergency.show_view(view.emergency)
+        self.emergency.setVisible(
+            view.choices.page is WindowPage.CLASS
+        )  # elsewhere it is in the menus of the pills
+        set_text(self.word, stop.text)
+        self.setToolTip(stop.tooltip)
+        self.setAccessibleName(stop.text)
+        self.setAccessibleDescription(stop.tooltip)
+
+    def stop(self) -> None:
+        """Report the intent."""
+        if self._view is not None:
+            self.intent.emit(self._view.stop.intent)

@@ -1,4 +1,4 @@
-"""Pictures of the simulated robot, drawn with OpenGL or by ray casting, and the mechanism inside it, hidden at first."""
+"""Pictures of the simulated robot for tools and tests, drawn with OpenGL or by ray casting."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ from typing import Final
 import mujoco
 import numpy as np
 
-from beatrix_zenoh.body.figure import Figure, mechanism
-from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.motion.gear import Arms
 from sim_node import gl
 from sim_node.gl import GlPainter
@@ -19,40 +17,8 @@ from sim_node.model import build_spec
 from sim_node.painter import Image, Painter
 from sim_node.plant import Plant
 from sim_node.rays import RayPainter
-from sim_node.visuals import COLLISION, MATERIALS, VISUAL, add_meshes
-
-MECHANISM: Final = 4
-"""Geom group of the mechanism; MuJoCo's viewer shows and hides a group with the key of its number."""
-SKIN_OPACITY: Final = 0.22
-"""Opacity of the robot around the mechanism."""
-KEYS: Final = (
-    f"In the window, key {MECHANISM} shows the mechanism inside the robot, key {COLLISION} the simple shapes with mass "
-    "that can touch each other."
-)
-
-
-def add_mechanism(spec: mujoco.MjSpec, robot: RobotData = ROBOT) -> None:
-    """Add the mechanism to a model of this robot, in a group that is hidden at first."""
-    add_meshes(spec, mechanism(Figure(robot.geometry, robot.head), fine=True), MECHANISM)
-
-
-def write_mechanism(path: Path) -> None:
-    """Write a picture of the mechanism inside the translucent robot, as a PNG file; raises OSError."""
-    spec = build_spec()
-    for name in MATERIALS.values():
-        spec.material(name).rgba[3] = SKIN_OPACITY
-    add_mechanism(spec)
-    for geom in spec.geoms:
-        if geom.group == MECHANISM:
-            geom.group = VISUAL
-    path.write_bytes(png(picture((0.0, 0.0, 0.0), 800, 720, spec)))
-
-
-def show_through(model: mujoco.MjModel, *, through: bool) -> None:
-    """Make the robot translucent, so that its mechanism is seen, or opaque again."""
-    for name in MATERIALS.values():
-        model.material(name).rgba[3] = SKIN_OPACITY if through else 1.0
-
+from sim_node.viewer import MECHANISM, SKIN_OPACITY, add_mechanism
+from sim_node.visuals import MATERIALS, VISUAL
 
 CAMERA: Final = "observer"
 _SAMPLES: Final = 4
@@ -103,3 +69,15 @@ def _shrunk(image: Image) -> Image:
     blocks = image.reshape(height // n, n, width // n, n, 3)
     mean: Image = blocks.mean(axis=(1, 3)).astype(np.uint8)
     return mean
+
+
+def write_mechanism(path: Path) -> None:
+    """Write a picture of the mechanism inside the translucent robot, as a PNG file; raises OSError."""
+    spec = build_spec()
+    for name in MATERIALS.values():
+        spec.material(name).rgba[3] = SKIN_OPACITY
+    add_mechanism(spec)
+    for geom in spec.geoms:
+        if geom.group == MECHANISM:
+            geom.group = VISUAL
+    path.write_bytes(png(picture((0.0, 0.0, 0.0), 800, 720, spec)))

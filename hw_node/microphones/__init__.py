@@ -1,1 +1,0 @@
-"""The microphones of a robot: a sound device, a file, or a test tone."""
