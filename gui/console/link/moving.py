@@ -18,8 +18,7 @@ from gui.console.link.face_program import FaceProgram, Following
 from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import WindowError, closed, deselected, failed, replaced, stopped
 from gui.console.link.plans import Plans
-from gui.console.link.playing import Playing
-from gui.console.link.programs import Programs
+from gui.console.link.programs import Playing, Programs
 from gui.console.link.request_queue import RequestQueue
 from gui.console.state import actions
 from gui.console.state.actions import Outcome
