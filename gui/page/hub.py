@@ -22,8 +22,7 @@ from beatrix_zenoh.contract._generated.messages import Source
 from beatrix_zenoh.settings import Settings
 from gui.console.link import Link
 from gui.console.link.governing import ClassStates
-from gui.console.link.levels import Level, LevelStream
-from gui.console.link.pictures import CameraStream
+from gui.console.link.pictures import CameraStream, Level, LevelStream
 from gui.console.link.stopping import send_stop
 from gui.console.state.actions import Outcome, SendStop
 from gui.page.face import Driver, Face

@@ -3,7 +3,7 @@
 `link` joins the parts. `jobs` runs what may wait, in queues. `connection` finds router and robots. `moving` joins what
 moves robots: a `request_queue` for each robot sends the requests to that robot alone, `plans` sends the motions of both,
 and of `programs` the newest runs: it plays choreographies, or `face_program` follows a face. `governing` sends the
-teacher's lease queries, `stopping` STOP. `pictures`, `levels` and `probe` read; `children` starts other programs.
+teacher's lease queries, `stopping` STOP. `pictures` and `probe` read; `children` starts other programs.
 """
 
 from __future__ import annotations
