@@ -11,8 +11,8 @@ from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, intents
 from gui.console.state.choices import Choices, changed
+from gui.console.state.intents import SetDuration
 from gui.console.state.saved import Saved
-from gui.console.state.sequence_intents import SetDuration
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
 Press = Annotated[int, Meta(ge=1, le=2**53)]

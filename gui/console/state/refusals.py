@@ -28,13 +28,13 @@ from gui.console.state.intents import (
     Choose,
     DismissRefusal,
     Intent,
+    SetDuration,
     TakeAlternative,
 )
 from gui.console.state.memory import Memory, Refusal, RequestRow
 from gui.console.state.motions import Handles, again, begin
 from gui.console.state.pills import BRING_BACK, MAKE_READY, NEXT_STEPS, WAIT
 from gui.console.state.presence import commanded, orientation, unreachable
-from gui.console.state.sequence_intents import SetDuration
 from gui.console.state.views import ButtonView, RefusalView
 from gui.console.state.world import World
 from gui.console.texts import Texts

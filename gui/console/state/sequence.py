@@ -17,15 +17,10 @@ from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from gui.console.state import code_lines
 from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Action, Outcome, Play, WriteFile
-from gui.console.state.intents import Intent
-from gui.console.state.memory import Memory, Refusal, RequestRow
-from gui.console.state.motions import Handles, begin
-from gui.console.state.presence import commanded, online, orientation, unreachable
-from gui.console.state.refusals import wrong_file
-from gui.console.state.saved import DURATION_MAX_S, SavedPose
-from gui.console.state.sequence_intents import (
+from gui.console.state.intents import (
     AddPose,
     DuplicatePose,
+    Intent,
     MovePose,
     OpenSequence,
     PlaySequence,
@@ -34,6 +29,11 @@ from gui.console.state.sequence_intents import (
     SetDuration,
     UndoSequence,
 )
+from gui.console.state.memory import Memory, Refusal, RequestRow
+from gui.console.state.motions import Handles, begin
+from gui.console.state.presence import commanded, online, orientation, unreachable
+from gui.console.state.refusals import wrong_file
+from gui.console.state.saved import DURATION_MAX_S, SavedPose
 from gui.console.state.views import ButtonView, CardView, CodeLine, SequenceView
 from gui.console.state.world import World
 
