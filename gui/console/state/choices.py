@@ -7,8 +7,7 @@ from typing import Final
 import msgspec
 from msgspec.structs import fields, replace
 
-from gui.console.state.intents import Tab, WindowPage
-from gui.console.state.orientation import HeadOrientation
+from gui.console.state.intents import HeadOrientation, Tab, WindowPage
 from gui.console.state.saved import Remembered, Saved
 from gui.console.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 

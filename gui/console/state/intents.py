@@ -1,7 +1,11 @@
-"""Intents of the user, as widgets report them; angles in degrees, speeds in deg/s, times in s."""
+"""Intents of the user, as widgets report them; angles in degrees, speeds in deg/s, times in s.
+
+A pose is named by its name, which is unique in the sequence.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
@@ -10,6 +14,20 @@ import msgspec
 from beatrix_zenoh.contract._generated.messages import Command
 
 ALL_ARMS = "all"
+
+
+@dataclass(frozen=True)
+class HeadOrientation:
+    """Orientation of a head (deg); left, nose down and right ear down are positive."""
+
+    yaw: float
+    pitch: float
+    roll: float
+
+    @property
+    def tenths(self) -> tuple[float, float, float]:
+        """Yaw, pitch and roll to a tenth of a degree, less than a pixel."""
+        return round(self.yaw, 1) + 0.0, round(self.pitch, 1) + 0.0, round(self.roll, 1) + 0.0
 
 
 class Tab(StrEnum):

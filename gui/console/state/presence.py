@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, Reading
+from gui.console.state.intents import HeadOrientation
 from gui.console.state.memory import Memory
-from gui.console.state.orientation import HeadOrientation
 from gui.console.state.world import LinkPhase, Trouble, World
 
 FURTHEST_DEG = 1e4

@@ -13,9 +13,8 @@ from beatrix_zenoh.contract._generated.messages import Head, PoseQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from gui.console.state import dragging, gestures, motions, refusals
 from gui.console.state.actions import Abort, Action, Send, SendNow
-from gui.console.state.intents import AimHead, Change, Choose, Intent, SendHead
+from gui.console.state.intents import AimHead, Change, Choose, HeadOrientation, Intent, SendHead
 from gui.console.state.memory import Memory, Refusal
-from gui.console.state.orientation import HeadOrientation
 from gui.console.state.presence import apart, kept, orientation, reading, silent
 from gui.console.state.views import ButtonView, HeadView, SendingView
 from gui.console.state.world import PlanPhase, PlanProgress, World

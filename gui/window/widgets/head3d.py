@@ -15,11 +15,11 @@ from beatrix_zenoh.body.scene import Screen, Viewpoint
 from gui.console.state.intents import (
     AimHead,
     GrabHead,
+    HeadOrientation,
     LiveHead,
     ReleaseHead,
     Theme,
 )
-from gui.console.state.orientation import HeadOrientation
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
