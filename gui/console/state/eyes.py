@@ -7,10 +7,10 @@ from typing import Final
 from beatrix_zenoh.contract._generated.messages import CameraStatus
 from beatrix_zenoh.contract.names import EYES, SIDES
 from gui.console.state.actions import Action, WatchCameras
-from gui.console.state.choices import Choices
 from gui.console.state.intents import Choose, Tab, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.presence import online, silent
+from gui.console.state.saved import Choices
 from gui.console.state.views import EyeView
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import DEFAULT_LANGUAGE, Texts

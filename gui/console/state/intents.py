@@ -174,7 +174,7 @@ class Choose(Intent, frozen=True):
     """Change a choice of the user."""
 
     name: str
-    """a field of `choices.Choices`"""
+    """a field of `saved.Choices`"""
     value: bool | float | str
 
 

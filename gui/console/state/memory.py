@@ -25,8 +25,7 @@ from gui.console.state.actions import (
     SendStop,
     WriteFile,
 )
-from gui.console.state.choices import Choices
-from gui.console.state.saved import SavedPose
+from gui.console.state.saved import Choices, SavedPose
 from gui.console.state.views import CodeView, HistoryRowView
 from gui.console.state.world import Trouble
 

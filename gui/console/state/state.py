@@ -26,11 +26,10 @@ from gui.console.state import (
     sound,
 )
 from gui.console.state.actions import Action, Outcome
-from gui.console.state.choices import Choices, changed, choices_from
 from gui.console.state.intents import Choose, Intent, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.motions import Handles
-from gui.console.state.saved import Remembered, Saved
+from gui.console.state.saved import Choices, Remembered, Saved, changed, choices_from
 from gui.console.state.sequence_timing import with_durations
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
