@@ -5,7 +5,6 @@ from __future__ import annotations
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 from gui.console.state import (
     arms,
-    causes,
     class_page,
     commands,
     connecting,
@@ -122,7 +121,7 @@ class State:
         """Show leases gained or lost since the last call, hide a refusal without a cause, and complete the row of a hold."""
         leases.follow(self._memory, world)
         sending.follow(self._memory, world)
-        causes.follow(self._memory, world)
+        refusals.follow(self._memory, world)
         holding.follow(self._memory, world)
         connecting.follow(self._memory, world)
         self._guide.follow(self._memory, world)
