@@ -27,11 +27,10 @@ from gui.console.state.actions import (
 )
 from gui.console.state.holding import AHEAD_S, ROTATIONS, jog_query
 from gui.console.state.intents import Intent, Tab
-from gui.console.state.presence import online
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.console.state.views import BannerView, ButtonView, PillView, View
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.world import LinkPhase, World, online
 from gui.console.texts import Texts, load
 from gui.page.messages import DRIVING, OWN, ButtonHeld
 

@@ -14,11 +14,10 @@ from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import refusals
 from gui.console.state.actions import Action, Send
 from gui.console.state.intents import ALL_ARMS, Jog
-from gui.console.state.memory import Memory, RequestRow
+from gui.console.state.memory import Memory, RequestRow, unreachable
 from gui.console.state.motions import Handles, send_arms
-from gui.console.state.presence import commanded, reading, unreachable
 from gui.console.state.views import ArmRowView, ArmsView, ButtonView
-from gui.console.state.world import World
+from gui.console.state.world import World, commanded, reading
 
 HALF_STEP_DEG: Final = 180 / Gear().steps_per_turn * 1.001
 """Largest distance (deg) of the set point of an arm at rest from its goal: half a microstep, and rounding."""

@@ -30,9 +30,8 @@ from gui.console.state.actions import (
 from gui.console.state.eyes import wanted
 from gui.console.state.intents import Intent, LimitClass, TogglePage, WindowPage
 from gui.console.state.leases import limit_text
-from gui.console.state.memory import Memory
+from gui.console.state.memory import Memory, offline
 from gui.console.state.motions import Handles, begin
-from gui.console.state.presence import offline
 from gui.console.state.views import ButtonView, ClassRowView, ClassView, Condition, SeatView
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts

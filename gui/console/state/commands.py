@@ -19,10 +19,9 @@ from gui.console.state.actions import (
     WriteFile,
 )
 from gui.console.state.intents import EmergencyStop, Intent, Repeat, RunCommand, Stop, Undo, WindowPage
-from gui.console.state.memory import Memory
+from gui.console.state.memory import Memory, unreachable
 from gui.console.state.motions import Handles, again, begin, pass_on, send_arms
 from gui.console.state.poses import way_back
-from gui.console.state.presence import unreachable
 from gui.console.state.views import ButtonView, CommandsView, RecordView
 from gui.console.state.world import LinkPhase, World
 

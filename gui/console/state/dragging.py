@@ -12,8 +12,7 @@ from beatrix_zenoh.motion.limits.region import border, reach
 from gui.console.state import motions
 from gui.console.state.actions import Action, Outcome, Send
 from gui.console.state.intents import GrabHead, HeadOrientation, LiveHead, ReleaseHead
-from gui.console.state.memory import Memory
-from gui.console.state.presence import unreachable
+from gui.console.state.memory import Memory, unreachable
 from gui.console.state.views import DragView
 from gui.console.state.world import World
 

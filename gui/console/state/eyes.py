@@ -9,10 +9,9 @@ from beatrix_zenoh.contract.names import EYES, SIDES
 from gui.console.state.actions import Action, WatchCameras
 from gui.console.state.intents import Choose, Tab, WindowPage
 from gui.console.state.memory import Memory
-from gui.console.state.presence import online, silent
 from gui.console.state.saved import Choices
 from gui.console.state.views import EyeView
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.world import LinkPhase, World, online, silent
 from gui.console.texts import DEFAULT_LANGUAGE, Texts
 
 SHOWN: Final = tuple((side, eye) for side in SIDES for eye in EYES)

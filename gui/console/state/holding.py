@@ -14,9 +14,8 @@ from beatrix_zenoh.contract.names import ARMS
 from gui.console.state import motions
 from gui.console.state.actions import Action, Hold, Release, Send
 from gui.console.state.intents import ALL_ARMS, Intent
-from gui.console.state.memory import Memory
-from gui.console.state.presence import commanded, unreachable
-from gui.console.state.world import World
+from gui.console.state.memory import Memory, unreachable
+from gui.console.state.world import World, commanded
 
 ROTATIONS: Final = ("yaw", "pitch", "roll")
 AHEAD_S: Final = 0.5

@@ -1,4 +1,4 @@
-"""The state of a window between intents."""
+"""The state of a window between intents, and refusals of requests that no robot can get."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from gui.console.state.actions import (
 )
 from gui.console.state.saved import Choices, SavedPose
 from gui.console.state.views import CodeView, HistoryRowView
-from gui.console.state.world import Trouble
+from gui.console.state.world import LinkPhase, Trouble, World, online
 
 KEPT = 200
 """Largest number of rows of the history."""
@@ -215,7 +215,7 @@ class Memory:
     notice: str = ""
     """a sentence to show until the first request"""
     troubles: Mapping[str, Trouble | None] = field(default_factory=dict)
-    """`presence.troubles` at the newest request; they are no longer shown"""
+    """`world.troubles` at the newest request; they are no longer shown"""
     standings: Mapping[Place, Standing] = field(default_factory=dict)
     """leases of both robots of the shown name at the last call of `leases.follow`"""
     lease_notice: Notice | None = None
@@ -252,3 +252,26 @@ class Memory:
         """Show why nothing was sent; return an empty list of actions."""
         self.refusal = Refusal(control, key, slots)
         return []
+
+
+def offline(memory: Memory, world: World, control: str) -> bool:
+    """Return whether there is no router; if so, show why the request cannot be sent."""
+    if world.phase is LinkPhase.ONLINE:
+        return False
+    key = "cannot.refused" if world.phase is LinkPhase.REFUSED else "cannot.router"
+    memory.refuse(control, key, endpoint=world.endpoint)
+    return True
+
+
+def unreachable(memory: Memory, world: World, sides: tuple[str, ...], control: str) -> bool:
+    """Return whether a request to these robots cannot be sent; if so, show why."""
+    if not sides:
+        memory.refuse(control, "off.unchecked")
+    elif offline(memory, world, control):
+        pass
+    elif absent := [side for side in sides if not online(world, side)]:
+        key = "cannot.sim" if absent[0] == "sim" else "cannot.hw"
+        memory.refuse(control, key, robot=world.robot)
+    else:
+        return False
+    return True

@@ -12,9 +12,8 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state.actions import NEW, Action, AskLease, FollowFace, Govern, Play, Send
 from gui.console.state.intents import HeadOrientation, Intent
-from gui.console.state.memory import Memory, Refusal, Request, RequestRow
-from gui.console.state.presence import commanded, troubles, unreachable
-from gui.console.state.world import World
+from gui.console.state.memory import Memory, Refusal, Request, RequestRow, unreachable
+from gui.console.state.world import World, commanded, troubles
 
 Query = MotionQuery | PoseQuery
 Handles = Mapping[type[Intent], Callable[[Memory, World, Never], list[Action]]]

@@ -20,9 +20,8 @@ from gui.console.state import actions, connecting, intents, leases
 from gui.console.state.actions import ChooseRobot, Retry, StartSimulation
 from gui.console.state.intents import Intent, RunCommand
 from gui.console.state.memory import Memory
-from gui.console.state.presence import online, silent
 from gui.console.state.views import BannerView, ButtonView, Condition, PillView
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.world import LinkPhase, World, online, silent
 from gui.console.texts import DEFAULT_LANGUAGE, Texts
 
 SYMBOLS: Final = {

@@ -33,16 +33,16 @@ from gui.console.state.intents import (
     AimHead,
     Choose,
     DismissRefusal,
+    HeadOrientation,
     Intent,
     SetDuration,
     TakeAlternative,
 )
-from gui.console.state.memory import Memory, Refusal, RequestRow
+from gui.console.state.memory import Memory, Refusal, RequestRow, unreachable
 from gui.console.state.motions import Handles, again, begin
 from gui.console.state.pills import BRING_BACK, MAKE_READY, NEXT_STEPS, WAIT
-from gui.console.state.presence import SERVING, apart, commanded, online, orientation, unreachable
 from gui.console.state.views import ButtonView, RefusalView
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.world import SERVING, LinkPhase, World, apart, commanded, online
 from gui.console.texts import Texts
 
 LEFT: Final = "sending.left"
@@ -189,7 +189,7 @@ def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> 
                 if isinstance(query, PoseQuery)
                 else None
             )
-            memory.choices = msgspec.structs.replace(memory.choices, target=head and orientation(head))
+            memory.choices = msgspec.structs.replace(memory.choices, target=head and HeadOrientation(*head))
         return begin(memory, world, again(memory, request), refusal.control)
     actions: list[Action] = []
     next_step, target = next_step_of(refusal), memory.choices.target

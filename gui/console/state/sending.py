@@ -15,9 +15,8 @@ from gui.console.state import dragging, gestures, motions, refusals
 from gui.console.state.actions import Abort, Action, Send, SendNow
 from gui.console.state.intents import AimHead, Change, Choose, HeadOrientation, Intent, SendHead
 from gui.console.state.memory import Memory, Refusal
-from gui.console.state.presence import apart, kept, orientation, reading, silent
 from gui.console.state.views import ButtonView, HeadView, SendingView
-from gui.console.state.world import PlanPhase, PlanProgress, World
+from gui.console.state.world import PlanPhase, PlanProgress, World, apart, kept, reading, silent
 from gui.console.texts import Texts
 
 PAD = "head"
@@ -41,7 +40,7 @@ def head(memory: Memory, world: World) -> HeadView:
         silent=silent(world.side(solid)),
         tilt_max=tilt_max,
         yaw_max=yaw_max,
-        path=() if path is None else tuple(orientation(head) for head in path.head),
+        path=() if path is None else tuple(HeadOrientation(*head) for head in path.head),
         drag=dragging.view(memory, tilt_max, gap_min),
         send=_send_button(memory, world),
         refusal=refusals.at(memory, (PAD,)),
@@ -52,7 +51,7 @@ def _head(
     world: World, side: str, read: Callable[[World, str], Reading | None] = reading
 ) -> HeadOrientation | None:
     found = read(world, side)
-    return None if found is None else orientation(found.head)
+    return None if found is None else HeadOrientation(*found.head)
 
 
 def _solid(memory: Memory, world: World) -> str:
@@ -227,8 +226,8 @@ def _of_both(request: Action) -> bool:
 
 def _goal(query: object, path: MotionPath | None) -> HeadOrientation | None:
     if isinstance(query, PoseQuery) and query.absolute:
-        return orientation(head_angles(Head(query.yaw, query.pitch, query.roll)))
-    return orientation(path.head[-1]) if path is not None and path.head else None
+        return HeadOrientation(*head_angles(Head(query.yaw, query.pitch, query.roll)))
+    return HeadOrientation(*path.head[-1]) if path is not None and path.head else None
 
 
 HANDLES: motions.Handles = {

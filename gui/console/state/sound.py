@@ -8,10 +8,9 @@ from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import Action, WatchMicrophones
 from gui.console.state.intents import Choose, Tab, WindowPage
 from gui.console.state.memory import Memory
-from gui.console.state.presence import online
 from gui.console.state.saved import Choices
 from gui.console.state.views import LevelView, SoundView
-from gui.console.state.world import World
+from gui.console.state.world import World, online
 from gui.console.texts import DEFAULT_LANGUAGE
 
 QUIETEST_DB: Final = -80.0
