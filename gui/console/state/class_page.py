@@ -14,7 +14,7 @@ from beatrix_zenoh.client.monitor import SeatStops, stops_by_seat
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
-from gui.console.state import connecting, history, leases, lessons, pills, refusals, sound
+from gui.console.state import connecting, history, leases, lessons, pills, refusals
 from gui.console.state.actions import (
     NEW,
     Action,
@@ -27,7 +27,7 @@ from gui.console.state.actions import (
     WatchClass,
     WatchMicrophones,
 )
-from gui.console.state.eyes import wanted
+from gui.console.state.eyes import microphones, wanted
 from gui.console.state.intents import Intent, LimitClass, TogglePage, WindowPage
 from gui.console.state.leases import limit_text
 from gui.console.state.memory import Memory, offline
@@ -262,7 +262,7 @@ def show(memory: Memory, page: WindowPage) -> list[Action]:
     if page is memory.choices.page:
         return []
     memory.choices = structs.replace(memory.choices, page=page)
-    listens = [WatchMicrophones(sound.wanted(memory.choices))] if memory.choices.microphones else []
+    listens = [WatchMicrophones(microphones(memory.choices))] if memory.choices.microphones else []
     return [WatchClass(page is WindowPage.CLASS), WatchCameras(wanted(memory.choices)), *listens]
 
 

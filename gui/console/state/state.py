@@ -22,7 +22,6 @@ from gui.console.state import (
     refusals,
     sending,
     sequence,
-    sound,
 )
 from gui.console.state.actions import Action, Outcome
 from gui.console.state.intents import Choose, Intent, WindowPage
@@ -41,7 +40,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
     memory.choices = changed(memory.choices, intent.name, intent.value) or memory.choices
     refusals.hide_answered(memory, intent)
     ended = sending.spare_hardware(memory, world, intent)
-    return [*ended, *eyes.watch(memory.choices, intent), *sound.watch(memory.choices, intent)]
+    return [*ended, *eyes.watch(memory.choices, intent)]
 
 
 HANDLES: Handles = {
@@ -104,7 +103,7 @@ class State:
             gestures=gestures.view(memory, world),
             sequence=sequence.view(memory, world),
             eyes=eyes.view(memory, world),
-            sound=sound.view(memory, world),
+            sound=eyes.sound(memory, world),
             history=history.view(memory, world),
             code=program.view(memory, world),
             record=commands.recording_view(memory, world),
