@@ -15,7 +15,7 @@ from beatrix_zenoh.contract.names import SIDES
 from gui.console.link import Link
 from gui.console.link.jogging import Press
 from gui.console.link.moving import robots_of
-from gui.console.state import class_page, intents, projector
+from gui.console.state import class_page, intents
 from gui.console.state.actions import (
     Action,
     AskLease,
@@ -170,7 +170,7 @@ class Face:
             "eyes": self._eyes(view, world),
             "sound": view.sound,
             "class": [{"cells": row.cells, "robot": row.place[0]} for row in rows],
-            "projector": projector.view(world, texts) if self.shows_class else None,
+            "projector": class_page.projector(world, texts) if self.shows_class else None,
             "banner": _banner(view, world),
             "pills": [_pill(pill) for pill in view.pills],
             "head": replace(view.head, path=()),
