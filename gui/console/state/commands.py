@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from beatrix_zenoh.contract._generated.messages import Command
-from gui.console.state import dragging, refusals, sequence
+from gui.console.state import refusals, sending, sequence
 from gui.console.state.actions import (
     Action,
     BeginRecording,
@@ -78,7 +78,7 @@ def _undo(memory: Memory) -> ButtonView:
 
 def stop(memory: Memory, world: World, intent: Stop | EmergencyStop) -> list[Action]:
     """Return the action that stops both robots, or on the page *Class* all robots, even if none is online."""
-    memory.live_row = dragging.STOPPED
+    memory.live_row = sending.STOPPED
     memory.mark_dropped()
     everywhere = memory.choices.page is WindowPage.CLASS
     request = SendStop(memory.next_row(), everywhere, isinstance(intent, EmergencyStop))

@@ -199,7 +199,7 @@ class Memory:
     solved: int = 0
     """row of the newest refused request whose cause has gone; 0: none"""
     live_row: int | None = None
-    """row of the motions that follow the present drag of the head; None: none, not positive: it has ended, see `dragging`"""
+    """row of the motions that follow the present drag of the head; None: none, not positive: it has ended, see `sending`"""
     held_row: int | None = None
     """row of the button that is held; None: none, 0: the press was refused"""
     open_hold: int = 0

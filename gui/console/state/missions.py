@@ -7,10 +7,10 @@ from typing import Final
 
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import Action, Send, SendStop
-from gui.console.state.dragging import PAD, REASONS
 from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.memory import Memory, RequestRow
 from gui.console.state.pills import problem
+from gui.console.state.sending import PAD, REASONS
 from gui.console.state.views import BannerView, ButtonView
 from gui.console.state.world import PlanPhase, World, online
 

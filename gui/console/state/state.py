@@ -8,7 +8,6 @@ from gui.console.state import (
     class_page,
     commands,
     connecting,
-    dragging,
     eyes,
     gestures,
     history,
@@ -49,7 +48,6 @@ HANDLES: Handles = {
     **class_page.HANDLES,
     **commands.HANDLES,
     **connecting.HANDLES,
-    **dragging.HANDLES,
     **gestures.HANDLES,
     **holding.HANDLES,
     **leases.HANDLES,
@@ -153,7 +151,7 @@ class State:
         """Apply the outcome of an action to history, refusal and undo list."""
         row = self._memory.row(outcome.row)
         if row is not None:
-            dragging.note_refusal(self._memory, outcome)
+            sending.note_refusal(self._memory, outcome)
             refusals.record(self._memory, row, outcome)
             poses.note_accepted(self._memory, row, outcome)
             sequence.note(self._memory, row, outcome)
