@@ -25,7 +25,7 @@ from gui.console.state.actions import (
     StartSimulation,
     WatchMicrophones,
 )
-from gui.console.state.holding import AHEAD_S, ROTATIONS, jog_query
+from gui.console.state.arms import AHEAD_S, ROTATIONS, jog_query
 from gui.console.state.intents import Intent, Tab
 from gui.console.state.saved import Saved
 from gui.console.state.state import State

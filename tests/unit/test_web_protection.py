@@ -16,7 +16,7 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.link.jogging import BRAKE_S
 from gui.console.state import actions, intents
-from gui.console.state.holding import AHEAD_S, FASTEST_DEG_S, jog_query
+from gui.console.state.arms import AHEAD_S, FASTEST_DEG_S, jog_query
 from gui.page import connections, messages, protection
 from gui.page.handlers import FULL
 from gui.page.hub import DEAD_MAN_S

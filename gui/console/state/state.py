@@ -11,7 +11,6 @@ from gui.console.state import (
     eyes,
     gestures,
     history,
-    holding,
     intents,
     leases,
     missions,
@@ -49,7 +48,6 @@ HANDLES: Handles = {
     **commands.HANDLES,
     **connecting.HANDLES,
     **gestures.HANDLES,
-    **holding.HANDLES,
     **leases.HANDLES,
     **poses.HANDLES,
     **program.HANDLES,
@@ -119,7 +117,7 @@ class State:
         leases.follow(self._memory, world)
         sending.follow(self._memory, world)
         refusals.follow(self._memory, world)
-        holding.follow(self._memory, world)
+        arms.follow(self._memory, world)
         connecting.follow(self._memory, world)
         self._guide.follow(self._memory, world)
 
@@ -139,7 +137,7 @@ class State:
 
     def hold(self, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:
         """Add a motion that the face itself sends to the checked robots; return its row, or None if it is refused."""
-        row = self._memory.held_row = holding.begin(self._memory, world, query, control)
+        row = self._memory.held_row = arms.begin(self._memory, world, query, control)
         return row
 
     def leave(self) -> None:
