@@ -2,7 +2,7 @@
 
 `link` joins the parts. `jobs` runs what may wait, in queues. `connection` finds router and robots, and queries each robot. `moving` joins what
 moves robots: a `RequestQueue` for each robot sends the requests to that robot alone, `plans` sends the motions of both,
-and of `programs` the newest runs: it plays choreographies, or `face_program` follows a face. `governing` sends the
+and of `programs` the newest runs: it plays choreographies or follows a face. `governing` sends the
 teacher's lease queries, `stopping` STOP. `pictures` reads; `children` starts other programs.
 """
 

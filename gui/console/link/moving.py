@@ -19,7 +19,6 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, R
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
-from gui.console.link.face_program import FaceProgram, Following
 from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import (
     WindowError,
@@ -32,7 +31,7 @@ from gui.console.link.outcomes import (
     stopped,
 )
 from gui.console.link.plans import Plans
-from gui.console.link.programs import Playing, Programs
+from gui.console.link.programs import FaceProgram, Following, Playing, Programs
 from gui.console.state import actions
 from gui.console.state.actions import Outcome
 
