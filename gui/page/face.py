@@ -66,11 +66,6 @@ class Driver:
         """Record a heartbeat of the page, and clear `stopped`."""
         self.beat_s, self.stopped = time.monotonic(), False
 
-    @property
-    def busy(self) -> bool:
-        """Whether robots move, or are about to move, for the page."""
-        return self.link.busy
-
 
 class Face:
     """The state of one page; all methods run on the thread of the server's loop."""
@@ -265,7 +260,7 @@ class Face:
 
     def stop_moving(self) -> None:
         """Stop the robots if they move for this page, because the page is silent or hidden."""
-        if self.driver is not None and self.driver.busy:
+        if self.driver is not None and self.driver.link.busy:
             self.driver.stopped = True
             self.stop()
 

@@ -208,7 +208,7 @@ class Hub:
             silent_s = time.monotonic() - driver.beat_s
             if silent_s > GONE_S:
                 self.end_driver(page.face, "page.gone")
-            elif silent_s > DEAD_MAN_S and driver.busy and not driver.stopped:
+            elif silent_s > DEAD_MAN_S and driver.link.busy and not driver.stopped:
                 page.face.stop_moving()
                 page.face.notify("page.silent")
 

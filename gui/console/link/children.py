@@ -23,13 +23,7 @@ NO_ROBOT = exit_code(Reason.NO_ANSWER)
 """Exit code of a recorder that has received nothing from a robot."""
 SIMULATION, HARDWARE = "simulation", "hardware"
 """Titles of the nodes."""
-ENDED = {
-    "router": "trouble.router",
-    SIMULATION: "trouble.simulation",
-    HARDWARE: "trouble.hardware",
-    "viewer": "trouble.viewer",
-    "recorder": "trouble.recorder",
-}
+ENDED = {word: f"trouble.{word}" for word in ("router", SIMULATION, HARDWARE, "viewer", "recorder")}
 """Texts by the first word of a child's title."""
 LIST_S: Final = 15.0
 """Time limit of the child; a busy computer may need several seconds to start Python."""

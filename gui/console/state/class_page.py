@@ -188,6 +188,7 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
     place = (robot.robot, robot.side)
     named = f"{robot.robot} ({texts(f'sides.{robot.side}')})"
     frozen = status is not None and status.frozen
+    freeze = LeaseAction.UNFREEZE if frozen else LeaseAction.FREEZE
     remarks = _remarks(status, found, texts, limit_shown=limit_shown)
     if status is not None and (not world.class_robots or robot.robot in world.class_robots):
         missing = sorted(_muted(world) - {*status.muted})
@@ -209,7 +210,7 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
         ),
         condition=found.condition,
         details="\n".join(remarks),
-        freeze=_button("unfreeze" if frozen else "freeze", named, _freeze(place, frozen=frozen), texts),
+        freeze=_button("unfreeze" if frozen else "freeze", named, Govern(NEW, freeze, (place,)), texts),
         take=_take(status, place, world, named, texts),
         show=_button("show_robot", named, ChooseRobot(robot.robot), texts),
     )
@@ -244,10 +245,6 @@ def _driver(status: Status | None, world: World, texts: Texts) -> str:
         return ""
     holder = world.pupils.get(status.holder, status.holder)
     return texts("class.taken", holder=holder) if status.lease else holder
-
-
-def _freeze(place: tuple[str, str], *, frozen: bool) -> Govern:
-    return Govern(NEW, LeaseAction.UNFREEZE if frozen else LeaseAction.FREEZE, (place,))
 
 
 def _take(

@@ -317,8 +317,6 @@ def _other(request: Request, texts: Texts) -> str:
             text = _governed(request, texts)
         case Play() | FollowFace() | WriteFile() | CopyProgram():
             text = _of_files(request, texts)
-        case Send(query=query):
-            text = _motion(query, texts, undoes=False)
     return text
 
 

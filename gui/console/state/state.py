@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
+from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import (
     arms,
     class_page,
@@ -90,7 +91,7 @@ class State:
             guide=None if banner is not None else self._guide.view(memory, world),
             robots=tuple(sorted({*world.names, world.robot})),
             robot=world.robot,
-            pills=pills.pills(world, texts),
+            pills=tuple(pills.pill(world, side, texts) for side in SIDES),
             head=sending.head(memory, world),
             arms=arms.view(memory, world),
             sending=sending.view(memory, world),
