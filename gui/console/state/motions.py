@@ -7,8 +7,8 @@ from typing import Never
 
 from msgspec import structs
 
-from beatrix_zenoh.client.degrees import ArmAngles, motion_query, pose_query
-from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
+from beatrix_zenoh.client.degrees import ArmAngles, head_angles, motion_query, pose_query
+from beatrix_zenoh.contract._generated.messages import Head, MotionQuery, PoseQuery
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state.actions import NEW, Action, AskLease, FollowFace, Govern, Play, Send
 from gui.console.state.intents import HeadOrientation, Intent
@@ -74,6 +74,11 @@ def _send(
         memory.refusal = Refusal(control, reason=error.reason, message=error.message, detail=error.detail)
         return []
     return begin(memory, world, request, control, undoes)
+
+
+def head_of(query: PoseQuery) -> HeadOrientation:
+    """Return the goal of a motion of the head (deg)."""
+    return HeadOrientation(*head_angles(Head(query.yaw, query.pitch, query.roll)))
 
 
 def lead_of(memory: Memory, sides: tuple[str, ...]) -> float:

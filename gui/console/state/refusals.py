@@ -11,14 +11,13 @@ from typing import Final
 import msgspec
 
 from beatrix_zenoh.client import Presence
-from beatrix_zenoh.client.degrees import arm_angles, head_angles, motion_query
+from beatrix_zenoh.client.degrees import arm_angles, motion_query
 from beatrix_zenoh.client.motion_file import COLUMNS, HEAD, SPEED, TIME, WrongLine
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Command,
     Detail,
     Fault,
-    Head,
     LeaseAction,
     MotionQuery,
     PoseQuery,
@@ -33,13 +32,12 @@ from gui.console.state.intents import (
     AimHead,
     Choose,
     DismissRefusal,
-    HeadOrientation,
     Intent,
     SetDuration,
     TakeAlternative,
 )
 from gui.console.state.memory import Memory, Refusal, RequestRow, unreachable
-from gui.console.state.motions import Handles, again, begin
+from gui.console.state.motions import Handles, again, begin, head_of
 from gui.console.state.pills import BRING_BACK, MAKE_READY, NEXT_STEPS, WAIT
 from gui.console.state.views import ButtonView, RefusalView
 from gui.console.state.world import SERVING, LinkPhase, World, apart, commanded, online
@@ -159,9 +157,8 @@ def hide_answered(memory: Memory, intent: Intent) -> None:
     refusal = memory.refusal
     if refusal is None:
         return
-    dragged = (
-        memory.live_row is not None and memory.live_row < 0
-    )  # the refusal of Live stays until the release
+    # The refusal of Live stays until the release.
+    dragged = memory.live_row is not None and memory.live_row < 0
     aimed = isinstance(intent, AimHead) and refusal.control == "head" and not dragged
     if aimed or (isinstance(intent, Choose) and intent.name in MODES and refusal.key):
         memory.refusal = None
@@ -183,13 +180,8 @@ def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> 
         if unreachable(memory, world, memory.choices.sides, refusal.control):
             return []
         if refusal.control == "head":
-            query = request.query
-            head = (
-                head_angles(Head(query.yaw, query.pitch, query.roll))
-                if isinstance(query, PoseQuery)
-                else None
-            )
-            memory.choices = msgspec.structs.replace(memory.choices, target=head and HeadOrientation(*head))
+            head = head_of(request.query) if isinstance(request.query, PoseQuery) else None
+            memory.choices = msgspec.structs.replace(memory.choices, target=head)
         return begin(memory, world, again(memory, request), refusal.control)
     actions: list[Action] = []
     next_step, target = next_step_of(refusal), memory.choices.target
@@ -198,9 +190,8 @@ def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> 
             return actions
         step = _next_step_request(next_step, side, memory, world)
         actions += [] if step is None else begin(memory, world, step, refusal.control)
-    memory.choices = msgspec.structs.replace(
-        memory.choices, target=target
-    )  # it was refused, so the user will send it again
+    # The target was refused, so the user will send it again.
+    memory.choices = msgspec.structs.replace(memory.choices, target=target)
     return actions
 
 
@@ -295,7 +286,7 @@ def _alternative_text(request: Send, refusal: Refusal, texts: Texts) -> str:
             "alternative.speed", speed=math.degrees(min(other.speed.x, other.speed.y, other.speed.z))
         )
     if isinstance(query, PoseQuery):
-        head = head_angles(Head(query.yaw, query.pitch, query.roll))
+        head = head_of(query)
         return texts("alternative.head", yaw=head.yaw, pitch=head.pitch, roll=head.roll)
     arms = arm_angles(query.position)
     return texts("alternative.arms", short=arms.short, middle=arms.middle, long=arms.long)

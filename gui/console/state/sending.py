@@ -10,8 +10,8 @@ from functools import cache
 from msgspec import structs
 
 from beatrix_zenoh.client.degrees import Path as MotionPath
-from beatrix_zenoh.client.degrees import Reading, head_angles, pose_query
-from beatrix_zenoh.contract._generated.messages import Head, PoseQuery, Reason
+from beatrix_zenoh.client.degrees import Reading, pose_query
+from beatrix_zenoh.contract._generated.messages import PoseQuery, Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.limits.region import border, reach
 from gui.console.state import gestures, motions, refusals
@@ -250,7 +250,7 @@ def _of_both(request: Action) -> bool:
 
 def _goal(query: object, path: MotionPath | None) -> HeadOrientation | None:
     if isinstance(query, PoseQuery) and query.absolute:
-        return HeadOrientation(*head_angles(Head(query.yaw, query.pitch, query.roll)))
+        return motions.head_of(query)
     return HeadOrientation(*path.head[-1]) if path is not None and path.head else None
 
 
@@ -268,7 +268,7 @@ def _drag(memory: Memory, tilt_max: float, gap_min: float) -> DragView:
     request = None if refusal is None or refusal.control != PAD else refusal.request
     if refusal is not None and isinstance(request, Send) and isinstance(request.query, PoseQuery):
         query = request.query
-        refused = HeadOrientation(*head_angles(Head(query.yaw, query.pitch, query.roll)))
+        refused = motions.head_of(query)
         reason = choices.texts(REASONS.get(refusal.reason, "refused.other"))
     return DragView(choices.live, limits, refused, reason)
 
