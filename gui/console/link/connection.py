@@ -1,4 +1,4 @@
-"""The session of the window: opened when the router answers, and kept while the router is lost and returns."""
+"""The session of the window, kept while the router is lost and returns, and the queries that measure each robot."""
 
 from __future__ import annotations
 
