@@ -13,8 +13,7 @@ os.environ["QT_QPA_PLATFORM"] = "offscreen"
 from PyQt5.QtTest import QTest
 
 from gui.console.link.connection import absent
-from gui.console.state.intents import Theme
-from gui.console.state.orientation import HeadOrientation
+from gui.console.state.intents import HeadOrientation, Theme
 from gui.console.state.state import State
 from gui.console.state.views import HeadView
 from gui.console.state.world import LinkPhase, World

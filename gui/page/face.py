@@ -15,7 +15,7 @@ from beatrix_zenoh.contract.names import SIDES
 from gui.console.link import Link
 from gui.console.link.jogging import Press
 from gui.console.link.moving import robots_of
-from gui.console.state import class_page, intents, projector
+from gui.console.state import class_page, intents
 from gui.console.state.actions import (
     Action,
     AskLease,
@@ -25,13 +25,12 @@ from gui.console.state.actions import (
     StartSimulation,
     WatchMicrophones,
 )
-from gui.console.state.holding import AHEAD_S, ROTATIONS, jog_query
+from gui.console.state.arms import AHEAD_S, ROTATIONS, jog_query
 from gui.console.state.intents import Intent, Tab
-from gui.console.state.presence import online
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.console.state.views import BannerView, ButtonView, PillView, View
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.world import LinkPhase, World, online
 from gui.console.texts import Texts, load
 from gui.page.messages import DRIVING, OWN, ButtonHeld
 
@@ -66,11 +65,6 @@ class Driver:
     def beat(self) -> None:
         """Record a heartbeat of the page, and clear `stopped`."""
         self.beat_s, self.stopped = time.monotonic(), False
-
-    @property
-    def busy(self) -> bool:
-        """Whether robots move, or are about to move, for the page."""
-        return self.link.busy
 
 
 class Face:
@@ -171,7 +165,7 @@ class Face:
             "eyes": self._eyes(view, world),
             "sound": view.sound,
             "class": [{"cells": row.cells, "robot": row.place[0]} for row in rows],
-            "projector": projector.view(world, texts) if self.shows_class else None,
+            "projector": class_page.projector(world, texts) if self.shows_class else None,
             "banner": _banner(view, world),
             "pills": [_pill(pill) for pill in view.pills],
             "head": replace(view.head, path=()),
@@ -266,7 +260,7 @@ class Face:
 
     def stop_moving(self) -> None:
         """Stop the robots if they move for this page, because the page is silent or hidden."""
-        if self.driver is not None and self.driver.busy:
+        if self.driver is not None and self.driver.link.busy:
             self.driver.stopped = True
             self.stop()
 

@@ -22,8 +22,7 @@ from beatrix_zenoh.contract._generated.messages import Source
 from beatrix_zenoh.settings import Settings
 from gui.console.link import Link
 from gui.console.link.governing import ClassStates
-from gui.console.link.levels import Level, LevelStream
-from gui.console.link.pictures import CameraStream
+from gui.console.link.pictures import CameraStream, Level, LevelStream
 from gui.console.link.stopping import send_stop
 from gui.console.state.actions import Outcome, SendStop
 from gui.page.face import Driver, Face
@@ -209,7 +208,7 @@ class Hub:
             silent_s = time.monotonic() - driver.beat_s
             if silent_s > GONE_S:
                 self.end_driver(page.face, "page.gone")
-            elif silent_s > DEAD_MAN_S and driver.busy and not driver.stopped:
+            elif silent_s > DEAD_MAN_S and driver.link.busy and not driver.stopped:
                 page.face.stop_moving()
                 page.face.notify("page.silent")
 

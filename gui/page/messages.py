@@ -10,9 +10,8 @@ from msgspec import Meta
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, intents
-from gui.console.state.choices import Choices, changed
-from gui.console.state.saved import Saved
-from gui.console.state.sequence_intents import SetDuration
+from gui.console.state.intents import SetDuration
+from gui.console.state.saved import Choices, Saved, changed
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
 Press = Annotated[int, Meta(ge=1, le=2**53)]

@@ -16,9 +16,9 @@ from pytestqt.qtbot import QtBot
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import gestures
 from gui.console.state.actions import NEW, CopyProgram, FollowFace, Play
-from gui.console.state.choices import Choices
 from gui.console.state.intents import Intent, Theme
 from gui.console.state.memory import Memory
+from gui.console.state.saved import Choices
 from gui.console.state.world import FaceProgress
 from gui.console.texts import Texts
 from gui.window.theme import apply_theme, style_of

@@ -22,8 +22,7 @@ from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.scene import Screen, Viewpoint, draw, hull
 from beatrix_zenoh.client.degrees import HeadAngles
 from gui.console.state import intents
-from gui.console.state.intents import AimHead, Choose, Intent, LiveHead, ReleaseHead
-from gui.console.state.orientation import HeadOrientation
+from gui.console.state.intents import AimHead, Choose, HeadOrientation, Intent, LiveHead, ReleaseHead
 from gui.console.state.state import State
 from gui.console.state.world import World
 from gui.console.texts import Texts

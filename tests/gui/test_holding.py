@@ -16,7 +16,7 @@ from PyQt5.QtWidgets import QApplication
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import MotionQuery
 from gui.console.state.actions import Hold, Outcome, Release
-from gui.console.state.holding import AHEAD_S, FASTEST_DEG_S, HoldArm, ReleaseArm, jog_query
+from gui.console.state.arms import AHEAD_S, FASTEST_DEG_S, HoldArm, ReleaseArm, jog_query
 from gui.console.state.intents import Choose, Stop
 from gui.console.state.state import State
 from gui.window.widgets.arms import HoldButton

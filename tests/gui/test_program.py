@@ -21,10 +21,9 @@ from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.contract._generated.messages import Command, Reason
 from gui.console.state import intents
 from gui.console.state.actions import MakeReady, Outcome, Play, WriteFile
-from gui.console.state.intents import AimHead, Intent, Jog, RunCommand, SendHead
+from gui.console.state.intents import AimHead, Intent, Jog, PlaySequence, RunCommand, SendHead
 from gui.console.state.program import SaveProgram
 from gui.console.state.saved import Saved, SavedPose
-from gui.console.state.sequence_intents import PlaySequence
 from gui.console.state.state import State
 from gui.window.window import Window
 

@@ -13,7 +13,7 @@ import pytest
 from browser import Browser
 from gui_views import turns
 
-from gui.console.state import projector
+from gui.console.state import class_page
 from gui.console.texts import LANGUAGES, Texts
 from gui.page.server import STATIC
 
@@ -67,7 +67,7 @@ def show(
 ) -> list[dict[str, Any]]:
     """Return the robots with the places, sizes and texts of their parts."""
     page.resize(*size)
-    view = {"language": language, "projector": projector.view(turns(count, long=long), Texts(language))}
+    view = {"language": language, "projector": class_page.projector(turns(count, long=long), Texts(language))}
     page.run(f"receive({msgspec.json.encode(view).decode()})")
     measured: list[dict[str, Any]] = page.run(MEASURED)
     assert len(measured) == count

@@ -11,8 +11,7 @@ from PyQt5.QtCore import QPointF
 from PyQt5.QtGui import QColor
 from pytestqt.qtbot import QtBot
 
-from gui.console.state.intents import Theme
-from gui.console.state.orientation import HeadOrientation
+from gui.console.state.intents import HeadOrientation, Theme
 from gui.console.texts import LANGUAGES, Texts
 from gui.window.theme import style_of
 from gui.window.widgets.head_pad import RING, HeadPad

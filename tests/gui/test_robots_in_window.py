@@ -12,8 +12,7 @@ from robots import Stage
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract.names import ARMS
-from gui.console.state.intents import AimHead
-from gui.console.state.orientation import HeadOrientation
+from gui.console.state.intents import AimHead, HeadOrientation
 from gui.window.widgets.head3d import Head3d
 from gui.window.widgets.head3d_drag import SKULL, on_screen
 

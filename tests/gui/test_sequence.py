@@ -18,19 +18,23 @@ from beatrix_zenoh.contract.refusals import not_enabled
 from beatrix_zenoh.motion.trajectory import plan, shortest_s, speed_for
 from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Outcome, Play
-from gui.console.state.intents import AimHead, Choose, DeletePose, Intent, SavePose
-from gui.console.state.saved import Saved, SavedPose
-from gui.console.state.sequence import POSES_MAX, changed
-from gui.console.state.sequence_intents import (
+from gui.console.state.intents import (
     AddPose,
+    AimHead,
+    Choose,
+    DeletePose,
     DuplicatePose,
+    Intent,
     MovePose,
     PlaySequence,
     RenamePose,
+    SavePose,
     SaveSequence,
     SetDuration,
     UndoSequence,
 )
+from gui.console.state.saved import Saved, SavedPose
+from gui.console.state.sequence import changed
 from gui.console.state.sequence_timing import HOME, Pace, comfortable, timed, too_short
 from gui.console.state.state import State
 from gui.console.state.world import World

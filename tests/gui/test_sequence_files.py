@@ -11,10 +11,9 @@ from gui_worlds import world
 from beatrix_zenoh.client.choreography import ArmPose, choreography
 from beatrix_zenoh.client.motion_file import parse
 from gui.console.state.actions import WriteFile
-from gui.console.state.intents import Choose, DeletePose
+from gui.console.state.intents import Choose, DeletePose, OpenSequence, SaveSequence
 from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.sequence import POSES_MAX
-from gui.console.state.sequence_intents import OpenSequence, SaveSequence
 from gui.console.state.state import State
 from gui.console.state.world import World
 

@@ -13,15 +13,18 @@ from PyQt5.QtTest import QTest
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink, WatchedState
 
-from gui.console.state.intents import AimHead, Choose, DeletePose, Intent
-from gui.console.state.saved import Saved, SavedPose
-from gui.console.state.sequence_intents import (
+from gui.console.state.intents import (
+    AimHead,
+    Choose,
+    DeletePose,
+    Intent,
     MovePose,
     OpenSequence,
     SaveSequence,
     SetDuration,
     UndoSequence,
 )
+from gui.console.state.saved import Saved, SavedPose
 from gui.window.widgets.strip import Strip
 from gui.window.window import Window
 

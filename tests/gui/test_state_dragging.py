@@ -14,10 +14,10 @@ from gui.console.state.intents import (
     AimHead,
     Choose,
     GrabHead,
+    HeadOrientation,
     LiveHead,
     ReleaseHead,
 )
-from gui.console.state.orientation import HeadOrientation
 from gui.console.state.state import State
 
 LIVE = Choose("live", value=True)

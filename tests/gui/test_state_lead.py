@@ -15,8 +15,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import intents
 from gui.console.state.actions import Abort, Outcome, SendNow
-from gui.console.state.intents import Choose, Jog
-from gui.console.state.orientation import HeadOrientation
+from gui.console.state.intents import Choose, HeadOrientation, Jog
 from gui.console.state.world import PlanPhase
 
 

@@ -52,19 +52,23 @@ from gui.console.state.actions import (
     WriteFile,
 )
 from gui.console.state.connecting import CloseConnect
-from gui.console.state.intents import ALL_ARMS, Intent, Tab, Theme, WindowPage
-from gui.console.state.program import SaveProgram
-from gui.console.state.sequence_intents import (
+from gui.console.state.intents import (
+    ALL_ARMS,
     AddPose,
     DuplicatePose,
+    Intent,
     MovePose,
     OpenSequence,
     PlaySequence,
     RenamePose,
     SaveSequence,
     SetDuration,
+    Tab,
+    Theme,
     UndoSequence,
+    WindowPage,
 )
+from gui.console.state.program import SaveProgram
 from gui.console.state.state import State
 from gui.console.state.world import (
     LinkPhase,

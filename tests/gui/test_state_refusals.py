@@ -29,7 +29,7 @@ from beatrix_zenoh.contract.refusals import (
 )
 from gui.console.state import intents
 from gui.console.state.actions import Abort, Action, AskLease, MakeReady, Outcome, Play, SendCommand
-from gui.console.state.holding import AHEAD_S, jog_query
+from gui.console.state.arms import AHEAD_S, jog_query
 from gui.console.state.intents import Jog
 from gui.console.state.state import State
 from gui.console.state.world import PlanPhase

@@ -16,7 +16,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.link.outcomes import WindowError, failed
 from gui.console.state import intents
-from gui.console.state.holding import ROTATIONS
+from gui.console.state.arms import ROTATIONS
 from gui.console.texts import LANGUAGES, Texts, load
 
 GUI = Path(__file__).resolve().parents[2] / "gui"

@@ -24,6 +24,7 @@ from recording_link import RecordingLink, ShownState
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state.actions import Abort, BeginRecording, EndRecording, SendNow
 from gui.console.state.intents import (
+    AddPose,
     AimHead,
     Change,
     Choose,
@@ -31,6 +32,7 @@ from gui.console.state.intents import (
     DismissRefusal,
     Intent,
     Jog,
+    PlaySequence,
     Repeat,
     RunCommand,
     SendHead,
@@ -38,7 +40,6 @@ from gui.console.state.intents import (
     Theme,
     Undo,
 )
-from gui.console.state.sequence_intents import AddPose, PlaySequence
 from gui.console.state.views import ButtonView, RecordView
 from gui.window.widgets.head3d_drag import EARS, SKULL, on_screen
 from gui.window.widgets.head_pad import HeadPad

@@ -11,8 +11,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QFileDialog, QLineEdit
 from pytestqt.qtbot import QtBot
 
-from gui.console.state.intents import Intent, SavePose, Stop
-from gui.console.state.sequence_intents import SaveSequence
+from gui.console.state.intents import Intent, SavePose, SaveSequence, Stop
 from gui.window.widgets.files import FORBIDDEN, FileDialog
 from gui.window.window import Window
 

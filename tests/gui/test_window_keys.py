@@ -18,8 +18,17 @@ from recording_link import RecordingLink
 
 from gui.console.state.actions import BeginRecording, LookForPorts, Send, SendStop
 from gui.console.state.connecting import CloseConnect
-from gui.console.state.intents import AimHead, EmergencyStop, Intent, Jog, SavePose, SendHead, Stop, Undo
-from gui.console.state.sequence_intents import RenamePose
+from gui.console.state.intents import (
+    AimHead,
+    EmergencyStop,
+    Intent,
+    Jog,
+    RenamePose,
+    SavePose,
+    SendHead,
+    Stop,
+    Undo,
+)
 from gui.console.state.world import PlanPhase
 from gui.window.window import Window
 

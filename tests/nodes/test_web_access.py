@@ -18,7 +18,7 @@ from web_client import PIN, WebClient, serving
 from beatrix_zenoh.recording.viewer import free_port
 from gui.page import app as web
 from gui.page import server
-from gui.page.connections import ADDRESS_FULL, ADDRESS_MAX, REFUSED_MAX
+from gui.page.server import ADDRESS_FULL, ADDRESS_MAX, REFUSED_MAX
 
 FLOOD = ADDRESS_MAX + 2 * REFUSED_MAX
 

@@ -16,8 +16,8 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.link.jogging import BRAKE_S
 from gui.console.state import actions, intents
-from gui.console.state.holding import AHEAD_S, FASTEST_DEG_S, jog_query
-from gui.page import connections, messages, protection
+from gui.console.state.arms import AHEAD_S, FASTEST_DEG_S, jog_query
+from gui.page import messages, protection, server
 from gui.page.handlers import FULL
 from gui.page.hub import DEAD_MAN_S
 from gui.page.protection import Attempts, Login, Visitors
@@ -47,21 +47,21 @@ def test_only_the_address_of_the_connection_is_allowed_as_host(
 
 
 def test_connections_are_limited_in_total_and_for_each_address() -> None:
-    most, all_of_them = connections.ADDRESS_MAX, connections.CONNECTIONS_MAX
-    assert connections.refused(["a"] * (most - 1), "a") == ""
-    assert connections.refused(["a"] * most, "a") == connections.ADDRESS_FULL
-    assert connections.refused(["a"] * most, "b") == ""
+    most, all_of_them = server.ADDRESS_MAX, server.CONNECTIONS_MAX
+    assert server.refused(["a"] * (most - 1), "a") == ""
+    assert server.refused(["a"] * most, "a") == server.ADDRESS_FULL
+    assert server.refused(["a"] * most, "b") == ""
     several = [str(number) for number in range(all_of_them)]
-    assert connections.refused(several[1:], "new") == ""
-    assert connections.refused(several, "new") == connections.FULL
+    assert server.refused(several[1:], "new") == ""
+    assert server.refused(several, "new") == server.FULL
 
 
 def test_the_log_has_at_most_one_line_in_ten_seconds() -> None:
     now_s = 5.0
-    brief = connections.Brief(lambda: now_s)
+    brief = server.Brief(lambda: now_s)
     record = logging.LogRecord("tornado", logging.WARNING, "", 0, "403 %s", ("POST",), None)
     assert [brief.filter(record) for _ in range(3)] == [True, False, False]
-    now_s += connections.LOG_S
+    now_s += server.LOG_S
     assert brief.filter(record)
     same("web protection.the log has at most one line in ten seconds", record.getMessage())
 

@@ -9,27 +9,25 @@ import time
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
+from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.output import exit_code
 from beatrix_zenoh.processes import POLL_S, READY_S, Child, Supervisor, in_words, start_router
 from gui.console.link.jobs import Jobs
-from gui.console.state.world import RecordingProgress, Trouble
+from gui.console.state.world import RecordingProgress, Trouble, UsbPort
 
 FOLDER = "recordings"
 NO_ROBOT = exit_code(Reason.NO_ANSWER)
 """Exit code of a recorder that has received nothing from a robot."""
 SIMULATION, HARDWARE = "simulation", "hardware"
 """Titles of the nodes."""
-ENDED = {
-    "router": "trouble.router",
-    SIMULATION: "trouble.simulation",
-    HARDWARE: "trouble.hardware",
-    "viewer": "trouble.viewer",
-    "recorder": "trouble.recorder",
-}
+ENDED = {word: f"trouble.{word}" for word in ("router", SIMULATION, HARDWARE, "viewer", "recorder")}
 """Texts by the first word of a child's title."""
+LIST_S: Final = 15.0
+"""Time limit of the child; a busy computer may need several seconds to start Python."""
+END_S: Final = 1.0
 
 
 class Children:
@@ -232,3 +230,42 @@ def folder() -> Path:
     here = Path.cwd()
     root = here if os.access(here, os.W_OK) else Path.home() / "Documents"
     return root / FOLDER
+
+
+class Ports:
+    """Lists the ports."""
+
+    def __init__(self, jobs: Jobs) -> None:
+        self._jobs = jobs
+        self._closed = False
+        self.newest: tuple[UsbPort, ...] | None = None
+        """the ports found last; None: not known yet"""
+
+    def look(self) -> None:
+        """List the ports anew; returns at once."""
+        self.newest = None
+        self._jobs.put("ports", self._look)
+
+    def _look(self) -> None:
+        processes = Supervisor()
+        try:
+            child = processes.start("ports", "hw", "--ports")
+            deadline_s = time.monotonic() + LIST_S
+            while child.code is None and not self._closed and time.monotonic() < deadline_s:
+                time.sleep(POLL_S)
+            self.newest = parsed(child.lines()) if child.code == 0 else ()
+        except (BeatrixError, OSError):
+            self.newest = ()
+        finally:
+            processes.end_all(time.monotonic() + END_S)
+
+    def close(self) -> None:
+        """End the child soon."""
+        self._closed = True
+
+
+def parsed(lines: list[str]) -> tuple[UsbPort, ...]:
+    """Return the ports of the output of `beatrix hw --ports`, boards first."""
+    rows = [line.split("\t") for line in lines if line.count("\t") == 2]
+    ports = [UsbPort(device, title, board=kind == "board") for kind, device, title in rows]
+    return tuple(sorted(ports, key=lambda port: not port.board))

@@ -15,7 +15,7 @@ from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import accepted, done, failed
 from gui.console.state.actions import Outcome
-from gui.console.state.holding import AHEAD_S, jog_query
+from gui.console.state.arms import AHEAD_S, jog_query
 
 BRAKE_S: Final = 0.12
 """Like AHEAD_S, for the last goal of a jog: an arm at 40 deg/s needs 0.11 s to come to rest."""

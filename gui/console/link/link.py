@@ -14,18 +14,14 @@ from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
-from gui.console.link.children import HARDWARE, SIMULATION, Children, Recordings
-from gui.console.link.connection import Connection, Session
-from gui.console.link.governing import ClassStates, send_govern
+from gui.console.link.children import HARDWARE, SIMULATION, Children, Ports, Recordings
+from gui.console.link.connection import Connection, Probe, Session
+from gui.console.link.governing import ClassStates, LessonReports, send_govern
 from gui.console.link.jobs import Jobs
 from gui.console.link.jogging import Jogging, Press
-from gui.console.link.lesson_reports import LessonReports
-from gui.console.link.levels import Levels
 from gui.console.link.moving import Moving, Request, robots_of
 from gui.console.link.outcomes import WindowError, done, failed
-from gui.console.link.pictures import OnImage, cameras
-from gui.console.link.ports import Ports
-from gui.console.link.probe import Probe
+from gui.console.link.pictures import Levels, OnImage, cameras
 from gui.console.link.routers import Routers, own_account
 from gui.console.link.stopping import send_stop
 from gui.console.state.actions import (

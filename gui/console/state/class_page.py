@@ -1,4 +1,4 @@
-"""The page of the class: all robots and seats at the router, and the requests of the teacher to several robots."""
+"""The page of the class and its projector: all robots and seats, and the requests of the teacher to several robots."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from beatrix_zenoh.client.monitor import SeatStops, stops_by_seat
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
-from gui.console.state import connecting, history, leases, lessons, pills, refusals, sound
+from gui.console.state import connecting, history, leases, lessons, pills, refusals
 from gui.console.state.actions import (
     NEW,
     Action,
@@ -27,13 +27,20 @@ from gui.console.state.actions import (
     WatchClass,
     WatchMicrophones,
 )
-from gui.console.state.eyes import wanted
+from gui.console.state.eyes import microphones, wanted
 from gui.console.state.intents import Intent, LimitClass, TogglePage, WindowPage
 from gui.console.state.leases import limit_text
-from gui.console.state.memory import Memory
+from gui.console.state.memory import Memory, offline
 from gui.console.state.motions import Handles, begin
-from gui.console.state.presence import offline
-from gui.console.state.views import ButtonView, ClassRowView, ClassView, Condition, SeatView
+from gui.console.state.views import (
+    ButtonView,
+    ClassRowView,
+    ClassView,
+    Condition,
+    ProjectorRowView,
+    ProjectorView,
+    SeatView,
+)
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 
@@ -42,6 +49,12 @@ STOPS_SHOWN: Final = 8
 """Largest number of seats whose STOPs are shown."""
 SEATS_NAMED: Final = 12
 """Largest number of seats that the summary names; more would take the room of the lists, which name them, too."""
+NEXT: Final = 3
+"""Largest number of waiting seats that a row names; more would not be legible from the last row."""
+NEXT_CHARACTERS: Final = 24
+"""Room for their names (characters) where a robot is as wide and as high as the screen, or both as a part of it."""
+COLUMNS: Final = (2, 8, 15, 24)
+"""Largest number of robots in one column, in two columns, and so on; still more are shown in one column more."""
 
 
 def view(memory: Memory, world: World) -> ClassView | None:
@@ -175,6 +188,7 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
     place = (robot.robot, robot.side)
     named = f"{robot.robot} ({texts(f'sides.{robot.side}')})"
     frozen = status is not None and status.frozen
+    freeze = LeaseAction.UNFREEZE if frozen else LeaseAction.FREEZE
     remarks = _remarks(status, found, texts, limit_shown=limit_shown)
     if status is not None and (not world.class_robots or robot.robot in world.class_robots):
         missing = sorted(_muted(world) - {*status.muted})
@@ -196,7 +210,7 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
         ),
         condition=found.condition,
         details="\n".join(remarks),
-        freeze=_button("unfreeze" if frozen else "freeze", named, _freeze(place, frozen=frozen), texts),
+        freeze=_button("unfreeze" if frozen else "freeze", named, Govern(NEW, freeze, (place,)), texts),
         take=_take(status, place, world, named, texts),
         show=_button("show_robot", named, ChooseRobot(robot.robot), texts),
     )
@@ -233,10 +247,6 @@ def _driver(status: Status | None, world: World, texts: Texts) -> str:
     return texts("class.taken", holder=holder) if status.lease else holder
 
 
-def _freeze(place: tuple[str, str], *, frozen: bool) -> Govern:
-    return Govern(NEW, LeaseAction.UNFREEZE if frozen else LeaseAction.FREEZE, (place,))
-
-
 def _take(
     status: Status | None, place: tuple[str, str], world: World, named: str, texts: Texts
 ) -> ButtonView:
@@ -263,7 +273,7 @@ def show(memory: Memory, page: WindowPage) -> list[Action]:
     if page is memory.choices.page:
         return []
     memory.choices = structs.replace(memory.choices, page=page)
-    listens = [WatchMicrophones(sound.wanted(memory.choices))] if memory.choices.microphones else []
+    listens = [WatchMicrophones(microphones(memory.choices))] if memory.choices.microphones else []
     return [WatchClass(page is WindowPage.CLASS), WatchCameras(wanted(memory.choices)), *listens]
 
 
@@ -300,6 +310,51 @@ def choose_robot(memory: Memory, world: World, intent: ChooseRobot) -> list[Acti
         memory.undo = ()  # the angles in it belong to the previous robot
         given_back = leases.give_back_all(memory, world)
     return [*show(memory, WindowPage.ROBOT), *given_back, intent]
+
+
+def projector(world: World, texts: Texts) -> ProjectorView:
+    """Return the class as a projector shows it: the seat that drives each robot, the time left, and the next seats.
+
+    It has rows only while the link reads the robots of the class.
+    """
+    count = len(world.robots)
+    columns = 1 + sum(count > most for most in COLUMNS)
+    lines = max(1, -(-count // columns))
+    one_side = len({robot.side for robot in world.robots}) == 1
+    rows = []
+    for robot in world.robots:
+        side = "" if one_side else f"({texts(f'sides.{robot.side}')})"
+        rows.append(_projector_row(robot, side, world, texts, NEXT_CHARACTERS * lines // columns))
+    return ProjectorView(
+        tuple(rows), columns, lines, "" if rows else _empty(world, texts), texts("projector.stop")
+    )
+
+
+def _projector_row(robot: RobotState, side: str, world: World, texts: Texts, room: int) -> ProjectorRowView:
+    status = robot.status
+    found = pills.problem(robot, texts)
+    if status is None or (found is not None and found.condition is Condition.SILENT):
+        return ProjectorRowView(robot.robot, side, "", "", "", texts("condition.silent"))
+    state = texts("condition.frozen_short") if status.frozen else "" if found is None else found.text
+    return ProjectorRowView(
+        robot=robot.robot,
+        side=side,
+        driver=world.pupils.get(status.holder, status.holder) or texts("projector.free"),
+        left=texts("class.turn_left", seconds=float(status.turn_s)) if status.turn_s else "",
+        waiting=_waiting([world.pupils.get(seat, seat) for seat in status.waiting], room, texts),
+        state=state,
+    )
+
+
+def _waiting(names: list[str], room: int, texts: Texts) -> str:
+    """Return the first names of a queue, as many as fit into `room` characters, and the number of the others."""
+    shown = names[:NEXT]
+    while len(shown) > 1 and len(", ".join(shown)) > room:
+        shown.pop()
+    if not shown:
+        return ""
+    more = texts("projector.more", count=float(len(names) - len(shown))) if len(names) > len(shown) else ""
+    return texts("projector.next", seats=", ".join(shown) + more)
 
 
 HANDLES: Handles = {

@@ -12,9 +12,8 @@ from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state.actions import POSES, AskLease, MakeReady, Play, Send, SendCommand, SendStop
 from gui.console.state.memory import Request
-from gui.console.state.presence import online
 from gui.console.state.views import CodeLine
-from gui.console.state.world import World
+from gui.console.state.world import World, online
 
 VERBS = {
     Command.ENABLE: "enable",

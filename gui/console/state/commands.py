@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from beatrix_zenoh.contract._generated.messages import Command
-from gui.console.state import dragging, refusals, sequence
+from gui.console.state import refusals, sending, sequence
 from gui.console.state.actions import (
     Action,
     BeginRecording,
@@ -19,10 +19,9 @@ from gui.console.state.actions import (
     WriteFile,
 )
 from gui.console.state.intents import EmergencyStop, Intent, Repeat, RunCommand, Stop, Undo, WindowPage
-from gui.console.state.memory import Memory
+from gui.console.state.memory import Memory, unreachable
 from gui.console.state.motions import Handles, again, begin, pass_on, send_arms
 from gui.console.state.poses import way_back
-from gui.console.state.presence import unreachable
 from gui.console.state.views import ButtonView, CommandsView, RecordView
 from gui.console.state.world import LinkPhase, World
 
@@ -79,7 +78,7 @@ def _undo(memory: Memory) -> ButtonView:
 
 def stop(memory: Memory, world: World, intent: Stop | EmergencyStop) -> list[Action]:
     """Return the action that stops both robots, or on the page *Class* all robots, even if none is online."""
-    memory.live_row = dragging.STOPPED
+    memory.live_row = sending.STOPPED
     memory.mark_dropped()
     everywhere = memory.choices.page is WindowPage.CLASS
     request = SendStop(memory.next_row(), everywhere, isinstance(intent, EmergencyStop))

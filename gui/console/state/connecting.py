@@ -21,9 +21,8 @@ from gui.console.state.actions import (
 from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory
 from gui.console.state.motions import Handles, pass_on
-from gui.console.state.presence import online
 from gui.console.state.views import ButtonView, ConnectView, RouterView
-from gui.console.state.world import LinkPhase, OwnAccount, UsbPort, World
+from gui.console.state.world import LinkPhase, OwnAccount, UsbPort, World, online
 from gui.console.texts import Texts
 
 VIRTUAL: Final = "virtual:"

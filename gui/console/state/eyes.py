@@ -1,4 +1,4 @@
-"""The pictures: subscriptions, titles, and the reason for a missing picture."""
+"""The pictures and the levels of the microphones: subscriptions, titles, and why one is missing."""
 
 from __future__ import annotations
 
@@ -6,18 +6,19 @@ from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import CameraStatus
 from beatrix_zenoh.contract.names import EYES, SIDES
-from gui.console.state.actions import Action, WatchCameras
-from gui.console.state.choices import Choices
+from gui.console.state.actions import Action, WatchCameras, WatchMicrophones
 from gui.console.state.intents import Choose, Tab, WindowPage
 from gui.console.state.memory import Memory
-from gui.console.state.presence import online, silent
-from gui.console.state.views import EyeView
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.saved import Choices
+from gui.console.state.views import EyeView, LevelView, SoundView
+from gui.console.state.world import LinkPhase, World, online, silent
 from gui.console.texts import DEFAULT_LANGUAGE, Texts
 
 SHOWN: Final = tuple((side, eye) for side in SIDES for eye in EYES)
 """Twin and eye of each picture of the window."""
 TITLES: Final = {"left": "eye.title_left", "right": "eye.title_right"}
+QUIETEST_DB: Final = -80.0
+"""Level at which a bar is empty; at 0 dB it is full."""
 
 
 def wanted(choices: Choices) -> frozenset[tuple[str, str]]:
@@ -28,7 +29,10 @@ def wanted(choices: Choices) -> frozenset[tuple[str, str]]:
 
 def watch(choices: Choices, intent: Choose) -> list[Action]:
     """Return the change of subscriptions that follows from an intent."""
-    return [WatchCameras(wanted(choices))] if intent.name in ("cameras", "tab") else []
+    actions: list[Action] = [WatchCameras(wanted(choices))] if intent.name in ("cameras", "tab") else []
+    if intent.name == "microphones" or (choices.microphones and intent.name == "tab"):
+        actions.append(WatchMicrophones(microphones(choices)))
+    return actions
 
 
 def view(memory: Memory, world: World) -> tuple[EyeView, ...]:
@@ -71,3 +75,39 @@ def _trouble(camera: CameraStatus | None, texts: Texts) -> str:
     if camera.streaming:
         return ""
     return texts("eye.waiting" if camera.connected else "eye.disconnected")
+
+
+def microphones(choices: Choices) -> frozenset[str]:
+    """Return the sides whose levels are visible."""
+    looks = choices.page is WindowPage.ROBOT and choices.tab is Tab.EYES
+    return frozenset(SIDES if looks and choices.microphones else ())
+
+
+def sound(memory: Memory, world: World) -> SoundView:
+    """Return the box, and the levels of both robots."""
+    choices = memory.choices
+    return SoundView(choices.microphones, tuple(_level(memory, world, side) for side in SIDES))
+
+
+def _level(memory: Memory, world: World, side: str) -> LevelView:
+    texts, level, status = memory.choices.texts, world.levels.get(side), world.side(side).status
+    title = texts(f"side.{side}")
+    if level is not None and side in microphones(memory.choices):
+        text = texts("sound.level", left=round(level[0]), right=round(level[1]))
+        return LevelView(side, title, share(level[0]), share(level[1]), text)
+    if not memory.choices.microphones:
+        text = texts("sound.off")
+    elif not online(world, side) or status is None:
+        text = texts("sound.absent")
+    elif status.microphones is None:
+        text = texts("sound.none")
+    elif status.microphones.trouble and texts.code != DEFAULT_LANGUAGE:
+        text = texts("sound.trouble")
+    else:
+        text = status.microphones.trouble or texts("sound.waiting")
+    return LevelView(side, title, 0.0, 0.0, text)
+
+
+def share(level_db: float) -> float:
+    """Return the length of a bar, 0 to 1."""
+    return min(1.0, max(0.0, 1.0 - level_db / QUIETEST_DB))

@@ -8,9 +8,8 @@ from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import refusals
 from gui.console.state.actions import NEW, POSES, Action, CopyProgram, EndFollowing, FollowFace, Play
-from gui.console.state.memory import Memory
+from gui.console.state.memory import Memory, unreachable
 from gui.console.state.motions import Handles, begin, lead_of, pass_on
-from gui.console.state.presence import unreachable
 from gui.console.state.views import ButtonView, GesturesView
 from gui.console.state.world import World
 from gui.console.texts import Texts

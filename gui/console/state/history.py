@@ -23,10 +23,9 @@ from gui.console.state.actions import (
     WriteFile,
 )
 from gui.console.state.memory import HistoryCache, Memory, Request, RequestRow
-from gui.console.state.presence import SERVING, troubles
 from gui.console.state.refusals import sentence, side_of
 from gui.console.state.views import HistoryRowView
-from gui.console.state.world import Trouble, World
+from gui.console.state.world import SERVING, Trouble, World, troubles
 from gui.console.texts import Texts
 
 SHOWN = 100
@@ -318,8 +317,6 @@ def _other(request: Request, texts: Texts) -> str:
             text = _governed(request, texts)
         case Play() | FollowFace() | WriteFile() | CopyProgram():
             text = _of_files(request, texts)
-        case Send(query=query):
-            text = _motion(query, texts, undoes=False)
     return text
 
 

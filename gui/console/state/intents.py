@@ -1,14 +1,33 @@
-"""Intents of the user, as widgets report them; angles in degrees, speeds in deg/s, times in s."""
+"""Intents of the user, as widgets report them; angles in degrees, speeds in deg/s, times in s.
+
+A pose is named by its name, which is unique in the sequence.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 
 import msgspec
 
 from beatrix_zenoh.contract._generated.messages import Command
 
 ALL_ARMS = "all"
+
+
+@dataclass(frozen=True)
+class HeadOrientation:
+    """Orientation of a head (deg); left, nose down and right ear down are positive."""
+
+    yaw: float
+    pitch: float
+    roll: float
+
+    @property
+    def tenths(self) -> tuple[float, float, float]:
+        """Yaw, pitch and roll to a tenth of a degree, less than a pixel."""
+        return round(self.yaw, 1) + 0.0, round(self.pitch, 1) + 0.0, round(self.roll, 1) + 0.0
 
 
 class Tab(StrEnum):
@@ -155,5 +174,64 @@ class Choose(Intent, frozen=True):
     """Change a choice of the user."""
 
     name: str
-    """a field of `choices.Choices`"""
+    """a field of `saved.Choices`"""
     value: bool | float | str
+
+
+class AddPose(Intent, frozen=True):
+    """Add the target of the pad, or the present pose, at the end."""
+
+
+class MovePose(Intent, frozen=True):
+    """Move a pose to another place of the sequence."""
+
+    name: str
+    to: int
+    """number of the place, from 0, counted without the pose"""
+
+
+class DuplicatePose(Intent, frozen=True):
+    """Insert a copy after a pose: a pause of that duration, until one of them is changed."""
+
+    name: str
+
+
+class SetDuration(Intent, frozen=True):
+    """Choose the time in which a pose is reached from the previous one."""
+
+    name: str
+    seconds: float
+
+
+class RenamePose(Intent, frozen=True):
+    """Give a pose another name."""
+
+    name: str
+    new: str
+
+
+class UndoSequence(Intent, frozen=True):
+    """Undo the last change of the poses, for example a deletion."""
+
+
+class PlaySequence(Intent, frozen=True):
+    """Play the sequence on one robot; on the hardware only after the simulation has played it."""
+
+    side: str
+    """`sim` or `hw`"""
+
+
+class SaveSequence(Intent, frozen=True):
+    """Write the sequence as a choreography, or as a program."""
+
+    file: Path
+    program: bool = False
+
+
+class OpenSequence(Intent, frozen=True):
+    """Replace the sequence by the choreography in a file."""
+
+    file: Path
+    text: str
+    trouble: str = ""
+    """why the file cannot be read; empty: `text` is its content"""

@@ -10,11 +10,10 @@ from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import Action, AskLease, Govern
 from gui.console.state.intents import DismissNotice
-from gui.console.state.memory import Memory, Notice, RequestRow, Standing
+from gui.console.state.memory import Memory, Notice, RequestRow, Standing, unreachable
 from gui.console.state.motions import Handles, begin
-from gui.console.state.presence import online, silent, unreachable
 from gui.console.state.views import BannerView, ButtonView
-from gui.console.state.world import World
+from gui.console.state.world import World, online, silent
 from gui.console.texts import Texts
 
 CONTROL: Final = "commands"

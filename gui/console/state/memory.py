@@ -1,4 +1,4 @@
-"""The state of a window between intents."""
+"""The state of a window between intents, and refusals of requests that no robot can get."""
 
 from __future__ import annotations
 
@@ -25,10 +25,9 @@ from gui.console.state.actions import (
     SendStop,
     WriteFile,
 )
-from gui.console.state.choices import Choices
-from gui.console.state.saved import SavedPose
+from gui.console.state.saved import Choices, SavedPose
 from gui.console.state.views import CodeView, HistoryRowView
-from gui.console.state.world import Trouble
+from gui.console.state.world import LinkPhase, Trouble, World, online
 
 KEPT = 200
 """Largest number of rows of the history."""
@@ -200,7 +199,7 @@ class Memory:
     solved: int = 0
     """row of the newest refused request whose cause has gone; 0: none"""
     live_row: int | None = None
-    """row of the motions that follow the present drag of the head; None: none, not positive: it has ended, see `dragging`"""
+    """row of the motions that follow the present drag of the head; None: none, not positive: it has ended, see `sending`"""
     held_row: int | None = None
     """row of the button that is held; None: none, 0: the press was refused"""
     open_hold: int = 0
@@ -216,7 +215,7 @@ class Memory:
     notice: str = ""
     """a sentence to show until the first request"""
     troubles: Mapping[str, Trouble | None] = field(default_factory=dict)
-    """`presence.troubles` at the newest request; they are no longer shown"""
+    """`world.troubles` at the newest request; they are no longer shown"""
     standings: Mapping[Place, Standing] = field(default_factory=dict)
     """leases of both robots of the shown name at the last call of `leases.follow`"""
     lease_notice: Notice | None = None
@@ -253,3 +252,26 @@ class Memory:
         """Show why nothing was sent; return an empty list of actions."""
         self.refusal = Refusal(control, key, slots)
         return []
+
+
+def offline(memory: Memory, world: World, control: str) -> bool:
+    """Return whether there is no router; if so, show why the request cannot be sent."""
+    if world.phase is LinkPhase.ONLINE:
+        return False
+    key = "cannot.refused" if world.phase is LinkPhase.REFUSED else "cannot.router"
+    memory.refuse(control, key, endpoint=world.endpoint)
+    return True
+
+
+def unreachable(memory: Memory, world: World, sides: tuple[str, ...], control: str) -> bool:
+    """Return whether a request to these robots cannot be sent; if so, show why."""
+    if not sides:
+        memory.refuse(control, "off.unchecked")
+    elif offline(memory, world, control):
+        pass
+    elif absent := [side for side in sides if not online(world, side)]:
+        key = "cannot.sim" if absent[0] == "sim" else "cannot.hw"
+        memory.refuse(control, key, robot=world.robot)
+    else:
+        return False
+    return True

@@ -7,13 +7,12 @@ from typing import Final
 
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import Action, Send, SendStop
-from gui.console.state.dragging import PAD, REASONS
 from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.memory import Memory, RequestRow
 from gui.console.state.pills import problem
-from gui.console.state.presence import online
+from gui.console.state.sending import PAD, REASONS
 from gui.console.state.views import BannerView, ButtonView
-from gui.console.state.world import PlanPhase, World
+from gui.console.state.world import PlanPhase, World, online
 
 STEPS: Final = ("ready", "drag", "send", "stop")
 MISSIONS: Final = ("no", "edge", "lead")

@@ -7,15 +7,13 @@ from typing import Never
 
 from msgspec import structs
 
-from beatrix_zenoh.client.degrees import ArmAngles, motion_query, pose_query
-from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
+from beatrix_zenoh.client.degrees import ArmAngles, head_angles, motion_query, pose_query
+from beatrix_zenoh.contract._generated.messages import Head, MotionQuery, PoseQuery
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state.actions import NEW, Action, AskLease, FollowFace, Govern, Play, Send
-from gui.console.state.intents import Intent
-from gui.console.state.memory import Memory, Refusal, Request, RequestRow
-from gui.console.state.orientation import HeadOrientation
-from gui.console.state.presence import commanded, troubles, unreachable
-from gui.console.state.world import World
+from gui.console.state.intents import HeadOrientation, Intent
+from gui.console.state.memory import Memory, Refusal, Request, RequestRow, unreachable
+from gui.console.state.world import World, commanded, troubles
 
 Query = MotionQuery | PoseQuery
 Handles = Mapping[type[Intent], Callable[[Memory, World, Never], list[Action]]]
@@ -76,6 +74,11 @@ def _send(
         memory.refusal = Refusal(control, reason=error.reason, message=error.message, detail=error.detail)
         return []
     return begin(memory, world, request, control, undoes)
+
+
+def head_of(query: PoseQuery) -> HeadOrientation:
+    """Return the goal of a motion of the head (deg)."""
+    return HeadOrientation(*head_angles(Head(query.yaw, query.pitch, query.roll)))
 
 
 def lead_of(memory: Memory, sides: tuple[str, ...]) -> float:

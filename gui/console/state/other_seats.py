@@ -7,11 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import (
-    Command,
     Detail,
     Event,
     EventKind,
-    LeaseAction,
     MotionQuery,
     Phase,
     PoseQuery,
@@ -23,22 +21,14 @@ KINDS: Final = (EventKind.MOTION, EventKind.COMMAND, EventKind.STOP, EventKind.L
 WHATS: Final = {
     "motion": "what.other_move",
     "pose": "what.other_look",
-    Command.ENABLE.name: "what.enable",
-    "DISABLE": "what.disable",
-    Command.CALIBRATE.name: "what.calibrate",
-    Command.HOME.name: "what.home",
-    Command.STOP.name: "what.stop",
-    Command.EMERGENCY_STOP.name: "what.emergency_stop",
-    Command.RESET.name: "what.reset",
-    LeaseAction.TAKE.value: "what.take",
-    LeaseAction.WAIT.value: "what.wait",
-    LeaseAction.GIVE_BACK.value: "what.give_back",
-    LeaseAction.FREEZE.value: "what.freeze",
-    LeaseAction.UNFREEZE.value: "what.unfreeze",
-    LeaseAction.LIMIT.value: "what.limit",
-    LeaseAction.TURN.value: "what.turn",
-    LeaseAction.MUTE.value: "what.mute",
-    LeaseAction.UNMUTE.value: "what.unmute",
+    **{
+        word.upper(): f"what.{word}"
+        for word in ("enable", "disable", "calibrate", "home", "stop", "emergency_stop", "reset")
+    },
+    **{
+        word: f"what.{word}"
+        for word in ("take", "wait", "give_back", "freeze", "unfreeze", "limit", "turn", "mute", "unmute")
+    },
 }
 """Text key of each action in events."""
 STREAM_S: Final = 3.0

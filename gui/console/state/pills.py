@@ -20,9 +20,8 @@ from gui.console.state import actions, connecting, intents, leases
 from gui.console.state.actions import ChooseRobot, Retry, StartSimulation
 from gui.console.state.intents import Intent, RunCommand
 from gui.console.state.memory import Memory
-from gui.console.state.presence import online, silent
 from gui.console.state.views import BannerView, ButtonView, Condition, PillView
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.world import LinkPhase, World, online, silent
 from gui.console.texts import DEFAULT_LANGUAGE, Texts
 
 SYMBOLS: Final = {
@@ -55,10 +54,7 @@ NEXT_STEPS: Final = {
     BRING_BACK: "back",
 }
 FAULT_CONDITIONS: Final = {
-    Fault.EMERGENCY: "emergency",
-    Fault.BOARD_LOST: "board_lost",
-    Fault.CONTRACT_MISMATCH: "contract_mismatch",
-    Fault.ASSEMBLY_LEFT: "assembly_left",
+    Fault(word.upper()): word for word in ("emergency", "board_lost", "contract_mismatch", "assembly_left")
 }
 
 FOLLOWING: Final = {
@@ -82,11 +78,6 @@ class RobotCondition:
     reason: str = ""
     next_step: str = ""
     """one of NEXT_STEPS; empty: none"""
-
-
-def pills(world: World, texts: Texts) -> tuple[PillView, ...]:
-    """Return the states of simulation and hardware."""
-    return tuple(pill(world, side, texts) for side in SIDES)
 
 
 def pill(world: World, side: str, texts: Texts) -> PillView:

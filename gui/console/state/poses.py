@@ -11,9 +11,8 @@ from gui.console.state.actions import Action, MakeReady, Outcome, SendCommand
 from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory, Request, RequestRow
 from gui.console.state.motions import Handles, lead_of, send_arms
-from gui.console.state.presence import commanded
 from gui.console.state.views import ButtonView, PosesView
-from gui.console.state.world import World
+from gui.console.state.world import World, commanded
 
 CONTROL = "commands"
 UNDO_KEPT: Final = 50

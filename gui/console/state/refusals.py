@@ -4,39 +4,43 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Final
 
 import msgspec
 
-from beatrix_zenoh.client.degrees import arm_angles, head_angles, motion_query
+from beatrix_zenoh.client import Presence
+from beatrix_zenoh.client.degrees import arm_angles, motion_query
 from beatrix_zenoh.client.motion_file import COLUMNS, HEAD, SPEED, TIME, WrongLine
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Command,
     Detail,
-    Head,
+    Fault,
     LeaseAction,
     MotionQuery,
     PoseQuery,
     Reason,
+    Status,
     Vector3,
 )
 from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import Action, AskLease, MakeReady, Outcome, Play, Send, SendCommand
 from gui.console.state.intents import (
     AimHead,
     Choose,
     DismissRefusal,
     Intent,
+    SetDuration,
     TakeAlternative,
 )
-from gui.console.state.memory import Memory, Refusal, RequestRow
-from gui.console.state.motions import Handles, again, begin
+from gui.console.state.memory import Memory, Refusal, RequestRow, unreachable
+from gui.console.state.motions import Handles, again, begin, head_of
 from gui.console.state.pills import BRING_BACK, MAKE_READY, NEXT_STEPS, WAIT
-from gui.console.state.presence import commanded, orientation, unreachable
-from gui.console.state.sequence_intents import SetDuration
 from gui.console.state.views import ButtonView, RefusalView
-from gui.console.state.world import World
+from gui.console.state.world import SERVING, LinkPhase, World, apart, commanded, online
 from gui.console.texts import Texts
 
 LEFT: Final = "sending.left"
@@ -47,6 +51,25 @@ MODES: Final = ("sim", "hw", "relative")
 """choices that answer a refusal of the window itself"""
 NAMED: Final = re.compile(r"[a-z0-9-]+ \((sim|hw)\): ")
 """beginning of an SDK message that names its robot"""
+IN_STATUS: Final[Mapping[Reason, Callable[[Status, str], bool]]] = {
+    Reason.NOT_ENABLED: lambda status, _: not status.enabled,
+    Reason.NOT_CALIBRATED: lambda status, _: not status.calibrated,
+    Reason.NOT_HOLDER: lambda status, seat: status.holder not in ("", seat),
+    Reason.FROZEN: lambda status, _: status.frozen,
+    Reason.MUTED: lambda status, seat: seat in status.muted,
+    Reason.EMERGENCY: lambda status, _: status.fault is Fault.EMERGENCY,
+    Reason.BOARD_LOST: lambda status, _: status.fault is Fault.BOARD_LOST,
+}
+"""Whether the status of a robot shows the cause, for this seat."""
+IN_WORLD: Final[Mapping[str, Callable[[World], bool]]] = {
+    "cannot.router": lambda world: world.phase is not LinkPhase.ONLINE,
+    "cannot.refused": lambda world: world.phase is LinkPhase.REFUSED,
+    "cannot.sim": lambda world: not online(world, "sim"),
+    "cannot.hw": lambda world: not online(world, "hw"),
+    LEFT: apart,
+}
+"""Whether the cause of a refusal of the window itself lasts, by the key of its text."""
+NOT_ONLINE: Final = (Reason.NO_SUCH_ROBOT, Reason.NODE_LOST, Reason.NODE_HANGS)
 
 
 def at(memory: Memory, controls: tuple[str, ...]) -> RefusalView | None:
@@ -134,9 +157,8 @@ def hide_answered(memory: Memory, intent: Intent) -> None:
     refusal = memory.refusal
     if refusal is None:
         return
-    dragged = (
-        memory.live_row is not None and memory.live_row < 0
-    )  # the refusal of Live stays until the release
+    # The refusal of Live stays until the release.
+    dragged = memory.live_row is not None and memory.live_row < 0
     aimed = isinstance(intent, AimHead) and refusal.control == "head" and not dragged
     if aimed or (isinstance(intent, Choose) and intent.name in MODES and refusal.key):
         memory.refusal = None
@@ -158,13 +180,8 @@ def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> 
         if unreachable(memory, world, memory.choices.sides, refusal.control):
             return []
         if refusal.control == "head":
-            query = request.query
-            head = (
-                head_angles(Head(query.yaw, query.pitch, query.roll))
-                if isinstance(query, PoseQuery)
-                else None
-            )
-            memory.choices = msgspec.structs.replace(memory.choices, target=head and orientation(head))
+            head = head_of(request.query) if isinstance(request.query, PoseQuery) else None
+            memory.choices = msgspec.structs.replace(memory.choices, target=head)
         return begin(memory, world, again(memory, request), refusal.control)
     actions: list[Action] = []
     next_step, target = next_step_of(refusal), memory.choices.target
@@ -173,9 +190,8 @@ def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> 
             return actions
         step = _next_step_request(next_step, side, memory, world)
         actions += [] if step is None else begin(memory, world, step, refusal.control)
-    memory.choices = msgspec.structs.replace(
-        memory.choices, target=target
-    )  # it was refused, so the user will send it again
+    # The target was refused, so the user will send it again.
+    memory.choices = msgspec.structs.replace(memory.choices, target=target)
     return actions
 
 
@@ -270,10 +286,41 @@ def _alternative_text(request: Send, refusal: Refusal, texts: Texts) -> str:
             "alternative.speed", speed=math.degrees(min(other.speed.x, other.speed.y, other.speed.z))
         )
     if isinstance(query, PoseQuery):
-        head = head_angles(Head(query.yaw, query.pitch, query.roll))
+        head = head_of(query)
         return texts("alternative.head", yaw=head.yaw, pitch=head.pitch, roll=head.roll)
     arms = arm_angles(query.position)
     return texts("alternative.arms", short=arms.short, middle=arms.middle, long=arms.long)
 
 
 HANDLES: Handles = {TakeAlternative: take_alternative, DismissRefusal: dismiss}
+
+
+def follow(memory: Memory, world: World) -> None:
+    """Hide the shown refusal, and the failure of a program, if the world has shown its cause, and no longer does."""
+    failed, refusal = world.child_trouble, memory.refusal
+    if failed is not None and failed.key in SERVING:
+        if world.sim.presence is not Presence.ONLINE:
+            memory.seen_trouble = failed
+        elif memory.seen_trouble == failed:
+            memory.troubles = {**memory.troubles, "child.trouble": failed}
+    if refusal is None:
+        return
+    if _lasts(refusal, world):
+        memory.refusal = replace(refusal, seen=True)
+    elif refusal.seen:
+        memory.refusal = None
+        memory.solved = 0 if refusal.request is None else refusal.request.row
+
+
+def _lasts(refusal: Refusal, world: World) -> bool:
+    if refusal.key:
+        return refusal.key in IN_WORLD and IN_WORLD[refusal.key](world)
+    if refusal.reason is Reason.NO_ROUTER:
+        return world.phase is not LinkPhase.ONLINE
+    robots = [world.side(side) for side in sides_of(refusal) or SIDES]
+    if refusal.reason in NOT_ONLINE:
+        return any(robot.presence is not Presence.ONLINE for robot in robots)
+    shows = IN_STATUS.get(refusal.reason)
+    return shows is not None and any(
+        robot.status is not None and shows(robot.status, world.seat) for robot in robots
+    )

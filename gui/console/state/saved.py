@@ -1,4 +1,4 @@
-"""Choices for the next window, in a file of the user."""
+"""The choices of the user, their changes, and those that a file keeps for the next window."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from typing import Annotated, Final
 
 import msgspec
 from msgspec import Meta
+from msgspec.structs import fields, replace
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.state.intents import Theme
-from gui.console.texts import DEFAULT_LANGUAGE, Texts
+from gui.console.state.intents import HeadOrientation, Tab, Theme, WindowPage
+from gui.console.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 
 FILE: Final = "window.json"
 LONGEST: Final = 1 << 20
@@ -81,10 +82,10 @@ def merged(before: Saved, mine: Saved, theirs: Saved) -> Saved:
     changed = {name: getattr(mine, name) for name in fields if getattr(mine, name) != getattr(before, name)}
     added = [pose for pose in mine.poses if pose not in before.poses]
     if theirs.poses == before.poses:  # so that a changed order is kept
-        return msgspec.structs.replace(theirs, **changed, poses=mine.poses)
+        return replace(theirs, **changed, poses=mine.poses)
     gone = {pose.name for pose in before.poses if pose not in mine.poses} | {pose.name for pose in added}
     poses = (*(pose for pose in theirs.poses if pose.name not in gone), *added)
-    return msgspec.structs.replace(theirs, **changed, poses=poses)
+    return replace(theirs, **changed, poses=poses)
 
 
 def load(file: Path) -> tuple[Saved, str]:
@@ -111,3 +112,54 @@ def save(file: Path, saved: Saved) -> None:
     new = file.with_name(file.name + ".new")
     new.write_bytes(msgspec.json.format(msgspec.json.encode(saved)))
     new.replace(file)  # atomic: a window that is killed leaves the old file intact
+
+
+class Choices(Remembered, frozen=True):
+    """Settings of the user."""
+
+    relative: bool = True
+    """whether + and - turn an arm by the increment, or to it"""
+    sim: bool = True
+    hw: bool = False
+    """whether the box of the simulation, or of the hardware, is checked"""
+    cameras: bool = False
+    microphones: bool = False
+    """never saved: each window begins without listening"""
+    live: bool = False
+    """whether the simulation follows a drag; never saved: each window begins without motions that no press has sent"""
+    loop: bool = False
+    """whether a play of the sequence repeats until STOP or a newer request"""
+    tab: Tab = Tab.HEADS
+    page: WindowPage = WindowPage.ROBOT
+    target: HeadOrientation | None = None
+    """target of the head pad; None: the target follows the head"""
+
+    @property
+    def sides(self) -> tuple[str, ...]:
+        """The robots whose boxes are checked."""
+        return ("sim",) * self.sim + ("hw",) * self.hw
+
+    @property
+    def texts(self) -> Texts:
+        """The texts of the chosen language."""
+        return Texts(self.language)
+
+
+KINDS: Final = {row.name: row.type for row in fields(Choices) if row.name not in ("page", "target")}
+"""What a choice of a widget may be, by its name."""
+
+
+def choices_from(saved: Saved) -> Choices:
+    """Return choices with saved values; defaults for the others."""
+    kept = {name: getattr(saved, name) for name in Remembered.__struct_fields__}
+    return Choices(**kept | {"language": saved.language if saved.language in LANGUAGES else DEFAULT_LANGUAGE})
+
+
+def changed(choices: Choices, name: str, value: object) -> Choices | None:
+    """Return choices with another value; None if no widget offers it."""
+    if name not in KINDS or (name == "language" and value not in LANGUAGES):
+        return None
+    try:
+        return replace(choices, **{name: msgspec.convert(value, KINDS[name])})
+    except msgspec.ValidationError:
+        return None

@@ -1,28 +1,50 @@
-"""The head pad with its target, the destinations of motions, the preview, and the lead of the simulation."""
+"""The head pad: its target, drags of the head, the preview, and the lead of the simulation."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
+from functools import cache
 
 from msgspec import structs
 
 from beatrix_zenoh.client.degrees import Path as MotionPath
-from beatrix_zenoh.client.degrees import Reading, head_angles
-from beatrix_zenoh.contract._generated.messages import Head, PoseQuery
+from beatrix_zenoh.client.degrees import Reading, pose_query
+from beatrix_zenoh.contract._generated.messages import PoseQuery, Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from gui.console.state import dragging, gestures, motions, refusals
-from gui.console.state.actions import Abort, Action, Send, SendNow
-from gui.console.state.intents import AimHead, Change, Choose, Intent, SendHead
-from gui.console.state.memory import Memory, Refusal
-from gui.console.state.orientation import HeadOrientation
-from gui.console.state.presence import apart, kept, orientation, reading, silent
-from gui.console.state.views import ButtonView, HeadView, SendingView
-from gui.console.state.world import PlanPhase, PlanProgress, World
+from beatrix_zenoh.motion.limits.region import border, reach
+from gui.console.state import gestures, motions, refusals
+from gui.console.state.actions import Abort, Action, Outcome, Send, SendNow
+from gui.console.state.intents import (
+    AimHead,
+    Change,
+    Choose,
+    GrabHead,
+    HeadOrientation,
+    Intent,
+    LiveHead,
+    ReleaseHead,
+    SendHead,
+)
+from gui.console.state.memory import Memory, Refusal, unreachable
+from gui.console.state.views import ButtonView, DragView, HeadView, SendingView
+from gui.console.state.world import PlanPhase, PlanProgress, World, apart, kept, reading, silent
 from gui.console.texts import Texts
 
 PAD = "head"
 UPRIGHT = HeadOrientation(0.0, 0.0, 0.0)
+WITHIN_DEG = 0.1
+"""How far inside the border the simulation stays that follows a target beyond it."""
+STOPPED = 0
+"""`Memory.live_row` after a STOP: nothing is sent before the next drag."""
+REFUSED = -1
+"""`Memory.live_row` after a refusal that further targets would meet again: Live sends nothing before the next drag."""
+REASONS = {
+    Reason.OUT_OF_REACH: "refused.tilt",
+    Reason.ARM_GAP: "refused.gap",
+    Reason.YAW_LIMIT: "refused.yaw",
+}
 
 
 def head(memory: Memory, world: World) -> HeadView:
@@ -42,8 +64,8 @@ def head(memory: Memory, world: World) -> HeadView:
         silent=silent(world.side(solid)),
         tilt_max=tilt_max,
         yaw_max=yaw_max,
-        path=() if path is None else tuple(orientation(head) for head in path.head),
-        drag=dragging.view(memory, tilt_max, gap_min),
+        path=() if path is None else tuple(HeadOrientation(*head) for head in path.head),
+        drag=_drag(memory, tilt_max, gap_min),
         send=_send_button(memory, world),
         refusal=refusals.at(memory, (PAD,)),
     )
@@ -53,7 +75,7 @@ def _head(
     world: World, side: str, read: Callable[[World, str], Reading | None] = reading
 ) -> HeadOrientation | None:
     found = read(world, side)
-    return None if found is None else orientation(found.head)
+    return None if found is None else HeadOrientation(*found.head)
 
 
 def _solid(memory: Memory, world: World) -> str:
@@ -228,8 +250,86 @@ def _of_both(request: Action) -> bool:
 
 def _goal(query: object, path: MotionPath | None) -> HeadOrientation | None:
     if isinstance(query, PoseQuery) and query.absolute:
-        return orientation(head_angles(Head(query.yaw, query.pitch, query.roll)))
-    return orientation(path.head[-1]) if path is not None and path.head else None
+        return motions.head_of(query)
+    return HeadOrientation(*path.head[-1]) if path is not None and path.head else None
+
+
+@cache
+def border_deg(tilt_max: float, gap_min: float) -> tuple[float, ...]:
+    """Return `limits.region.border` in deg, for limits in deg."""
+    return tuple(map(math.degrees, border(math.radians(tilt_max), math.radians(gap_min))))
+
+
+def _drag(memory: Memory, tilt_max: float, gap_min: float) -> DragView:
+    """Return choices, border and the refused target; limits in deg."""
+    choices, refusal = memory.choices, memory.refusal
+    limits = border_deg(round(tilt_max, 3), round(gap_min, 3))
+    refused, reason = None, ""
+    request = None if refusal is None or refusal.control != PAD else refusal.request
+    if refusal is not None and isinstance(request, Send) and isinstance(request.query, PoseQuery):
+        query = request.query
+        refused = motions.head_of(query)
+        reason = choices.texts(REASONS.get(refusal.reason, "refused.other"))
+    return DragView(choices.live, limits, refused, reason)
+
+
+def grab(memory: Memory, _world: World, _intent: GrabHead) -> list[Action]:
+    """Begin a drag."""
+    memory.live_row = None
+    return []
+
+
+def live(memory: Memory, world: World, _intent: LiveHead) -> list[Action]:
+    """Return the action with which the simulation follows a drag, if that was chosen."""
+    return _follow(memory, world) if memory.choices.live and memory.live_row not in (STOPPED, REFUSED) else []
+
+
+def release(memory: Memory, world: World, _intent: ReleaseHead) -> list[Action]:
+    """Return the action that sends the target at the end of a drag, if that was chosen."""
+    target, ended = memory.choices.target, memory.live_row in (STOPPED, REFUSED)
+    if memory.live_row == REFUSED:
+        memory.live_row = None
+    if target is None or ended or not memory.choices.send_on_release:
+        return []
+    return motions.send_head(memory, world, target, PAD)
+
+
+def note_refusal(memory: Memory, outcome: Outcome) -> None:
+    """After a refusal that is not about the place of the target, Live ends until the next drag."""
+    passing = outcome.accepted or outcome.reason in (Reason.OK, Reason.REPLACED, *REASONS)
+    if outcome.row == memory.live_row and not passing:
+        memory.live_row = REFUSED
+
+
+def _follow(memory: Memory, world: World) -> list[Action]:
+    """Send the target to the simulation alone; all motions of a drag are one row of the history."""
+    sides, target = ("sim",), memory.choices.target
+    if target is None:
+        return []
+    if unreachable(memory, world, sides, PAD):
+        memory.live_row = REFUSED
+        return []
+    pitch, roll = _inside(world, target)
+    query = pose_query(target.yaw, pitch, roll, relative=False, speed=memory.choices.speed)
+    row = None if memory.live_row is None else memory.row(memory.live_row)
+    if row is None:
+        request = Send(memory.next_row(), query, sides)
+        memory.live_row = request.row
+        return motions.begin(memory, world, request, PAD)
+    request = Send(row.number, query, sides)
+    memory.replace_row(dataclasses.replace(row, request=request))
+    return [request]
+
+
+def _inside(world: World, target: HeadOrientation) -> tuple[float, float]:
+    """Return pitch and roll (deg) of the target, or of the point of the border in its direction."""
+    limits = world.limits
+    if limits is None:
+        return target.pitch, target.roll
+    tilt_max, gap_min = (round(math.degrees(angle), 3) for angle in (limits.tilt_max, limits.gap_min))
+    furthest = reach(border_deg(tilt_max, gap_min), target.pitch, target.roll) - WITHIN_DEG
+    shrink = min(1.0, furthest / max(math.hypot(target.pitch, target.roll), 1e-9))
+    return target.pitch * shrink, target.roll * shrink
 
 
 HANDLES: motions.Handles = {
@@ -238,4 +338,7 @@ HANDLES: motions.Handles = {
     SendNow: end_lead,
     Change: end_lead,
     Abort: end_lead,
+    GrabHead: grab,
+    LiveHead: live,
+    ReleaseHead: release,
 }

@@ -17,15 +17,11 @@ from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from gui.console.state import code_lines
 from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Action, Outcome, Play, WriteFile
-from gui.console.state.intents import Intent
-from gui.console.state.memory import Memory, Refusal, RequestRow
-from gui.console.state.motions import Handles, begin
-from gui.console.state.presence import commanded, online, orientation, unreachable
-from gui.console.state.refusals import wrong_file
-from gui.console.state.saved import DURATION_MAX_S, SavedPose
-from gui.console.state.sequence_intents import (
+from gui.console.state.intents import (
     AddPose,
     DuplicatePose,
+    HeadOrientation,
+    Intent,
     MovePose,
     OpenSequence,
     PlaySequence,
@@ -34,8 +30,12 @@ from gui.console.state.sequence_intents import (
     SetDuration,
     UndoSequence,
 )
+from gui.console.state.memory import Memory, Refusal, RequestRow, unreachable
+from gui.console.state.motions import Handles, begin
+from gui.console.state.refusals import wrong_file
+from gui.console.state.saved import DURATION_MAX_S, SavedPose
 from gui.console.state.views import ButtonView, CardView, CodeLine, SequenceView
-from gui.console.state.world import World
+from gui.console.state.world import World, commanded, online
 
 CONTROL: Final = "sequence"
 POSES_MAX: Final = 100
@@ -66,7 +66,7 @@ def view(memory: Memory, world: World) -> SequenceView:
         elif number in short:
             duration = texts("sequence.least", seconds=short[number])
             problem = texts("sequence.too_short", seconds=short[number])
-        place = None if head is None else orientation(head)
+        place = None if head is None else HeadOrientation(*head)
         return CardView(pose.name, place, pose.duration_s, duration, problem)
 
     some, whole_s = "" if poses else "off.no_sequence", float(sum(pose.duration_s for pose in poses))

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
+from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import (
     arms,
-    causes,
     class_page,
     commands,
     connecting,
-    dragging,
     eyes,
     gestures,
     history,
-    holding,
     intents,
     leases,
     missions,
@@ -23,14 +21,12 @@ from gui.console.state import (
     refusals,
     sending,
     sequence,
-    sound,
 )
 from gui.console.state.actions import Action, Outcome
-from gui.console.state.choices import Choices, changed, choices_from
 from gui.console.state.intents import Choose, Intent, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.motions import Handles
-from gui.console.state.saved import Remembered, Saved
+from gui.console.state.saved import Choices, Remembered, Saved, changed, choices_from
 from gui.console.state.sequence_timing import with_durations
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
@@ -43,7 +39,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
     memory.choices = changed(memory.choices, intent.name, intent.value) or memory.choices
     refusals.hide_answered(memory, intent)
     ended = sending.spare_hardware(memory, world, intent)
-    return [*ended, *eyes.watch(memory.choices, intent), *sound.watch(memory.choices, intent)]
+    return [*ended, *eyes.watch(memory.choices, intent)]
 
 
 HANDLES: Handles = {
@@ -52,9 +48,7 @@ HANDLES: Handles = {
     **class_page.HANDLES,
     **commands.HANDLES,
     **connecting.HANDLES,
-    **dragging.HANDLES,
     **gestures.HANDLES,
-    **holding.HANDLES,
     **leases.HANDLES,
     **poses.HANDLES,
     **program.HANDLES,
@@ -97,7 +91,7 @@ class State:
             guide=None if banner is not None else self._guide.view(memory, world),
             robots=tuple(sorted({*world.names, world.robot})),
             robot=world.robot,
-            pills=pills.pills(world, texts),
+            pills=tuple(pills.pill(world, side, texts) for side in SIDES),
             head=sending.head(memory, world),
             arms=arms.view(memory, world),
             sending=sending.view(memory, world),
@@ -106,7 +100,7 @@ class State:
             gestures=gestures.view(memory, world),
             sequence=sequence.view(memory, world),
             eyes=eyes.view(memory, world),
-            sound=sound.view(memory, world),
+            sound=eyes.sound(memory, world),
             history=history.view(memory, world),
             code=program.view(memory, world),
             record=commands.recording_view(memory, world),
@@ -123,8 +117,8 @@ class State:
         """Show leases gained or lost since the last call, hide a refusal without a cause, and complete the row of a hold."""
         leases.follow(self._memory, world)
         sending.follow(self._memory, world)
-        causes.follow(self._memory, world)
-        holding.follow(self._memory, world)
+        refusals.follow(self._memory, world)
+        arms.follow(self._memory, world)
         connecting.follow(self._memory, world)
         self._guide.follow(self._memory, world)
 
@@ -144,7 +138,7 @@ class State:
 
     def hold(self, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:
         """Add a motion that the face itself sends to the checked robots; return its row, or None if it is refused."""
-        row = self._memory.held_row = holding.begin(self._memory, world, query, control)
+        row = self._memory.held_row = arms.begin(self._memory, world, query, control)
         return row
 
     def leave(self) -> None:
@@ -156,7 +150,7 @@ class State:
         """Apply the outcome of an action to history, refusal and undo list."""
         row = self._memory.row(outcome.row)
         if row is not None:
-            dragging.note_refusal(self._memory, outcome)
+            sending.note_refusal(self._memory, outcome)
             refusals.record(self._memory, row, outcome)
             poses.note_accepted(self._memory, row, outcome)
             sequence.note(self._memory, row, outcome)

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from beatrix_zenoh.client import Place
-from gui.console.state.intents import Intent
+from gui.console.state.intents import HeadOrientation, Intent
 from gui.console.state.lessons import LessonsView
-from gui.console.state.orientation import HeadOrientation
-
-if TYPE_CHECKING:
-    from gui.console.state.choices import Choices
+from gui.console.state.saved import Choices
 
 
 class Condition(StrEnum):

@@ -1,4 +1,4 @@
-"""States of router, robots and child programs at one moment."""
+"""States of router, robots and child programs at one moment, and what follows from them for the robots."""
 
 from __future__ import annotations
 
@@ -7,11 +7,22 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
-from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.client import Presence, RobotState
+from beatrix_zenoh.client.degrees import ArmAngles, Reading
 from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.client.lesson_reports import Row
 from beatrix_zenoh.contract._generated.messages import LimitInfo
 from beatrix_zenoh.contract.names import TEACHER
+
+FURTHEST_DEG = 1e4
+"""larger angles (deg) do not come from a robot and are ignored"""
+APART_DEG = 1.0
+"""difference of an angle (deg) above which both robots are apart; at one place they differ by less"""
+STALE_S = 0.4
+"""A robot whose newest positions are older than this (s) is silent; robots publish positions every 20 ms."""
+
+SERVING = ("trouble.router", "trouble.simulation")
+"""Failures that are over when a simulation is online."""
 
 
 class LinkPhase(StrEnum):
@@ -199,3 +210,49 @@ class World:
     def side(self, side: str) -> RobotState:
         """Return the state of `sim` or `hw`."""
         return self.sim if side == "sim" else self.hw
+
+
+def online(world: World, side: str) -> bool:
+    """Return whether a request can reach a robot: there is a router, and the robot's token."""
+    return world.phase is LinkPhase.ONLINE and world.side(side).presence is not Presence.ABSENT
+
+
+def silent(robot: RobotState) -> bool:
+    """Return whether the positions or the status of the robot are missing or too old."""
+    age_s = robot.positions_age_s
+    return robot.status is None or robot.positions is None or age_s is None or age_s > STALE_S
+
+
+def kept(world: World, side: str) -> Reading | None:
+    """Return the last angles (deg) of a robot that is online, even if they are old; None if they are unknown."""
+    found = world.side(side).reading if online(world, side) else None
+    angles = () if found is None else (*found.arms, *found.commanded, *found.head)
+    return found if all(abs(angle) < FURTHEST_DEG for angle in angles) else None
+
+
+def reading(world: World, side: str) -> Reading | None:
+    """Return the angles of a robot in degrees; None if they are unknown or too old."""
+    return None if silent(world.side(side)) else kept(world, side)
+
+
+def commanded(world: World, sides: tuple[str, ...]) -> ArmAngles | None:
+    """Return the set point of the arms (deg) of the first robot that reports it; None if none does."""
+    for side in sides:
+        if (found := reading(world, side)) is not None:
+            return found.commanded
+    return None
+
+
+def apart(world: World) -> bool:
+    """Return whether both robots rest, and their arms stand at different angles."""
+    sim, hw = reading(world, "sim"), reading(world, "hw")
+    statuses = (world.sim.status, world.hw.status)
+    if sim is None or hw is None or any(status is None or status.moving for status in statuses):
+        return False
+    return any(abs(one - other) > APART_DEG for one, other in zip(sim.arms, hw.arms, strict=True))
+
+
+def troubles(world: World) -> dict[str, Trouble | None]:
+    """Return the failures of recording and child programs by the key of their text; None: no failure."""
+    recording = None if world.recording is None else world.recording.trouble
+    return {"record.trouble": recording, "child.trouble": world.child_trouble}

@@ -8,9 +8,9 @@ from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QHBoxLayout, QLabel, QVBoxL
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.contract.names import ARMS
-from gui.console.state.choices import Choices
-from gui.console.state.holding import HoldArm, ReleaseArm
+from gui.console.state.arms import HoldArm, ReleaseArm
 from gui.console.state.intents import ALL_ARMS, Choose
+from gui.console.state.saved import Choices
 from gui.console.state.views import ArmRowView, ArmsView, View
 from gui.console.texts import Texts
 from gui.window.widgets.controls import (

@@ -6,8 +6,7 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QLabel, QVBoxLayout
 
-from gui.console.state.intents import Theme
-from gui.console.state.orientation import HeadOrientation
+from gui.console.state.intents import HeadOrientation, Theme
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import Panel, label, set_text, spaced

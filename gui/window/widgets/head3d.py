@@ -14,11 +14,11 @@ from PyQt5.QtWidgets import QHBoxLayout, QVBoxLayout
 from beatrix_zenoh.body.scene import Screen, Viewpoint
 from gui.console.state.intents import (
     GrabHead,
+    HeadOrientation,
     LiveHead,
     ReleaseHead,
     Theme,
 )
-from gui.console.state.orientation import HeadOrientation
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import style_of

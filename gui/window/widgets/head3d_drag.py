@@ -13,7 +13,7 @@ from beatrix_zenoh.body.scene import Screen
 from beatrix_zenoh.body.surface import Floats
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
 from beatrix_zenoh.motion.rotation import Rotation, rotation_of
-from gui.console.state.orientation import HeadOrientation
+from gui.console.state.intents import HeadOrientation
 from gui.console.state.views import HeadView
 
 EAR_PX: Final = 24.0

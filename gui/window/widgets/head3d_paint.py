@@ -17,7 +17,7 @@ from beatrix_zenoh.body.surface import Floats
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits.region import reach
-from gui.console.state.orientation import HeadOrientation
+from gui.console.state.intents import HeadOrientation
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style

@@ -21,8 +21,7 @@ from PyQt5.QtGui import (
 )
 from PyQt5.QtWidgets import QSizePolicy, QWidget
 
-from gui.console.state.intents import AimHead, Theme
-from gui.console.state.orientation import HeadOrientation
+from gui.console.state.intents import AimHead, HeadOrientation, Theme
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of

@@ -22,17 +22,19 @@ from PyQt5.QtWidgets import (
 from beatrix_zenoh import files
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state.actions import LARGEST_BYTES, NEW, Play
-from gui.console.state.intents import AimHead, DeletePose, Theme
-from gui.console.state.saved import DURATION_MAX_S
-from gui.console.state.sequence_intents import (
+from gui.console.state.intents import (
+    AimHead,
+    DeletePose,
     DuplicatePose,
     MovePose,
     OpenSequence,
     RenamePose,
     SaveSequence,
     SetDuration,
+    Theme,
     UndoSequence,
 )
+from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.views import CardView, SequenceView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import ChoiceCheck, IntentButton, plain_button, spaced

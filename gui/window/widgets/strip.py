@@ -8,8 +8,7 @@ from PyQt5.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, pyqt
 from PyQt5.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
 from PyQt5.QtWidgets import QApplication, QToolTip, QWidget
 
-from gui.console.state.intents import Theme
-from gui.console.state.orientation import HeadOrientation
+from gui.console.state.intents import HeadOrientation, Theme
 from gui.console.state.views import CardView
 from gui.window.theme import Style, style_of
 

@@ -12,7 +12,7 @@ from gui_links import Linked, at_home, look, short
 from robots import END_S, Stage, until
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from gui.console.link.face_program import SHIPPED
+from gui.console.link.programs import SHIPPED
 from gui.console.state.actions import ChooseRobot, CopyProgram, EndFollowing, FollowFace, Play, Send, SendStop
 
 START_S = 60.0
