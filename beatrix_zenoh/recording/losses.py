@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Final
 
 from beatrix_zenoh.client.session import Place
@@ -32,7 +32,7 @@ Stream = tuple[Place, str]
 """A robot, and one kind of its publications, as in sentences: `positions`, `events`, `pictures of the left eye`."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class Count:
     """The publications of one stream since its first one that was received."""
 
@@ -65,20 +65,6 @@ class Count:
         return Count(*(getattr(self, one.name) + getattr(other, one.name) for one in fields(self)))
 
 
-@dataclass
-class Tally:
-    """The changing counts of one stream; as in `Count`, except these two."""
-
-    order: Order = field(default_factory=Order)
-    received: int = 0
-    """with those that overflowed"""
-    overflowed: int = 0
-    """publications that were dropped while the robot's clock offset was unknown"""
-    impossible: int = 0
-    late: int = 0
-    repeated: int = 0
-
-
 class Losses:
     """Finds missing sequence numbers, and counts what happened to the publications of each stream.
 
@@ -87,51 +73,43 @@ class Losses:
     """
 
     def __init__(self) -> None:
-        self._tallies: defaultdict[Stream, Tally] = defaultdict(Tally)
+        self._counts: defaultdict[Stream, Count] = defaultdict(Count)
+        self._orders: defaultdict[Stream, Order] = defaultdict(Order)
         self._publishers: defaultdict[Place, Publishers] = defaultdict(Publishers)
         self._contested: set[Place] = set()
 
     def received(self, stream: Stream, seq: int | None) -> None:
         """Count a publication that was received; `seq` is None if publications of this kind have no number."""
-        tally = self._tallies[stream]
-        tally.received += 1
+        self._counts[stream].received += 1
         if seq is None:
             return
         if stream[1] == POSITIONS and self._publishers[stream[0]].several(seq):
             self._contested.add(stream[0])
-        if tally.order.goes_back(seq) and stream[1] == POSITIONS:
+        if self._orders[stream].goes_back(seq) and stream[1] == POSITIONS:
             # The node was restarted: its positions show it first, and all its numbers begin again.
-            for (place, kind), other in self._tallies.items():
+            for (place, kind), other in self._orders.items():
                 if place == stream[0] and kind != POSITIONS:
-                    other.order.restart()
+                    other.restart()
 
-    def tally(self, stream: Stream) -> Tally:
-        """Return the counts of a stream, to be changed."""
-        return self._tallies[stream]
+    def count(self, stream: Stream) -> Count:
+        """Return the counts of a stream, to be changed; `lost`, and what the subscriptions dropped, are not in them."""
+        return self._counts[stream]
+
+    def overflowed(self, stream: Stream) -> None:
+        """Count a received publication that was dropped while the robot's clock offset was unknown."""
+        count = self._counts[stream]
+        count.received -= 1
+        count.dropped += 1
 
     def counts(self, dropped: Mapping[Stream, int]) -> dict[Stream, Count]:
         """Return the counts of each stream; `dropped`: publications that the subscriptions have dropped."""
-        return {
-            stream: count(
-                self._tallies.get(stream, Tally()),
-                dropped.get(stream, 0),
-                contested=stream[0] in self._contested,
-            )
-            for stream in sorted({*self._tallies, *dropped})
-        }
-
-
-def count(tally: Tally, dropped: int, *, contested: bool) -> Count:
-    """Return the counts of a stream; what the subscription has dropped was not lost on the way."""
-    return Count(
-        tally.received - tally.overflowed,
-        0 if contested else max(0, tally.order.missing - dropped),
-        dropped + tally.overflowed,
-        tally.impossible,
-        tally.late,
-        tally.repeated,
-        int(contested),
-    )
+        found = {}
+        for stream in sorted({*self._counts, *dropped}):
+            contested, here = stream[0] in self._contested, dropped.get(stream, 0)
+            missing = self._orders[stream].missing - here  # what was dropped here was not lost on the way
+            one = self._counts.get(stream, Count()) + Count(dropped=here, contested=int(contested))
+            found[stream] = replace(one, lost=0 if contested else max(0, missing))
+        return found
 
 
 def stream_of(place: Place, value: Positions | Status | Event | CameraImage | Sound) -> Stream:

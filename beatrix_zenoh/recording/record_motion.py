@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Final, TextIO
 
-from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, RobotInfo, arm_angles, robot_of
+from beatrix_zenoh.client.degrees import HeadAngles, RobotInfo, robot_of
 from beatrix_zenoh.client.motion_file import Place, line_of, lines_of
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract._generated.messages import Positions, Reason
@@ -91,9 +91,7 @@ def record_motion(
     robot: Robot,
     path: Path,
     *,
-    head: bool = True,
     keep_rest: bool = False,
-    points_hz: float = POINTS_HZ,
     going: Callable[[int], bool] = lambda _points: True,
 ) -> int:
     """Write the set points of a robot to a motion file; return the number of points.
@@ -104,9 +102,7 @@ def record_motion(
     Args:
         robot: the robot, which any client may drive.
         path: the file, which is replaced if it exists.
-        head: write yaw, pitch, roll; else the angles of the arms.
         keep_rest: keep the whole rests at start and end, instead of STILL_S each.
-        points_hz: points per second during motions, at most 50.
         going: called with the number of points about 50 times a second; False ends the recording.
 
     Raises:
@@ -115,12 +111,11 @@ def record_motion(
     """
     with naming(str(robot)):
         info = robot.info()
-    place_of = head_of(info) if head else arm_angles_of
-    thinning, count = Thinning(1 / points_hz, math.inf if keep_rest else STILL_S), 0
+    thinning, count = Thinning(1 / POINTS_HZ, math.inf if keep_rest else STILL_S), 0
     try:
         with path.open("w", encoding="utf-8", newline="\n") as file, robot.positions_stream() as stream:
             try:
-                for point in timed(stream, place_of):
+                for point in timed(stream, head_of(info)):
                     count += write(file, thinning.add(point), [] if count else comments(robot, info))
                     if not going(count):
                         break
@@ -164,11 +159,6 @@ def timed(stream: Iterable[Positions], place_of: Callable[[Positions], Place]) -
 def same(one: Place, other: Place) -> bool:
     """Return whether two places differ by at most SAME_DEG in every angle."""
     return all(abs(a - b) <= SAME_DEG for a, b in zip(one, other, strict=True))
-
-
-def arm_angles_of(positions: Positions) -> ArmAngles:
-    """Return the set points of the arms (deg)."""
-    return arm_angles(positions.commanded)
 
 
 def head_of(info: RobotInfo) -> Callable[[Positions], HeadAngles]:

@@ -176,7 +176,7 @@ class RecordingThread:
                 self._last[place] = arrival.t_mono_ns, time_ns
                 yield from rows.back(time_ns, value.t_wall_ns)
                 if rows.repeats(value, stale=stale):
-                    self._losses.tally((place, POSITIONS)).repeated += 1
+                    self._losses.count((place, POSITIONS)).repeated += 1
                     return
                 self.samples += 1
                 yield from rows.positions(value, time_ns)

@@ -300,7 +300,7 @@ class TimedArrivals:
             self._queries.request(place)
         waiting = self._waiting[place]
         if len(waiting) == WAITING:
-            self._losses.tally(stream_of(place, waiting.popleft().value)).overflowed += 1
+            self._losses.overflowed(stream_of(place, waiting.popleft().value))
         waiting.append(arrival)
 
     def answered(self, answer: RobotAnswer) -> Iterator[Timed]:
@@ -335,10 +335,10 @@ class TimedArrivals:
             yield Timed(arrival, self._timebase.time_ns(place, value.t_mono_ns), stale=True)
             return
         if delay is Delay.IMPOSSIBLE or value.t_wall_ns < 0:
-            self._losses.tally(stream).impossible += 1
+            self._losses.count(stream).impossible += 1
             return
         if delay is Delay.LATE:
-            self._losses.tally(stream).late += 1
+            self._losses.count(stream).late += 1
         yield Timed(arrival, self._timebase.time_ns(place, value.t_mono_ns))
 
 
