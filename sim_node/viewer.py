@@ -17,10 +17,9 @@ from typing import Final
 import msgspec
 import mujoco
 import numpy as np
-from beatrix_zenoh.body.shape import mechanism
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.figure import Figure, mechanism
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData

@@ -14,7 +14,7 @@ from PyQt5.QtTest import QTest
 from robots import free_endpoint
 
 from beatrix_zenoh.client import Presence
-from gui.console.link.ports import parsed
+from gui.console.link.children import parsed
 from gui.console.state.actions import ConnectHardware, LookForPorts
 from gui.console.state.connecting import VIRTUAL, CloseConnect
 from gui.console.state.intents import Choose

@@ -34,7 +34,7 @@ from gui.console.state.intents import (
     UndoSequence,
 )
 from gui.console.state.saved import Saved, SavedPose
-from gui.console.state.sequence import changed
+from gui.console.state.sequence import POSES_MAX, changed
 from gui.console.state.sequence_timing import HOME, Pace, comfortable, timed, too_short
 from gui.console.state.state import State
 from gui.console.state.world import World

@@ -12,6 +12,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
+from recorded_values import STATE, recorded_values
 from rerun.chunk import RrdReader
 from robots import Process, Stage, ready, until
 
@@ -25,7 +26,6 @@ from beatrix_zenoh.contract._generated.messages import Positions
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.samples import Recorded
 from beatrix_zenoh.recording.viewer import verify
-from tests.support.recorded_values import STATE, recorded_values
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
 PAGE = Path(__file__).resolve().parents[2] / "docs/how-to/record.md"

@@ -6,12 +6,12 @@ import json
 import signal
 from pathlib import Path
 
+from recorded_values import SCALARS, recorded_values
 from robots import Process, Stage, ask_raw
 from shell import Shell
 
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.recording.rrd.read import read, read_about
-from tests.support.recorded_values import SCALARS, recorded_values
 
 
 def recorder(stage: Stage, path: Path, *options: str) -> Process:

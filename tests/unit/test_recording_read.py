@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import rerun as rr
 from golden import same
+from recorded_values import SCALARS, STATE, TEXT, recorded_values
 from written_recordings import BEGAN_NS, STEP_NS, write_lesson
 
 from beatrix_zenoh.contract._generated.messages import Info, LimitInfo
@@ -28,7 +29,6 @@ from beatrix_zenoh.recording.rrd.read import read, read_about
 from beatrix_zenoh.recording.rrd.stream import RowStream
 from beatrix_zenoh.recording.samples import About
 from beatrix_zenoh.recording.viewer import verify
-from tests.support.recorded_values import SCALARS, STATE, TEXT, recorded_values
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
 
