@@ -14,7 +14,8 @@ STATE, TEXT, SCALARS = "StateChange:state", "TextLog:text", "Scalars:scalars"
 
 def recorded_values(path: Path, entity: str, component: str) -> list[Any]:
     """Return the values of a component of an entity, in the order of time."""
-    reader, found = RrdReader(path), []
+    reader = RrdReader(path)
+    found: list[tuple[int, list[Any]]] = []
     for store in reader.recordings():
         for chunk in reader.stream(store=store).filter(content=[f"/{entity}"]):
             batch = chunk.to_record_batch()
