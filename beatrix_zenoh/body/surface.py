@@ -141,7 +141,7 @@ class Modeller:
     """Collects the surfaces of each body; lengths in m, in the frame of the body."""
 
     def __init__(self, *, fine: bool) -> None:
-        """Begin a model with round parts and toothed gears, or a `fine` one of few faces for painters in software."""
+        """Begin a `fine` model with round parts and toothed gears, or one of few faces for painters in software."""
         self.fine = fine
         self.bodies: dict[str, list[Surface]] = {}
 

@@ -20,8 +20,8 @@ class Jobs:
     """Runs the jobs of one queue one after the other, and those of several queues at the same time.
 
     A queue exists while it has jobs, and there are as many threads as there were ever queues at the same time, at least
-    THREADS. The threads are daemons, unlike those of `concurrent.futures`: a request without an answer does not keep the process of
-    a closed window.
+    THREADS. The threads are daemons, unlike those of `concurrent.futures`: a request without an answer does not keep the
+    process of a closed window.
     """
 
     def __init__(self, name: str) -> None:
