@@ -22,6 +22,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Limit,
     Reason,
 )
+from beatrix_zenoh.motion.kinematics import Neck
 from gui.console.state.actions import Action, Govern, Outcome
 from gui.console.state.intents import (
     AimHead,
@@ -39,18 +40,32 @@ from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, World
 
 ROBOTS = ("well", "preview", "refusal", "fault", "no-router", "refused", "driven")
 STATES = (*ROBOTS, "taken", "turn", "frozen", "class", "class-full")
-ARMS = (12.0, -4.5, 7.2)
-PATH = Path(
-    [i / 20 for i in range(21)],
-    [ArmAngles(0.0, 0.0, 0.0)] * 21,
-    [HeadAngles(i, 18 * math.sin(i / 8), i * 0.6) for i in range(21)],
-)
+NECK = Neck()
+HEADS = {"sim": HeadAngles(12.0, -6.0, 4.0), "hw": HeadAngles(9.0, -4.5, 3.1)}
+TARGET = HeadAngles(20.0, 16.0, -4.0)
+
+
+def arms_of(head: HeadAngles) -> tuple[float, float, float]:
+    """Return the arm angles (deg) with which the head has this orientation (deg)."""
+    short, middle, long = (math.degrees(arm) for arm in NECK.inverse(*map(math.radians, head)))
+    return short, middle, long
+
+
+ARMS = arms_of(HEADS["hw"])
+
+
+def between(start: HeadAngles, end: HeadAngles, part: float) -> HeadAngles:
+    """Return the orientation at a part of the way, 0 to 1."""
+    return HeadAngles(*(a + part * (b - a) for a, b in zip(start, end, strict=True)))
+
+
+WAY = [between(HEADS["hw"], TARGET, i / 20) for i in range(21)]
+PATH = Path([1.2 * i / 20 for i in range(21)], [ArmAngles(*arms_of(head)) for head in WAY], WAY)
 
 
 def ready() -> World:
     """Return the world in which both robots are ready, at nearly the same position."""
-    sim = posed("sim", ARMS, HeadAngles(12.0, -6.0, 4.0))
-    hw = posed("hw", (11.2, -4.1, 6.9), HeadAngles(9.0, -4.5, 3.1))
+    sim, hw = (posed(side, arms_of(head), head) for side, head in HEADS.items())
     return world(sim, hw, names=("bea1", "bea2"))
 
 
@@ -63,12 +78,12 @@ def posed(side: str, arms: tuple[float, float, float], head: HeadAngles, **known
 
 
 def reported(state: State, intent: Intent, now: World, refused: Detail | None = None) -> None:
-    """Let a state handle an intent; report that both robots have carried out its request, or refused it."""
+    """Let a state handle an intent; report that both robots have carried out its request, or that its preview was refused."""
     for action in state.handle(intent, now):
         if isinstance(action, Govern):
             state.report(Outcome(action.row, "", accepted=True, done=True, robots=len(now.robots)))
             continue
-        for side in ("sim", "hw"):
+        for side in ("sim", "hw") if refused is None else ("",):
             state.report(outcome(action, side, refused))
 
 
@@ -136,7 +151,12 @@ def class_world() -> World:
     ]
     robots[-1] = replace(robots[-1], presence=Presence.LOST, positions_age_s=3.2, hz=0.0)
     return replace(
-        ready(), seat="teacher", robots=tuple(robots), seats=("ana", "ben", "cleo", "dora", "teacher")
+        ready(),
+        seat="teacher",
+        sim=robots[0],
+        hw=robots[1],
+        robots=tuple(robots),
+        seats=("ana", "ben", "cleo", "dora", "teacher"),
     )
 
 
@@ -206,15 +226,14 @@ def example(state: str, theme: Theme, language: str) -> View:
     now = ready()
     deciding = driving(theme, language, now)
     if state == "preview":
-        deciding.handle(AimHead(20.0, 14.0, 12.0), now)
+        deciding.handle(AimHead(*TARGET), now)
         deciding.handle(SendHead(), now)
-        plan = PlanProgress(PlanPhase.LEADING, 1.2, 2.0, 1.4, PATH)
-        now = replace(
-            now, plan=plan, sim=robot("sim", arms=(18.0, 2.0, 3.0), known=status("sim", moving=True))
-        )
+        plan = PlanProgress(PlanPhase.LEADING, 1.2, 2.0, 1.1, PATH)
+        head = WAY[15]  # 0.9 s of 1.2 s have passed
+        now = replace(now, plan=plan, sim=posed("sim", arms_of(head), head, moving=True))
     elif state == "refusal":
         deciding.handle(AimHead(20.0, 40.0, 0.0), now)
-        other = Alternative(head=Head(math.radians(20), math.radians(34), 0.0))
+        other = Alternative(head=Head(math.radians(20), math.radians(35), 0.0))
         tilt = Detail(
             limit=Limit.TILT,
             at_goal=True,
@@ -236,7 +255,7 @@ def example(state: str, theme: Theme, language: str) -> View:
     elif state in {"class", "class-full"}:
         now = class_world() if state == "class" else full_class()
         deciding.handle(TogglePage(), now)
-        reported(deciding, Govern(0, LeaseAction.FREEZE), now)
+        reported(deciding, Govern(0, LeaseAction.LIMIT, speed=math.radians(20)), now)
     elif state == "driven":
         taken = {
             side: robot(side, arms=ARMS, known=status(side, holder="ana", moving=True))
