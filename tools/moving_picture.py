@@ -35,7 +35,7 @@ FRAME_S: Final = 0.08
 WIDTH: Final = 320
 """Width of the picture of one robot (px)."""
 HEIGHT: Final = 340
-COLOURS: Final = 192
+COLOURS: Final = 96
 STRIP: Final = 28
 """Height of the titles below the robots (px)."""
 TITLES: Final = ("simulation", "virtual robot")
@@ -109,7 +109,7 @@ def reduced(images: list[Image.Image]) -> list[Image.Image]:
     sample = Image.new("RGB", (WIDTH // 2, len(some) * HEIGHT))
     for index, image in enumerate(some):
         sample.paste(image.crop((WIDTH // 4, 0, 3 * WIDTH // 4, HEIGHT)), (0, index * HEIGHT))
-    palette = sample.quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
+    palette = sample.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=5)
     return [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
 
 
