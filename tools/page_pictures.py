@@ -1,0 +1,115 @@
+"""Make docs/images/web-page*.png: the control page on a laptop and on a phone, in Chromium without a screen.
+
+Usage: .venv/bin/python tools/page_pictures.py [DIR]
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests/support"))
+
+from bench_node import ROOT, Served, free_endpoint
+from browser import Browser
+from web_client import serving
+
+NAME: Final = "bea1"
+LAPTOP: Final = (1366, 768)
+PHONE: Final = (390, 844)
+LEAD_S: Final = 5
+SHOWN_S: Final = 2.5
+"""Time from the start of the countdown to the picture: the simulation has arrived, the hardware waits."""
+EYES: Final = "[...document.images].filter((image) => image.naturalWidth > 0 && image.offsetWidth > 0).length"
+
+
+@contextmanager
+def robots() -> Iterator[str]:
+    """Run a router, a simulation and a virtual robot; yield the endpoint of the router."""
+    endpoint = free_endpoint()
+    where = ("--name", NAME, "--connect", endpoint)
+    served = [Served("beatrix_zenoh.cli", "router", "--listen", endpoint)]
+    try:
+        served.append(Served("sim_node", *where))
+        served.append(Served("hw_node", *where, "--port", "virtual:"))
+        yield endpoint
+    finally:
+        for process in reversed(served):
+            process.end()
+
+
+def choose(page: Browser, selector: str, value: str | int, event: str = "change") -> None:
+    """Set an input of the page as a user does."""
+    field = f"document.querySelector({json.dumps(selector)})"
+    page.run(f"{field}.value = {json.dumps(value)}, {field}.dispatchEvent(new Event('{event}'))")
+
+
+def drive(page: Browser) -> None:
+    """Take both robots, and make them ready."""
+    choose(page, "#name", "Mia", "input")
+    page.click("#drive")
+    page.wait(lambda: page.text("#pills").count("yours") == 2, "drives")
+    page.click("#hw")
+    for pill, step in (("first", "Make ready"), ("last", "Enable"), ("last", "Calibrate")):
+        button = f"#pills > :{pill}-child button"
+        page.wait(lambda button=button, step=step: page.text(button) == step, step)  # type: ignore[misc]
+        page.click(button)
+        if pill == "first":
+            page.wait(lambda: "Simulation: ready" in page.text("#pills"), "the simulation is ready")
+    page.wait(lambda: page.text("#pills").count("ready") == 2, "both are ready")
+
+
+def laptop(page: Browser, file: Path) -> None:
+    """Send a motion to both robots, and draw the page while the hardware waits."""
+    drive(page)
+    page.click("#looking")
+    page.wait(lambda: page.run(EYES) == 2, "both eyes")
+    choose(page, "#lead", LEAD_S)
+    choose(page, "#aim-yaw", 25, "input")
+    choose(page, "#aim-pitch", 10, "input")
+    page.click("#send")
+    page.wait(lambda: "hardware follows in" in page.text("#countdown"), "the simulation leads")
+    page.run("scrollTo(0, 0)")
+    time.sleep(SHOWN_S)
+    page.picture(file)
+    page.wait(lambda: "hardware follows in" not in page.text("#countdown"), "the hardware follows")
+    page.wait(lambda: page.text("#pills").count("ready") == 2, "both have arrived")
+
+
+def phone(page: Browser, file: Path) -> None:
+    """Ask for a motion beyond the limits in German, and draw the refusal."""
+    choose(page, "#language", "de")
+    page.wait(lambda: page.text("#drive") == "Zurückgeben", "German")
+    page.resize(*PHONE, touch=True)
+    choose(page, "#aim-pitch", 30, "input")
+    choose(page, "#aim-roll", 30, "input")
+    page.click("#send")
+    page.wait(lambda: "35,0°" in page.text("#refusal-head p"), "a refusal beside the sliders")
+    page.run("scrollTo(0, 0)")
+    time.sleep(1.0)  # the page may still scroll
+    page.picture(file)
+
+
+def main() -> None:
+    """Start robots, server and browser, and draw both pictures."""
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images"
+    with (
+        robots() as endpoint,
+        serving(endpoint) as port,
+        TemporaryDirectory() as profile,
+        Browser(Path(profile), LAPTOP) as page,
+    ):
+        page.open(f"http://127.0.0.1:{port}/")
+        page.wait(lambda: "motors off" in page.text("#pills"), "the page")
+        laptop(page, folder / "web-page.png")
+        phone(page, folder / "web-page-phone.png")
+
+
+if __name__ == "__main__":
+    main()
