@@ -92,7 +92,7 @@ def outcome(action: Action, side: str, refused: Detail | None) -> Outcome:
     row: int = getattr(action, "row", 0)
     if refused is None:
         return Outcome(row, side, accepted=True, done=True, duration_s=1.21)
-    message = "The head would lean 40.0°; at most 35.0° is allowed."
+    message = "bea1 (sim): The head would lean 40.0°; at most 35.0° is allowed."
     return Outcome(
         row, side, accepted=False, done=True, reason=Reason.OUT_OF_REACH, message=message, detail=refused
     )
