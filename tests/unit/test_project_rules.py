@@ -26,7 +26,6 @@ METHODS_MAX = 15
 HOMES = {"mujoco": "sim_node", "serial": "hw_node", "PyQt5": "gui"}
 """Libraries that all modules of one package may import; others may be imported by one module of beatrix_zenoh."""
 SLEEPERS = {
-    "tests/nodes/test_legacy.py": "programs of 2023 send at their own pace, and no event shows that they send nothing",
     "tests/support/stall_monitor.py": "it measures how late it wakes up",
 }
 """Test files that may sleep, and the reason why they cannot wait for an event."""
