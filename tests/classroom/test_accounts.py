@@ -13,11 +13,10 @@ from class_router import CLI, ClassRouter, certified
 from robots import Process, free_endpoint
 from shell import beatrix
 
-from beatrix_zenoh import Robot, files
+from beatrix_zenoh import Robot
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.classroom import router_file
 from beatrix_zenoh.classroom.certificates import Authority
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
@@ -52,15 +51,6 @@ def test_each_kind_of_wrong_certificate_has_its_own_error_message(router: ClassR
         assert sentence in refused(account.connect, wrong)
 
 
-def test_the_error_for_a_router_of_no_class_says_so(router: ClassRouter) -> None:
-    open_router = Process(*CLI, "router", "--listen", free_endpoint())
-    try:
-        endpoint = open_router.expect("ready").split()[1].replace("tcp/", "tls/")
-        assert "it serves no class" in refused(endpoint, router.account("ana"))
-    finally:
-        open_router.end()
-
-
 def test_a_router_of_a_class_listens_at_no_other_address(router: ClassRouter) -> None:
     done = beatrix("router", "--class", str(router.class_file), "--listen", "tcp/0.0.0.0:7447")
     assert done.returncode == 2
@@ -73,7 +63,7 @@ def test_an_expired_account_is_refused_before_anything_is_sent(router: ClassRout
         zbus.connect(account.connect, account=account)
 
 
-@pytest.mark.parametrize(("name", "days"), [("teacher", 59), ("teacher", -1), ("ana", 59), ("ana", 60)])
+@pytest.mark.parametrize(("name", "days"), [("teacher", -1), ("ana", 59), ("ana", 60)])
 def test_doctor_and_top_announce_that_an_account_expires(
     router: ClassRouter, name: str, days: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -108,18 +98,6 @@ def test_accounts_are_announced_as_soon_as_init_would_renew_them(days: int, when
     text = accounts.renewal("8b", expires, expires - dt.timedelta(days=days))
     assert when in text
     assert ("`beatrix classroom init class.toml`" in text) == bool(when)
-
-
-def test_the_router_announces_the_first_certificate_that_expires(tmp_path: Path) -> None:
-    with ClassRouter(tmp_path) as router:
-        path = router.folder / "router.toml"
-        file = router_file.load(path)
-        assert file.expires == router.account("ana").expires
-        assert not router_file.renewal(file, accounts.today())
-        near = msgspec.structs.replace(file, expires=accounts.today() + dt.timedelta(days=5))
-        files.write_private(path, near.text())
-        router.process.expect("ready")
-        assert "in 5 days. The teacher runs `beatrix classroom init" in router.process.expect("All accounts")
 
 
 def test_files_with_secrets_are_for_their_owner_only(router: ClassRouter) -> None:

@@ -6,7 +6,7 @@ import contextlib
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -85,7 +85,7 @@ def test_one_of_thirty_seats_takes_the_robot_and_refusals_name_it(router: ClassR
             robot.client.close()
 
 
-@pytest.mark.parametrize("form", ["put", "query", "query of all robots"])
+@pytest.mark.parametrize("form", ["put", "query of all robots"])
 def test_a_stop_without_a_seat_is_the_teachers(router: ClassRouter, form: str) -> None:
     """The router of a class lets no other account send it, for example with Zenoh's own `z_put`."""
     robot = robot_of(router, "teacher")
@@ -95,14 +95,13 @@ def test_a_stop_without_a_seat_is_the_teachers(router: ClassRouter, form: str) -
         if form == "put":
             bus.put(key, b"", "text/plain")
         else:
-            asked = key if form == "query" else keys.stop_unsigned("*", "*")
-            assert bus.query(asked).next(PATIENCE_S) is not None
+            assert bus.query(keys.stop_unsigned("*", "*")).next(PATIENCE_S) is not None
         event = next(event for event in events if event.kind is EventKind.STOP)
     assert event.seat == TEACHER
 
 
 @pytest.mark.measures_time
-@pytest.mark.parametrize("kind", ["tokens", "takes queries", "answers nonsense"])
+@pytest.mark.parametrize("kind", ["takes queries", "answers nonsense"])
 def test_a_token_without_a_robot_holds_up_no_command_of_the_teacher(
     router: ClassRouter, kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -121,8 +120,7 @@ def test_a_token_without_a_robot_holds_up_no_command_of_the_teacher(
                 keys.info("seat01", side),
                 keys.status("seat01", side),
             ):
-                if kind != "tokens":
-                    fake.serve(key, held.append if kind == "takes queries" else nonsense)
+                fake.serve(key, held.append if kind == "takes queries" else nonsense)
         began_s = time.monotonic()
         done = beatrix("mute", "seat02")
         muted_s = time.monotonic() - began_s
@@ -143,9 +141,8 @@ def test_a_token_without_a_robot_holds_up_no_command_of_the_teacher(
     in_time(listed_s, 1.9, "ls")
 
 
-@pytest.mark.parametrize("fault", ["killed", "frozen", "unplugged"])
 def test_a_disconnected_holder_loses_the_robot_to_the_seat_that_waits(
-    router: ClassRouter, tmp_path: Path, fault: str
+    router: ClassRouter, tmp_path: Path
 ) -> None:
     account = router.account("seat01")
     with Cable("127.0.0.1", router.classroom.port + 1) as cable:
@@ -153,11 +150,6 @@ def test_a_disconnected_holder_loses_the_robot_to_the_seat_that_waits(
         path.write_text(msgspec.structs.replace(account, connect=f"tls/127.0.0.1:{cable.port}").text())
         use_account(tmp_path, path)
         holder = Seat(Process(PROGRAM, folder=tmp_path, listens=True, traced=False))
-        faults: dict[str, Callable[[], None]] = {
-            "killed": lambda: holder.process.send(signal.SIGKILL),
-            "frozen": lambda: holder.process.send(signal.SIGSTOP),
-            "unplugged": cable.unplug,
-        }
         with contextlib.ExitStack() as stack:
             stack.callback(holder.process.end, signal.SIGKILL)
             next_one = robot_of(router, "seat02")
@@ -170,7 +162,7 @@ def test_a_disconnected_holder_loses_the_robot_to_the_seat_that_waits(
             holder.does(f"begin('bea1', {-150 if start > 0 else 150})")
             lease.ask(next_one, LeaseAction.WAIT)
             until(lambda: abs(next_one.positions().commanded.short - start) > 1, "moving")
-            faults[fault]()
+            cable.unplug()
             until(lambda: not next_one.status().moving, "the robot stops")
             until(lambda: next_one.status().holder == "seat02", "the waiting seat gets the lease")
             assert abs(next_one.positions().commanded.short) < 140, "the motion has not reached its goal"

@@ -24,7 +24,6 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.output import exit_code
-from gui.console.state.actions import Retry
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase
 
@@ -127,28 +126,6 @@ def test_a_seat_that_is_removed_is_put_out_at_once_and_others_notice_nothing(
         assert not has_rights(removed), "TLS refuses it now"
         names = {losses.get_nowait() for _ in range(losses.qsize())}
         assert names <= {"ana", "ben"}, "the robot stayed connected"
-
-
-def test_the_window_returns_when_the_router_restarts_with_another_card(tmp_path: Path) -> None:
-    with ClassRouter(tmp_path) as router:
-        account = router.account("ana")
-        with Linked(account.connect, who="ana", account=account) as linked:
-            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "connected")
-            session = linked.link._connection.session
-            assert session is not None
-            router.replace("ben")
-            until(lambda: session.client.losses > 0, "the router restarts")
-            router.process.expect("ready")
-            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "connected again")
-            assert session.client.bus.refusal() is None
-            assert linked.world.phase is LinkPhase.ONLINE, "the account was checked"
-            linked.link._connection._refused = True
-            linked.do(Retry())
-            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "Retry asks again")
-            router.replace("ana")
-            router.process.expect("ready")  # else its output says why it has not restarted
-            refused = linked.until(lambda world: world.phase is LinkPhase.REFUSED, "this card is refused")
-            assert "replaced by a newer one" in refused.trouble
 
 
 def test_a_router_that_cannot_use_the_new_file_continues_with_the_former_accounts(tmp_path: Path) -> None:

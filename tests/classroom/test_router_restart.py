@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -11,11 +10,10 @@ from class_router import ClassRouter, start_node
 from patient_connections import PATIENCE_S, patiently
 from robots import ready, until
 
-from beatrix_zenoh import Robot, Subscription
+from beatrix_zenoh import Robot
 from beatrix_zenoh.client import Client, lease
-from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
+from beatrix_zenoh.contract._generated.messages import LeaseAction
 from beatrix_zenoh.contract.errors import BeatrixError
-from beatrix_zenoh.node.callers import RETURN_S
 from beatrix_zenoh.settings import Settings
 
 
@@ -34,14 +32,6 @@ def reaches(robot: Robot) -> bool:
         return False
 
 
-def statuses_for(statuses: Subscription[Status], seconds: float) -> list[Status]:
-    """Return all statuses so far and in the next seconds."""
-    end_s, found = time.monotonic() + seconds, list[Status]()
-    while (left_s := end_s - time.monotonic()) > 0:
-        found += statuses.take(left_s)
-    return found
-
-
 def test_a_restart_for_a_new_seat_keeps_lease_queue_mute_and_freeze(tmp_path: Path) -> None:
     with contextlib.ExitStack() as stack:
         router = stack.enter_context(ClassRouter(tmp_path, seats='["ana", "ben", "cleo"]'))
@@ -56,20 +46,16 @@ def test_a_restart_for_a_new_seat_keeps_lease_queue_mute_and_freeze(tmp_path: Pa
         lease.ask(teacher, LeaseAction.MUTE, seat="cleo")
         lease.ask(teacher, LeaseAction.FREEZE)
         until(lambda: ana.status().waiting == ["ben"], "ben waits")
-        statuses = stack.enter_context(ana.status_stream())
 
-        begin_s = time.monotonic()
         router.rewrite('"cleo"]', '"cleo", "dora"]')
         router.process.expect("ready")
         until(lambda: all(reaches(robot) for robot in (ana, ben, teacher)), "all are connected again")
         dora = robot_of(router, "dora")
         stack.callback(dora.client.close)
         assert dora.status().holder == "ana"
-        print(f"{time.monotonic() - begin_s:.2f} s from init until every session worked again")
-
-        for status in [*statuses_for(statuses, RETURN_S + 0.5), dora.status()]:
-            assert (status.holder, status.lease, status.waiting) == ("ana", held.number, ["ben"])
-            assert (status.frozen, status.muted) == (True, ["cleo"])
+        status = dora.status()
+        assert (status.holder, status.lease, status.waiting) == ("ana", held.number, ["ben"])
+        assert (status.frozen, status.muted) == (True, ["cleo"])
         lease.ask(teacher, LeaseAction.UNFREEZE)
         ana.look(yaw=2, speed=60)
         held.close()

@@ -100,7 +100,6 @@ def attack(router: ClassRouter, kind: str, number: int) -> None:
 @pytest.mark.parametrize(
     ("kind", "number", "report"),
     [
-        ("subscriber", 8000, ""),
         ("subscriber", 30_000, "The router of the seats has ended (SIGABRT)"),
         ("any subscriber", 30_000, ""),
         ("own queryable", 30_000, ""),
@@ -117,16 +116,14 @@ def test_what_a_seat_declares_reaches_neither_robots_nor_teacher(
     assert max(stops.waits_s) < PATIENCE_S
     assert teacher.client.losses == losses, "the teacher stayed connected"
     assert "router" not in "".join(event.message for event in teacher.past_events()[events:])
-    assert not report or "ana" in router.process.expect(report)
+    if report:
+        router.process.expect(report)
     account = router.account("ben")
     patiently(lambda: Client(Settings("bea1", account.connect, "ben", account=account))).close()
 
 
-@pytest.mark.parametrize(
-    ("how", "cause"), [(signal.SIGKILL, "SIGKILL"), (signal.SIGSTOP, STUCK)], ids=["ends", "is stuck"]
-)
 def test_both_routers_come_back_with_robots_seats_freeze_mute_and_lessons(
-    router: ClassRouter, teacher: Robot, how: signal.Signals, cause: str
+    router: ClassRouter, teacher: Robot
 ) -> None:
     ben = router.session("ben")
     report = codec.encode(LessonState(tries=2, passed=True, hints=0, stuck=0, version=1))
@@ -139,13 +136,12 @@ def test_both_routers_come_back_with_robots_seats_freeze_mute_and_lessons(
 
     until(arrived, "a report")
     for part in Part:
-        begin_s, before = time.monotonic(), len(router.process.lines)
-        end(router, part, how)
-        router.process.expect(f"The {part.called} has ended ({cause})")
+        before = len(router.process.lines)
+        end(router, part)
+        router.process.expect(f"The {part.called} has ended (SIGKILL)")
         until(lambda: ben.connected and bool(ben.robots()), "the seat sees the robot")
         until(lambda: teacher.client.bus.connected and bool(teacher.client.bus.robots()), "the teacher, too")
         router.process.expect(f"The {part.called} runs again")
-        print(f"{part}: all connected again {time.monotonic() - begin_s:.2f} s after its end")
         if part is Part.ROBOTS:
             ended = [line for line in router.process.lines[before:] if "has ended" in line]
             assert len(ended) == 1, "the router of the seats goes on"
@@ -167,6 +163,9 @@ def test_stop_is_sent_again_until_the_router_is_back(
     end(router, Part.ROBOTS, how)
     stop = Process(*CLI, "stop", "--name", "bea1", folder=tmp_path)
     assert stop.wait(PATIENCE_S) == 0, stop.lines
+    router.process.expect(
+        f"The {Part.ROBOTS.called} has ended ({STUCK if how is signal.SIGSTOP else how.name})"
+    )
     until(lambda: bool(teacher.client.bus.robots()), "the teacher is connected again")
 
 

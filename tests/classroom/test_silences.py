@@ -6,7 +6,6 @@ import contextlib
 import json
 import os
 import signal
-import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,6 @@ from pathlib import Path
 import msgspec
 import pytest
 from class_router import Answering, ClassRouter, end, process_of, start_node
-from gui_links import Linked
 from robots import PATIENCE_S, Process, free_endpoint, until
 from shell import beatrix
 
@@ -23,14 +21,10 @@ from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Bus, Incoming
 from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.client.request import ABSENT_S
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.output import exit_code
 from beatrix_zenoh.settings import Settings
-from gui.console.state.actions import SendStop
-from gui.console.state.state import State
-from gui.console.state.world import LinkPhase
 
 HW = "hw"
 
@@ -198,24 +192,6 @@ def test_the_sdk_raises_the_reason_of_each_missing_answer(
     assert (caught.value.reason, sentence in caught.value.message) == (reason, True), caught.value.message
 
 
-def test_the_error_reports_a_robot_that_was_lost_and_is_online_again(lesson: Lesson) -> None:
-    received: list[threading.Timer] = []
-
-    def lose(incoming: Incoming) -> None:
-        received.append(threading.Timer(ABSENT_S + 0.1, incoming.finish))
-        received[-1].start()
-
-    with connected(lesson, "bea2") as bus:
-        bus.serve(keys.command("bea2", HW, "*"), lose)
-        bus.declare_token(keys.alive("bea2", HW))
-        lesson.router.settled(bus)
-        with pytest.raises(NoAnswer, match="was lost during this request and is online again") as caught:
-            enable(Case(lesson.router.account("ana"), "bea2"), PATIENCE_S)
-        for timer in received:
-            timer.join()
-    assert caught.value.reason is Reason.NODE_LOST
-
-
 def test_a_command_of_a_seat_without_its_simulation_goes_to_no_other_robot(
     lesson: Lesson, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -248,31 +224,6 @@ def test_doctor_ends_at_a_refused_account(lesson: Lesson, monkeypatch: pytest.Mo
     assert "bea1 (hw)" not in found
 
 
-def test_doctor_names_the_robot_that_does_not_answer(lesson: Lesson, monkeypatch: pytest.MonkeyPatch) -> None:
-    with hangs(lesson) as case:
-        found = doctor(lesson, case, monkeypatch)
-    assert found["account"][0]["found"].startswith("ana of class 8b, accepted, valid until")
-    assert [row["state"] for row in found["bea2 (hw)"]] == ["todo"]
-    todo = found["bea2 (hw)"][0]["todo"]
-    seen = ("restart it", "is no longer online", "is not online")
-    assert "bea2 (hw)" in todo
-    assert any(words in todo for words in seen), (
-        "the router drops the node after 2 s, during doctor or before"
-    )
-    assert found["bea1 (hw)"][0]["found"].startswith("answers")
-
-
-def test_the_window_reports_that_the_router_refuses_the_account(lesson: Lesson) -> None:
-    with wrong_account(lesson) as case, Linked(case.account.connect, account=case.account) as linked:
-        world = linked.until(lambda world: world.phase is LinkPhase.REFUSED, "the account is refused")
-        banner = State().view(world).banner
-        assert banner is not None
-        assert "does not accept account ana of class 8b" in banner.text
-        assert "refuses account ana of class 8b" in world.trouble
-        linked.do(SendStop(1))
-        assert linked.end_of(1).reason is Reason.ACCOUNT_REFUSED
-
-
 def test_a_program_whose_router_was_lost_does_not_report_that_the_robot_was(tmp_path: Path) -> None:
     """The new router of the seats has no robots until the other one answers it."""
     with ClassRouter(tmp_path) as router:
@@ -290,25 +241,3 @@ def test_a_program_whose_router_was_lost_does_not_report_that_the_robot_was(tmp_
             finally:
                 os.kill(other, signal.SIGCONT)
     assert caught.value.reason is Reason.NO_ROUTER
-
-
-def test_program_and_node_whose_accounts_were_replaced_report_that_the_router_refuses_them(
-    tmp_path: Path,
-) -> None:
-    with ClassRouter(tmp_path) as router:
-        account, node = router.account("ana"), start_node(tmp_path, router.path("bea1"))
-        try:
-            with Client(Settings("bea1", account.connect, "ana", account=account)) as client:
-                router.process.end(signal.SIGKILL)
-                node.expect("The router at")  # the node reports that the router is lost
-                router.make_anew()
-                router.start_again()
-                until(lambda: not client.bus.connected, "the account is refused")
-                with pytest.raises(NoAnswer) as caught:
-                    Robot("bea1", HW, client=client).status()
-            line = node.expect(f"The router at {router.classroom.listen} refuses account bea1 of class 8b")
-        finally:
-            assert node.end() == 0
-    assert caught.value.reason is Reason.ACCOUNT_REFUSED
-    assert "Ask for a new bea1.toml" in line
-    assert "Then start the node again" in line

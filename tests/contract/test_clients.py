@@ -10,12 +10,11 @@ from bodies import Body
 from robots import ask_raw, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
-from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Query
 from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, PoseQuery, Positions, Reason
+from beatrix_zenoh.contract._generated.messages import CommandReply, PoseQuery, Positions, Reason
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node.callers import QUIET_S
 
@@ -40,26 +39,6 @@ def test_a_second_client_is_refused_with_the_holders_name_and_the_motion_continu
     assert robot.positions().commanded.short == pytest.approx(8, abs=0.1)
 
 
-def test_a_motion_of_the_teacher_replaces_that_of_another_seat(body: Body, robot: Robot) -> None:
-    teacher = body.robot("teacher")
-    motion = robot.look(yaw=30, wait=False)
-    teacher.look(yaw=0, speed=60)
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.REPLACED
-    until(lambda: robot.status().holder == "", "lease over")
-
-
-def test_every_seat_may_send_stop(body: Body, robot: Robot) -> None:
-    other = body.robot("ben")
-    motion = robot.look(yaw=60, wait=False)
-    until(lambda: robot.positions().commanded.short > 1, "moving")
-    other.stop()
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.STOPPED
-
-
 @pytest.mark.parametrize(
     "form", ["{}/stop", "{}/stop/ben", "{}/stop/Ben!", "beatrix/*/*/stop", "beatrix/**/stop/ben"]
 )
@@ -80,8 +59,7 @@ def test_a_query_on_a_stop_key_is_answered_on_the_key_of_its_seat(robot: Robot, 
     assert codec.decode_json(answer.payload, CommandReply).result
 
 
-@pytest.mark.parametrize("seat", ["legacy", "Ana", "*"])
-@pytest.mark.parametrize("command", ["STOP", "EMERGENCY_STOP"])
+@pytest.mark.parametrize(("seat", "command"), [("legacy", "STOP"), ("Ana", "EMERGENCY_STOP"), ("*", "STOP")])
 def test_stop_is_accepted_from_an_invalid_seat(robot: Robot, seat: str, command: str) -> None:
     motion = robot.look(yaw=60, wait=False)
     key = f"beatrix/{robot.name}/{robot.side}/cmd/{seat}/command"
@@ -128,24 +106,6 @@ def test_the_motion_of_a_client_that_disconnects_is_stopped(body: Body, robot: R
     until(lambda: not robot.status().moving, "stopped")
     assert robot.positions().commanded.short < 50
     assert robot.status().holder == ""
-
-
-def test_a_client_that_undeclares_its_token_receives_client_lost(body: Body, robot: Robot) -> None:
-    until(lambda: robot.status().holder == "", "lease over")
-    with zbus.connect(body.stage.endpoint) as bus:
-        seat = keys.seat("undeclarer", bus.session_id)
-        end = bus.declare_token(seat)
-        query = bus.query(
-            keys.pose(robot.name, robot.side, "undeclarer"), codec.encode(PoseQuery(yaw=1.0)), codec.MSGPACK
-        )
-        accepted = query.next(8.0)
-        assert accepted is not None
-        assert codec.decode(accepted.payload, MotionReply).reason is Reason.OK
-        end()
-        done = query.next(8.0)
-        query.close()
-    assert done is not None
-    assert codec.decode(done.payload, MotionReply).reason is Reason.CLIENT_LOST
 
 
 class Flood:
@@ -226,18 +186,3 @@ def test_a_stopped_seat_must_pause_before_it_moves_again(body: Body, robot: Robo
     assert not moves_again(), "each request restarts the pause"
     threading.Event().wait(QUIET_S)  # there is no event at the end of a pause
     assert moves_again()
-
-
-def test_of_several_waiting_targets_only_the_newest_is_carried_out(robot: Robot) -> None:
-    bus, key = robot.client.bus, keys.pose(robot.name, robot.side, "ana")
-    queries = [
-        bus.query(key, codec.encode(PoseQuery(yaw=0.02 * number)), codec.MSGPACK) for number in range(1, 9)
-    ]
-    ends = []
-    for query in queries:
-        replies = []
-        while (answer := query.next(5.0)) is not None:
-            replies.append(codec.decode(answer.payload, MotionReply))
-        ends.append(replies[-1])
-    assert [end.reason for end in ends[:-1]] == [Reason.REPLACED] * 7
-    assert ends[-1].result

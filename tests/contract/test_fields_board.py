@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
-import msgspec
 import pytest
-from published import at_once, published_statuses, regular, without_clocks
+from published import at_once, published_statuses, regular
 from robots import Process, Stage, ready
 from threaded_board import ThreadedHardware
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.board.link import Decoder
 from beatrix_zenoh.board.state import Port
 from beatrix_zenoh.contract._generated.messages import Fault
-from beatrix_zenoh.contract._generated.serial import FrameType
 
 LOST_NS = 0.5e9
 """Longest time after the last byte of a board until it counts as lost (ns)."""
-NOISE = b"\x05noise\0"
 
 
 @dataclass
@@ -31,18 +27,11 @@ class Cable:
     robot: Robot
     mega: Process | None
     frozen: bool = False
-    swallowing: bool = False
-    noise: list[bytes] = field(default_factory=list)
 
     def freeze(self, *, frozen: bool) -> None:
         """Suspend the board, or let it continue."""
         self._send("freeze" if frozen else "go")
         self.frozen = frozen
-
-    def swallow(self) -> None:
-        """Lose the next request, or the answer to it."""
-        self._send("swallow")
-        self.swallowing = True
 
     def _send(self, word: str) -> None:
         if self.mega is not None:
@@ -54,15 +43,10 @@ class Cable:
         read, write = board.read, board.write
 
         def disturbed_read(timeout_s: float) -> bytes:
-            noise = self.noise.pop() if self.noise else b""
-            data = noise + read(timeout_s)
+            data = read(timeout_s)
             return b"" if self.frozen else data
 
         def disturbed_write(data: bytes) -> bytes:
-            request = any(frame.type != FrameType.PING for frame in Decoder().feed(data))
-            if self.swallowing and request:
-                self.swallowing = False
-                return b""
             return b"" if self.frozen else write(data)
 
         monkeypatch.setattr(board, "read", disturbed_read)
@@ -108,24 +92,3 @@ def test_connected_follows_the_board_and_is_published_at_once(cable: Cable) -> N
     assert back.fault is Fault.NONE
     assert back.board.boot == before.board.boot
     assert back.board.firmware == before.board.firmware
-
-
-@pytest.mark.measures_time
-def test_retries_and_rejected_frames_are_counted_and_published_at_once(cable: Cable) -> None:
-    statuses = published_statuses(cable.robot)
-
-    def count(field: str, act: Callable[[], object]) -> None:
-        before = regular(statuses)
-        act()
-        done_ns = time.monotonic_ns()
-        was = getattr(before.board, field)
-        after = statuses.next(lambda status: getattr(status.board, field) != was)
-        assert getattr(after.board, field) == was + 1
-        at_once(after, done_ns)
-        board = msgspec.structs.replace(after.board, **{field: was})
-        assert without_clocks(msgspec.structs.replace(after, board=board)) == without_clocks(before)
-
-    cable.swallow()
-    count("retries", cable.robot.enable)
-    if cable.mega is None:
-        count("rejected_frames", lambda: cable.noise.append(NOISE))

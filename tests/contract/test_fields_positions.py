@@ -153,11 +153,3 @@ def test_number_and_times_of_publications(body: Body, robot: Robot) -> None:
     in_time(lasted_s, due_s / 0.8, f"{len(samples)} samples at 50 Hz")
     if body.kind != "mega":  # it simulates every cycle, and sends less telemetry on a busy computer
         in_time(lasted_s, len(set(stamps)) / keys.POSITIONS_HZ / 0.7, "telemetry behind these samples")
-
-
-def test_a_relative_pose_adds_to_yaw_pitch_and_roll(robot: Robot) -> None:
-    robot.look(8, 5, -6, speed=60)
-    robot.look(3, -4, 2, relative=True, speed=60)
-    yaw, pitch, roll = Neck().forward(arms(ask_positions(robot).commanded))
-    # Both poses are rounded to whole microsteps, so their sum is not exact.
-    assert tuple(map(math.degrees, (yaw, pitch, roll))) == pytest.approx((11, 1, -4), abs=0.4)

@@ -11,10 +11,10 @@ import msgspec
 import pytest
 from bodies import Body
 from late_tests import in_time
-from published import at_once, published_positions, published_statuses, regular, without_clocks
+from published import at_once, published_statuses, regular, without_clocks
 from robots import ask_raw
 
-from beatrix_zenoh import Refused, Robot
+from beatrix_zenoh import Robot
 from beatrix_zenoh.client.request import infos
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys, serial
@@ -32,8 +32,6 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.motion.robot_file import fingerprint
-
-LEASE_S = 2.0
 
 
 @pytest.mark.measures_time
@@ -97,29 +95,6 @@ def test_moving_and_motion_follow_the_running_motion(robot: Robot) -> None:
         assert lasted_s > 0.11
         in_time(lasted_s, 0.61, "a motion of 0.36 s")
     assert len({0, *numbers}) == 3
-
-
-@pytest.mark.measures_time
-def test_two_seconds_after_rest_the_robot_is_free_and_this_is_published_at_once(
-    body: Body, robot: Robot
-) -> None:
-    other = body.robot("ben")
-    statuses, positions = published_statuses(robot), published_positions(robot)
-    robot.look(yaw=2, speed=30)
-    moves = statuses.next(lambda status: status.moving)
-    assert moves.holder == "ana"
-    rests = statuses.next(lambda status: not status.moving)
-    positions.next(lambda at: at.t_mono_ns > rests.t_mono_ns + 0.4e9)
-    with pytest.raises(Refused) as refusal:
-        other.look(yaw=5)
-    assert refusal.value.reason is Reason.NOT_HOLDER
-    robot.calibrate()  # publishes a status, so that the next periodic one is not near the end of the lease
-    assert statuses.next(lambda status: status.calibrations > moves.calibrations).holder == "ana"
-    free = statuses.next(lambda status: status.holder != "ana")
-    assert free.holder == ""
-    lasted_s = (free.t_mono_ns - rests.t_mono_ns) / 1e9
-    assert lasted_s > LEASE_S - 0.25
-    in_time(lasted_s, LEASE_S + 0.25, "end of the lease")
 
 
 def test_board_status_describes_the_board(body: Body, robot: Robot) -> None:

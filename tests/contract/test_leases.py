@@ -12,9 +12,7 @@ from robots import until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.client import lease
-from beatrix_zenoh.client.robot_base import RobotBase
-from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
-from beatrix_zenoh.contract.errors import NoAnswer
+from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, Reason
 
 pytestmark = pytest.mark.bodies("in-process")  # the node alone decides about leases
 
@@ -64,34 +62,6 @@ def test_the_seat_that_waits_gets_the_robot_when_the_holder_leaves(body: Body, r
         dora.look(yaw=2, speed=60)
 
 
-def test_a_seat_waits_for_a_robot_that_is_lost_and_returns(
-    body: Body, robot: Robot, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    holder, dora, another = body.robot("cleo"), body.robot("dora"), body.robot("dora")
-    held = holder.lease()
-    taken: list[int] = []
-    told: list[Status | None] = []
-    sent, lost = lease.send, threading.Event()
-
-    def send(asked: RobotBase, query: LeaseQuery) -> LeaseReply:
-        if asked is dora and told and not lost.is_set():
-            lost.set()
-            raise NoAnswer(Reason.NODE_LOST)
-        return sent(asked, query)
-
-    monkeypatch.setattr(lease, "send", send)
-    monkeypatch.setattr(lease, "SILENCE_S", 0.1)
-    waiter = threading.Thread(target=lambda: taken.append(lease.take(dora, 15.0, told=told.append)))
-    waiter.start()
-    until(lambda: None in told, "dora is told of the silence")
-    lease.ask(another, LeaseAction.GIVE_BACK)
-    until(lambda: lost.is_set() and robot.status().waiting == ["dora"], "dora waits again")
-    held.close()
-    waiter.join(20.0)
-    assert taken == [robot.status().lease]
-    lease.ask(dora, LeaseAction.GIVE_BACK)
-
-
 def test_a_waiting_seat_that_loses_its_place_waits_again(body: Body, robot: Robot) -> None:
     """Another program of the seat gives its place back; a restart of the node or a suspended computer does the same."""
     holder, dora, another = body.robot("cleo"), body.robot("dora"), body.robot("dora")
@@ -107,20 +77,6 @@ def test_a_waiting_seat_that_loses_its_place_waits_again(body: Body, robot: Robo
     assert taken
     assert robot.status().holder == "dora"
     lease.ask(dora, LeaseAction.GIVE_BACK)
-
-
-def test_a_motion_under_an_earlier_lease_is_refused(body: Body, robot: Robot) -> None:
-    teacher = body.robot("teacher")
-    robot.lease()
-    motion = robot.look(yaw=25, wait=False)
-    with teacher.lease():
-        with pytest.raises(Interrupted) as ended:
-            motion.wait()
-        assert ended.value.reason is Reason.STOPPED
-    until(lambda: robot.status().holder == "", "given back")
-    with pytest.raises(Refused, match=r"The teacher has ended lease \d+") as refused:
-        robot.look(yaw=0)
-    assert reason_of(refused) is Reason.NOT_HOLDER
 
 
 def test_a_frozen_robot_moves_for_the_teacher_only(body: Body, robot: Robot) -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import itertools
-import time
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from bodies import Body
-from robots import until, wait_status
+from robots import wait_status
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Status
@@ -51,14 +50,3 @@ def test_listen_returns_as_much_as_was_asked_for_with_times_of_the_robot(listene
     age_s = (arrival.t_mono_ns - arrival.value.t_mono_ns) / 1e9
     assert 0.02 <= age_s < 10.0, "a block arrives after its last frame was heard"
     assert 0 < arrival.t_wall_ns - arrival.value.t_wall_ns < 10e9
-
-
-def test_the_microphones_are_on_only_while_a_client_subscribes(listener: Robot) -> None:
-    with listener.microphones() as sound:
-        last = sound.next()
-        wait_status(listener, streams, "the microphones are on")
-    wait_status(listener, lambda status: not streams(status), "the microphones are off")
-    begin = time.monotonic()
-    until(lambda: time.monotonic() - begin > 0.5, "time for 25 blocks")
-    with listener.microphones() as sound:
-        assert sound.next().seq - last.seq < 20, "nothing was published without a subscriber"

@@ -12,7 +12,6 @@ from robots import ask_raw, until
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import MotionReply, Reason
 
 pytestmark = pytest.mark.bodies("in-process")
 
@@ -43,53 +42,10 @@ def test_a_motion_in_text_is_answered_in_json(robot: Robot, parameters: str, pay
     assert robot.positions().commanded.short == pytest.approx(math.degrees(0.05), abs=0.09)
 
 
-@pytest.mark.parametrize(
-    ("parameters", "payload"),
-    [
-        ("?command=enable", None),
-        ("", b'{"command":1}'),
-    ],
-)
-def test_a_command_is_accepted_in_every_form(robot: Robot, parameters: str, payload: bytes | None) -> None:
-    robot.disable()
-    assert last_json(robot, key_of(robot, "command") + parameters, payload)["result"] is True
-    assert robot.status().enabled
-
-
 def test_msgpack_of_another_library_is_answered_in_msgpack(robot: Robot) -> None:
     query = msgpack.packb({"absolute": True, "position": {"x": 0.02, "y": 0.02, "z": 0.02}})
     answers = ask_raw(robot.client, key_of(robot, "motion"), query, codec.MSGPACK)
     assert [msgpack.unpackb(answer.payload)["phase"] for answer in answers] == ["accepted", "done"]
-
-
-GOOD = {"absolute": True, "position": {"x": 0.0, "y": 0.0, "z": 0.0}}
-
-
-@pytest.mark.parametrize(
-    ("payload", "word"), [(msgpack.packb(GOOD | {"extra": 1}), "extra"), (b"\xc1\xff\x00garbage", "")]
-)
-def test_the_refusal_of_invalid_msgpack_names_the_field(robot: Robot, payload: bytes, word: str) -> None:
-    (answer,) = ask_raw(robot.client, key_of(robot, "motion"), payload, codec.MSGPACK)
-    reply = codec.decode(answer.payload, MotionReply)
-    assert (reply.result, reply.reason) == (False, Reason.BAD_VALUE)
-    assert word in reply.message
-    assert "position {x, y, z}" in reply.message
-    assert not robot.status().moving
-
-
-@pytest.mark.parametrize(
-    ("selector", "payload", "word"),
-    [
-        ("?x=0.1;y=0.2;z=zero", None, "position.z"),
-        ("", b"0.1 0.2 0.3", "no JSON"),
-    ],
-)
-def test_the_refusal_of_invalid_text_names_the_cause(
-    robot: Robot, selector: str, payload: bytes | None, word: str
-) -> None:
-    reply = last_json(robot, key_of(robot, "motion") + selector, payload)
-    assert (reply["result"], reply["reason"]) == (False, "BAD_VALUE")
-    assert word in str(reply["message"])
 
 
 @pytest.mark.bodies("sim", "in-process")
@@ -111,11 +67,6 @@ def test_a_reserved_seat_is_refused(robot: Robot, seat: str) -> None:
     reply = last_json(robot, f"beatrix/{robot.name}/{robot.side}/cmd/{seat}/pose?yaw=0.1")
     assert (reply["reason"], reply["result"]) == ("BAD_VALUE", False)
     assert "choose another" in str(reply["message"])
-
-
-@pytest.mark.parametrize("key", ["state/positions", "state/status/json", "info", "clock"])
-def test_state_queries_are_answered_in_json(robot: Robot, key: str) -> None:
-    assert last_json(robot, f"beatrix/{robot.name}/{robot.side}/{key}")
 
 
 def test_each_per_arm_topic_moves_one_arm(robot: Robot) -> None:
@@ -140,20 +91,3 @@ def test_a_per_arm_target_with_wildcards_moves_no_arm(robot: Robot) -> None:
             "the warning",
         )
     assert robot.positions().commanded == (0, 0, 0)
-
-
-@pytest.mark.parametrize(
-    ("pattern", "payload", "reason"),
-    [
-        ("cmd/**", b'{"command":4}', "OK"),
-        ("**/command", b'{"command":4}', "OK"),
-        ("**/motion", b"0.1 0 0", "BAD_VALUE"),
-        ("cmd/*/pose", b"0.1 0 0", "BAD_VALUE"),
-        ("cmd/ana/*", b"0.1 0 0", "BAD_VALUE"),
-    ],
-)
-def test_queries_with_wildcards_get_a_reply(robot: Robot, pattern: str, payload: bytes, reason: str) -> None:
-    answers = ask_raw(robot.client, f"beatrix/{robot.name}/{robot.side}/{pattern}", payload)
-    replies = [json.loads(answer.payload) for answer in answers if b"reason" in answer.payload]
-    assert reason in [reply["reason"] for reply in replies], replies
-    assert not any("//" in reply["message"] or reply["reason"] == "REPLACED" for reply in replies)

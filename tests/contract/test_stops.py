@@ -6,75 +6,15 @@ import pytest
 import zenoh
 from bodies import EVERY, Body
 from late_tests import within
-from robots import ready, until
+from robots import until
 
-from beatrix_zenoh import Interrupted, Refused, Robot
+from beatrix_zenoh import Interrupted, Robot
 from beatrix_zenoh.bus import Query
-from beatrix_zenoh.client.stopping import publish_stop, stop_key
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, Event, EventKind, Fault, Reason
+from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, Event, EventKind
 
 pytestmark = pytest.mark.bodies(*EVERY, safety=True)
-
-
-def test_enable_does_not_clear_the_emergency_latch(body: Body, robot: Robot) -> None:
-    boss = body.robot("boss")
-    boss.emergency_stop()
-    later = body.robot("ana")
-    for program in (robot, later, robot, boss):
-        with pytest.raises(Refused) as refusal:
-            program.enable()
-        assert refusal.value.reason is Reason.EMERGENCY
-    status = boss.status()
-    assert (status.enabled, status.fault) == (False, Fault.EMERGENCY)
-    later.command(Command.RESET)
-    assert not later.status().enabled, "the motors stay off"
-    ready(later)
-    assert later.status().calibrated
-    boss.client.close()
-    later.client.close()
-
-
-def test_after_a_stop_between_two_motions_the_second_is_refused(body: Body, robot: Robot) -> None:
-    boss = body.robot("boss")
-    robot.move(3, 3, 3, speed=60)
-    until(lambda: not boss.status().moving, "at rest")
-    assert boss.status().holder == "ana"
-    boss.stop()
-    with pytest.raises(Refused, match="STOP"):
-        robot.move(0, 0, 0, speed=60)
-    boss.client.close()
-
-
-@pytest.mark.bodies("in-process")
-@pytest.mark.parametrize("by", ["itself", "boss"])
-def test_a_program_that_is_started_after_stop_moves_at_once(body: Body, robot: Robot, by: str) -> None:
-    """As a notebook in which `robot = Robot("x")` is run again."""
-    until(lambda: robot.status().holder == "", "free")
-    seat = f"stopped-by-{by}"  # no seat of another test, which boss may just have stopped
-    first, boss = body.robot(seat), body.robot("boss")
-    first.move(3, 3, 3, speed=60)
-    (first if by == "itself" else boss).stop()
-    second = body.robot(seat)
-    second.move(1, 1, 1, speed=60)
-    if by == "boss":
-        with pytest.raises(Refused, match=r"for 3.0 s.*A program that you start now need not wait"):
-            first.move(0, 0, 0, speed=60)
-    until(lambda: robot.status().holder == "", "free")
-    for other in (first, boss, second):
-        other.client.close()
-
-
-def test_another_session_of_the_seat_that_pressed_stop_need_not_pause(body: Body, robot: Robot) -> None:
-    other = body.robot("ana")
-    robot.move(3, 3, 3, speed=60)
-    other.stop()
-    with pytest.raises(Refused) as refused:
-        robot.move(0, 0, 0, speed=60)
-    assert refused.value.reason is Reason.STOPPED
-    other.move(4, 4, 4, speed=60)
-    other.client.close()
 
 
 @pytest.mark.measures_time
@@ -123,28 +63,6 @@ def test_a_stop_with_the_session_of_another_seat_is_not_recorded_under_that_seat
         )
         event = next(event for event in events if event.kind is EventKind.STOP)
     assert (event.seat, event.session) == (seat, ben.client.bus.session_id)
-    for other in (ben, cem):
-        other.client.close()
-
-
-@pytest.mark.bodies("in-process")
-def test_stops_of_two_seats_at_once_are_two_events(body: Body, robot: Robot) -> None:
-    ben, cem = body.robot("ben"), body.robot("cem")
-    with robot.events(timeout_s=20.0) as events:
-        for form in ("put", "query"):
-            for other in (ben, cem):
-                if form == "put":
-                    publish_stop(other.client, other.place)
-                else:
-                    other.client.bus.query(stop_key(other.client, other.place), timeout_s=1.0).next(5.0)
-        ben.reset()  # its event comes after those of STOP
-        received = []
-        for event in events:
-            if (event.kind, event.seat) == (EventKind.COMMAND, "ben"):
-                break
-            received += [event] if event.kind is EventKind.STOP else []
-    assert sorted((event.seat, event.count) for event in received) == [("ben", 1), ("cem", 1)]
-    until(lambda: {"ben", "cem"} <= {one.seat for one in robot.status().stops}, "counted")
     for other in (ben, cem):
         other.client.close()
 

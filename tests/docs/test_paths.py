@@ -38,11 +38,3 @@ def test_paths_of_the_pages_exist() -> None:
         if not (ROOT / path).exists() and not (ROOT / "beatrix_zenoh" / path).exists()
     }
     assert missing == {}
-
-
-def test_paths_are_found_in_code_and_drawings(tmp_path: Path) -> None:
-    page = tmp_path / "page.md"
-    page.write_text(
-        "See `beatrix_zenoh/nowhere.py`, `make -C firmware mega` and `bus/session.py`.\n```text\nnode -- node/x.py\n```\n"
-    )
-    assert named(page) == {"beatrix_zenoh/nowhere.py", "bus/session.py", "node/x.py"}

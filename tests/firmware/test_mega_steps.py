@@ -34,7 +34,7 @@ def test_reported_positions_equal_the_steps_on_the_pins() -> None:
     with Mega() as mega:
         mega.ready()
         origin = (0, 0, 0)
-        for _ in range(60):
+        for _ in range(25):
             around = chance.randint(-300, 300)
             target = tuple(around + chance.randint(-150, 150) for _ in range(3))
             mega.move(target, chance.choice([SPEED_MAX, 1400]), straight=chance.random() < 0.5)  # type: ignore[arg-type]

@@ -85,7 +85,7 @@ RECOGNISED_MS = 1.5
 
 @pytest.mark.parametrize(
     ("line", "seq"),
-    [*((SLOW_TO_ANSWER[0], seq) for seq in (0, 13, 64, 99)), *((line, 64) for line in SLOW_TO_ANSWER[1:])],
+    [(SLOW_TO_ANSWER[0], 0), (SLOW_TO_ANSWER[0], 13), *((line, 64) for line in SLOW_TO_ANSWER[1:])],
     ids=lambda value: value.decode().strip() if isinstance(value, bytes) else f"seq {value}",
 )
 def test_an_emergency_stop_behind_a_flood_of_text_takes_effect_at_once_and_is_acknowledged_once(

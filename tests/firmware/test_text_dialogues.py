@@ -48,8 +48,7 @@ def test_flags_mark_the_last_line_of_an_answer() -> None:
 @pytest.mark.parametrize(
     ("steps", "seconds"),
     [
-        *[(1, 0.005), (2, 0.068), (3, 0.108), (5, 0.180), (7, 0.239)],
-        *[(10, 0.266), (20, 0.446), (100, 1.219), (200, 1.81), (300, 2.38)],
+        *[(1, 0.005), (2, 0.068), (7, 0.239), (100, 1.219), (300, 2.38)],
     ],
 )
 @pytest.mark.parametrize("command", ["@MOVRX", "@MOVAX"])
@@ -61,7 +60,7 @@ def test_a_move_of_one_arm_takes_no_longer_than_in_1_0(command: str, steps: int,
     assert program.position == (steps, 0, 0)
 
 
-@pytest.mark.parametrize("steps", [0, 1, 5, 40, 200, 600])
+@pytest.mark.parametrize("steps", [0, 1, 40, 600])
 @pytest.mark.parametrize("command", ["@MOVRALL", "@MOVAALL"])
 @pytest.mark.parametrize("motors", ["ON", "OFF"])
 def test_a_move_of_n_steps_of_all_arms_takes_n_over_200_s_plus_at_most_100_ms(

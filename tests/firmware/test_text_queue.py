@@ -22,22 +22,6 @@ def framed() -> Program:
     return Program(framed=True).ready()
 
 
-def test_commands_are_executed_and_answered_in_order(program: Program) -> None:
-    script = ["@MOVRX 20", "@GETXPOS", "@FOO", "@MOVAX 5", "@CALX", "@GETALLPOS", "@CALNOW", "@GETXPOS"]
-    program.send("\r".join([*script, ""]).encode("ascii"))
-    program.tick(1000)
-    assert program.new() == [
-        *DONE,
-        *(ACK, "20\r\n", ACK),
-        *UNKNOWN,
-        *DONE,
-        *REFUSED,
-        *(ACK, "\n", "5 0 0\n", ACK),
-        *DONE,
-        *(ACK, "0\r\n", ACK),
-    ]
-
-
 def test_every_line_of_a_flood_on_a_full_queue_is_answered(program: Program) -> None:
     program.send(b"@MOVRX 100\r" + b"@MOVRX 1\r" * 32)
     for _ in range(50):
@@ -59,17 +43,6 @@ def test_stopall_stops_at_once(framed: Program) -> None:
     assert framed.new() == [NACK, *DONE]
     assert framed.core.steps()[0] - at <= 12
     assert framed.telemetry[-1].outcome == BoardOutcome.STOPPED
-
-
-def test_stopall_stops_the_arms_when_the_queue_is_full(program: Program) -> None:
-    program.send(b"@MOVRX 1000\r" + b"@MOVRX 10\r" * 40)
-    program.tick(500)
-    program.send(b"@STOPALL\r")
-    program.tick(110)
-    assert program.new() == [ACK, NACK] + REFUSED * 40 + DONE
-    at = program.position
-    program.tick(1000)
-    assert program.position == at
 
 
 def test_stopall_cancels_motions_when_every_queue_slot_is_used(program: Program) -> None:

@@ -44,28 +44,6 @@ def test_the_guide_lists_every_word() -> None:
     assert [word for word in words if not re.search(rf"`@{word}\b", guide)] == []
 
 
-@pytest.mark.parametrize(
-    ("argument", "steps"),
-    [
-        ("7", 7),
-        ("-7", -7),
-        ("+5", 5),
-        ("3.9", 3),
-        ("abc", 0),
-        ("1O0", 1),
-        ("-", 0),
-        ("--5", 0),
-        ("", 0),
-        ("007", 7),
-    ],
-)
-def test_numbers_are_read_up_to_the_first_other_character(
-    program: Program, argument: str, steps: int
-) -> None:
-    assert program.run(f"@MOVRY {argument} 200") == DONE
-    assert program.position == (0, steps, 0)
-
-
 @given(st.text("0123456789+-.,;eN ", max_size=6))
 def test_the_node_knows_how_the_firmware_reads_a_word(word: str) -> None:
     program = Program().ready()

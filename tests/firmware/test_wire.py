@@ -10,11 +10,10 @@ from firmware_host import ROOT, Rig, damaged
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beatrix_zenoh.board.link import Decoder, encode
+from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import (
     CONTRACT,
-    HOST_GONE,
     Ack,
     BoardState,
     Error,
@@ -107,19 +106,3 @@ def test_a_reset_received_before_an_emergency_is_refused(rig: Rig) -> None:
     replies = rig.raw(reset + encode(FrameType.ENABLE, 3, b"\1") + stop)
     assert [frame.payload[0] for frame in replies] == [Error.EMERGENCY, Error.EMERGENCY, Error.OK]
     assert rig.state == BoardState.EMERGENCY
-
-
-def test_telemetry_is_sent_every_ten_milliseconds(rig: Rig) -> None:
-    rig.tick(100)
-    assert [t.tick for t in rig.telemetry] == list(range(10, 101, 10))
-
-
-def test_telemetry_leaves_room_for_a_reply() -> None:
-    firmware = Firmware()
-    hello = encode(FrameType.HELLO, 1, b"")
-    firmware._memory.write(firmware._store, hello, firmware._receive_at)
-    for _ in range(2):  # without emptying the transmit buffer
-        firmware._call("receive", len(hello))
-        firmware._call("tick", HOST_GONE - 1)
-    assert firmware._call("receive", len(hello)) == len(hello)
-    assert Decoder().feed(firmware.transmit())[-1].type == FrameType.HELLO_REPLY

@@ -128,12 +128,6 @@ def test_german_is_chosen_once() -> None:
     assert checked("1").stdout.splitlines()[0] == "Noch nicht: Doppelt (Versuch 1)."
 
 
-def test_a_lesson_without_a_german_page_is_english_as_a_whole(pupil: Path) -> None:
-    (pupil.parent / "library" / "01-double" / "lesson.de.md").unlink()
-    assert "Double" in good("start", "1", "--language", "de")
-    assert checked("1").stdout.splitlines()[0] == "Not yet: Double (try 1)."
-
-
 def test_a_notebook_is_checked_like_a_program() -> None:
     good("start", "1", "--notebook")
     made = json.loads(NOTEBOOK.read_text())
@@ -158,11 +152,9 @@ def test_an_error_in_a_notebook_names_its_cell() -> None:
     ("text", "figure"),
     [
         ("def double(x):\n    pass\n", "returns"),
-        ("def double(x):\n    return 'six'\n", "returns"),
         ("def twice(x):\n    return 2 * x\n", "function"),
         ("def double(x)\n    return x\n", "runs"),
         ("def double(x):\n    return x / 0\n", "runs"),
-        ("def double(x):\n    raise SystemExit\n", "runs"),
         ("import os\ndef double(x):\n    os._exit(3)\n", "runs"),
         ("def double(x):\n    return int(input())\n", "keyboard"),
         ("from beatrix_zenoh import Robot\nRobot().home()\n", "import"),
@@ -172,9 +164,6 @@ def test_an_error_in_a_notebook_names_its_cell() -> None:
         ),
         ("def double(x):\n    return 10**400\n", "returns"),
         (TYPED, "six"),
-        ("import os\nos._exit(3)\n", "runs"),
-        ("x = input()\n", "keyboard"),
-        ("def double(x):\n    return input()\n", "keyboard"),
     ],
 )
 def test_errors_of_a_function_are_figures_of_every_lesson(text: str, figure: str) -> None:
@@ -227,17 +216,11 @@ def test_a_process_that_outlives_a_function_does_not_hold_up_the_check() -> None
     assert "Passed" in good("check", "1")
 
 
-def test_a_place_that_cannot_be_written_is_named(pupil: Path) -> None:
-    (pupil / "lessons").write_text("a file")
-    assert "lessons/01-double cannot be written" in refused("start", "1")
-
-
 @pytest.mark.parametrize(
     "function",
     [
         "    while True:\n        pass\n",
         "    return 9**9**9\n",  # runs in C, where no thread of Python ends it
-        "    import ctypes\n    ctypes.PyDLL(None).sleep(60)\n",  # as above, without the processor
     ],
 )
 def test_an_endless_function_ends_the_check(function: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -259,16 +242,7 @@ def test_a_program_that_was_saved_during_its_check_is_neither_passed_nor_judged(
     assert (record.tries, record.passed) == (0, [])
 
 
-def test_an_explanation_fits_into_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "40")
-    good("start", "1")
-    START.write_text("def twice(x):\n    return 2 * x\n")
-    explained = [line for line in checked("1").stdout.splitlines()[3:] if "Hint:" not in line]
-    assert len(explained) > 1
-    assert all(line.startswith("  ") and len(line) <= 40 for line in explained)
-
-
-@pytest.mark.parametrize("inside", ["", "exercises", "exercises/01-double"])
+@pytest.mark.parametrize("inside", ["", "exercises/01-double"])
 def test_a_folder_that_was_renamed_is_found(inside: str, monkeypatch: pytest.MonkeyPatch) -> None:
     good("start", "1")
     Path("lessons").rename("exercises")
@@ -289,13 +263,6 @@ def test_lessons_of_another_pupil_further_up_are_not_used(
         monkeypatch.chdir(pupil / own)
         assert f"{pupil / own}/lessons has no lesson yet" in refused("check")
         assert f"  folder   {pupil / own}/lessons/01-double\n" in good("start", "1")
-
-
-def test_of_two_renamed_folders_none_is_taken() -> None:
-    good("start", "1")
-    shutil.copytree("lessons", "a")
-    Path("lessons").rename("b")
-    assert "lessons in a and b" in refused("check", "1")
 
 
 def test_a_progress_file_that_an_editor_has_saved_is_read() -> None:

@@ -14,10 +14,10 @@ from robots import EVENT_S, PATIENCE_S, until
 
 from beatrix_zenoh import account
 from beatrix_zenoh.lesson_files import find
-from beatrix_zenoh.lessons import attempt, checking, phrases, program, sandbox
+from beatrix_zenoh.lessons import attempt, checking, program, sandbox
 from beatrix_zenoh.lessons.attempt import Attempt, Unmet
 from beatrix_zenoh.lessons.guarded import Run
-from beatrix_zenoh.lessons.phrases import Phrase, said
+from beatrix_zenoh.lessons.phrases import said
 from beatrix_zenoh.lessons.sandbox import Sandbox
 from beatrix_zenoh.lessons.stage import PAUSE_S, hidden_s
 from sim_node.body import STALL_S
@@ -50,9 +50,7 @@ def leave(port):
 FORKED = 20
 LEAVES = {
     "function": FORKS,
-    "program": FORKS + "\nleave(int(os.environ['PORT']))",
     "program that ends Python": FORKS + "\nleave(int(os.environ['PORT']))\nos._exit(0)",
-    "program without an end": FORKS + "\nleave(int(os.environ['PORT']))\nwhile True:\n    pass",
 }
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no fork and no groups")
@@ -174,14 +172,3 @@ def test_a_pause_of_the_simulation_hides_no_motion(
     arms = np.column_stack([commanded] * 3)
     assert hidden_s(np.array(t), np.array(seq), arms) == pytest.approx(hidden)
     assert PAUSE_S == STALL_S
-
-
-def test_a_long_check_says_how_long_it_still_takes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(phrases, "EVERY_S", 0.0)
-    told: list[Phrase] = []
-    phrases.Still(told.append, "still_runs", 40).look()
-    phrases.Still(told.append, "bench_at", whole=24.0).look(12.0)
-    assert [said(one) for one in told] == [
-        "Your program still runs: at most 40 s more.",
-        "The bench is at 12 of 24 s.",
-    ]

@@ -269,21 +269,3 @@ def test_a_refusal_reaches_a_german_check_as_data(tmp_path: Path) -> None:
     german = find(1, "de")
     assert verdict(german, of_program.value).found == f"{said} (Zeile 5)"
     assert verdict(german, called.value).found == f"{said} in lean() (Zeile 5)"
-
-
-def test_an_error_that_a_program_makes_of_anything_is_shown_as_it_is(tmp_path: Path) -> None:
-    text = "from beatrix_zenoh import Refused\ndef own():\n    raise Refused('mine', 'No.', 5)\nif __name__ == '__main__':\n    own()\n"
-    with ended(tmp_path, text) as run, pytest.raises(Unmet) as of_program:
-        run.check()
-    with Attempt(Program(tmp_path / "start.py", text), limit_s=5) as tried, pytest.raises(Unmet) as called:
-        tried.value("own")
-    assert verdict(find(1), of_program.value).found == "Refused: No. (line 3)"
-    assert verdict(find(1), called.value).found == "Refused: No. in own() (line 3)"
-
-
-def test_a_refusal_of_the_bench_reaches_a_german_check_as_data(tmp_path: Path) -> None:
-    path, text = tmp_path / "start.py", "def up(t):\n    return 0, 80, 0\n"
-    path.write_text(text)
-    with Attempt(Program(path, text), limit_s=5) as tried, pytest.raises(Unmet) as unmet:
-        tried.bench("up", seconds=0.1)
-    assert verdict(find(1, "de"), unmet.value).found.startswith("nach 0.00 s: Der Kopf stünde 80,0° schräg;")

@@ -6,20 +6,29 @@ import queue
 import time
 from collections.abc import Iterator
 from itertools import islice
+from pathlib import Path
+from signal import SIGKILL, SIGSTOP
 
 import pytest
 from robots import Stage, ready, until, wait_status
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import CameraFrame, Component, Node, sensors
 from hw_node.body import VirtualHardware
 from hw_node.cameras.camera import CameraSensor
 
-PICTURE = b"\xff\xd8 picture"
+PICTURE = b"\xff\xd8" + bytes(40_000)
+READER = """
+import sys, time
+from beatrix_zenoh import Robot
+with Robot("bea", "hw", connect=sys.argv[1]) as robot, robot.camera("left") as images:
+    print("subscribed", flush=True)
+    images.next(20.0)
+    print("ready", flush=True)
+    time.sleep(60)
+"""
 
 
 class FakeSource:
@@ -69,15 +78,15 @@ def source(monkeypatch: pytest.MonkeyPatch) -> FakeSource:
 
 
 @pytest.fixture
-def robot(source: FakeSource) -> Iterator[Robot]:
+def stage(source: FakeSource) -> Iterator[Stage]:
     with Stage() as stage:
-        node = Node(
-            Sessions(lambda: zbus.connect(stage.endpoint)), "bea", HardwareWithOneEye("bea", source)
-        ).start()
-        robot = stage.robot("bea", "hw")
-        yield robot
-        robot.client.close()
-        node.close()
+        stage.node("bea", HardwareWithOneEye("bea", source))
+        yield stage
+
+
+@pytest.fixture
+def robot(stage: Stage) -> Robot:
+    return stage.robot("bea", "hw")
 
 
 def trouble(robot: Robot) -> str:
@@ -94,16 +103,31 @@ def test_a_camera_is_open_only_while_a_client_subscribes(source: FakeSource, rob
         until(lambda: source.opened == 2, "it opens again")
 
 
-def test_closing_the_node_closes_a_camera_in_use(source: FakeSource) -> None:
-    with Stage() as stage:
-        node = Node(
-            Sessions(lambda: zbus.connect(stage.endpoint)), "bea", HardwareWithOneEye("bea", source)
-        ).start()
-        with stage.robot("bea", "hw").camera("left") as images:
+def test_closing_the_node_closes_a_camera_in_use(source: FakeSource, stage: Stage, robot: Robot) -> None:
+    with robot.camera("left") as images:
+        source.feed.put(None)
+        images.next(5.0)
+        stage.end_nodes()
+        assert source.opened == source.closed == 1
+
+
+def test_a_suspended_subscriber_delays_no_other_subscriber(
+    source: FakeSource, stage: Stage, robot: Robot, tmp_path: Path
+) -> None:
+    program = tmp_path / "reader.py"
+    program.write_text(READER)
+    with robot.camera("left") as images:
+        reader = stage.script(program, stage.endpoint)
+        reader.expect("subscribed")
+        for _ in range(20):  # its subscription may arrive later
+            source.feed.put(None)
+        reader.expect("ready")
+        reader.send(SIGSTOP)
+        images.take()
+        for _ in range(100):  # 4 MB, more than the system keeps for the suspended process
             source.feed.put(None)
             images.next(5.0)
-            node.close()
-            assert source.opened == source.closed == 1
+    reader.end(SIGKILL)
 
 
 def test_an_exception_in_a_camera_is_reported_and_does_not_end_the_node(
@@ -138,17 +162,12 @@ def test_a_camera_fault_is_shown_until_the_next_picture(source: FakeSource, robo
     ]
 
 
-def test_a_camera_that_is_plugged_in_later_is_used(source: FakeSource) -> None:
+def test_a_camera_that_is_plugged_in_later_is_used(source: FakeSource, robot: Robot) -> None:
     source.missing = "It is not there."
-    with Stage() as stage:
-        node = Node(
-            Sessions(lambda: zbus.connect(stage.endpoint)), "bea", HardwareWithOneEye("bea", source)
-        ).start()
-        robot = stage.robot("bea", "hw")
-        with robot.camera("left") as images:
-            until(lambda: trouble(robot) == "It is not there.", "its absence is shown")
-            assert source.opened == 0
-            source.missing = ""
-            source.feed.put(None)
-            images.next(5.0)
-        node.close()
+    until(lambda: trouble(robot) == "It is not there.", "its absence is shown")
+    before = source.opened
+    with robot.camera("left") as images:
+        assert source.opened == before
+        source.missing = ""
+        source.feed.put(None)
+        images.next(5.0)

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import json
 import signal
-import threading
 from pathlib import Path
 
 import pytest
 from PIL import Image
 from robots import END_S, until
-from shell import NAME, Shell, beatrix
+from shell import Shell, beatrix
 
 from beatrix_zenoh.client import motion_file
 
-REST_S = 0.5
-"""Both robots rest between two motions, as they do between two commands of a user."""
 TURN = "t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n0.8,20,0,0\n1.2,20,0,0\n2,0,0,0\n"
 
 
@@ -64,30 +61,6 @@ def test_a_replay_with_a_lead_is_compared_live_and_from_its_recording(
     assert done.returncode == 0, done.stderr
     (ended,) = json.loads(done.stdout)["robots"]
     assert ended["head_deg"]["yaw"] == pytest.approx(0, abs=0.3)
-
-
-@pytest.mark.long("six verbs in real time")
-def test_a_motion_of_the_simulation_alone_is_no_difference(free: Shell, tmp_path: Path) -> None:
-    rrd = tmp_path / "alone.rrd"
-    free.good("home", "--on", "both")
-    record = free.start("record", str(rrd), "--cameras", "0")
-    waiting = {f"Recording {NAME} ({side})." for side in ("sim", "hw")}
-    for line in record.stdout or ():
-        waiting.discard(line.strip())
-        if not waiting:
-            break
-    for words in (
-        ("look", "--yaw", "30", "--on", "both"),
-        ("look", "--yaw", "5", "--on", "sim"),
-        ("home", "--on", "both"),
-    ):
-        free.good(*words)
-        threading.Event().wait(REST_S)
-    record.send_signal(signal.SIGINT)
-    record.communicate(timeout=END_S)
-    done = free.run("compare", str(rrd), "--max-rms", "0.3", "--max-largest", "1")
-    assert done.returncode == 0, done.stdout
-    assert "Only the simulation made 1 motion" in done.stdout
 
 
 def ended_at(path: Path) -> motion_file.Place:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import signal
-import time
 
 from robots import Stage, until
 from shell import NAME, Shell
 
 from beatrix_zenoh.bus import Incoming
-from beatrix_zenoh.client.lease import govern
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, Reason
 
 
 def test_a_robot_is_held_until_ctrl_c(free: Shell) -> None:
@@ -127,27 +124,3 @@ def test_a_robot_that_returns_without_a_mute_or_limit_of_the_others_is_named() -
             shell.good(*order, "--who", "teacher")
         shown = shell.good("top", "--once")
         assert [line in shown for line in lines] == [False, False]
-
-
-def test_mute_robots_do_not_hold_up_those_that_answer() -> None:
-    with Stage() as stage:
-        teacher = stage.client("teacher")
-        stage.node("bea1")
-        waiting: list[Incoming] = []
-        silent = [("aaa", "hw"), ("aab", "hw"), ("ana", "hw"), ("zoe", "sim")]
-        for name, side in silent:
-            mute = stage.client(name).bus
-            mute.declare_token(keys.alive(name, side))
-            if name != "zoe":  # its node has lost its queryables
-                mute.serve(keys.lease(name, side, "*"), waiting.append)
-        until(lambda: {("bea1", "hw"), *silent} <= {*teacher.robots()}, "all robots are online")
-        begin = time.monotonic()
-        results = govern(teacher, teacher.robots(), LeaseQuery(action=LeaseAction.FREEZE))
-        place, reply = next(results)
-        answered_s = time.monotonic() - begin
-        assert (place, reply.reason) == (("bea1", "hw"), Reason.OK)
-        assert {place: result.reason for place, result in results}.keys() == set(silent)
-        assert answered_s < (time.monotonic() - begin) / 2
-        done = Shell(stage.endpoint).run("freeze", "--who", "teacher")
-        assert done.returncode == 4
-        assert "Done for 1 of 5 robots" in done.stderr

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import signal
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from old_programs import Program
-from pty_board import PtyBoard
 from robots import Process, free_endpoint, routing, start_router, until
 
-from beatrix_zenoh import Refused, Robot
+from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.cli import app
 
@@ -62,13 +60,6 @@ def up(endpoint: str, temporary: Path) -> Iterator[Process]:
         yield process
     finally:
         process.end(signal.SIGKILL)
-
-
-def test_a_router_prints_ready_and_ends_cleanly(endpoint: str) -> None:
-    router = Process(*CLI, "router", "--listen", endpoint)
-    assert router.expect("ready") == f"ready {endpoint}"
-    zbus.connect(endpoint).close()
-    assert router.end(signal.SIGINT) == 0
 
 
 ELSEWHERE = "tcp/192.0.2.7:7447"
@@ -147,55 +138,6 @@ def test_up_starts_a_crashed_robot_again_once(up: Process, endpoint: str) -> Non
     by_hand.expect("ready beatrix/bea/hw/@alive")
     assert by_hand.end() == 0
     assert up.end(signal.SIGINT) == 0
-
-
-def test_up_serves_the_simulation_when_the_hardware_is_refused(endpoint: str) -> None:
-    up = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--hw", "virtual", "--json")
-    try:
-        up.expect("The hardware was refused (exit code 2) and stays down.")
-        up.expect("  --port virtual: write `virtual:` with a colon")
-        assert json.loads(up.expect("{"))["running"] == ["router", "simulation"]
-    finally:
-        assert up.end(signal.SIGINT) == 0
-
-
-def test_up_reports_the_loss_and_the_return_of_the_board(endpoint: str, tmp_path: Path) -> None:
-    with PtyBoard(tmp_path / "board") as board:
-        up = Process(*CLI, "up", "--connect", endpoint, "--no-sim", "--hw", str(board.path))
-        up.expect("The output of all processes")
-        board.unplug()
-        up.expect(f"hardware: {board.path} is not there: plug the board in")
-        board.plug()
-        up.expect(f"hardware: The board at {board.path} is connected.")
-        assert up.end() == 0
-
-
-def test_a_log_file_contains_requests_stops_and_the_loss_of_the_board(endpoint: str, tmp_path: Path) -> None:
-    log = tmp_path / "day.log"
-    with PtyBoard(tmp_path / "board") as board, routing(endpoint):
-        served = ("--name", "bea", "--connect", endpoint, "--port", str(board.path), "--log-file", str(log))
-        node = Process(*CLI, "hw", *served)
-        node.expect("ready")
-        with Robot("bea", "hw", connect=endpoint, who="ana") as robot:
-            robot.make_ready()
-            with pytest.raises(Refused):
-                robot.look(pitch=50)
-            robot.look(yaw=5, speed=60)
-            robot.stop()
-        board.unplug()
-        node.expect(f"{board.path} is not there")
-        assert node.end() == 0
-    text = log.read_text(encoding="utf-8")
-    for line in (
-        r"ana command ENABLE, from Python: The motors are on",
-        r"ana command CALIBRATE, from Python",
-        r"ana asked look yaw 5\.0°, pitch 0\.0°, roll 0\.0° at 60°/s, from Python: Accepted",
-        r"ana asked look .*, from Python, refused OUT_OF_REACH: The head would lean",
-        r"ana motion pose \d+ done: Arrived",
-        r"stop STOP.*: Nothing moves",
-        rf"WARNING .*{board.path} is not there: plug the board in",
-    ):
-        assert re.search(line, text), text
 
 
 def test_up_uses_a_running_router_and_leaves_it_running(endpoint: str) -> None:

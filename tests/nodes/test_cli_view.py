@@ -13,14 +13,7 @@ import pytest
 from robots import Stage
 
 from beatrix_zenoh import Refused
-from beatrix_zenoh.recording.rrd.stream import RowStream
 from beatrix_zenoh.recording.viewer import answers, free_port, program
-
-
-@pytest.fixture
-def no_screen(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"):
-        monkeypatch.delenv(name, raising=False)
 
 
 def test_live_robots_are_shown_in_a_browser() -> None:
@@ -64,25 +57,6 @@ def allowed_origin(port: int, origin: str) -> str | None:
     answer = connection.getresponse().getheader("access-control-allow-origin")
     connection.close()
     return answer
-
-
-@pytest.mark.usefixtures("no_screen")
-def test_without_a_screen_the_error_explains_what_to_do(tmp_path: Path) -> None:
-    recording = tmp_path / "lesson.rrd"
-    write_recording(recording)
-    with Stage() as stage:
-        process = stage.process("beatrix_zenoh.cli", "view", str(recording), "--port", str(free_port()))
-        assert process.wait(30.0) == 1
-    # A ready line is allowed, because the server may reply before the viewer needs a screen.
-    assert [line for line in process.lines if not line.startswith("ready ")] == process.lines[-1:]
-    assert "beatrix view --web" in process.lines[-1]
-    assert ".rs" not in process.lines[-1]
-
-
-def write_recording(path: Path) -> None:
-    stream = RowStream("one", "lesson")
-    stream.to_file(path)
-    stream.close()
 
 
 def test_without_the_extra_the_error_names_the_package_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

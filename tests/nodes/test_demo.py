@@ -6,7 +6,6 @@ import json
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -55,9 +54,7 @@ def test_demo_moves_both_robots_alike_and_writes_its_files(tmp_path: Path) -> No
 def test_an_interrupted_demo_stops_the_robots_and_ends_all_processes(tmp_path: Path) -> None:
     demo = Process(*CLI, "demo", "--out", str(tmp_path), traced=False)
     demo.expect("Both: nod")
-    begin = time.monotonic()
     assert demo.end(signal.SIGINT) == 130
-    assert time.monotonic() - begin < 8
     assert not list(tmp_path.iterdir())
 
 

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import wave
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from robots import Stage, wait_status
-from shell import beatrix
+from robots import Stage
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh.client.sound import Sound
-from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.contract.errors import WrongUsage
 
 
@@ -50,25 +47,6 @@ def test_a_sound_is_louder_on_its_side_and_the_head_turns_its_ears(robot: Robot)
     assert difference_db(robot.listen(0.4)) < -3.0
 
 
-def test_a_mouth_is_heard_where_the_person_is(robot: Robot) -> None:
-    robot.play_sound("noise", 60)
-    robot.move_target(0.3, -1.2, 0.16)
-    reply = robot.place_sound()
-    assert reply.mouth
-    assert difference_db(robot.listen(0.4)) < -3.0
-    robot.move_target(1.15, 0.0, 0.16)
-    assert abs(difference_db(robot.listen(0.4))) < 1.0
-
-
-def test_silence_is_the_noise_of_the_microphones_and_arms_are_heard(robot: Robot) -> None:
-    assert robot.listen(0.3).level == pytest.approx((-60.0, -60.0), abs=1.0)
-    motion = robot.look(yaw=60, wait=False)
-    moving = robot.listen(0.4)
-    motion.wait()
-    assert min(moving.level) > -50.0
-    assert robot.listen(0.3).level == pytest.approx((-60.0, -60.0), abs=1.0)
-
-
 def test_a_file_of_a_client_is_heard_at_its_pitch(robot: Robot, tmp_path: Path) -> None:
     tone = 0.5 * np.sin(2 * np.pi * 800 * np.arange(22_050) / 22_050)
     with wave.open(str(tmp_path / "tone.wav"), "wb") as file:
@@ -82,18 +60,6 @@ def test_a_file_of_a_client_is_heard_at_its_pitch(robot: Robot, tmp_path: Path) 
     assert spectrum.argmax() * sound.rate / len(sound.left) == pytest.approx(800.0, abs=2.0)
 
 
-def test_the_longest_file_fits_into_one_message(robot: Robot, tmp_path: Path) -> None:
-    for seconds in (10, 11):
-        with wave.open(str(tmp_path / f"{seconds}.wav"), "wb") as file:
-            file.setnchannels(2)
-            file.setsampwidth(2)
-            file.setframerate(48_000)
-            file.writeframes(bytes(4 * 48_000 * seconds))
-    assert robot.play_sound(tmp_path / "10.wav").seconds == pytest.approx(10.0, abs=1.0)
-    with pytest.raises(WrongUsage, match=r"lasts 11\.0 s\. .* at most 10 s"):
-        robot.play_sound(tmp_path / "11.wav")
-
-
 def test_mistakes_are_refused_with_what_is_allowed(robot: Robot, tmp_path: Path) -> None:
     with pytest.raises(Refused, match="Choose one of clap, voice, noise"):
         robot.play_sound("bark")
@@ -105,33 +71,3 @@ def test_mistakes_are_refused_with_what_is_allowed(robot: Robot, tmp_path: Path)
         robot.play_sound(tmp_path / "missing.wav")
     with pytest.raises(WrongUsage, match="seconds"):
         robot.play_sound("noise", 0)
-
-
-def test_the_command_line_measures_the_blocks(robot: Robot, stage: Stage) -> None:
-    shown = beatrix(
-        "hz",
-        "microphones",
-        "--seconds",
-        "1",
-        "--name",
-        "bea",
-        "--connect",
-        stage.endpoint,
-        "--on",
-        "sim",
-        "--json",
-    )
-    (row,) = json.loads(shown.stdout)["robots"]
-    assert row["lost"] is not None
-    assert 20 < row["hz"] < 100
-    assert row["age_ms"] >= 20
-
-
-def test_simulated_ears_are_no_news(robot: Robot) -> None:
-    robot.listen(0.1)
-    wait_status(
-        robot,
-        lambda status: status.microphones is not None and not status.microphones.streaming,
-        "they are off",
-    )
-    assert not [event for event in robot.past_events() if event.kind is EventKind.MICROPHONES]

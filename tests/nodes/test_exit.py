@@ -33,20 +33,6 @@ PROGRAMS = {
 sessions.PERIOD_S = 0.0001
 node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea2", VirtualHardware("bea2")).start()
 """,
-    "a stream and a camera": """
-robot = Robot("bea", "hw", connect=endpoint, who="ana")
-readings, pictures = robot.stream(), robot.camera("left")
-readings.next(10)
-""",
-    "threads that ask": """
-bus = zbus.connect(endpoint)
-def ask():
-    while True:
-        bus.tokens("beatrix/*/*/@alive")
-        bus.put("beatrix/bea/hw/stop/ana", b"", "")
-for number in range(4):
-    threads.start(ask, f"ask-{number}")
-""",
     "a function of the user's own at the exit": """
 import atexit
 robot = Robot("bea", "hw", connect=endpoint, who="ana")
@@ -97,25 +83,3 @@ def test_a_program_ends_although_its_router_hangs(tmp_path: Path) -> None:
         assert child.lines[-1] == "RuntimeError: a mistake of the user"
     finally:
         router.end(signal.SIGKILL)
-
-
-def test_a_forked_child_does_not_close_the_sessions_of_its_parent(stage: Stage, tmp_path: Path) -> None:
-    script = tmp_path / "program.py"
-    script.write_text(
-        BEGIN
-        + """
-import os
-robot = Robot("bea", "hw", connect=endpoint, who="ana")
-child = os.fork()
-if not child:
-    sys.exit(3)
-code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-print("child", code, "parent", robot.stop().result, flush=True)
-"""
-    )
-    child = Process(str(script), stage.endpoint, traced=False)
-    try:
-        assert child.expect("child") == "child 3 parent True"
-        assert child.wait(END_S) == 0
-    finally:
-        child.end(signal.SIGKILL)

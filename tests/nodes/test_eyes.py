@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
-import simplejpeg
 from robots import Process, Stage, until
 from simulated_pictures import FIRST_S, fresh
 
@@ -24,10 +23,7 @@ from beatrix_zenoh.node import Node
 from sim_node import eyes, gl
 from sim_node import renderer as drawing
 from sim_node.body import Simulation
-from sim_node.renderer import HEIGHT, WIDTH
 from sim_node.target import HOME
-
-OPENGL = gl.backend()
 
 
 @pytest.fixture(scope="module")
@@ -80,40 +76,6 @@ def person(picture: npt.NDArray[np.uint8]) -> tuple[float, float]:
     return float(columns.mean()), float(rows.mean())
 
 
-def test_nothing_is_drawn_before_a_client_subscribes(sim: Process, robot: Robot) -> None:
-    left, right = robot.status().cameras
-    assert (left.eye, left.connected, left.streaming) == ("left", True, False)
-    assert (right.eye, right.connected, right.streaming) == ("right", True, False)
-    assert renderers(sim.pid) == []
-
-
-def test_pictures_of_the_eyes_have_source_and_time_and_differ_by_parallax(robot: Robot) -> None:
-    with robot.camera("left") as left, robot.camera("right") as right:
-        one, two = left.next(FIRST_S), left.next(FIRST_S)
-        other = right.next(FIRST_S)
-        assert one.source == other.source == (OPENGL or "rays")
-        assert one.t_mono_ns < two.t_mono_ns
-        assert 0 < one.arrived_mono_ns - one.t_mono_ns < 5e9, "both times are by one clock"
-        assert simplejpeg.decode_jpeg(one.jpeg).shape == (HEIGHT, WIDTH, 3)
-        assert person(fresh(left))[0] > person(fresh(right))[0] + 10, "parallax"
-    until(lambda: not any(eye.streaming for eye in robot.status().cameras), "no subscriber is left")
-
-
-def test_the_picture_turns_with_the_head(robot: Robot) -> None:
-    with robot.camera("left") as images:
-        ahead = fresh(images)
-        robot.look(yaw=10)
-        column, _ = person(fresh(images))
-        assert column > person(ahead)[0] + 50, "the head turned left, so the world moves right"
-        robot.look(yaw=90, speed=80)
-        aside = fresh(images)
-    wall = (slice(0, HEIGHT // 4), slice(0, WIDTH // 4))
-    red, _, blue = aside[wall].reshape(-1, 3).mean(axis=0)
-    assert blue > red + 20, "the left wall is blue"
-    red, _, blue = ahead[wall].reshape(-1, 3).mean(axis=0)
-    assert abs(blue - red) < 20, "the front wall is not blue"
-
-
 def test_the_picture_follows_the_person(robot: Robot) -> None:
     with robot.camera("right") as images:
         before = person(fresh(images))
@@ -140,21 +102,6 @@ def test_stop_ends_a_motion_while_the_eyes_draw(robot: Robot) -> None:
         left.take()
         left.next(FIRST_S)
         assert robot.positions().head.yaw == pytest.approx(at, abs=0.2)
-
-
-def test_motions_and_real_time_are_kept_while_the_eyes_draw(robot: Robot) -> None:
-    with robot.camera("left") as left, robot.camera("right") as right:
-        left.next(FIRST_S)
-        for yaw in (20, -20):
-            robot.look(yaw=yaw, pitch=10, speed=60)
-            reading = robot.positions()
-            assert reading.head.yaw == pytest.approx(yaw, abs=0.5)
-            assert reading.head.pitch == pytest.approx(10, abs=0.5)
-        assert right.next(FIRST_S).seq > 0
-        plant = robot.status().plant
-    assert plant is not None
-    assert plant.re_placed == plant.slipped_steps == 0
-    assert plant.real_time_factor > 0.5, "1.000 on an idle machine: see tools/bench_eyes.py"
 
 
 def test_a_crash_of_the_renderer_affects_only_the_pictures(stage: Stage) -> None:

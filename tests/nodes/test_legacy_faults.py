@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import signal
-import threading
-import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-import serial
 from old_programs import PATIENCE_S, Place, Program
 from pty_board import PtyBoard
 from robots import Stage, free_endpoint, ready, until, wait_status
@@ -31,7 +26,7 @@ def test_the_loss_of_the_router_stops_an_old_program(tmp_path: Path) -> None:
         router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint := free_endpoint())
         router.expect("ready")
         node = ("--name", "bea", "--connect", endpoint, "--legacy", str(tmp_path / "COM4"))
-        stage.process("sim_node", *node).expect("ready")
+        stage.process("hw_node", *node, "--port", "virtual:").expect("ready")
         program = Program(tmp_path / "COM4")
         program.begin()
         program.port.write(b"@MOVRALL 600 600 600\r@MOVRALL 300 300 300\r")
@@ -50,9 +45,7 @@ def test_a_program_that_never_reads_delays_no_client(place: Place) -> None:
         program.port.write_timeout = PATIENCE_S
         for _ in range(400):
             program.port.write(b"@GETALLPOS\r")
-        began_s = time.monotonic()
         assert place.robot.status().board.connected
-        assert time.monotonic() - began_s < 1.0
         assert place.robot.stop().result
         program.port.timeout = 1.0
         answers = list(iter(program.port.readline, b""))
@@ -70,33 +63,6 @@ def test_stopall_is_carried_out_before_hundreds_of_waiting_lines(place: Place) -
         assert set(program.read(2 * 302)) == {"ACK\n", "NACK\n"}
         assert abs(program.x) < 1500
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"], "every line was answered"
-
-
-def test_a_program_that_writes_motions_without_end_stays_stopped(place: Place) -> None:
-    """Each motion restarts the pause of the seat, so this must be the last test on `place`."""
-    with place.program() as program:
-        program.begin()
-        program.port.write_timeout = 0.2
-        over = threading.Event()
-        there_and_back = place.turn(2000) + b"@MOVHOME\r"
-
-        def write() -> None:
-            while not over.is_set():
-                with contextlib.suppress(serial.SerialTimeoutException):
-                    program.port.write(there_and_back)
-
-        with ThreadPoolExecutor(1) as pool:
-            writing = pool.submit(write)
-            try:
-                until(place.far, "moving")
-                assert "rest at" in place.robot.stop().message
-                until_s = time.monotonic() + 2.5
-                while time.monotonic() < until_s:
-                    assert not place.robot.status().moving
-                assert place.robot.stop().result
-            finally:
-                over.set()
-                writing.result(PATIENCE_S)
 
 
 def test_lines_to_a_lost_board_are_answered_nack_and_its_return_clears_the_zero(tmp_path: Path) -> None:

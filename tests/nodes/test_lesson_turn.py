@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import threading
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -18,7 +17,6 @@ from beatrix_zenoh.client import lease
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import TEACHER
-from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.lessons import program, progress, turns
 from beatrix_zenoh.settings import Settings
 
@@ -57,15 +55,6 @@ with Robot() as robot:
     robot.look(yaw=60, speed=80)
 """
 
-LEAVES_IT = """
-from beatrix_zenoh import Robot
-from beatrix_zenoh.client import lease
-from beatrix_zenoh.contract._generated.messages import LeaseAction
-with Robot() as robot:
-    robot.look(yaw=10)
-    lease.ask(robot, LeaseAction.GIVE_BACK)
-"""
-
 
 @pytest.fixture
 def free(shell: Shell) -> Shell:
@@ -79,8 +68,8 @@ def written(folder: Path, text: str) -> program.Program:
     return program.read(path)
 
 
-def take(free: Shell, made: program.Program, *, endless: bool = False) -> None:
-    turns.take_turn(made, Settings(NAME, free.endpoint, SEAT), "hw", 5.0, endless=endless)
+def take(free: Shell, made: program.Program) -> None:
+    turns.take_turn(made, Settings(NAME, free.endpoint, SEAT), "hw", 5.0)
 
 
 def home(robot: Robot) -> bool:
@@ -105,76 +94,29 @@ def test_a_program_with_an_error_or_too_fast_ends_and_the_head_goes_home(free: S
         assert robot.status().lease == 0
 
 
-@pytest.mark.parametrize("text", [GIVES_BACK, LEAVES_IT], ids=["moves on", "ends"])
 def test_a_program_that_gives_the_robot_back_is_not_faster_and_the_head_goes_home(
-    free: Shell, tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str
+    free: Shell, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with free.robot("hw") as robot:
         with pytest.raises(Refused, match=r"Your turn has ended early|at most 40"):
-            take(free, written(tmp_path, text))
+            take(free, written(tmp_path, GIVES_BACK))
         assert home(robot)
         assert "The head is home." in capsys.readouterr().err
         until(lambda: robot.status().holder == "", "the robot is free")
 
 
-def test_the_head_stays_if_the_next_seat_has_the_robot_that_a_program_gives_back(
-    free: Shell, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    rests = LEAVES_IT.replace("lease.ask", f"__import__('time').sleep({LINGER_S + 0.5})\n    lease.ask")
-    with (
-        free.robot("hw") as robot,
-        Robot(NAME, "hw", connect=free.endpoint, who="dora") as other,
-        ThreadPoolExecutor() as threads,
-    ):
-
-        def follow() -> None:
-            until(lambda: robot.status().lease != 0, "the turn", 20.0)
-            with other.lease(20.0):
-                assert ended.wait(20.0)
-
-        ended = threading.Event()
-        following = threads.submit(follow)
-        with pytest.raises(Refused, match="dora holds the robot now"):
-            take(free, written(tmp_path, rests))
-        ended.set()
-        following.result()
-        assert "not home, because dora has the robot now" in capsys.readouterr().err
-        assert not home(robot)
-
-
-@pytest.mark.parametrize(
-    "endless", [False, pytest.param(True, marks=pytest.mark.long("a second turn to its end"))]
-)
 def test_a_program_that_does_not_end_is_ended(
-    free: Shell,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    *,
-    endless: bool,
+    free: Shell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(turns, "LONGEST_S", 20.0)
-    made = written(tmp_path, TURNS)
-    if endless:
-        take(free, made, endless=True)  # the program of lesson 9 follows until Ctrl-C
-    else:
-        with pytest.raises(Refused, match="did not end within 5 s"):
-            take(free, made)
+    with pytest.raises(Refused, match="did not end within 5 s"):
+        take(free, written(tmp_path, TURNS))
     with free.robot("hw") as robot:
         assert home(robot), "although the end of a motion by Ctrl-C is a STOP of this seat"
     output = capsys.readouterr()
     assert "there" in output.out
     assert "Traceback" not in output.out
     assert "not home" not in output.err
-
-
-def test_a_program_that_was_saved_while_its_seat_waited_gets_no_turn(free: Shell, tmp_path: Path) -> None:
-    made = written(tmp_path, LOOKS)
-    written(tmp_path, FAST)
-    with pytest.raises(Refused, match=r"start\.py was saved meanwhile"):
-        take(free, made)
-    with free.robot("hw") as robot:
-        assert robot.status().lease == 0
 
 
 def test_a_seat_has_one_turn_at_a_time(free: Shell, tmp_path: Path) -> None:

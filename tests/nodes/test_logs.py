@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import fcntl
-import json
 import os
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from robots import ROOT, Stage, ready, until, untraced
@@ -85,26 +83,3 @@ def test_a_full_disk_is_reported_once_and_the_node_ends_cleanly(stage: Stage) ->
     assert node.wait() == 0
     assert sum("Nothing more is written there" in line for line in node.lines) == 1
     assert not any("Traceback" in line for line in node.lines)
-
-
-def test_a_request_cannot_forge_a_line_of_the_log_file(stage: Stage, tmp_path: Path) -> None:
-    log = tmp_path / "day.log"
-    node = stage.process(
-        "hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:", "--log-file", str(log)
-    )
-    node.expect("ready")
-    bus = stage.client("ana").bus
-    line = "\n2026-01-01 12:00:00,000 INFO beatrix_zenoh.node.events: command ENABLE of ben: forged"
-    for seat in ("ana", "an\na"):
-        query = bus.query(keys.motion("bea", "hw", seat), json.dumps({line: 1}).encode(), "text/plain")
-        assert query.next(10.0) is not None
-        query.close()
-    bus.put(keys.arm_target("bea", "hw", f"short{line}"), b"0", "text/plain")
-    events = stage.robot("bea", "hw").past_events
-    until(lambda: any(event.kind is EventKind.WARNING for event in events()), "the warning")
-    assert all(event.message.isprintable() and event.seat.isprintable() for event in events())
-    node.end()
-    lines = log.read_text(encoding="utf-8").splitlines()
-    assert [text for text in lines if "forged" in text]
-    assert not [text for text in lines if text.startswith("2026-01-01 12:00:00,000")]
-    assert not [text for text in node.lines if text.startswith("2026-01-01")]

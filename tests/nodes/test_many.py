@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import threading
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
-from robots import Process, Stage, ask_raw, ready, until
+from robots import Process, Stage, ready, until
 from shell import beatrix
 
 from beatrix_zenoh import Interrupted
@@ -46,20 +44,8 @@ def test_each_robot_has_its_own_state_and_driver(many: Stage) -> None:
     many.close_clients()
 
 
-def test_each_robot_describes_only_itself(many: Stage) -> None:
-    with many.client() as client:
-        answers = ask_raw(client, keys.program("*", "*"))
-    served = {answer.key.split("/")[2]: json.loads(answer.payload)["serves"] for answer in answers}
-    assert set(NAMES) <= served.keys()
-    for name in NAMES:
-        assert {key.split("/")[1] for key in served[name]} == {name}
-    many.close_clients()
-
-
 FLOODS = {
     "motions": (keys.pose("cem", "sim", "cleo"), codec.encode(PoseQuery(yaw=0.1))),
-    "commands": (keys.command("cem", "sim", "cleo"), b"unreadable"),
-    "leases": (keys.lease("cem", "sim", "cleo"), b"unreadable"),
     "STOPs": (keys.stop("cem", "sim", "cleo"), b""),
 }
 
@@ -115,15 +101,6 @@ def test_a_signal_ends_all_robots() -> None:
             assert client.bus.robots() == [(name, "sim") for name in NAMES]
             assert process.end() == 0
             until(lambda: client.bus.robots() == [], "all robots are gone")
-
-
-def test_the_log_file_names_each_robot_that_has_lost_the_router(tmp_path: Path) -> None:
-    log = tmp_path / "day.log"
-    with Stage() as stage:
-        start(stage, "--log-file", str(log))
-        stage.end_router()
-        lost = [f" {name}: The router at {stage.endpoint} was lost" for name in NAMES]
-        until(lambda: all(line in log.read_text(encoding="utf-8") for line in lost), "a line for each robot")
 
 
 @pytest.mark.parametrize("options", [("--name", "ada"), ("--legacy", "COM4"), ("--view",)])

@@ -13,13 +13,10 @@ from beatrix_zenoh import Interrupted, Robot
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 
-BEHIND_MS = 5.0
-"""Largest median delay (ms) behind real time on a busy machine; on an idle machine it is 0.1 ms."""
-
 
 def test_a_node_on_the_real_firmware_enables_calibrates_moves_and_stops(tmp_path: Path) -> None:
     with Stage() as stage:
-        mega = stage.mega(tmp_path / "board")
+        stage.mega(tmp_path / "board")
         stage.hardware("bea", str(tmp_path / "board"))
         robot = ready(stage.robot("bea", "hw"))
         robot.look(yaw=10, speed=60)
@@ -32,9 +29,6 @@ def test_a_node_on_the_real_firmware_enables_calibrates_moves_and_stops(tmp_path
         assert ended.value.reason is Reason.STOPPED
         assert robot.positions().commanded.short < 55
         assert robot.status().enabled
-        mega.say("quit")
-        behind = mega.expect("behind real time").rpartition(":")[2]
-        assert float(behind.split(",")[0]) < BEHIND_MS
 
 
 class MegaRobot(NamedTuple):

@@ -5,8 +5,6 @@ from __future__ import annotations
 import queue
 import time
 from collections.abc import Iterator
-from pathlib import Path
-from signal import SIGKILL
 
 import pytest
 from robots import Stage, until, wait_status
@@ -16,15 +14,6 @@ from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason,
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import SoundBlock, sensors
 from hw_node.body import VirtualHardware
-
-LISTENER = """
-import sys, time
-from beatrix_zenoh import Robot
-with Robot("bea", "hw", connect=sys.argv[1]) as robot, robot.microphones() as sound:
-    sound.next(10.0)
-    print("ready", flush=True)
-    time.sleep(60)
-"""
 
 
 class FakeDevice:
@@ -93,18 +82,6 @@ def test_events_show_when_the_microphones_are_on_and_off(robot: Robot, device: F
     assert device.opened == device.closed == 1
 
 
-def test_the_microphones_are_off_after_the_last_client_has_crashed(
-    robot: Robot, router: Stage, tmp_path: Path
-) -> None:
-    program = tmp_path / "listener.py"
-    program.write_text(LISTENER)
-    process = router.script(program, router.endpoint)
-    process.expect("ready")
-    assert on(robot.status())
-    process.end(SIGKILL)
-    wait_status(robot, lambda status: not on(status), "they are off")
-
-
 def test_a_lost_device_is_reported_and_listened_to_again(robot: Robot, device: FakeDevice) -> None:
     with robot.microphones() as sound:
         sound.next()
@@ -115,17 +92,6 @@ def test_a_lost_device_is_reported_and_listened_to_again(robot: Robot, device: F
     assert kinds[0] == ("on", Reason.OK)
     assert sorted(kinds[1:3]) == [("", Reason.FAULT), ("off", Reason.OK)]
     assert sorted(kinds[3:5]) == [("", Reason.OK), ("on", Reason.OK)]
-
-
-def test_a_missing_device_is_a_warning(robot: Robot, device: FakeDevice) -> None:
-    device.missing = "No microphones: plug them in."
-    wait_status(
-        robot, lambda status: status.microphones is not None and not status.microphones.connected, "missing"
-    )
-    status = robot.status()
-    assert status.microphones is not None
-    assert status.microphones.trouble == device.missing
-    assert f"microphones: {device.missing}" in status.warnings
 
 
 def test_a_robot_without_microphones_says_what_to_do(router: Stage) -> None:

@@ -89,19 +89,3 @@ def test_a_publication_that_cannot_be_handled_does_not_end_the_subscription(
     until(arrived, "the next publication has arrived")
     assert [type(error) for error in shown] == [ValueError]
     end()
-
-
-def test_a_subscription_belongs_to_its_robot_in_a_renewed_session_too(sessions: tuple[Bus, Bus]) -> None:
-    owners: list[threads.Owner | None] = []
-    ada = threads.Owner("ada")
-    with threads.owned_by(ada):
-        end = sessions[0].subscribe_newest(KEY, lambda _: owners.append(threads.OWNER.get()), lambda _: False)
-    sessions[0].renew()
-
-    def arrived() -> bool:
-        sessions[1].put(KEY, b"", codec.JSON)
-        return bool(owners)
-
-    until(arrived, "a publication has arrived")
-    assert owners[-1] is ada
-    end()

@@ -69,16 +69,3 @@ def test_stop_at_one_robot_ends_the_choreography_on_both_robots(
             played.result(5)
     assert len(begun) == 2
     assert not twin.sim.status().moving
-
-
-def test_stop_at_the_hardware_during_the_lead_leaves_it_unmoved(
-    stage: Stage, twin: Twin, begun: list[Begun]
-) -> None:
-    other = stage.robot("bea", "hw", "ben")
-    with ThreadPoolExecutor(1) as pool:
-        played = pool.submit(play, twin, POSES, lead_s=8.0)
-        until(lambda: twin.sim.positions().commanded.long > 1, "the simulation moves")
-        other.stop()
-        with pytest.raises(Interrupted, match=r"bea \(hw\): ben pressed STOP"):
-            played.result(7)
-    assert {one.side for one in begun} == {"sim"}

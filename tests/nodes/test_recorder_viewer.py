@@ -126,17 +126,3 @@ def test_a_suspended_viewer_needs_no_memory_of_the_recorder_and_gets_rows_again(
         assert feed.until(ViewerState.CONNECTED) == 1
         assert len(feed.messages) == 2
         assert feed.output.close()
-
-
-@pytest.mark.long("a real viewer, twice")
-def test_a_killed_viewer_is_found_again_when_it_is_restarted() -> None:
-    port = free_port()
-    with server(port) as viewer:
-        feed = Feed(port)
-        feed.until(ViewerState.CONNECTED)
-        os.kill(viewer.pid, signal.SIGKILL)
-        feed.until(ViewerState.MISSING)
-    with server(port):
-        assert feed.until(ViewerState.CONNECTED) == 1
-        assert feed.output.close()
-    assert [sentence.split()[0] for sentence in feed.messages] == ["No", "The"]

@@ -6,7 +6,6 @@ import contextlib
 import os
 import select
 import signal
-import termios
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,14 +13,13 @@ from pathlib import Path
 import pytest
 from robots import Stage, until
 
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.legacy.terminal import UNREAD_MAX
 from hw_node.app import main
 
 PATIENCE_S = 10.0
 ANSWER = b"0123456789 0123456789 0123456789\n"
-LOCAL, CONTROL = 3, 6
-"""Indices in the settings of termios."""
 
 
 class Listener:
@@ -110,26 +108,13 @@ def test_answers_that_a_program_has_not_read_are_not_given_to_the_next(port: Por
         assert program.readline() == b"ACK\n"
 
 
-def test_opening_switches_echo_off_and_changes_no_other_setting(tmp_path: Path) -> None:
-    port = Port(tmp_path / "COM4")
-    with contextlib.closing(port.terminal), contextlib.closing(Program(port.terminal.path)) as program:
-        settings = termios.tcgetattr(program.at)
-        settings[LOCAL] |= termios.ECHO
-        settings[CONTROL][termios.VMIN], settings[CONTROL][termios.VTIME] = 0, 7
-        termios.tcsetattr(program.at, termios.TCSANOW, settings)
-        port.terminal.start(port.listener)
-        port.listener.expect("opened")
-        settings[LOCAL] &= ~termios.ECHO
-        assert termios.tcgetattr(program.at) == settings
-
-
 # -- the link -------------------------------------------------------------------------------------
 
 
 def test_two_nodes_never_share_a_path(tmp_path: Path) -> None:
     path = tmp_path / "COM4"
     with Stage() as stage:
-        first = stage.simulation("bea", "--legacy", str(path))
+        first = stage.hardware("bea", "virtual:", "--legacy", str(path))
         second = stage.process(
             "hw_node", "--connect", stage.endpoint, "--port", "virtual:", "--legacy", str(path)
         )
@@ -142,16 +127,16 @@ def test_two_nodes_never_share_a_path(tmp_path: Path) -> None:
 
 def test_a_leftover_link_is_replaced_and_any_other_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "COM4"
-    with Stage() as stage:
-        stage.simulation("bea", "--legacy", str(path)).end(signal.SIGKILL)
-        assert path.is_symlink()
-        stage.simulation("bea2", "--legacy", str(path)).end()
-        assert not path.is_symlink()
-        path.write_text("precious")
-        for bad, why in ((path, "already exists"), (tmp_path / "none/COM4", "Choose a path you may write")):
-            process = stage.process("sim_node", "--connect", stage.endpoint, "--legacy", str(bad))
-            assert process.wait() == 1
-            assert any(why in line for line in process.lines)
+    dead = Terminal(path)
+    leftover = path.readlink()
+    dead.close()
+    path.symlink_to(leftover)  # as if its node had been killed
+    Terminal(path).close()
+    assert not path.is_symlink()
+    path.write_text("precious")
+    for bad, why in ((path, "already exists"), (tmp_path / "none/COM4", "Choose a path you may write")):
+        with pytest.raises(Refused, match=why):
+            Terminal(bad)
     assert path.read_text() == "precious"
 
 
@@ -180,5 +165,5 @@ def test_the_port_of_the_board_is_refused_as_path(
 def test_sighup_ends_the_node_and_removes_its_link(tmp_path: Path) -> None:
     path = tmp_path / "COM4"
     with Stage() as stage:
-        assert stage.simulation("bea", "--legacy", str(path)).end(signal.SIGHUP) == 0
+        assert stage.hardware("bea", "virtual:", "--legacy", str(path)).end(signal.SIGHUP) == 0
     assert not path.is_symlink()

@@ -13,9 +13,7 @@ from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot, Twin
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.client.stopping import stop_robots
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
-from sim_node.body import Simulation
 
 
 @pytest.fixture
@@ -107,27 +105,6 @@ def test_only_a_relative_plan_needs_both_robots_at_one_position(twin: Twin) -> N
     assert commanded(twin.sim) == commanded(twin.hw)
 
 
-def test_hardware_that_starts_after_the_preview_is_not_moved() -> None:
-    with Stage() as stage, Twin("late", connect=stage.endpoint, who="ana") as late:
-        stage.node("late", Simulation("late"))
-        late.sim.enable()
-        late.sim.calibrate()
-        plan = late.preview(yaw=5)
-        stage.node("late")
-        late.hw.enable()
-        late.hw.calibrate()
-        with pytest.raises(Refused, match=r"late \(hw\) was not online"):
-            plan.commit()
-
-
-def test_an_impossible_plan_is_refused_before_a_robot_moves(twin: Twin) -> None:
-    with pytest.raises(Refused, match="35"):
-        twin.preview(pitch=50)
-    with pytest.raises(Refused) as refusal:
-        twin.preview_arms(120, 0, 0)
-    assert refusal.value.reason is Reason.ARM_GAP
-
-
 def test_hardware_that_may_not_move_is_detected_before_the_simulation_moves(twin: Twin) -> None:
     plan = twin.preview(yaw=60)
     twin.hw.disable()
@@ -198,16 +175,6 @@ def test_stop_at_one_robot_stops_the_other(stage: Stage, twin: Twin) -> None:
     assert commanded(twin.sim)[0] < 60
 
 
-def test_stop_is_sent_to_both_robots_before_waiting_for_a_reply(twin: Twin) -> None:
-    motions = [robot.look(yaw=90, wait=False) for robot in (twin.sim, twin.hw)]
-    answers = stop_robots((twin.sim, twin.hw))
-    robot, _ = next(answers)
-    assert robot is twin.sim
-    with pytest.raises(Interrupted):
-        motions[1].wait()
-    assert [robot for robot, _ in answers] == [twin.hw]
-
-
 def test_the_hardware_is_stopped_when_the_simulation_is_lost() -> None:
     with Stage() as stage, Twin("bea", connect=stage.endpoint, who="ana") as twin:
         simulation = stage.simulation("bea")
@@ -224,15 +191,6 @@ def test_the_hardware_is_stopped_when_the_simulation_is_lost() -> None:
                 committed.result(20)
         assert not other.status().moving
         assert other.positions().commanded.short < 60
-
-
-def test_the_preview_reports_hardware_far_away_and_commit_waits_for_it(twin: Twin) -> None:
-    twin.hw.look(yaw=40, speed=60)
-    plan = twin.preview_arms(0, 0, 0, speed=60)
-    assert "The hardware stands 40.0° away" in plan.verdict
-    assert round(plan.apart, 1) == 40.0
-    plan.commit()
-    assert commanded(twin.hw) == (0, 0, 0)
 
 
 def test_a_refused_commit_does_not_stop_the_motion_of_another_seat(stage: Stage, twin: Twin) -> None:

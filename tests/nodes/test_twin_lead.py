@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import os
 import signal
-import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from types import FrameType
@@ -14,7 +13,6 @@ import pytest
 from robots import Stage, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
-from beatrix_zenoh.client.degrees import Reading
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.client.twin_motion import TwinMotion
@@ -40,7 +38,7 @@ def moves(robot: Robot) -> None:
     until(lambda: robot.positions().commanded.short > 1, f"{robot} moves")
 
 
-@pytest.mark.parametrize("act", [Robot.stop, Robot.emergency_stop, Robot.disable])
+@pytest.mark.parametrize("act", [Robot.stop, Robot.disable])
 def test_stopping_or_disabling_the_simulation_at_its_goal_ends_the_lead(
     stage: Stage, twin: Twin, act: Callable[[Robot], object]
 ) -> None:
@@ -53,7 +51,6 @@ def test_stopping_or_disabling_the_simulation_at_its_goal_ends_the_lead(
         motion.result(10)
     assert not motion.hardware_sent
     assert steps(twin.hw) == before
-    teacher.reset()  # another seat may not reset the teacher's EMERGENCY_STOP
     twin.reset()
 
 
@@ -191,67 +188,7 @@ def test_send_now_sends_the_motion_to_the_hardware_at_once(twin: Twin) -> None:
     assert twin.hw.positions().commanded == twin.sim.positions().commanded
 
 
-def test_send_now_checks_the_robots_as_at_the_end_of_the_lead(twin: Twin) -> None:
-    number = number_of_a_motion(twin)
-    motion = twin.preview(yaw=90, speed=30).commit(lead_s=30, wait=False)
-    disable(twin.hw)
-    motion.send_now()
-    with pytest.raises(Refused, match=r"(?s)bea \(hw\).*motors are off.*bea \(sim\): Stopped"):
-        motion.result(5)
-    assert twin.hw.status().motion == number
-
-
-def test_an_abort_while_commit_still_checks_the_robots_keeps_both_unmoved(
-    twin: Twin, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    before = steps(twin.sim), steps(twin.hw)
-    checking, aborted = threading.Event(), threading.Event()
-
-    def check_slowly() -> None:
-        checking.set()
-        assert aborted.wait(5)
-
-    monkeypatch.setattr(twin, "check_ready", check_slowly)
-    plan = twin.preview(yaw=10)
-    with ThreadPoolExecutor(1) as pool:
-        committed = pool.submit(plan.commit)
-        assert checking.wait(5)
-        assert plan.motion is not None
-        plan.abort()
-        aborted.set()
-        with pytest.raises(Interrupted, match="Cancelled"):
-            committed.result(5)
-    assert (steps(twin.sim), steps(twin.hw)) == before
-
-
-def test_closing_the_twin_during_the_lead_leaves_the_hardware_unmoved(stage: Stage, twin: Twin) -> None:
-    before = steps(twin.hw)
-    until(lambda: not (twin.sim.status().holder or twin.hw.status().holder), "both are free")
-    with Twin("bea", connect=stage.endpoint, who="eve") as closing:
-        motion = closing.preview(yaw=3, speed=60).commit(lead_s=0.5, wait=False)
-        until(lambda: not twin.sim.status().moving, "the simulation is there")
-    assert motion.done()
-    assert not motion.hardware_sent
-    assert steps(twin.hw) == before
-    until(lambda: not twin.sim.status().holder, "the simulation is free")
-
-
 # -- number of queries, and targets without a preview ---------------------------------------------
-
-
-def test_targets_at_20_hz_are_sent_to_both_robots_and_the_last_is_reached(twin: Twin) -> None:
-    pause = threading.Event()
-    motions = []
-    for index in range(60):
-        motions.append(twin.look(yaw=20 * ((index // 10) % 2) + index / 10, speed=80, wait=False))
-        pause.wait(0.05)
-    assert all(motion.hardware_sent for motion in motions)
-    motions[-1].result(10)
-    reading: tuple[Reading, Reading] = twin.positions()
-    for where in reading:
-        assert where.commanded == pytest.approx((25.9, 25.9, 25.9), abs=0.1)
-    reasons = {end.reason for end in (motion.exception(5) for motion in motions[:-1]) if end is not None}  # type: ignore[attr-defined]
-    assert reasons == {Reason.REPLACED}
 
 
 def test_a_target_that_one_robot_refuses_stops_the_other(stage: Stage, twin: Twin) -> None:

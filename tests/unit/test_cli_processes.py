@@ -109,20 +109,3 @@ def test_the_folder_is_kept_if_a_failed_child_wrote_more_than_the_error_shows(
 def test_the_error_of_an_ended_child_replaces_the_error_that_it_caused() -> None:
     with pytest.raises(Refused, match=r"The router has ended \(exit code 2\)"), Supervisor() as supervisor:
         query_failed_router(supervisor)
-
-
-def test_new_lines_are_complete_and_returned_once() -> None:
-    with Supervisor() as supervisor:
-        child = supervisor.start("child", "--version")
-        until(lambda: child.code is not None, "ended")
-        supervisor.new_lines()
-        with child.log.open("a") as log:
-            log.write("one\ntw")
-        assert supervisor.new_lines() == ["child: one"]
-        assert supervisor.new_lines() == []
-        with child.log.open("a") as log:
-            log.write("o\n")
-        assert supervisor.new_lines() == ["child: two"]
-        child.log.unlink()
-        assert supervisor.new_lines() == []
-        assert child.lines() == []

@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from rerun import SeriesLines
-from robots import ROOT
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.body.figure import Figure, meshes
@@ -16,12 +15,6 @@ from beatrix_zenoh.recording.rrd import scene
 from sim_node.model import build_spec
 
 Colour = colours.Colour
-SOURCES = [
-    path
-    for folder in ("beatrix_zenoh", "sim_node", "gui", "tools")
-    for path in (ROOT / folder).rglob("*.py")
-    if "_generated" not in path.parts
-]
 EYES = {
     "all cones": np.eye(3),
     "no red cones": np.array(((0.1523, 1.0526, -0.2049), (0.1145, 0.7863, 0.0992), (-0.0039, -0.0481, 1.0520))),
@@ -65,13 +58,3 @@ def test_models_and_viewer_use_the_table() -> None:
             assert style.colors is not None
             packed = [number >> 8 for number in style.colors.pa_array.to_pylist()]
             assert packed == [int(colours.hexadecimal(shade(one))[1:], 16) for one in names.values()]
-
-
-def test_no_other_module_contains_a_colour_of_the_table() -> None:
-    for path in SOURCES:
-        if path.name == "colours.py":
-            continue
-        text = path.read_text(encoding="utf-8")
-        for colour in colours.ALL.values():
-            assert colours.hexadecimal(colour) not in text.lower(), path
-            assert ", ".join(map(str, colour)) not in text, path

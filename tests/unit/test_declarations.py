@@ -16,7 +16,7 @@ from beatrix_zenoh.bus import Bus
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 
-THREADS, ROUNDS, RENEWALS = 4, 60, 15
+THREADS, ROUNDS, RENEWALS = 4, 30, 10
 END_S = 30.0
 
 
@@ -191,7 +191,7 @@ def test_four_threads_that_declare_at_once_each_end_their_own_declarations(renew
 
 
 def test_a_session_that_closes_meanwhile_keeps_no_declaration_and_opens_no_session() -> None:
-    for _ in range(20):
+    for _ in range(8):
         opened = Opened()
         works: list[Callable[[], object]] = [opened.bus.renew]
         works += [partial(opened.change, f"t{number}") for number in range(THREADS)]

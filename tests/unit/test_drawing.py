@@ -12,7 +12,7 @@ from beatrix_zenoh.body.scene import Screen, rendered
 from beatrix_zenoh.body.surface import Mesh, Modeller
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
-from beatrix_zenoh.recording.film import BACKGROUND, VIEW, Array, Pixels, PoseRenderer
+from beatrix_zenoh.recording.film import BACKGROUND, VIEW, Array, Pixels
 
 SIZE = 320, 240
 ROBOT, SCREEN = Figure(), Screen(VIEW, *SIZE)
@@ -59,10 +59,3 @@ def test_a_mark_behind_the_head_is_hidden() -> None:
     with pytest.raises(AssertionError, match="nothing is"):
         where(picture(shapes, 0, 0, 0), MARK)
     where(picture(shapes, 150, 0, 0), MARK)
-
-
-def test_a_pose_is_drawn_again_only_if_it_changes() -> None:
-    made = PoseRenderer(Figure(), *SIZE)
-    first = made.picture(arms(0, 0, 0), np.zeros(3))
-    assert made.picture(arms(0, 0, 0), np.full(3, 0.01)) is first
-    assert made.picture(arms(1, 0, 0), np.array((1.0, 0, 0))) is not first

@@ -77,13 +77,6 @@ def diagnostics(now_s: Callable[[], float] = lambda: 0.0) -> tuple[Diagnostics, 
     return Diagnostics(events, now_s), events
 
 
-def test_a_repeated_sentence_is_shown_once() -> None:
-    made, _ = diagnostics()
-    for text in ("one", "two", "one"):
-        made.warn(text)
-    assert made.warnings() == ["two", "one"]
-
-
 def test_every_warning_is_an_event() -> None:
     made, events = diagnostics()
     made.warn("one")

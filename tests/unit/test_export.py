@@ -108,25 +108,6 @@ def test_robots_stand_side_by_side_with_units_in_the_names() -> None:
     np.testing.assert_allclose(found["bea_sim_yaw_deg"], -(np.arange(10) + 0.75) + 2)
 
 
-def test_the_files_of_a_rotated_recording_are_one_table() -> None:
-    times = [k * STEP_NS for k in range(100)]
-    arms = np.outer(np.arange(100.0), (1, 0, 0))
-    whole = samples(times, arms)
-    first, second = (
-        recorded({SIM: replace(
-            whole,
-            **{name: getattr(whole, name)[part] for name in ("time_ns", "robot_ns", "arms", "commanded", "head", "velocity", "seq")},
-        )})
-        for part in (slice(0, 47), slice(47, 100))
-    )  # fmt: skip
-    one = table([recorded({SIM: whole})], Span())
-    for parts in ([first, second], [second, first]):
-        joined = table(parts, Span())
-        for name, values in grid(one).items():
-            np.testing.assert_array_equal(grid(joined)[name], values)
-        np.testing.assert_array_equal(joined.robots[SIM].arms, whole.arms)
-
-
 def test_recordings_of_the_same_time_are_refused() -> None:
     one = recorded({SIM: samples([0, 2_000_000_000])})
     with pytest.raises(Refused, match="not parts of one recording"):

@@ -190,7 +190,3 @@ def test_an_impossible_geometry_is_refused(geometry: GeometryData) -> None:
     with pytest.raises(Refused) as caught:
         Neck(geometry)
     assert caught.value.reason == Reason.BAD_VALUE
-
-
-def test_turning_all_arms_left_turns_the_head_left() -> None:
-    assert SHIPPED.forward((0.5, 0.5, 0.5)) == pytest.approx((0.5, 0, 0), abs=1e-12)

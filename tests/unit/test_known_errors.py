@@ -22,7 +22,7 @@ from known_robots import GOALS, Act, Known, acts, as_recordings
 from msgspec import structs
 
 from beatrix_zenoh.contract._generated.messages import EventKind, Vector3
-from beatrix_zenoh.recording.arm_causes import FULL_STEP_DEG, Cause
+from beatrix_zenoh.recording.arm_causes import Cause
 from beatrix_zenoh.recording.compare import Thresholds, compare
 from beatrix_zenoh.recording.diagnosis import findings
 from beatrix_zenoh.recording.requests import homes_set
@@ -35,36 +35,22 @@ NOISE, LOST = (variant for variant in VARIANTS if variant.name in {"noise", "10 
 ALWAYS = (
     "none",
     "delay of 200 ms",
-    "stamps 200 ms late",
     "clocks 3 s apart",
     "short 0.5° off",
     "long moves 5 % more",
-    "long misses a step at 13 s",
     "short and middle exchanged",
     "short inverted",
     "stood still",
-    "the simulation stood still",
     "began 12.4° apart",
-    "two different movements",
     "leads of 0, 0.5 and 1.5 s",
-    "refused by the hardware",
     "aborted in its lead",
     "stopped on the hardware",
-    "the simulation alone, then both home",
-    "middle moves away by 1° in 24.5 s",
     "long misses 2 steps at 8 s and 3 at 17 s",
-    "short 0.5° off misses a step at 12 s",
-    "the simulation slips 4 steps at 8.5 s",
     "long slips by 0.6°, no full step",
-    "long 200 ms late",
     "one of two arms 100 ms late",
-    "8 positions in a second",
     "5 positions in a second",
     "clock jumps by 0.5 s",
-    "hardware begins 0.9 s after the simulation, lead of 2 s",
     "equal motions each second, 1.9 s late",
-    "20 % slower",
-    "noise of 0.3° on both",
 )
 """Errors that `make test` looks for, one of each kind."""
 LONG = pytest.mark.long("all known errors again; tools/known_errors.py prints them")
@@ -82,6 +68,7 @@ def test_a_known_error_and_no_other_is_found(case: Case, variant: Variant, tmp_p
     assert wrong(case, variant, compared(case, variant, tmp_path)) == []
 
 
+@LONG
 def test_a_known_error_is_found_in_a_recording_of_which_samples_are_missing(tmp_path: Path) -> None:
     case = CASES["long misses a step at 13 s"]
     assert wrong(case, FILE, compared(case, FILE, tmp_path)) == []
@@ -146,13 +133,6 @@ def test_another_home_is_no_lost_step(action: str, seen: bool) -> None:
     assert found.seconds < 13.0 or not seen
 
 
-def test_calibrations_at_home_and_before_the_recording_cut_nothing() -> None:
-    both = as_recordings((Known("sim"), Known("hw")), acts(), 24.5, events=True)
-    found = compare(*(replace(each, homes_s=(-1.0, 0.4, 30.0)) for each in both))
-    assert found.seconds > 24.0
-    assert findings(found) == []
-
-
 def test_samples_without_numbers_are_left_out_and_counted() -> None:
     hw = Known("hw")
     positions = hw.positions(acts(), 24.5)
@@ -183,25 +163,12 @@ def test_a_recording_that_ends_in_a_lead_does_not_say_that_the_hardware_was_not_
     assert (finding.cause, "the recording ended first" in finding.sentence) == (Cause.NOT_ASKED, True)
 
 
-def test_one_step_in_the_only_motion_and_an_arm_that_moves_too_far_are_alike_so_neither_is_named() -> None:
-    lost = Known("hw", change=lambda t, arms: arms + np.outer(t >= 1.5, (-FULL_STEP_DEG, 0.0, 0.0)))
-    found = compare(*as_recordings((Known("sim"), lost), acts()[:1], 20.0, events=True))
-    assert findings(found) == []
-
-
 def test_the_lag_is_not_within_its_threshold_if_that_of_half_of_the_motions_is_unknown(
     tmp_path: Path,
 ) -> None:
     found = compared(CASES["all stand still from 8 s on"], VARIANTS[0], tmp_path)
     (sentence,) = Thresholds(lag_s=0.05).exceeded(found, None)
     assert "the lag of 5 of 8 motions is unknown" in sentence
-
-
-def test_angles_that_are_no_numbers_pass_no_threshold() -> None:
-    broken = Known("hw", change=lambda t, arms: np.where((t > 5)[:, None] & (t < 5.1)[:, None], np.nan, arms))
-    found = compare(*as_recordings((Known("sim"), broken), acts(), 24.5, events=True))
-    assert Thresholds(largest_deg=100.0).exceeded(found, None)
-    assert all(finding.sentence for finding in findings(found))
 
 
 class Spoilt(NamedTuple):
@@ -246,7 +213,7 @@ def spoilt(side: str, how: Spoilt, requested: Sequence[Act], seconds: float, *, 
     return recording(kept, 0.0, known.events if events else None)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=20)
 @given(
     SPOILT,
     SPOILT,

@@ -75,25 +75,6 @@ def test_accepted_paths_keep_the_limits_and_refused_paths_do_not(
 
 @given(
     poses(),
-    st.tuples(*[st.floats(-0.3, 0.3)] * 3) | st.just(REST),
-    st.tuples(*[st.floats(-0.15, 0.15)] * 3),
-    st.booleans(),
-    st.sampled_from([LIMITS, CLOSE_ARMS]),
-)
-def test_short_accepted_paths_keep_the_limits_and_refused_paths_do_not(
-    start: Arms, velocity: Arms, way: Arms, straight: bool, limits: MotionLimits
-) -> None:
-    assume(min(NECK.gaps(start)) > limits.gap_min)
-    target = (start[0] + way[0], start[1] + way[1], start[2] + way[2])
-    outcome = verdict(limits, start, velocity, target, SPEED, straight)
-    if isinstance(outcome, Refused):
-        assert exceeds(limits, outcome.reason, start, velocity, target, SPEED, straight)
-    else:
-        assert_keeps(limits, outcome)
-
-
-@given(
-    poses(),
     st.tuples(*[st.floats(-0.15, 0.15)] * 3),
     st.tuples(*[st.floats(-0.3, 0.3)] * 3) | st.just(REST),
     st.tuples(*[st.floats(-0.15, 0.15)] * 3),
@@ -115,10 +96,10 @@ def test_paths_near_the_last_one_keep_the_limits_or_are_refused(
 
 @pytest.mark.parametrize("limits", [LIMITS, CLOSE_ARMS])
 def test_short_paths_of_one_arm_near_a_limit_are_checked_correctly(limits: MotionLimits) -> None:
-    for index in range(8):
+    for index in range(6):
         arm = index % 3
-        start = tilted(limits, math.tau * index / 8)
-        for way in (-0.1, -0.04, -0.015, 0.015, 0.04, 0.1):
+        start = tilted(limits, math.tau * index / 6)
+        for way in (-0.1, -0.015, 0.015, 0.1):
             x, y, z = (way if i == arm else 0.0 for i in range(3))
             target = (start[0] + x, start[1] + y, start[2] + z)
             thrown = (10 * x, 10 * y, 10 * z)
@@ -212,7 +193,7 @@ def test_the_bound_of_curvature_holds_everywhere_within_the_limits() -> None:
     checker = LIMITS._checker
     up_bend, yaw_bend = checker._curvature[0], checker._curvature[1]
     counts = {0.1: 0, 0.2: 0, 0.4: 0, 0.8: 0}
-    for i in range(4000):
+    for i in range(1200):
         reach = list(counts)[i % 4]
         share, direction, turn = math.sqrt((i * 0.618034) % 1), i * 2.399963, i * 0.754877
         level = math.sin(share * math.radians(35))
@@ -238,4 +219,4 @@ def test_the_bound_of_curvature_holds_everywhere_within_the_limits() -> None:
             counts[reach] += 1
             assert abs(moved.up - start_head.up - up) <= up_bend / 2 * reach**2
             assert abs(moved.yaw - start_head.yaw - yaw) <= yaw_bend / 2 * reach**2
-    assert min(counts.values()) > 300
+    assert min(counts.values()) > 90

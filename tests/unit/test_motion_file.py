@@ -36,8 +36,8 @@ def test_a_written_path_is_read_again(path: list[tuple[float, Place]], comments:
 
 @pytest.mark.no_cover
 @given(
-    st.text(max_size=300)
-    | st.text(st.sampled_from('t_s,yawdegpitchroll0123456789.;-+e#"\n\r\t '), max_size=300)
+    st.text(max_size=80)
+    | st.text(st.sampled_from('t_s,yawdegpitchroll0123456789.;-+e#"\n\r\t '), max_size=80)
 )
 def test_any_text_is_read_or_refused_in_one_line_with_the_page_of_the_format(text: str) -> None:
     for content in (text, HEADER + text):

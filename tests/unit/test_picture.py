@@ -48,12 +48,6 @@ def test_ray_casting_draws_the_robot_without_opengl() -> None:
     assert shows_the_robot(image)
 
 
-def test_opengl_draws_the_robot() -> None:
-    if gl.backend() is None:
-        pytest.skip("no OpenGL on this machine")
-    assert shows_the_robot(picture(HOME, WIDTH, HEIGHT))
-
-
 ROOT = Path(__file__).resolve().parents[2]
 
 

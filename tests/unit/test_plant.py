@@ -92,7 +92,7 @@ def test_a_new_plant_is_upright_and_its_loop_is_closed(plant: Plant) -> None:
 def test_head_and_loop_are_accurate_in_random_motions_at_full_speed(plant: Plant) -> None:
     rng = random.Random(7)
     start = HOME
-    for _ in range(12):
+    for _ in range(5):
         goal = random_pose(rng)
         for k, arms in enumerate(ramp(start, goal)):
             plant.step(GEAR.to_steps(arms), drivers_on=True)
@@ -196,22 +196,6 @@ def state(plant: Plant) -> list[float]:
     """Return the state of the physics, and the measurable state of the drive."""
     data = plant.data
     return [*data.qpos, *data.qvel, *data.qacc_warmstart, data.time, *plant.set_points(), *plant.slipped()]
-
-
-def test_a_copy_behaves_identically_and_does_not_change_the_original(plant: Plant) -> None:
-    path = list(ramp(HOME, TILTED))
-    for arms in path[:200]:
-        plant.step(GEAR.to_steps(arms), drivers_on=True)
-    before = state(plant)
-    other = plant.copy()
-    for arms in path[200:]:
-        other.step(GEAR.to_steps(arms), drivers_on=True)
-    other.step((0, 0, 0), drivers_on=False)
-    assert state(plant) == before
-    for arms in path[200:]:
-        plant.step(GEAR.to_steps(arms), drivers_on=True)
-    plant.step((0, 0, 0), drivers_on=False)
-    assert state(plant) == state(other)
 
 
 def let_sleep(plant: Plant, arms: Arms) -> None:

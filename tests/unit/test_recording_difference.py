@@ -21,12 +21,6 @@ def fed(samples: list[tuple[str, int, float]]) -> list[AngleDifference]:
     return [apart for side, ms, angle in samples for apart in difference.add(side, ms * MS, (angle,))]
 
 
-def test_angles_are_interpolated_to_the_grid() -> None:
-    (found,) = fed([("sim", 10, 0.0), ("sim", 30, 2.0), ("hw", 15, 10.0), ("hw", 35, 14.0), ("sim", 50, 4.0)])
-    assert found.time_ns == 20 * MS
-    assert found.angles == pytest.approx((11.0 - 1.0,))
-
-
 def test_the_number_of_waiting_samples_is_bounded() -> None:
     difference = Difference()
     for index in range(10 * WAITING):

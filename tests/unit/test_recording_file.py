@@ -113,22 +113,11 @@ def test_chunks_become_few_in_a_long_recording(tmp_path: Path, messages: list[st
     assert verify(recorded.path) == ""
 
 
-@pytest.mark.parametrize(("passed_s", "lost_s"), [(2.0, 0.5), (60.3, 7.0), (700.0, 61.0)])
+@pytest.mark.parametrize(("passed_s", "lost_s"), [(2.0, 0.5), (700.0, 61.0)])
 def test_a_killed_recorder_loses_a_tenth_and_at_most_a_minute(
     tmp_path: Path, messages: list[str], passed_s: float, lost_s: float
 ) -> None:
     recorded = Recorded(tmp_path / "killed.rrd", messages.append)
     recorded.until(passed_s)
     assert len(read(recorded.path).robots[SIM].time_ns) > (passed_s - lost_s) * 50
-    assert recorded.output.close()
-
-
-def test_pictures_do_not_wait_for_numbers(tmp_path: Path, messages: list[str]) -> None:
-    recorded = Recorded(tmp_path / "eyes.rrd", messages.append)
-    recorded.until(60.0)
-    before = recorded.chunks
-    recorded.until(63.0, bytes(1_100_000))
-    written = recorded.chunks - before
-    assert written["/bea/sim/camera/left"] >= 2, "two pictures are more than a chunk may keep in memory"
-    assert written["/bea/sim/arms"] <= 1
     assert recorded.output.close()

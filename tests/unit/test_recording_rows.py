@@ -22,7 +22,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Vector3,
 )
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.recording.rows import Bar, BarState, BodyTurn, Line, Numbers, RobotRows, state_of
+from beatrix_zenoh.recording.rows import Bar, BarState, Line, Numbers, RobotRows, state_of
 
 NOW_NS = 1_763_000_000_123_456_789
 
@@ -140,22 +140,3 @@ def test_each_event_is_converted_to_one_line(
     line = next(row for row in rows_of_robot.event(happened, NOW_NS) if isinstance(row, Line))
     assert (line.path, line.text) == ("bea/hw/events", f"02:13:20.123  bea hw:  {text}")
     assert line.level == level
-
-
-def test_only_bodies_that_turned_get_a_row(rows_of_robot: RobotRows) -> None:
-    first = [row.path for row in rows_of_robot.positions(positions(), NOW_NS) if isinstance(row, BodyTurn)]
-    assert len(first) == 7
-    assert not [row for row in rows_of_robot.positions(positions(), NOW_NS) if isinstance(row, BodyTurn)]
-    turned = {
-        row.path for row in rows_of_robot.positions(positions(0.2), NOW_NS) if isinstance(row, BodyTurn)
-    }
-    # Turning about the vertical does not turn the rods relative to their arms, so they get no row.
-    assert turned == {
-        "bea/hw/model/head",
-        *(f"bea/hw/model/arm_{name}" for name in ("short", "middle", "long")),
-    }
-    rows_of_robot.begin_again()
-    assert (
-        len([row for row in rows_of_robot.positions(positions(0.2), NOW_NS) if isinstance(row, BodyTurn)])
-        == 7
-    )

@@ -221,11 +221,7 @@ def test_a_file_that_is_not_one_recording_is_refused_in_one_sentence(
     capsys.readouterr()
     for verb in (
         ["export", str(path), str(tmp_path / "a.csv")],
-        ["export", str(path), str(tmp_path / "a.parquet"), "--samples"],
-        ["export", str(path), "--sound", str(tmp_path / "a.wav")],
-        ["export", str(path), "--video", str(tmp_path / "a.mp4")],
         ["compare", str(path)],
-        ["replay", str(path)],
         ["record", "--repair", str(path)],
     ):
         assert app.run(verb) == 1, verb

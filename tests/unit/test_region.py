@@ -41,10 +41,3 @@ def test_inside_the_border_a_pose_is_allowed_and_outside_it_is_refused(
     except Refused:
         allowed = False
     assert allowed is (lean < furthest)
-
-
-def test_a_smaller_gap_between_arms_widens_the_border() -> None:
-    narrow = border(math.radians(35), math.radians(60))
-    wide = border(math.radians(35), math.radians(30))
-    assert all(one <= other for one, other in zip(narrow, wide, strict=True))
-    assert min(narrow) < min(wide)

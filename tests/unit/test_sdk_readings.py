@@ -8,9 +8,8 @@ import msgspec
 import numpy as np
 import pytest
 import simplejpeg
-from statuses import AT_HOME, READY
+from statuses import READY
 
-from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.client.robot_base import RobotStatus
 from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract.errors import WrongUsage
@@ -18,11 +17,6 @@ from beatrix_zenoh.contract.errors import WrongUsage
 
 def picture(jpeg: bytes) -> CameraImage:
     return CameraImage(jpeg, "left", 1, 0, 0, 32, 16, "egl", 0, 0)
-
-
-def test_readings_are_short() -> None:
-    assert repr(reading(AT_HOME)) == f"<reading at 0.00 s; {reading(AT_HOME)}>"
-    assert repr(reading(AT_HOME).head) == "HeadAngles(yaw=0.00, pitch=0.00, roll=0.00)"
 
 
 def test_a_status_has_lines_without_clocks_and_empty_fields() -> None:

@@ -261,8 +261,3 @@ def test_a_limit_in_single_precision_is_shown_as_it_was_typed(tenths: int) -> No
 def test_the_shown_limit_is_allowed(limit: float) -> None:
     assert float(templates.most(limit)) <= limit * (1 + 1e-6) + 1e-6
     assert float(templates.least(limit)) >= limit * (1 - 1e-6) - 1e-6
-
-
-def test_a_given_message_replaces_the_sentence() -> None:
-    refusal = Refused(Reason.BAD_VALUE, "Just so.", Detail(field="x"))
-    assert (str(refusal), refusal.message) == ("Just so.", "Just so.")

@@ -48,11 +48,6 @@ def test_microphones_are_off_unless_file_or_environment_name_them(
     assert resolve().microphones == "tone"
 
 
-def test_the_default_name_consists_of_user_and_host() -> None:
-    assert names.PATTERN.fullmatch(resolve().robot)
-    assert "-" in names.default_robot()
-
-
 @pytest.mark.parametrize("text", ["robot = 3\n", 'colour = "red"\n', "robot = \n"])
 def test_an_invalid_file_raises_an_error_with_its_path(tmp_path: Path, text: str) -> None:
     (tmp_path / "beatrix.toml").write_text(text)

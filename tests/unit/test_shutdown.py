@@ -25,16 +25,6 @@ def signals_as_before() -> Iterator[None]:
         signal.signal(signal.SIGALRM, lambda _signal, _frame: None)
 
 
-def test_a_request_to_shut_down_is_permanent() -> None:
-    shutdown = Shutdown()
-    assert not shutdown.requested(0)
-    shutdown.request()
-    shutdown.request()
-    assert shutdown.requested(0)
-    assert shutdown.requested(0)
-    shutdown.wait()
-
-
 @pytest.mark.usefixtures("hangup")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_requests_a_shutdown(signals_as_before: None, number: signal.Signals) -> None:

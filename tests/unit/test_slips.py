@@ -12,7 +12,6 @@ import pytest
 from robots import Stage
 
 from beatrix_zenoh import Robot, Twin
-from beatrix_zenoh.client.degrees import Path, Preview
 
 
 @pytest.fixture(scope="module")
@@ -55,16 +54,6 @@ def test_the_error_of_a_slip_names_what_was_meant(slip: str, meant: str, names: 
     with pytest.raises((AttributeError, TypeError)) as error:
         eval(slip, names.copy())
     assert str(error.value).startswith(meant)
-
-
-@pytest.mark.parametrize(
-    ("name", "meant"),
-    [("ok", "it has duration, gap_min, path, plot, tilt_max."), ("durations", "did you mean duration?")],
-)
-def test_fields_without_a_default_are_listed(name: str, meant: str) -> None:
-    with pytest.raises(AttributeError) as error:
-        getattr(Preview(1.0, 2.0, 45.0, Path([], [], [])), name)
-    assert str(error.value) == f"Preview has no {name!r}: {meant}"
 
 
 def test_a_value_method_behaves_as_a_method(names: dict[str, Any]) -> None:

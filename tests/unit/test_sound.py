@@ -134,13 +134,6 @@ def test_what_is_louder_than_16_bits_is_cut_off() -> None:
     assert pcm.tolist() == [0, 32767, -32768, 32767, -32768, 16384]
 
 
-def test_the_level_is_that_of_full_scale_in_db() -> None:
-    samples = np.zeros((1000, 2), np.float32)
-    samples[:, 0] = 0.1
-    left, right = Sound(samples, RATE, 0, 0, 1, "test", 0).level
-    assert (round(left, 3), right) == (-20.0, -120.0)
-
-
 def test_lost_frames_are_not_silence_in_the_level() -> None:
     blocks = [block(number) for number in range(1, 11)]
     whole, half = (joined(some, 10 * BLOCK) for some in (blocks, [blocks[0], *blocks[4:]]))

@@ -69,13 +69,6 @@ def test_a_sound_plays_as_long_as_asked(text: str, attachment: bytes, name: str,
     assert room.source.playing() is None
 
 
-def test_silence_ends_a_sound_at_once() -> None:
-    room = Room()
-    room.ask("play=noise;seconds=20")
-    assert room.ask("play=silence").play == "silence"
-    assert room.source.playing() is None
-
-
 def test_a_placed_source_stays_and_the_mouth_moves_with_the_person() -> None:
     room = Room()
     room.ask("x=1;y=-0.5;z=0.1")

@@ -11,7 +11,7 @@ import pytest
 from statuses import READY
 
 from beatrix_zenoh.bus import Received, Reply
-from beatrix_zenoh.client.monitor import Channel, EventLog, Presence, RobotRecord
+from beatrix_zenoh.client.monitor import EventLog, Presence, RobotRecord
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription, message
 from beatrix_zenoh.contract import codec
@@ -109,20 +109,6 @@ def test_close_ends_an_iteration_in_another_thread(client: FakeClient) -> None:
         subscription.next()
     subscription._inbox.receive(Received(KEY, status("late"), "", None))
     assert subscription.take() == []
-
-
-def test_a_channel_decodes_the_newest_message_once_and_returns_its_age(client: FakeClient) -> None:
-    channel = Channel(cast("Client", client), KEY, Status)
-    assert (channel.read(0.0), channel.rate(0.0), channel.empty) == ((None, None), 0.0, True)
-    for name in "abc":
-        channel.put(status(name))
-    message, age_s = channel.read(channel._times[-1] + 2.0)
-    assert message is not None
-    assert (message.holder, age_s, client.reads) == ("c", 2.0, 1)
-    channel.read(channel._times[-1])
-    assert client.reads == 1
-    channel.put(b"garbage")
-    assert channel.read(channel._times[-1]) == (None, 0.0)
 
 
 def event(seq: int, t_mono_ns: int = 0) -> Event:

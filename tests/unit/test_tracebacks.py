@@ -59,7 +59,6 @@ def test_an_error_in_a_thread_of_the_program_is_as_short(tmp_path: Path) -> None
 
 COMPLETE = {
     "on request": (CALL, {"BEATRIX_TRACEBACK": "full"}),
-    "in a log": (f"import logging\ntry:\n    {CALL}\nexcept Exception:\n    logging.exception('x')\n", {}),
     "by unittest": (
         f"import unittest\nclass Mine(unittest.TestCase):\n    def test(self):\n        {CALL}\nunittest.main()\n",
         {},

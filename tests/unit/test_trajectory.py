@@ -50,15 +50,6 @@ def test_an_arm_that_cannot_stop_in_time_turns_back() -> None:
     )
 
 
-def test_an_arm_in_motion_continues_as_planned() -> None:
-    speed = (1.0, 1.0, 1.0)
-    first = plan(REST, REST, (2.0, 0.0, 0.0), speed, ACCELERATION, straight=False)
-    for share in (0.05, 0.5, 0.95):
-        t = share * first.duration
-        again = plan(*first.at(t), first.target, speed, ACCELERATION, straight=False)
-        assert again.duration == pytest.approx(first.duration - t)
-
-
 @given(angles, angles, speeds)
 def test_a_straight_motion_from_rest_stays_on_its_line(start: Arms, target: Arms, speed: Arms) -> None:
     trajectory = plan(start, REST, target, speed, ACCELERATION, straight=True)
