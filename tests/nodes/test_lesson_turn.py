@@ -108,8 +108,8 @@ def test_a_program_that_gives_the_robot_back_is_not_faster_and_the_head_goes_hom
 def test_a_program_that_does_not_end_is_ended(
     free: Shell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(turns, "LONGEST_S", 20.0)
-    with pytest.raises(Refused, match="did not end within 5 s"):
+    monkeypatch.setattr(turns, "LONGEST_S", 18.0)
+    with pytest.raises(Refused, match="did not end within 3 s"):
         take(free, written(tmp_path, TURNS))
     with free.robot("hw") as robot:
         assert home(robot), "although the end of a motion by Ctrl-C is a STOP of this seat"

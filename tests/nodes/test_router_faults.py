@@ -126,22 +126,6 @@ def test_the_error_for_a_suspended_router_explains_that_robots_stop(stage: Stage
         router.end()
 
 
-def test_top_reports_the_loss_of_the_router(stage: Stage) -> None:
-    endpoint = free_endpoint()
-    router = start_router(endpoint)
-    top = Shell(endpoint).start("top")
-    assert top.stdout is not None
-    try:
-        assert top.stdout.readline().startswith("No robot is online.")
-        router.end(signal.SIGKILL)
-        lost = f"The router at {endpoint} is lost"
-        assert any(top.stdout.readline().startswith(lost) for _ in range(10))
-    finally:
-        top.stdout.close()
-        top.kill()
-        top.wait(5)
-
-
 SUSPENDED = """
 import sys
 from beatrix_zenoh import BeatrixError, Robot
