@@ -55,7 +55,7 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[MegaRobot]:
 @pytest.fixture
 def mega_robot(shared: MegaRobot) -> MegaRobot:
     """The robot with its motors on and calibrated, at home."""
-    wait_status(shared.robot, lambda status: status.board.connected and not status.moving, "connected", 10.0)
+    wait_status(shared.robot, lambda status: status.board.connected and not status.moving, "connected")
     shared.robot.disable()
     ready(shared.robot)
     return shared

@@ -140,7 +140,7 @@ def test_stop_by_another_seat_ends_the_replay_on_both_robots(stage: Stage, twin:
     other = stage.robot("bea", "sim", "ben")
     with ThreadPoolExecutor(1) as pool:
         played = pool.submit(replay, twin, following(SLOW))
-        until(lambda: other.positions().commanded.short > 2, "the simulation moves", 10.0)
+        until(lambda: other.positions().commanded.short > 2, "the simulation moves")
         other.stop()
         with pytest.raises(
             (Interrupted, Refused),
