@@ -1,4 +1,4 @@
-"""Make docs/images/recording-*.png.
+"""Make docs/images/recording-*.png and docs/images/film.png.
 
 They show a lesson with a simulation and a virtual robot, recorded and drawn without a screen.
 
@@ -20,6 +20,9 @@ from PIL import Image
 from viewer_pictures import FILES, pictures
 
 from beatrix_zenoh import Interrupted, Refused, Twin
+from beatrix_zenoh.recording.film import side_by_side
+from beatrix_zenoh.recording.rrd.read import read_eyes
+from beatrix_zenoh.recording.verbs.export import opened
 
 NAME = "bea1"
 LARGEST = 300_000
@@ -60,6 +63,20 @@ def small(png: bytes) -> bytes:
     return smaller
 
 
+def film_frame(path: Path, moment_s: float) -> bytes:
+    """Return the frame of a recording's film at a moment (s since 1970), as PNG."""
+    table = opened([path], 0.0, None, ())
+    eyes = read_eyes([path], list(table.robots), table.first_ns, table.last_ns)
+    frames = side_by_side(table, NAME, eyes)
+    frame = next(frame for frame in frames if frame.time_ns >= moment_s * 1e9)
+    picture = io.BytesIO()
+    reduced = Image.fromarray(frame.pixels).quantize(
+        256, Image.Quantize.MAXCOVERAGE, kmeans=5, dither=Image.Dither.NONE
+    )
+    reduced.save(picture, "PNG", optimize=True)
+    return picture.getvalue()
+
+
 def main() -> None:
     """Record a lesson, draw the pictures, and write the files."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images"
@@ -80,6 +97,7 @@ def main() -> None:
         for process in reversed(served):
             process.end()
         drawn = pictures(path, [(0, lead), (1, lead), (2, end), (3, end)])
+        (folder / "film.png").write_bytes(film_frame(path, lead))
     for name, png in zip(FILES, drawn, strict=True):
         (folder / f"recording-{name}.png").write_bytes(small(png))
 

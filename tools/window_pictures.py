@@ -1,6 +1,7 @@
 """Draw the window in its main states, themes and sizes: `python tools/window_pictures.py FOLDER`. Needs no display.
 
-With --screen it shows the window on the display and draws the whole screen, with the frame of the window manager.
+With --pages it makes only the pictures of the documentation, docs/images/window-*.png, in FOLDER. With --screen it
+shows the window on the display and draws the whole screen, with the frame of the window manager.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests/support"))
 
 from gui_views import STATES, example
+from PIL import Image
 from PyQt5 import sip
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QMainWindow
@@ -29,8 +31,12 @@ from gui.window.theme import apply_theme, style_of
 FRAMED_MS = 300
 """Time in which the window manager draws a frame."""
 SIZES = ((1366, 768), (1024, 768), (1024, 600))
-
-
+PAGES = {
+    "preview": (Theme.DARK, (1366, 768)),
+    "refusal": (Theme.DARK, (1366, 768)),
+    "class": (Theme.LIGHT, (1024, 600)),
+}
+"""Theme and size of the pictures in docs/images, by state."""
 PARTS = {"class-full": ("robots", "lessons", "projector")}
 """By state: parts of the window of which each has a picture of its own."""
 
@@ -69,17 +75,31 @@ def draw(view: View, size: tuple[int, int] | None, file: Path, part: str) -> Non
     window.close()
 
 
+def draw_pages(folder: Path) -> None:
+    """Save the pictures of the documentation, with so few colours that they are small."""
+    for state, (theme, size) in PAGES.items():
+        file = folder / f"window-{state}.png"
+        draw(replace(example(state, theme, "en"), guide=None), size, file, "")
+        picture = Image.open(file).convert("RGB")
+        picture.quantize(256, Image.Quantize.MEDIANCUT, kmeans=3, dither=Image.Dither.NONE).save(
+            file, optimize=True
+        )
+
+
 def main() -> int:
     """Draw all states, or those that the options choose."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--language", default="en")
     parser.add_argument("--screen", action="store_true", help="draw the whole screen of a display")
+    parser.add_argument("--pages", action="store_true", help="draw the pictures of the documentation")
     parser.add_argument("--only", default="", help="draw only states whose name contains this text")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     application = qt_application()
-    for state in STATES:
+    if options.pages:
+        draw_pages(options.folder)
+    for state in () if options.pages else STATES:
         if options.only not in state:
             continue
         for theme in Theme:

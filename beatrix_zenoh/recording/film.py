@@ -31,8 +31,8 @@ Pixels = npt.NDArray[np.uint8]
 """(height, width, 3) red, green, blue"""
 
 BACKGROUND: Final = (236, 239, 243)
-VIEW: Final = Viewpoint(azimuth=-31.0, elevation=13.0, zoom=0.87, height=0.002)
-"""About as in the recording's side-by-side view, with the whole base."""
+VIEW: Final = Viewpoint(azimuth=-31.0, elevation=13.0, zoom=0.84, height=-0.001)
+"""About as in the recording's side-by-side view, with the whole robot in every pose."""
 SMOOTHING: Final = 2
 """Pixels are drawn this much smaller in both directions, and averaged."""
 STEPS: Final = 2

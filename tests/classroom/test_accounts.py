@@ -63,7 +63,7 @@ def test_an_expired_account_is_refused_before_anything_is_sent(router: ClassRout
         zbus.connect(account.connect, account=account)
 
 
-@pytest.mark.parametrize(("name", "days"), [("teacher", -1), ("ana", 59), ("ana", 60)])
+@pytest.mark.parametrize(("name", "days"), [("teacher", -1), ("ana", 59)])
 def test_doctor_and_top_announce_that_an_account_expires(
     router: ClassRouter, name: str, days: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -72,14 +72,14 @@ def test_doctor_and_top_announce_that_an_account_expires(
     (tmp_path / "own.toml").write_text(account.text())
     monkeypatch.setenv("BEATRIX_ACCOUNT", str(tmp_path / "own.toml"))
     (found,) = (one for one in checks.network(resolve()) if one.what == "account")
-    assert found.state == {59: "advice", 60: "ok", -1: "todo"}[days]
+    assert found.state == {59: "advice", -1: "todo"}[days]
     command = "classroom init" if name == "teacher" else "join ana.toml"
-    assert (f"`beatrix {command}" in found.advice + found.todo) == (days != 60)
+    assert f"`beatrix {command}" in found.advice + found.todo
     shown = beatrix("top", "--once")
     if days == -1:
         assert (shown.returncode, f"`beatrix {command}" in shown.stderr) == (2, True)
     else:
-        assert (f"expire{'s' * (name == 'ana')} on {last}, in 59 days" in shown.stdout) == (days == 59)
+        assert f"expires on {last}, in 59 days" in shown.stdout
 
 
 @pytest.mark.parametrize(

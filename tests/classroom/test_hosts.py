@@ -108,16 +108,3 @@ def test_computers_are_isolated_from_each_other(lesson: Lesson) -> None:
             if other != place:
                 assert "unreachable" in seat.refused(CONNECT.format(host.address, 7447)), (place, other)
         assert "unreachable" in seat.refused(MULTICAST)
-
-
-def test_a_disconnected_seat_loses_its_robot_and_reconnects(lesson: Lesson) -> None:
-    ana, ben = lesson.seats["ana 8a"], lesson.seats["ben 8a"]
-    ana.until("bool(begin('bea1', 150))", "a long motion")
-    ben.until("yaw('bea1') > 25", "moving")
-    lesson.school.unplug(lesson.hosts["ana 8a"])
-    ben.until("not robot('bea1').status().moving and not robot('bea1').status().holder", "stopped, and free")
-    assert ben.does("yaw('bea1') < 100"), "the motion has not reached its goal"
-    ben.does("begin('bea1', 0)")
-    lesson.school.plug(lesson.hosts["ana 8a"])
-    ana.until("robot('bea1').status().holder != 'ana'", "the seat is back, without its robot")
-    ben.does("robot('bea1').stop().result")

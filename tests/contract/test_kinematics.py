@@ -10,16 +10,6 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 
 
-@pytest.mark.bodies("sim", "in-process")
-def test_positions_agree_with_forward_and_inverse_kinematics(robot: Robot) -> None:
-    kinematics = robot.kinematics()
-    robot.look(yaw=20, pitch=10, roll=-5)
-    arms, head = robot.positions().arms, robot.positions().head
-    assert kinematics.forward(*arms) == pytest.approx(head, abs=1e-3)
-    assert kinematics.inverse(20, 10, -5) == pytest.approx(arms, abs=0.3)
-    assert kinematics.forward(*kinematics.inverse(20, 10, -5)) == pytest.approx((20, 10, -5))
-
-
 @pytest.mark.bodies("in-process")
 def test_limits_and_geometry_are_in_degrees(robot: Robot) -> None:
     kinematics = robot.kinematics()

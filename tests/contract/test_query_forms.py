@@ -7,11 +7,14 @@ import math
 
 import msgpack
 import pytest
+from bodies import Body
 from robots import ask_raw, until
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh.client import lease
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LeaseAction
 
 pytestmark = pytest.mark.bodies("in-process")
 
@@ -69,14 +72,14 @@ def test_a_reserved_seat_is_refused(robot: Robot, seat: str) -> None:
     assert "choose another" in str(reply["message"])
 
 
-def test_each_per_arm_topic_moves_one_arm(robot: Robot) -> None:
-    bus = robot.client.bus
-    until(lambda: robot.status().holder == "", "lease over")
+def test_each_per_arm_topic_moves_one_arm(body: Body, robot: Robot) -> None:
+    bus, teacher = robot.client.bus, body.robot("teacher")
+    lease.ask(teacher, LeaseAction.GIVE_BACK)
     for arm, angle in (("short", b"0.05"), ("middle", b"0.1"), ("long", b"-0.05")):
         bus.put(keys.arm_target(robot.name, robot.side, arm), angle, "text/plain")
     wanted = [math.degrees(angle) for angle in (0.05, 0.1, -0.05)]
     until(lambda: robot.positions().commanded == pytest.approx(wanted, abs=0.1), "three arms there")
-    until(lambda: robot.status().holder == "", "lease over")
+    lease.ask(teacher, LeaseAction.GIVE_BACK)
 
 
 def test_a_per_arm_target_with_wildcards_moves_no_arm(robot: Robot) -> None:

@@ -14,19 +14,12 @@ from beatrix_zenoh.contract._generated.messages import Command, CommandQuery, Fa
 pytestmark = pytest.mark.bodies(*EVERY)
 
 
-def test_the_refusal_of_a_motion_with_motors_off_names_enable(robot: Robot) -> None:
-    robot.disable()
-    with pytest.raises(Refused, match="enable") as refusal:
-        robot.look(yaw=5)
-    assert refusal.value.reason is Reason.NOT_ENABLED
-    assert not robot.status().enabled
-
-
 def test_switching_the_motors_off_clears_the_calibration_which_a_motion_needs(robot: Robot) -> None:
     robot.disable()
-    with pytest.raises(Refused) as refusal:
-        robot.calibrate()
-    assert refusal.value.reason is Reason.NOT_ENABLED
+    for request in (robot.calibrate, lambda: robot.look(yaw=5)):
+        with pytest.raises(Refused, match="enable") as refusal:
+            request()
+        assert refusal.value.reason is Reason.NOT_ENABLED
     robot.enable()
     assert not robot.status().calibrated
     with pytest.raises(Refused, match="calibrate") as refusal:

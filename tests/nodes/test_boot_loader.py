@@ -39,7 +39,7 @@ def test_a_board_with_a_boot_loader_is_found_at_the_start_and_after_a_reset(
             motion.wait()
         assert ended.value.reason is Reason.BOARD_LOST
         assert robot.positions().velocity.short == 0
-        wait_status(robot, lambda status: status.board.connected, "found again", 20.0)
+        wait_status(robot, lambda status: status.board.connected, "found again")
         node.expect("The board was restarted")
         assert not robot.status().calibrated
         ready(robot).look(yaw=2, speed=60)

@@ -75,9 +75,9 @@ def test_signals_end_a_recording_of_a_motion_with_its_summary(
     path = tmp_path / "mine.csv"
     free.good("home", "--on", "hw")
     record = free.start("record", "--motion", str(path), "--on", "hw", background=background)
-    until(path.exists, "it records", 10.0)
+    until(path.exists, "it records")
     free.good("look", "--yaw", "8", "--speed", "40", "--on", "hw")
-    until(lambda: ended_at(path) == pytest.approx((8, 0, 0), abs=0.2), "the motion is in the file", 10.0)
+    until(lambda: ended_at(path) == pytest.approx((8, 0, 0), abs=0.2), "the motion is in the file")
     record.send_signal(number)
     output, _ = record.communicate(timeout=END_S)
     assert record.returncode == 0, output

@@ -65,7 +65,7 @@ def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved_and_reports_it(free:
     with free.robot("hw") as hardware, free.robot("sim") as simulation:
         before = steps(hardware)
         look = free.start("look", "--yaw", "60", "--speed", "30", "--on", "both", "--lead", "20")
-        until(lambda: simulation.positions().commanded.short > 2, "the simulation moves", 10.0)
+        until(lambda: simulation.positions().commanded.short > 2, "the simulation moves")
         look.send_signal(signal.SIGINT)
         output, _ = look.communicate(timeout=END_S)
         assert look.returncode == 130
@@ -130,7 +130,7 @@ def test_ctrl_c_stops_a_choreography_on_both_robots(free: Shell, tmp_path: Path)
     path.write_text(MINE.replace("0,8,0", "100,0,0").replace("60", "20"), encoding="utf-8")
     with free.robot("hw") as hardware, free.robot("sim") as simulation:
         play = free.start("play", str(path), "--on", "both")
-        until(lambda: hardware.positions().commanded.short > 2, "the hardware moves", 10.0)
+        until(lambda: hardware.positions().commanded.short > 2, "the hardware moves")
         play.send_signal(signal.SIGINT)
         output, _ = play.communicate(timeout=END_S)
         assert play.returncode == 130

@@ -105,7 +105,7 @@ def test_up_ends_everything_with_one_signal(up: Process, temporary: Path) -> Non
 def test_all_children_end_when_up_is_killed(up: Process) -> None:
     started = children(up)
     up.end(signal.SIGKILL)
-    until(lambda: not any(alive(process) for process in started.values()), "all have ended", 10)
+    until(lambda: not any(alive(process) for process in started.values()), "all have ended")
 
 
 def test_up_ends_all_processes_and_fails_when_the_router_ends(up: Process) -> None:

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import json
 import re
-import signal
 import subprocess
 import sys
 
 import pytest
-from robots import END_S, free_endpoint, until
+from robots import END_S, free_endpoint
 from shell import NAME, Shell, another
 
-from beatrix_zenoh import Robot
-from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import Incoming
-from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CONTRACT
 
 
@@ -23,10 +18,6 @@ def wait_for(process: subprocess.Popen[str], words: str) -> str:
     """Return the next line of output with these words; only the timeout of the test limits the wait."""
     assert process.stdout is not None
     return next(line for line in process.stdout if words in line)
-
-
-def yaw_deg(robot: Robot) -> float:
-    return robot.positions().commanded.short
 
 
 # -- reading -----------------------------------------------------------------------------------
@@ -125,34 +116,7 @@ def test_a_refusal_is_printed_on_stderr_with_exit_code_one(shell: Shell) -> None
     assert "lean" in done.stderr
 
 
-def test_an_interrupted_look_on_both_robots_stops_both(free: Shell) -> None:
-    with free.robot("hw") as hardware, free.robot("sim") as simulation:
-        start = yaw_deg(hardware)  # the hardware begins last
-        look = free.start("look", "--yaw", "-100", "--speed", "20", "--on", "both")
-        until(lambda: yaw_deg(hardware) < start - 2, "both move, and the verb has its replies", 10.0)
-        look.send_signal(signal.SIGINT)
-        output, _ = look.communicate(timeout=END_S)
-        assert look.returncode == 130
-        assert "(sim): Stopped;" in output
-        assert "(hw): Stopped;" in output
-        assert not hardware.status().moving
-        assert not simulation.status().moving
-
-
 # -- exit codes ---------------------------------------------------------------------------------
-
-
-def test_stop_names_a_robot_that_does_not_answer_and_has_its_exit_code(shell: Shell) -> None:
-    unanswered: list[Incoming] = []
-    with zbus.connect(
-        shell.endpoint
-    ) as bus:  # not a suspended node, which would count as lost after two seconds
-        bus.serve(keys.stop("bea3", "hw", "*"), unanswered.append)
-        bus.declare_token(keys.alive("bea3", "hw"))
-        done = shell.run("stop", "--name", "bea3")
-        for incoming in unanswered:
-            incoming.finish()
-    assert (done.returncode, "bea3 (hw) is online but did not answer" in done.stderr) == (10, True)
 
 
 def test_a_request_without_a_name_is_refused_with_the_names_of_all_robots(shell: Shell) -> None:

@@ -1,4 +1,4 @@
-"""The client layer with a node on the virtual board, and with fake nodes."""
+"""The client layer with a node on the virtual board, and a monitor of robots."""
 
 from __future__ import annotations
 
@@ -44,9 +44,6 @@ def robot(stage: Stage) -> Iterator[Robot]:
     robot.client.close()
 
 
-# -- memory ------------------------------------------------------------------------------------
-
-
 def resident_kb() -> int:
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
     return pages * 4
@@ -70,9 +67,6 @@ def test_queries_free_their_memory(stage: Stage) -> None:
     until(lambda: ask(1500) < 600, "memory is reused: if none were freed, 1500 queries would need 1200 kB")
 
 
-# -- getting ready ------------------------------------------------------------------------------
-
-
 def test_make_ready_enables_and_calibrates_as_far_as_needed(robot: Robot) -> None:
     robot.disable()
     robot.make_ready()
@@ -91,9 +85,6 @@ def test_make_ready_never_clears_the_emergency_latch(robot: Robot) -> None:
     assert robot.status().fault is Fault.EMERGENCY
     robot.reset()
     assert not robot.status().enabled
-
-
-# -- wrong arguments, closed clients ------------------------------------------------------------
 
 
 def test_a_closed_robot_raises_wrong_usage_and_its_streams_end(stage: Stage) -> None:
@@ -123,12 +114,6 @@ def test_the_error_of_a_motion_of_a_closed_client_is_shutdown(stage: Stage) -> N
     assert caught.value.reason is Reason.SHUTDOWN
     watcher = stage.robot("bea", "hw")
     until(lambda: not watcher.status().holder, "free again")
-
-
-# -- subscriptions ------------------------------------------------------------------------------
-
-
-# -- monitor and clocks -------------------------------------------------------------------------
 
 
 def test_a_monitor_wakes_on_changes_and_shows_arrivals_and_losses_of_robots(

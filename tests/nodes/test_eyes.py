@@ -46,14 +46,6 @@ def robot(stage: Stage, sim: Process) -> Iterator[Robot]:
     robot.client.close()
 
 
-@pytest.fixture
-def without_opengl(tmp_path: Path) -> Path:
-    """A folder for PYTHONPATH that hides the libraries of OpenGL."""
-    (tmp_path / "OpenGL").mkdir()
-    (tmp_path / "OpenGL" / "__init__.py").write_text("raise AttributeError('no library of this name')")
-    return tmp_path
-
-
 def children(process: int) -> dict[int, str]:
     """Return the numbers and command lines of the living children of a process."""
     listings = (path.read_text() for path in Path(f"/proc/{process}/task").glob("*/children"))
@@ -119,29 +111,6 @@ def test_a_crash_of_the_renderer_affects_only_the_pictures(stage: Stage) -> None
         (renderer,) = renderers(sim.pid)
         os.kill(renderer, signal.SIGSTOP)  # the renderer hangs
         robot.look(yaw=30)
-    robot.client.close()
-    assert sim.end() == 0
-
-
-@pytest.mark.long("another simulation")
-def test_without_opengl_the_eyes_use_ray_casting(stage: Stage, without_opengl: Path) -> None:
-    with pytest.MonkeyPatch.context() as environment:
-        environment.setenv("PYTHONPATH", str(without_opengl))
-        environment.setenv("MUJOCO_GL", "egl")  # makes `import mujoco` itself fail
-        sim = stage.simulation("coarse", "--ready", "--target", "sway")
-    robot = stage.robot("coarse", "sim")
-    with robot.camera("left") as images:
-        assert images.next(FIRST_S).source == "rays"
-        status = robot.status()
-        start = robot.target()
-        until(lambda: robot.target().y != start.y, "the person sways")
-        robot.move_target(*HOME)  # ends the sway, because the moving person sometimes leaves the picture
-        picture = fresh(images)
-    person(picture)
-    yellow = picture[-27:-20, 0:6].reshape(-1, 3).mean(axis=0)
-    assert yellow[:2].min() > 180, "the badge in the lower left corner"
-    assert yellow[2] < 90
-    assert any("no OpenGL" in warning for warning in status.warnings)
     robot.client.close()
     assert sim.end() == 0
 

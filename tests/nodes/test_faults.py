@@ -145,7 +145,7 @@ def test_an_unplugged_board_ends_the_motion_and_is_found_again(stage: Stage, tmp
         with pytest.raises((Refused, NoAnswer), match="board"):
             robot.look(yaw=2)
         board.plug()
-        wait_status(robot, lambda status: status.board.connected, "board found again", 5.0)
+        wait_status(robot, lambda status: status.board.connected, "board found again")
         status = robot.status()
         assert (status.enabled, status.calibrated, status.board.boot) == (False, False, 2)
         ready(robot).look(yaw=2, speed=60)
@@ -228,5 +228,5 @@ def test_the_board_stops_the_arms_when_its_node_is_lost(stage: Stage, tmp_path: 
             steps.append(board.board.firmware.steps())
             return time.monotonic() - before > 0.9 and steps[-1] == steps[-5]
 
-        until(rests, "arms rest, because the heartbeat is missing", 3.0)
+        until(rests, "arms rest, because the heartbeat is missing")
         assert steps[-1][0] < 1000, "90 deg would be 1046 microsteps"

@@ -1,4 +1,4 @@
-"""A simulation that follows: real processes of both robots, driven by raw Zenoh queries and by a program of 2023."""
+"""A simulation that follows: real processes of both robots, driven by raw Zenoh queries."""
 
 from __future__ import annotations
 
@@ -10,14 +10,17 @@ from pathlib import Path
 import pytest
 from following_lag import lag_s, largest_step_deg, series
 from late_tests import in_time
+from old_programs import Program
 from published import published_positions
 from robots import Stage, ask_raw, until, wait_status
 from shell import Shell
 
 from beatrix_zenoh import Refused, Robot
+from beatrix_zenoh.client import lease
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import (
     FollowState,
+    LeaseAction,
     Positions,
     Reason,
 )
@@ -29,6 +32,7 @@ class Both:
     """Simulation and hardware of one name, and their published positions."""
 
     def __init__(self, stage: Stage, terminal: Path) -> None:
+        """`terminal`: the port of the simulation for programs of 2023."""
         self.stage, self.terminal = stage, terminal
         # The teacher's requests need not wait for the end of another seat's lease.
         self.hw, self.sim = stage.robot("bea", "hw", "teacher"), stage.robot("bea", "sim")
@@ -88,9 +92,8 @@ class Both:
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Both]:
     path = tmp_path_factory.mktemp("legacy") / "COM4"
     with Stage() as stage:
-        virtual = ("--port", "virtual:", "--legacy", str(path))
-        stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, *virtual).expect("ready")
-        stage.simulation("bea", "--follow", "--eyes-hz", "0")
+        stage.hardware("bea")
+        stage.simulation("bea", "--follow", "--eyes-hz", "0", "--legacy", str(path))
         yield Both(stage, path)
 
 
@@ -179,3 +182,18 @@ def test_the_verb_switches_it_and_the_list_shows_it(both: Both) -> None:
     moved = shell.run("look", "--yaw", "5", "--name", "bea", "--on", "sim")
     assert moved.returncode == 1
     assert "beatrix follow off" in moved.stdout + moved.stderr
+
+
+def test_a_program_of_2023_at_the_simulation_is_refused_and_freeze_ends_following(both: Both) -> None:
+    program = Program(both.terminal)
+    try:
+        assert program.say("@CALNOW")[-1] == "ACK\n"  # the zero of its port only
+        assert program.say("@MOVRX 20 200")[-1] == "NACK\n"
+    finally:
+        program.port.close()
+    teacher = both.stage.robot("bea", "sim", "teacher")
+    lease.ask(teacher, LeaseAction.FREEZE)
+    both.wait(FollowState.OFF)
+    frozen = "the teacher has frozen it"
+    until(lambda: any(frozen in event.message for event in both.sim.past_events()), "the event")
+    lease.ask(teacher, LeaseAction.UNFREEZE)

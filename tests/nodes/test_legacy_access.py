@@ -24,7 +24,7 @@ def motors_on_again(place: Place) -> Iterator[None]:
     try:
         yield
     finally:
-        until(lambda: place.robot.status().holder in ("", "ana"), "free", 5.0)
+        until(lambda: place.robot.status().holder in ("", "ana"), "free")
         place.robot.command(Command.RESET)
         place.robot.enable()
         place.robot.calibrate()
@@ -75,12 +75,12 @@ def test_the_event_log_has_actions_of_a_program_and_not_its_queries(place: Place
 
 
 def test_a_stop_is_carried_out_after_the_program_has_closed_its_port(place: Place) -> None:
-    until(lambda: place.robot.status().holder == "", "free", 5.0)
+    until(lambda: place.robot.status().holder == "", "free")
     with contextlib.closing(Program(place.path).port) as port:
         port.write(b"@ENMOTORS ON\r@CALNOW\r" + place.turn(2000) + b"@MOVRX 5\r")
         until(place.far, "moving")
         port.write(b"@GETXPOS\r@STOPALL\r")
-    wait_status(place.robot, lambda status: not status.moving, "stopped", 1.5)
+    wait_status(place.robot, lambda status: not status.moving, "stopped", 5.0)
 
 
 # -- @CALNOW ----------------------------------------------------------------------------------------

@@ -87,7 +87,7 @@ def test_lines_to_a_lost_board_are_answered_nack_and_its_return_clears_the_zero(
             wait_status(
                 robot, lambda status: "its zero for this program" in " ".join(status.warnings), "the warning"
             )
-            until(lambda: robot.status().holder == "", "free", 3.0)
+            until(lambda: robot.status().holder == "", "free")
             ready(robot)
             program.port.close()
         finally:

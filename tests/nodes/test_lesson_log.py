@@ -39,7 +39,7 @@ def test_every_request_is_in_the_log_file_with_its_seat_source_and_outcome(tmp_p
         Shell(stage.endpoint).good("look", "--yaw", "5", "--speed", "60", "--name", "bea", "--on", "hw")
         play(robot, Choreography([("nod", Pose(0.0, 0.0, 5.0, 0.0, 60.0))]))
         robot.stop()
-        until(lambda: robot.status().holder == "", "free", 5.0)
+        until(lambda: robot.status().holder == "", "free")
         robot.client.bus.put(keys.arm_target("bea", "hw", "short"), b"0.1", "text/plain")
         until(lambda: "arm-topics" in log.read_text(encoding="utf-8"), "the last line")
     text = log.read_text(encoding="utf-8")

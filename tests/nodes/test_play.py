@@ -44,7 +44,7 @@ POSES = Choreography(
 
 
 def test_in_lockstep_both_robots_wait_for_the_slower_one(twin: Twin, begun: list[Begun]) -> None:
-    twin.hw.look(yaw=-100, speed=90)
+    twin.hw.look(yaw=-40, speed=90)
     begun.clear()
     titles: list[str] = []
     play(twin, POSES, lambda title, _: titles.append(title), lockstep=True)

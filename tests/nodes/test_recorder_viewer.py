@@ -57,7 +57,7 @@ class Feed:
             begun += self.feed()
             return self.output.state is state
 
-        until(fed, f"the viewer is {state}", 20.0)
+        until(fed, f"the viewer is {state}")
         return begun
 
 
@@ -96,7 +96,7 @@ def test_a_viewer_that_starts_later_gets_all_later_rows(tmp_path: Path) -> None:
         for _ in range(10):
             assert not feed.feed()
         assert feed.output.close()
-        until(lambda: samples_in(kept) == 10, "the server has written all of it", 10.0)
+        until(lambda: samples_in(kept) == 10, "the server has written all of it")
     assert len(feed.messages) == 2
     assert "missed" in feed.messages[1]
 

@@ -95,9 +95,6 @@ def port(tmp_path: Path) -> Iterator[Port]:
     port.terminal.close()
 
 
-# -- programs that follow each other --------------------------------------------------------------
-
-
 def test_answers_that_a_program_has_not_read_are_not_given_to_the_next(port: Port) -> None:
     with port.program() as dead:
         for _ in range(UNREAD_MAX // len(ANSWER) + 1000):
@@ -106,9 +103,6 @@ def test_answers_that_a_program_has_not_read_are_not_given_to_the_next(port: Por
     with port.program() as program:
         port.terminal.write(b"ACK\n")
         assert program.readline() == b"ACK\n"
-
-
-# -- the link -------------------------------------------------------------------------------------
 
 
 def test_two_nodes_never_share_a_path(tmp_path: Path) -> None:

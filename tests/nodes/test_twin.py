@@ -195,11 +195,11 @@ def test_the_hardware_is_stopped_when_the_simulation_is_lost() -> None:
 
 def test_a_refused_commit_does_not_stop_the_motion_of_another_seat(stage: Stage, twin: Twin) -> None:
     bob = stage.robot("bea", "hw", "bob")
-    until(lambda: twin.hw.status().holder == "", "lease over", 4.0)
+    until(lambda: twin.hw.status().holder == "", "lease over")
     plan = twin.preview(yaw=30)
     motion = bob.look(yaw=15, wait=False)
     with pytest.raises(Refused, match="bob drives"):
         plan.commit()
     motion.wait()
     assert not twin.sim.status().moving
-    until(lambda: twin.hw.status().holder == "", "lease over", 4.0)
+    until(lambda: twin.hw.status().holder == "", "lease over")

@@ -136,7 +136,7 @@ def test_a_plan_committed_within_the_lead_replaces_the_previous_one(twin: Twin) 
     moves(twin.sim)
     twin.preview(yaw=-10, speed=60).commit(lead_s=0.3)
     with pytest.raises(Interrupted) as end:
-        first.result(5)
+        first.result(10)
     assert (end.value.reason, first.hardware_sent) == (Reason.REPLACED, False)
     assert twin.hw.status().motion == number + 1
     assert twin.hw.positions().commanded == twin.sim.positions().commanded
@@ -173,7 +173,7 @@ def test_changed_hardware_is_not_moved_after_the_lead(
     motion = twin.preview(yaw=90, speed=30).commit(lead_s=1.5, wait=False)
     change(twin.hw)
     with pytest.raises(Refused, match=rf"(?s)bea \(hw\).*{message}.*bea \(sim\): Stopped"):
-        motion.result(5)
+        motion.result(10)
     assert twin.hw.status().motion == number + (change is turn)
     assert not twin.sim.status().moving
 
@@ -182,13 +182,10 @@ def test_send_now_sends_the_motion_to_the_hardware_at_once(twin: Twin) -> None:
     motion = twin.preview(yaw=10, speed=30).commit(lead_s=30, wait=False)
     assert motion.countdown_s > 29
     assert motion.send_now()
-    until(lambda: motion.hardware_sent, "the motion is sent to the hardware", 1.0)
+    until(lambda: motion.hardware_sent, "the motion is sent to the hardware")
     assert not motion.send_now(), "the motion was sent"
-    assert motion.result(5).hw.result
+    assert motion.result(10).hw.result
     assert twin.hw.positions().commanded == twin.sim.positions().commanded
-
-
-# -- number of queries, and targets without a preview ---------------------------------------------
 
 
 def test_a_target_that_one_robot_refuses_stops_the_other(stage: Stage, twin: Twin) -> None:

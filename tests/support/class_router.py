@@ -7,7 +7,6 @@ import datetime as dt
 import os
 import queue
 import secrets
-import shutil
 import signal
 import socket
 from pathlib import Path
@@ -152,11 +151,6 @@ class ClassRouter:
         assert old in text
         self.class_file.write_text(text.replace(old, new))
         self.classroom = class_file.read(self.class_file)
-        provision.init(self.classroom, self.folder)
-
-    def make_anew(self) -> None:
-        """Create all accounts with new secrets, as after a loss of the folder. Only a new router process uses them."""
-        shutil.rmtree(self.folder)
         provision.init(self.classroom, self.folder)
 
     def path(self, name: str) -> Path:

@@ -78,12 +78,12 @@ class Place:
 
     def until_free(self) -> None:
         """Wait until another seat may drive after an old program, or before one."""
-        until(lambda: self.robot.status().holder == "", "free", 5.0)
+        until(lambda: self.robot.status().holder == "", "free")
 
     @contextlib.contextmanager
     def program(self) -> Iterator[Program]:
         """Open the port with a program when no other seat drives; close it and stop the robot at the end."""
-        until(lambda: self.robot.status().holder in ("", OLD_PROGRAMS), "free", 5.0)
+        until(lambda: self.robot.status().holder in ("", OLD_PROGRAMS), "free")
         program = Program(self.path, self._remember)
         try:
             yield program

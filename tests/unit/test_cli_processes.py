@@ -10,9 +10,11 @@ import pytest
 from robots import free_endpoint, until
 
 from beatrix_zenoh import NoAnswer, Refused, processes
+from beatrix_zenoh.cli.serving import UpOptions, start_robots
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.output import CODES
 from beatrix_zenoh.processes import CRASHES_S, Ending, Role, Supervisor, classify
+from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import FAULT
 
 
@@ -109,3 +111,30 @@ def test_the_folder_is_kept_if_a_failed_child_wrote_more_than_the_error_shows(
 def test_the_error_of_an_ended_child_replaces_the_error_that_it_caused() -> None:
     with pytest.raises(Refused, match=r"The router has ended \(exit code 2\)"), Supervisor() as supervisor:
         query_failed_router(supervisor)
+
+
+# -- the commands that `beatrix up` suggests, and the order in which its processes end -------------
+
+
+def test_robots_end_before_the_window_and_the_router_ends_last(monkeypatch: pytest.MonkeyPatch) -> None:
+    ended = []
+
+    class FakeChild:
+        """A child that is ready at once."""
+
+        ready, code = True, None
+
+        def __init__(
+            self, title: str, _arguments: object, _log: object, role: Role, _environment: object
+        ) -> None:
+            self.title, self.role = title, role
+
+        def end(self) -> None:
+            ended.append(self.title)
+
+    monkeypatch.setattr(processes, "Child", FakeChild)
+    options = UpOptions({"sim": "MuJoCo", "hw": "virtual:"}, False, None, None, None, None, True)
+    with Supervisor() as supervisor:
+        supervisor.start("router")
+        start_robots(supervisor, Settings("bea", "tcp/127.0.0.1:1", "ana"), options)
+    assert ended == ["hardware", "simulation", "window", "router"]

@@ -21,7 +21,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Source,
     Vector3,
 )
-from beatrix_zenoh.contract.sentences.events import FROM, angle, plain_sentence, request, sentence
+from beatrix_zenoh.contract.sentences.events import angle, plain_sentence, request, sentence
 
 
 def rad(degrees: float) -> float:
@@ -89,10 +89,6 @@ def test_a_request_is_written_as_it_was_made(case: str) -> None:
 @given(st.floats(-360, 360))
 def test_an_angle_in_words_is_exact_to_a_thousandth_of_a_degree(degrees: float) -> None:
     assert float(angle(rad(degrees)).removesuffix("°")) == pytest.approx(degrees, abs=6e-4)
-
-
-def test_every_source_has_words() -> None:
-    assert set(FROM) == set(Source)
 
 
 # -- in words for people: no numbers of motions, no names of fields, directions instead of signs ------------------

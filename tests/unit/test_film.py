@@ -6,22 +6,34 @@ import io
 import json
 import shutil
 import sys
+import wave
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import av
 import numpy as np
+import numpy.typing as npt
 import pytest
 from golden import same
+from hypothesis import given
+from hypothesis import strategies as st
 from PIL import Image
-from written_recordings import BEGAN_NS, write_lesson
+from recording_views import tabs_of
+from written_recordings import BEGAN_NS, STEP_NS, write_lesson
 
 from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.cli import app
+from beatrix_zenoh.client.sound import Sound
 from beatrix_zenoh.recording.film import EMPTY, EYE, PANEL, Pixels, PoseRenderer
-from beatrix_zenoh.recording.rows import Frame, of_robot
-from beatrix_zenoh.recording.rrd.read import read
+from beatrix_zenoh.recording.losses import SOUND, Losses, findings
+from beatrix_zenoh.recording.rows import Frame, Numbers, RecordingRow, RobotSet, SoundRow, of_robot
+from beatrix_zenoh.recording.rrd.read import read, read_sound
+from beatrix_zenoh.recording.rrd.scene import SOUND as TAB
+from beatrix_zenoh.recording.rrd.scene import TABS
+from beatrix_zenoh.recording.rrd.stream import RowStream
+from beatrix_zenoh.recording.sound import RecordedBlock, rows_of, write_wav
+from beatrix_zenoh.recording.verbs.record import missing
 
 SIM, HW = ("ada", "sim"), ("ada", "hw")
 TIMES_MS = (0, 210, 400, 1450, 1500)
@@ -162,3 +174,146 @@ def test_the_sentence_for_a_missing_library_contains_the_command(
     assert app.run(["export", "lesson.rrd", "--video", "new.mp4"]) == 1
     assert 'pip install ".[video]"' in capsys.readouterr().err
     assert not (folder / "new.mp4").exists()
+
+
+# -- sound in recordings: a real file gives back the published numbers, and a WAV file in which no--
+
+
+RATE, BLOCK = 48_000, 960
+LAST_NS = 2**62
+
+
+def pcm(number: int) -> npt.NDArray[np.int16]:
+    """Return a block of noise, the extreme values among it."""
+    samples = np.random.default_rng(number).integers(-(2**15), 2**15, (BLOCK, 2)).astype(np.int16)
+    samples[0] = -(2**15), 2**15 - 1
+    return samples
+
+
+def block(number: int) -> Sound:
+    """Return a block as a subscription decodes it."""
+    samples = pcm(number).astype(np.float32) / np.float32(32768)
+    at_ns = number * STEP_NS
+    return Sound(samples, RATE, at_ns, BEGAN_NS + at_ns, seq=number, source="tone", dropped=0)
+
+
+def rows(numbers: Sequence[int], place: tuple[str, str] = SIM) -> list[RecordingRow]:
+    return [row for number in numbers for row in rows_of(place, block(number), BEGAN_NS + number * STEP_NS)]
+
+
+def read_wav(path: Path) -> npt.NDArray[np.int16]:
+    with wave.open(str(path)) as file:
+        assert (file.getnchannels(), file.getsampwidth(), file.getframerate()) == (2, 2, RATE)
+        samples: npt.NDArray[np.int16] = np.frombuffer(file.readframes(file.getnframes()), "<i2")
+        return samples.reshape(-1, 2)
+
+
+def test_a_file_gives_the_published_numbers_back(tmp_path: Path) -> None:
+    path = tmp_path / "lesson.rrd"
+    write_lesson(path, [SIM], 50, rows([0, 1, 3]))
+    found = read_sound([path], [SIM, HW], 0, LAST_NS)
+    assert list(found) == [SIM]
+    assert [one.seq for one in found[SIM]] == [0, 1, 3]
+    assert [one.time_ns - BEGAN_NS for one in found[SIM]] == [0, STEP_NS, 3 * STEP_NS]
+    for one in found[SIM]:
+        assert one.pcm == pcm(one.seq).tobytes()
+    assert read_sound([path], [SIM], 0, BEGAN_NS - 1) == {}
+
+
+def test_levels_and_waveform_are_those_of_the_block() -> None:
+    first, level, *wave_rows = rows_of(SIM, block(7), BEGAN_NS)
+    assert isinstance(first, SoundRow)
+    assert isinstance(level, Numbers)
+    assert level.values == pytest.approx((-4.8, -4.8), abs=0.3), "uniform noise at full scale"
+    assert [row.time_ns - BEGAN_NS for row in wave_rows] == [0, STEP_NS // 2]
+    (left, right), *_ = [row.values for row in wave_rows if isinstance(row, Numbers)]
+    assert left == 1.0
+    assert right == pytest.approx(-1.0, abs=1e-4)
+
+
+@given(
+    arrives=st.lists(st.booleans(), max_size=30),
+    late=st.lists(st.floats(-0.2, 0.2), min_size=32, max_size=32),
+)
+def test_each_block_of_a_wav_file_is_at_its_time(
+    arrives: list[bool], late: list[float], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """Time stamps that tremble by less than half a block move nothing; each missing block is its length of zeros."""
+    numbers = [number for number, there in enumerate([True, *arrives, True]) if there]
+    blocks = [
+        RecordedBlock(
+            round((number + (late[number] if number else 0)) * STEP_NS), pcm(number).tobytes(), RATE, number
+        )
+        for number in numbers
+    ]
+    path = tmp_path_factory.mktemp("wav") / "out.wav"
+    written = write_wav(path, blocks)
+    heard = read_wav(path)
+    assert written.seconds == pytest.approx(len(heard) / RATE)
+    at = 0
+    for before, number in zip([-1, *numbers], numbers, strict=False):
+        if number == before + 1:
+            assert np.array_equal(heard[at : at + BLOCK], pcm(number))
+            at += BLOCK
+            continue
+        begin = at + int(np.argmax((heard[at:] == pcm(number)[0]).all(axis=1)))
+        assert not heard[at:begin].any()
+        assert abs(begin - number * BLOCK) <= BLOCK * 0.45
+        assert np.array_equal(heard[begin : begin + BLOCK], pcm(number))
+        at = begin + BLOCK
+    assert at == len(heard)
+
+
+def test_export_writes_a_wav_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    lesson, sound = tmp_path / "lesson.rrd", tmp_path / "lesson.wav"
+    write_lesson(lesson, [SIM, HW], 50, [*rows([0, 1, 2, 4]), *rows([5], HW)])
+    assert app.run(["export", str(lesson), "--sound", str(sound), "--on", "sim", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert (document["seconds"], document["lost_s"]) == (0.1, 0.02)
+    expected = np.vstack([pcm(0), pcm(1), pcm(2), np.zeros_like(pcm(3)), pcm(4)])
+    assert np.array_equal(read_wav(sound), expected)
+
+
+@pytest.mark.parametrize(
+    ("words", "about"),
+    [
+        (["--sound", "b.wav"], "two robots"),
+        (["--sound", "b.wav", "--name", "bob"], "no sound"),
+        (["--sound", "b.mp3"], "other ending"),
+        (["b.wav"], "named as a table"),
+        (["--sound", "no/b.wav", "--name", "ada", "--on", "sim"], "no folder"),
+    ],
+)
+def test_a_refused_sound_says_what_to_do(
+    words: list[str],
+    about: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_lesson(Path("a.rrd"), [SIM, HW, ("bob", "sim")], 50, [*rows([0]), *rows([0], HW)])
+    assert app.run(["export", "a.rrd", *words]) != 0
+    same(f"recording sound.{about}", capsys.readouterr().err)
+    assert not Path("b.wav").exists()
+
+
+def test_lost_blocks_are_named() -> None:
+    losses = Losses()
+    for seq in (5, 6, 9):
+        losses.received((SIM, SOUND), seq)
+    counts = losses.counts({})
+    assert list(findings(counts).values()) == ["ada (sim): 2 of 5 blocks of sound were lost on the network."]
+    assert missing(counts) == "2 blocks of sound lost"
+
+
+@pytest.mark.parametrize("sound", [False, True])
+def test_a_recording_with_sound_has_a_tab_for_it(tmp_path: Path, *, sound: bool) -> None:
+    path = tmp_path / "lesson.rrd"
+    stream = RowStream("one", "lesson")
+    stream.to_file(path)
+    stream.show(RobotSet({SIM: Figure()}, with_sound=frozenset([SIM] if sound else [])))
+    stream.send(rows([0, 1]))
+    assert stream.flush(30.0)
+    stream.close()
+    assert list(tabs_of(path)) == [*TABS, *([TAB] if sound else [])]

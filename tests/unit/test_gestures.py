@@ -4,15 +4,31 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import cast
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from beatrix_zenoh.client.choreography import GESTURES, SHIPPED, Choreography, Pose, shipped
+from beatrix_zenoh import Interrupted, Refused, Robot
+from beatrix_zenoh.client import motion_file
+from beatrix_zenoh.client.choreography import (
+    GESTURES,
+    SHIPPED,
+    ArmPose,
+    Choreography,
+    Pose,
+    choreography,
+    load,
+    play,
+    shipped,
+)
+from beatrix_zenoh.client.motion import Motion
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion import robot_file
@@ -113,3 +129,161 @@ def test_a_gesture_turns_the_head_as_people_do(gesture: str) -> None:
     assert FORMS[gesture](
         [pose.yaw for pose in found], [pose.pitch for pose in found], [pose.roll for pose in found]
     )
+
+
+# -- choreographies: file contents, the shipped choreography, and the order of poses ---------------
+
+
+REST: Arms = (0.0, 0.0, 0.0)
+
+
+def durations(played: Choreography) -> list[float]:
+    """Return the duration (s) of each motion; raises Refused for a motion that is not allowed."""
+    neck, limits, here = Neck(), MotionLimits(), REST
+    found = []
+    for _, pose in played.steps:
+        assert isinstance(pose, Pose)
+        speed = math.radians(pose.speed)
+        goal = neck.inverse(*(math.radians(angle) for angle in (pose.yaw, pose.pitch, pose.roll)))
+        found.append(limits.check_motion(here, REST, goal, (speed, speed, speed), straight=True).duration)
+        here = goal
+    return found
+
+
+def test_the_demo_keeps_the_limits_and_its_times_and_lasts_ten_seconds() -> None:
+    demo = shipped("demo")
+    times = [pose.at for _, pose in demo.steps]
+    taken = durations(demo)
+    for (begin, following), duration in zip(itertools.pairwise(times), taken, strict=False):
+        assert begin + duration + 0.1 < following
+    assert 9 < times[-1] + taken[-1] < 10
+
+
+HEAD = "t_s,yaw_deg,pitch_deg,roll_deg,short_deg,middle_deg,long_deg,speed_deg_s,figure\n"
+ROWS = HEAD + "0,0,5,0,,,,60,nod\n1.5,,,,10,-5,0,,\n2,1,0,0,,,,30,shake\n"
+
+
+def test_a_line_of_a_choreography_turns_the_head_or_the_arms() -> None:
+    steps = choreography(motion_file.parse(ROWS, "mine")).steps
+    assert steps == [
+        ("nod", Pose(0, 0, 5, 0, 60)),
+        ("nod", ArmPose(1.5, 10, -5, 0, 60)),
+        ("shake", Pose(2, 1, 0, 0, 30)),
+    ]
+    head, arms = (pose.query() for _, pose in steps[:2])
+    assert isinstance(head, PoseQuery)
+    assert (head.absolute, head.pitch, head.speed) == (True, math.radians(5), math.radians(60))
+    assert isinstance(arms, MotionQuery)
+    assert (arms.absolute, arms.position.x) == (True, math.radians(10))
+    assert [str(pose) for _, pose in steps[:2]] == [
+        "yaw +0°, pitch +5°, roll +0°",
+        "arms short +10°, middle -5°, long +0°",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("t_s,yaw_deg,pitch_deg,roll_deg\n0,1,2,3\n", "`beatrix replay`"),
+        (HEAD + "0,0,5,0,,,,,nod\n", "mine.csv, line 2: speed_deg_s is empty"),
+        (
+            HEAD + "0,0,5,0,,,,0,nod\n",
+            "mine.csv, line 2: speed_deg_s is 0: give a number of degrees/s above 0",
+        ),
+    ],
+)
+def test_a_file_that_is_no_choreography_is_refused(text: str, what: str) -> None:
+    with pytest.raises(WrongUsage) as refusal:
+        choreography(motion_file.parse(text, "mine.csv"))
+    assert what in refusal.value.message
+
+
+def test_a_file_is_read_and_a_shipped_one_is_found_by_its_name(tmp_path: Path) -> None:
+    path = tmp_path / "mine.csv"
+    path.write_text(ROWS, encoding="utf-8")
+    assert len(load(path).steps) == 3
+    assert load(Path("hello")) == shipped("hello")
+    path.write_bytes(b"\xff\xfe")
+    with pytest.raises(WrongUsage, match="not text in UTF-8"):
+        load(path)
+    with pytest.raises(
+        WrongUsage, match="or a shipped choreography: curious, dance, demo, hello, no, sleepy, surprised, yes"
+    ):
+        load(tmp_path / "yours.csv")
+    with pytest.raises(WrongUsage, match="not a regular file"):
+        load(Path(os.devnull))
+
+
+TWO_POSES = Choreography([("f", Pose(0.0, 1.0, 0, 0, 60.0)), ("f", Pose(0.02, 2.0, 0, 0, 60.0))])
+
+
+class EndedMotion:
+    """A motion that has ended, with an error or at its goal."""
+
+    def __init__(self, error: Interrupted | None) -> None:
+        self._error = error
+
+    def exception(self, _timeout: float) -> Interrupted | None:
+        return self._error
+
+
+class OneRobot(Robot):
+    """A robot without a network."""
+
+    def __init__(self, error: Interrupted | None = None) -> None:
+        self.name, self.side = "bea", "sim"
+        self.begun: list[float] = []
+        self._error = error
+
+    def begin(self, query: MotionQuery | PoseQuery) -> Motion:
+        assert isinstance(query, PoseQuery)
+        self.begun.append(round(math.degrees(query.yaw)))
+        return cast("Motion", EndedMotion(self._error))
+
+
+class NoStop:
+    """Stand-in for StopEvents that reports no STOP."""
+
+    def check(self) -> None:
+        pass
+
+    close = check
+
+
+@pytest.fixture
+def no_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("beatrix_zenoh.client.choreography.StopEvents", lambda _robot: NoStop())
+
+
+@pytest.mark.usefixtures("no_stop")
+def test_a_stopped_robot_ends_the_play() -> None:
+    robot = OneRobot(Interrupted(Reason.STOPPED, "Ended by STOP."))
+    with pytest.raises(Interrupted, match=r"bea \(sim\): Ended by STOP"):
+        play(robot, TWO_POSES)
+    assert robot.begun == [1]
+    with pytest.raises(WrongUsage, match="only for both robots"):
+        play(robot, TWO_POSES, lead_s=1.0)
+
+
+# -- check ----------------------------------------------------------------------------------------
+
+COLUMNS = "t_s,yaw_deg,pitch_deg,roll_deg,short_deg,middle_deg,long_deg,speed_deg_s\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "where", "reason"),
+    [
+        ("0,0,60,0,,,,40\n", r"line 2 \(t = 0\.00 s\): The head would lean", Reason.OUT_OF_REACH),
+        ("0,0,5,0,,,,40\n1,0,60,0\n", r"line 3 \(t = 1\.00 s\): The head would lean", Reason.OUT_OF_REACH),
+        ("0,0,5,0,,,,40\n\n1,190,0,0\n", r"line 4 \(t = 1\.00 s\): The head would", Reason.YAW_LIMIT),
+        ("0,0,5,0,,,,40\n1,,,,0,0,300\n", r"line 3 \(t = 1\.00 s\): ", None),
+        ("0,0,5,0,,,,40\n1,0,0,0,,,,500\n", r"line 3 \(t = 1\.00 s\): ", Reason.SPEED_LIMIT),
+    ],
+)
+def test_a_choreography_is_refused_as_a_whole_with_line_and_time(
+    text: str, where: str, reason: Reason | None
+) -> None:
+    found = choreography(motion_file.parse(COLUMNS + text, "mine.csv"))
+    with pytest.raises(Refused, match=f"mine.csv, {where}") as refused:
+        check_choreography(found, ROBOT)
+    assert reason in (None, refused.value.reason)

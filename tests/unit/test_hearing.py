@@ -142,12 +142,6 @@ def test_a_turning_head_hears_no_click(begin: float, speed: float, bearing: floa
     assert np.abs(np.diff(sound, 2, axis=0)).max() <= fastest**2 / nearest * 1.1 + 2e-3
 
 
-def test_a_source_that_is_placed_elsewhere_makes_no_click() -> None:
-    scenes = [hearing(turned(0), REST, place) for place in [at(80, 2.0)] * 2 + [at(-80, 0.8)] * 3]
-    sound = listen(Ears(noise=0.0), scenes, hum(500.0))
-    assert np.abs(np.diff(sound, axis=0)).max() < 2 * math.tau * 500.0 / RATE / 0.7
-
-
 # -- noise and motors ------------------------------------------------------------------------------
 
 

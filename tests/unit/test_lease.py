@@ -10,7 +10,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Operation
-from beatrix_zenoh.node.callers import IDLE_S, SETTLE_S, WAITING_MAX, Caller
+from beatrix_zenoh.node.callers import IDLE_S, SETTLE_S, TURN_S, WAITING_MAX, Caller, Terms
 from beatrix_zenoh.node.lease_queries import give_back, standing, take
 
 
@@ -120,3 +120,147 @@ def test_take_is_refused_if_the_robot_was_frozen_since_authorize(access: Access)
     assert refused.value.reason is Reason.FROZEN
     access.teacher.frozen = False
     access.take(ANA)
+
+
+# -- the time limit of a turn: which turns end, when, and who gets the robot then ------------------
+
+
+NUDGE_S = 20.0
+"""Shorter than the idle time, so that the holder is never idle."""
+
+
+def nudge(access: Access, caller: Caller, begin_s: float, end_s: float) -> float:
+    """Let a seat move the robot again and again; return the time (s) at which it was refused first, or `end_s`."""
+    now_s = begin_s
+    while now_s < end_s:
+        if refusal(access, caller, now_s) is not Reason.OK:
+            return now_s
+        now_s += NUDGE_S
+    return end_s
+
+
+def test_a_seat_alone_keeps_the_robot(access: Access) -> None:
+    take(access, ANA, 0)
+    assert nudge(access, ANA, 0, 20 * TURN_S) == 20 * TURN_S
+    assert standing(access, 20 * TURN_S).turn_s == 0
+
+
+def test_nudging_does_not_keep_the_robot_from_a_waiting_seat(access: Access) -> None:
+    take(access, ANA, 0)
+    nudge(access, ANA, 0, 500)
+    take(access, BEN, 500, wait=True)
+    assert standing(access, 500).turn_s == TURN_S, "the time counts from the moment another seat waits"
+    assert nudge(access, ANA, 500, 900) == 500 + TURN_S
+    assert standing(access, 500 + TURN_S).holder == "ben"
+    assert access.lease.turn.over == "ana"
+
+
+def test_a_seat_that_only_moves_the_robot_has_a_turn_too(access: Access) -> None:
+    access.take(ANA)
+    assert take(access, BEN, 10, wait=True) == 0
+    assert standing(access, 10 + TURN_S - 1).holder == "ana"
+    assert standing(access, 10 + TURN_S).holder == "ben"
+    assert access.lease.turn.over == "ana"
+
+
+def test_the_next_turn_has_its_full_time(access: Access) -> None:
+    take(access, ANA, 0)
+    take(access, BEN, 1, wait=True)
+    take(access, CLEO, 2, wait=True)
+    assert standing(access, 1 + TURN_S).turn_s == TURN_S
+    nudge(access, BEN, 1 + TURN_S, 1 + 2 * TURN_S)
+    assert standing(access, 1 + 2 * TURN_S).holder == "cleo"
+
+
+def test_another_program_of_the_seat_begins_no_new_turn(access: Access) -> None:
+    take(access, ANA, 0)
+    take(access, BEN, 0, wait=True)
+    take(access, ANA_AGAIN, 50)
+    assert standing(access, 50).turn_s == TURN_S - 50
+
+
+def test_who_returns_after_a_turn_waits_behind_the_others(access: Access) -> None:
+    take(access, ANA, 0)
+    take(access, BEN, 0, wait=True)
+    assert standing(access, TURN_S).holder == "ben"
+    assert take(access, ANA, TURN_S, wait=True) == 0
+
+
+def test_the_turn_of_the_teacher_has_no_end(access: Access) -> None:
+    take(access, BOSS, 0)
+    take(access, ANA, 0, wait=True)
+    assert nudge(access, BOSS, 0, 5 * TURN_S) == 5 * TURN_S
+    assert standing(access, 5 * TURN_S)[:1] == (TEACHER,)
+
+
+def test_an_empty_queue_ends_the_limit(access: Access) -> None:
+    take(access, ANA, 0)
+    take(access, BEN, 0, wait=True)
+    give_back(access, BEN)
+    assert nudge(access, ANA, 0, 3 * TURN_S) == 3 * TURN_S
+    take(access, BEN, 3 * TURN_S, wait=True)
+    assert standing(access, 3 * TURN_S).turn_s == TURN_S
+
+
+def test_a_lease_with_a_time_of_its_own_ends_although_no_seat_waits(access: Access) -> None:
+    take(access, ANA, 0, terms=Terms(longest_s=30))
+    assert nudge(access, ANA, 0, 90) == 90, "free afterwards"
+    assert standing(access, 90).lease == 0
+    assert take(access, ANA, 91, terms=Terms(longest_s=30)) == 2
+    assert standing(access, 91).turn_s == 30, "a new turn"
+
+
+def test_a_waiting_seat_gets_the_terms_that_it_has_asked_for(access: Access) -> None:
+    take(access, ANA, 0)
+    take(access, BEN, 0, wait=True, terms=Terms(longest_s=30, speed=0.5))
+    give_back(access, ANA)
+    assert standing(access, 10).turn_s == 30
+    assert [access.lease.speed(seat) for seat in ("ben", "ana", "")] == [0.5, 0, 0]
+    assert standing(access, 40).lease == 0
+    give_back(access, BEN)
+    assert access.lease.speed("ben") == 0
+
+
+def test_the_speed_of_a_turn_outlives_the_lease_that_another_program_of_the_seat_gives_back(
+    access: Access,
+) -> None:
+    terms = Terms(longest_s=90, speed=0.7)
+    take(access, ANA, 0, terms=terms)
+    give_back(access, ANA_AGAIN)
+    assert (standing(access, 1).lease, access.lease.speed("ana")) == (0, 0.7)
+    take(access, ANA_AGAIN, 2, terms=Terms(longest_s=3600, speed=1.5))
+    assert (standing(access, 2).turn_s, access.lease.speed("ana")) == (90, 0.7), "the stricter of both"
+    give_back(access, ANA_AGAIN)
+    give_back(access, ANA)
+    assert access.lease.speed("ana") == 0
+
+
+@pytest.mark.parametrize("end", ["session", "other seat"])
+def test_the_speed_of_a_turn_ends_with_its_session_and_with_the_turn_of_another_seat(
+    access: Access, end: str
+) -> None:
+    take(access, ANA, 0, terms=Terms(speed=0.7))
+    if end == "session":
+        access.session_changed(ANA, 1, alive=False)
+        access.give_up_sessions(2)
+    else:
+        give_back(access, ANA_AGAIN)
+        take(access, BEN, 2)
+    assert access.lease.speed("ana") == 0
+
+
+def test_a_lost_router_stops_the_clock(access: Access) -> None:
+    take(access, ANA, 0)
+    take(access, BEN, 0, wait=True)
+    access.router_changed(50, connected=False)
+    assert standing(access, 500).holder == "ana"
+    access.router_changed(500, connected=True)
+    assert standing(access, 501).turn_s == TURN_S - 1
+
+
+def test_the_teacher_sets_the_length(access: Access) -> None:
+    take(access, ANA, 0)
+    take(access, BEN, 0, wait=True)
+    access.lease.turn.limit_s = 15
+    assert standing(access, 14).turn_s == 1
+    assert standing(access, 15).holder == "ben"

@@ -7,15 +7,19 @@ import time
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Limit, Reason, Vector3
-from beatrix_zenoh.contract._generated.robot import GeometryData, RobotData
+from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData, RobotData
 from beatrix_zenoh.contract._generated.robot import LimitsData as LimitData
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.motion.limits.path_check import TOLERANCE
+from beatrix_zenoh.motion.limits.region import border, reach
 from beatrix_zenoh.motion.rotation import tilt_of
 from beatrix_zenoh.motion.trajectory import Trajectory
 
@@ -274,3 +278,35 @@ def test_other_necks_are_checked_by_their_own_geometry(geometry: GeometryData) -
     limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max, 0), SPEED, straight=True)
     with pytest.raises(Refused):
         limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max + 0.01, 0), SPEED, straight=True)
+
+
+# -- the border of the orientations in which the head may rest agrees with the limits of the node --
+
+
+NARROW = replace(ROBOT, limits=replace(ROBOT.limits, gap_min=60.0))
+NEAR = math.radians(0.3)
+"""Between two directions the border is a chord, and the node tolerates 0.1 deg."""
+BOTH = {"as built": MotionLimits(ROBOT), "narrow": MotionLimits(NARROW)}
+
+
+@pytest.mark.parametrize("name", BOTH)
+@given(
+    yaw=st.floats(-2.9, 2.9),
+    direction=st.floats(-math.pi, math.pi),
+    share=st.floats(0.0, 1.5, exclude_min=True),
+)
+def test_inside_the_border_a_pose_is_allowed_and_outside_it_is_refused(
+    name: str, yaw: float, direction: float, share: float
+) -> None:
+    limits = BOTH[name]
+    pitch, roll = math.sin(direction), math.cos(direction)
+    furthest = reach(border(limits.tilt_max, limits.gap_min), pitch, roll)
+    lean = furthest * share
+    if abs(lean - furthest) < NEAR:
+        return
+    try:
+        limits.check_pose(limits.arms_of_head(yaw, lean * pitch, lean * roll))
+        allowed = True
+    except Refused:
+        allowed = False
+    assert allowed is (lean < furthest)

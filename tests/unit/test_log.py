@@ -5,12 +5,31 @@ from __future__ import annotations
 import time
 
 import msgspec
+import numpy as np
 import pytest
+from golden import same
+from hypothesis import given
+from hypothesis import strategies as st
 from statuses import AT_HOME
 
 from beatrix_zenoh.client.log import find_gaps
 from beatrix_zenoh.client.subscription import Arrival
 from beatrix_zenoh.contract._generated.messages import Positions
+from beatrix_zenoh.contract.publishers import NUMBERS
+from beatrix_zenoh.recording.losses import (
+    EVENTS,
+    POSITIONS,
+    REPORT_S,
+    Count,
+    Losses,
+    LossReport,
+    Stream,
+    findings,
+    total,
+)
+from beatrix_zenoh.recording.rows import Line, Numbers, RecordingRow
+from beatrix_zenoh.recording.samples import Samples
+from beatrix_zenoh.recording.verbs.record import missing, outcome
 
 
 def positions(*steps: tuple[int, float]) -> list[Positions]:
@@ -40,3 +59,89 @@ def test_silence_up_to_the_end_is_a_gap() -> None:
     gaps = find_gaps(given, Arrival(given[-1], "bea", "hw", time.monotonic_ns() - 2_000_000_000, 0))
     assert [(round(gap.t, 2), gap.cause) for gap in gaps] == [(0.02, "the robot was silent up to the end")]
     assert gaps[0].seconds == pytest.approx(2, abs=0.5)
+
+
+# -- missing sequence numbers: each true loss is counted once, and nothing else is -----------------
+
+
+BEA = ("bea", "hw")
+ARMS: Stream = (BEA, POSITIONS)
+NONE = np.empty((0, 3))
+
+
+def counted(*seqs: int, dropped: int = 0) -> Count:
+    """Return the counts after positions with these numbers."""
+    losses = Losses()
+    for seq in seqs:
+        losses.received(ARMS, seq)
+    return losses.counts({ARMS: dropped})[ARMS]
+
+
+def lost_in_file(*seqs: int, repeats: tuple[int, ...] | None = None) -> int | None:
+    """Return the losses that a reader of a file finds in these numbers."""
+    numbers = np.array(seqs, dtype=np.int64)
+    again = np.zeros(len(seqs), np.int64) if repeats is None else np.array(repeats, dtype=np.int64)
+    return Samples(numbers, numbers, NONE, NONE, NONE, None, NONE, numbers, again).lost
+
+
+@given(first=st.integers(0, NUMBERS - 1), arrives=st.lists(st.booleans(), max_size=60))
+def test_each_missing_number_is_one_loss(first: int, arrives: list[bool]) -> None:
+    """The numbers may pass the largest uint32; those before the first and after the last arrival are unknown."""
+    seqs = [(first + i) % NUMBERS for i, there in enumerate([True, *arrives, True]) if there]
+    missing = arrives.count(False)
+    assert counted(*seqs).lost == missing
+    assert counted(*seqs).published == len(arrives) + 2
+    assert lost_in_file(*seqs) == missing
+
+
+@given(st.lists(st.sampled_from(["arrives", "lost", "dropped here"]), max_size=60))
+def test_what_our_queues_drop_is_not_lost_on_the_way(fates: list[str]) -> None:
+    fates = ["arrives", *fates, "arrives"]
+    found = counted(
+        *(i for i, fate in enumerate(fates) if fate == "arrives"), dropped=fates.count("dropped here")
+    )
+    assert (found.lost, found.dropped) == (fates.count("lost"), fates.count("dropped here"))
+    assert found.published == len(fates)
+
+
+@pytest.mark.parametrize(
+    ("seqs", "lost"),
+    [
+        ((), 0),
+        ((7,), 0),
+        ((700, 701, 702), 0),
+        ((5, 6, 0, 1, 2), 0),
+        ((5, 6, 1, 2), 0),
+        ((5, 6, 3, 4, 6), 1),
+        ((5, 5, 6), 0),
+        ((NUMBERS - 1, 0, 1), 0),
+        ((NUMBERS - 2, 1), 2),
+        ((1, 4, 5, 9), 5),
+    ],
+)
+def test_only_gaps_are_losses(seqs: tuple[int, ...], lost: int) -> None:
+    assert total({ARMS: counted(*seqs)} if seqs else {}).lost == lost
+    assert lost_in_file(*seqs) == lost
+
+
+def test_two_programs_under_one_name_are_named_once_and_no_loss_is_counted() -> None:
+    losses, said = Losses(), list[str]()
+    report = LossReport(said.append)
+    rows: list[RecordingRow] = []
+    for k in range(200):
+        for first in (1000, 7000):
+            losses.received(ARMS, first + k)
+            losses.received((BEA, EVENTS), first + 2 * k)
+        rows += report.rows(losses.counts({}), k, 10 * REPORT_S + k / 50, last=False)
+    counts = losses.counts({})
+    rows += report.rows(counts, 200, 200 * REPORT_S, last=True)
+    words = "Two programs publish the positions of bea (hw), so lost ones cannot be counted. End one of them."
+    assert said == [words]
+    assert [row.text for row in rows if isinstance(row, Line)] == [words]
+    assert not [row for row in rows if isinstance(row, Numbers) and row.path.endswith("lost")]
+    assert list(findings(counts).values()) == [words]
+    same(
+        "recording losses.two programs under one name are named once and no loss is counted", missing(counts)
+    )
+    assert outcome(total(counts))["lost"] is None
+    assert {one.lost for one in counts.values()} == {0}

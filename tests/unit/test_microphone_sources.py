@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.node.sensors import BEHIND, BLOCK, BLOCK_NS, RATE, BlockClock
+from beatrix_zenoh.node.sensors import BLOCK, BLOCK_NS, RATE
 from hw_node.microphones import SoundFile, SoundSource, Tone, choose
 
 
@@ -76,27 +76,6 @@ def test_a_damaged_file_is_played_or_refused_with_a_sentence(data: st.DataObject
             assert block is not None
             assert len(block.samples) == BLOCK * 4
         assert not sentence or re.search(r"cannot be played: \w[^.]*\. Give a WAV", sentence), sentence
-
-
-def test_after_a_delay_old_blocks_are_dropped_and_counted() -> None:
-    clock = BlockClock()
-    clock.restart()
-    first = clock.wait(1.0)
-    assert first is not None
-    clock._next_ns -= 50 * BLOCK_NS  # as if the process had been suspended for a second
-    next_one = clock.wait(1.0)
-    assert next_one is not None
-    assert clock.dropped >= 49 * BLOCK
-    assert next_one >= first
-    clock._next_ns -= (BEHIND - 1) * BLOCK_NS
-    before = clock.dropped
-    assert clock.wait(1.0) is not None
-    assert clock.dropped == before, "a short delay loses nothing"
-
-
-@pytest.mark.parametrize("word", ["", "off"])
-def test_microphones_are_off_by_default(word: str) -> None:
-    assert choose(word) is None
 
 
 @pytest.mark.parametrize(

@@ -139,21 +139,6 @@ def test_a_motion_that_is_overdue_counts_as_lost(monkeypatch: pytest.MonkeyPatch
     assert setting.motion.done()
 
 
-def test_two_threads_can_wait_for_one_motion(setting: Setting) -> None:
-    results: list[MotionReply] = []
-    threads = [
-        threading.Thread(target=lambda: results.append(setting.motion.result(PATIENCE_S))) for _ in "ab"
-    ]
-    for thread in threads:
-        thread.start()
-    assert setting.replies.waiting.wait(PATIENCE_S)
-    assert setting.motion.running()
-    setting.replies.send(DONE)
-    for thread in threads:
-        thread.join(PATIENCE_S)
-    assert results == [DONE, DONE]
-
-
 def test_cancel_presses_stop_once(setting: Setting) -> None:
     assert setting.motion.cancel()
     assert setting.stops == 1

@@ -1,3 +1,5 @@
+""""""
+
 from __future__ import annotations
 
 import math
@@ -8,12 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bench_plant import closure_error
+from hypothesis import given
+from hypothesis import strategies as st
 
-from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract._generated.robot import ROBOT, DriveData
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Rotation
-from sim_node.plant import Plant
+from sim_node.plant import Plant, StepperDrive
 
 GEAR = Gear()
 NECK = Neck()
@@ -256,3 +260,51 @@ def test_a_force_a_step_and_the_motor_switch_wake_the_plant(plant: Plant) -> Non
     let_sleep(plant, GEAR.to_rad((1, 1, 1)))
     plant.step((1, 1, 1), drivers_on=False)
     assert not plant.asleep
+
+
+# -- test_stepper_drive ----------------------------------------------------------------------------
+
+
+CYCLE = math.radians(4 * 1.8 * 26 / 68)
+"""Four full steps of 1.8 deg at the motor, as an angle of the arm."""
+ORIGIN = (0.0, 0.0, 0.0)
+
+counts = st.tuples(*[st.integers(-(2**31), 2**31 - 1)] * 3)
+angles = st.tuples(*[st.floats(-20.0, 20.0)] * 3)
+
+
+def driven() -> StepperDrive:
+    """Return a drive with its motors on, at home."""
+    drive = StepperDrive()
+    drive.step((0, 0, 0), ORIGIN, on=True)
+    return drive
+
+
+def test_the_sign_reverses_a_motor() -> None:
+    drive = StepperDrive(DriveData(sign=(-1, 1, 1)))
+    drive.step((8, 8, 8), ORIGIN, on=True)
+    short, middle, long = drive.set_points
+    assert short == -middle
+    assert middle == long > 0
+
+
+@given(counts, angles)
+def test_set_points_differ_from_the_arm_by_at_most_half_a_cycle(
+    pulses: tuple[int, int, int], arms: tuple[float, float, float]
+) -> None:
+    drive = driven()
+    drive.step(pulses, arms, on=True)
+    assert all(
+        abs(arm - set_point) <= CYCLE / 2 + 1e-7
+        for arm, set_point in zip(arms, drive.set_points, strict=True)
+    )
+    assert all(steps % 4 == 0 for steps in drive.slipped)
+
+
+def test_motors_that_are_switched_on_lock_to_the_nearest_position_without_slip() -> None:
+    drive = driven()
+    sagged = (5.2 * CYCLE, -3.4 * CYCLE, 0.1 * CYCLE)
+    drive.step((0, 0, 0), sagged, on=False)
+    drive.step((0, 0, 0), sagged, on=True)
+    assert drive.set_points == pytest.approx((5 * CYCLE, -3 * CYCLE, 0.0))
+    assert drive.slipped == (0, 0, 0)

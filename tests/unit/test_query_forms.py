@@ -53,10 +53,6 @@ def test_a_byte_order_mark_before_a_text_changes_nothing(
     assert outcome(text.encode("utf-8-sig")) == outcome(text.encode())
 
 
-def test_a_number_for_an_arm_may_begin_with_a_byte_order_mark() -> None:
-    assert codec.number("0.25".encode("utf-8-sig")) == 0.25
-
-
 KINDS = st.sampled_from([MotionQuery, PoseQuery, CommandQuery])
 LONG = "q" * 100_000
 FLOATS = st.floats(width=32, allow_nan=False, allow_infinity=False)

@@ -195,7 +195,6 @@ REFUSED: dict[str, tuple[str, Callable[[Path, Path], Path]]] = {
     "merge another day": ("are 24.0 h apart", lambda path, folder: merged(path, folder, 86_400_000_000_000)),
     "points": (NO_POSITIONS, other(lambda stream: stream.log("p", rr.Points3D([[1, 2, 3]])))),
     "numbers as times": (NO_POSITIONS, other(lambda stream: robot(stream, rr.TimeColumn("time", sequence=range(20))))),
-    "two numbers": (FOREIGN, other(lambda stream: robot(stream, width=2))),
     "rows of several lengths": (
         FOREIGN,
         other(
@@ -204,7 +203,6 @@ REFUSED: dict[str, tuple[str, Callable[[Path, Path], Path]]] = {
             )
         ),
     ),
-    "an event that is none": (FOREIGN, with_robot("/x/sim/events", *TEXTS, *rr.AnyValues.columns(event=["x", "{}"]))),
     "a velocity of one number": (FOREIGN, with_robot("/x/sim/velocity", *rr.Scalars.columns(scalars=[1.0, 2.0]))),
 }  # fmt: skip
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import queue
 import threading
-import time
 from collections.abc import Callable, Iterator
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 from robots import until
 
 from beatrix_zenoh import threads
+from beatrix_zenoh.bus.sessions import CONTROL, SessionListener, SessionWatchdog
 from beatrix_zenoh.schedule import HANGS_S, LEFT_TICKS, TICK_S, Hung, Schedule
 from beatrix_zenoh.threads import Owner
 
@@ -51,19 +53,6 @@ def reports() -> Iterator[Reports]:
     made = Reports()
     yield made
     made.schedule.close()
-
-
-def test_a_task_is_called_at_the_times_that_it_returns(reports: Reports) -> None:
-    times: list[float] = []
-
-    def run() -> float:
-        times.append(time.monotonic())
-        return times[0] + 0.02 * len(times) if len(times) < 4 else NEVER
-
-    reports.add("ada", run)()
-    for _ in range(4):
-        assert reports.called() == "ada"
-    assert all(time_s >= times[0] + 0.02 * number - 0.003 for number, time_s in enumerate(times))
 
 
 def test_an_exception_ends_its_task_only(reports: Reports) -> None:
@@ -128,25 +117,23 @@ def test_a_removed_task_is_not_called_again(reports: Reports) -> None:
     assert reports.called() == "bob"
 
 
-def test_no_task_of_a_robot_runs_while_another_one_is_left_behind(reports: Reports) -> None:
-    ada, returns = Owner("ada"), threading.Event()
+# -- the session watchdog of a process with several robots -----------------------------------------
 
-    def turn() -> float:
-        reports.calls.put("turn")
-        returns.wait(WAIT_S)
-        return NEVER
 
-    def publication() -> float:
-        reports.calls.put("publication")
-        return NEVER
+def test_the_watchdog_belongs_to_all_robots(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Otherwise its failure would start the first robot anew, and no thread would check the sessions any more."""
+    monkeypatch.setattr("beatrix_zenoh.bus.sessions.PERIOD_S", 0.01)
+    owners: queue.SimpleQueue[Owner | None] = queue.SimpleQueue()
 
-    reports.schedule.add(ada, turn).wake()
-    assert reports.called() == "turn"
-    reports.schedule.add(ada, publication)
-    reports.check(LEFT_TICKS + 1)
-    for task in reports.schedule._of(ada):
-        task.wake()
-    reports.add("bob", lambda: NEVER)()
-    assert reports.called() == "bob", "the publication would wait for a lock of the turn"
-    returns.set()
-    assert {reports.called(), reports.called()} == {"turn", "publication"}
+    def opened() -> dict[str, Any]:
+        owners.put(threads.OWNER.get())
+        return {CONTROL: SimpleNamespace(connected=True)}
+
+    watchdog = SessionWatchdog(opened)
+    listener = SessionListener(cast("Any", None), cast("Any", None))
+    with threads.owned_by(Owner("ada")):
+        end = watchdog.add(listener)
+    try:
+        assert owners.get(timeout=WAIT_S) is None
+    finally:
+        end()

@@ -7,14 +7,23 @@ import tomllib
 from importlib import resources
 
 import msgspec
+import numpy as np
 import pytest
+import simplejpeg
+from hypothesis import given
+from hypothesis import strategies as st
 from statuses import AT_HOME, READY
 
 from beatrix_zenoh.cli.streams import header, periodic, streams
+from beatrix_zenoh.client.degrees import EYE_UP_M, bearing
+from beatrix_zenoh.client.robot_base import RobotStatus
+from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract import values
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Head, SeatCount, Status
 from beatrix_zenoh.contract._generated.values import VALUES, ValueRow
+from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.motion.rotation import rotation_of
 from gui.console.state.pills import details
 from gui.console.texts import Texts
 
@@ -97,3 +106,52 @@ def test_what_only_says_how_a_value_is_shown_changes_no_contract() -> None:
     row = {"type": "bool", "doc": "it is pressed", "title": "pressed", "group": "touch", "decimals": 0}
     assert contract.bare({"touch": row}) == {"touch": {"type": "bool"}}
     assert contract.bare({"title": row}) == {"title": {"type": "bool"}}, "a field of this name"
+
+
+# -- readings and pictures as a notebook shows them ------------------------------------------------
+
+
+def picture(jpeg: bytes) -> CameraImage:
+    return CameraImage(jpeg, "left", 1, 0, 0, 32, 16, "egl", 0, 0)
+
+
+def test_a_status_has_lines_without_clocks_and_empty_fields() -> None:
+    fields = {**msgspec.structs.asdict(READY), "speed_limit": math.radians(20), "warnings": ["too hot"]}
+    lines = repr(RobotStatus(**fields)).splitlines()
+    assert lines[:3] == ["bea (hw)", "  enabled: True", "  calibrated: True"]
+    assert {"  speed_limit: 20.0°/s", "  warnings: too hot", "  board.name: bea"} <= set(lines)
+    assert not [line for line in lines if "t_mono_ns" in line or "waiting" in line]
+
+
+def test_a_picture_shows_itself_and_gives_red_green_blue() -> None:
+    red = np.zeros((16, 32, 3), np.uint8)
+    red[..., 0] = 200
+    image = picture(simplejpeg.encode_jpeg(red))
+    assert image._repr_jpeg_() == image.jpeg
+    assert len(repr(image)) < 80
+    assert image.array().shape == (16, 32, 3)
+    assert image.array()[8, 16] == pytest.approx((200, 0, 0), abs=4)
+    with pytest.raises(WrongUsage, match="damaged"):
+        picture(b"\xff\xd8nothing").array()
+
+
+# -- the direction in which the eyes look at a place -----------------------------------------------
+
+
+@given(x=st.floats(-2, 2), y=st.floats(-2, 2), z=st.floats(-0.6, 1.1))
+def test_the_place_is_straight_ahead_of_the_eyes(x: float, y: float, z: float) -> None:
+    if math.hypot(x, y) < 0.35:
+        return
+    yaw, pitch = bearing(x, y, z)
+    rows = rotation_of(math.radians(yaw), math.radians(pitch), 0.0)
+    ahead, left, up = (
+        sum(row[i] * place for row, place in zip(rows, (x, y, z), strict=True)) for i in range(3)
+    )
+    assert ahead > 0
+    assert (left, up) == pytest.approx((0.0, EYE_UP_M), abs=1e-9)
+
+
+@pytest.mark.parametrize("place", [(0.05, 0.0, 0.1), (0.0, 0.0, 1.0)])
+def test_a_place_in_or_above_the_head_is_rejected(place: tuple[float, float, float]) -> None:
+    with pytest.raises(WrongUsage, match="choose one further away"):
+        bearing(*place)

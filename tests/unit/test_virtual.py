@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import sys
 import threading
-import time
 from collections.abc import Iterator
 
 import pytest
-from threaded_board import ThreadedPort
 
 from beatrix_zenoh.board import virtual, wasm
-from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
-from beatrix_zenoh.board.virtual import TICKS, Firmware, RealTime, RealTimePort, VirtualBoard
+from beatrix_zenoh.board.link import encode
+from beatrix_zenoh.board.virtual import TICKS, Firmware, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract._generated.serial import Enable, FrameType, Move, Telemetry
+from beatrix_zenoh.contract._generated.serial import Enable, FrameType, Move
 from beatrix_zenoh.contract.errors import BeatrixError
 
 SPEED = (4189, 4189, 4189)
@@ -27,14 +25,6 @@ def board() -> Iterator[VirtualBoard]:
     board.write(HELLO)
     yield board
     board.close()
-
-
-def frames(data: bytes) -> list[SerialFrame]:
-    return Decoder().feed(data)
-
-
-def telemetry(data: bytes) -> list[Telemetry]:
-    return [Telemetry.unpack(frame.payload) for frame in frames(data) if frame.type == FrameType.TELEMETRY]
 
 
 def make_move(firmware: Firmware, target: tuple[int, int, int], motion: int = 1) -> None:
@@ -98,27 +88,6 @@ def test_the_motors_of_one_long_call_are_those_of_many_short_ones() -> None:
     long.tick(1000)
     long.tick(100)
     assert long.motors(100, 2) == [(long.pulses(), True, 50)]
-
-
-def test_reading_lets_the_time_of_the_board_pass(board: VirtualBoard) -> None:
-    begin = time.monotonic()
-    port = ThreadedPort(RealTimePort(board, RealTime(board)))
-    seen: list[Telemetry] = []
-    while not seen or seen[-1].tick < 200:
-        assert time.monotonic() - begin < 30
-        seen += telemetry(port.read(1))
-    assert (time.monotonic() - begin) * 1000 >= 199
-    assert [t.tick for t in seen] == list(range(10, seen[-1].tick + 1, 10))
-
-
-def test_a_board_waits_for_a_thread_that_does_not_read(board: VirtualBoard) -> None:
-    port = ThreadedPort(RealTimePort(board, RealTime(board)))
-    board.read(0)
-    threading.Event().wait(0.5)  # longer than the heartbeat's time-out, and than the board makes up for
-    seen: list[Telemetry] = []
-    while not seen:
-        seen = telemetry(port.read(1))
-    assert seen[-1].tick <= 100
 
 
 def test_a_missing_wasmtime_is_an_error_with_the_command_to_install_it(
