@@ -40,8 +40,9 @@ POSITIONS_S = 1.0
 """A node that publishes no positions for this long (s) counts as NODE_HANGS; it publishes them every 20 ms."""
 CLOCK_S = 1.0
 """Time limit (s) of the query for the clock, which every account may send."""
-STALE_S = 0.02
-"""Time (s) after the restart of a node in which queries of an open session may reach no queryable (zenoh#2767)."""
+STALE_S = (0.02, 0.1, 0.5)
+"""Pauses (s) before a query that ended without a reply is repeated: just after the restart of a node, or beside a flood
+that has ended on a busy computer, a query of an open session may reach no queryable (zenoh#2767)."""
 LATE_S = 2.0
 """Extra lifetime (s) of a query after its caller's time limit: a motion that is accepted late must be stopped."""
 LOSS_CHECK_S = 0.5
@@ -235,7 +236,7 @@ def _read(client: Client, asked: str, answer: Reply, kind: type[M]) -> tuple[Pla
 
 
 class Request:
-    """One query to one robot and its replies; it is repeated once if it ends without a reply."""
+    """One query to one robot and its replies; it is repeated if it ends without a reply although the robot is online."""
 
     def __init__(
         self,
@@ -297,12 +298,24 @@ class Request:
                 return reply[1]
 
     def _again(self, deadline: float) -> Reply | None:
-        """Repeat the query and return its first reply: just after a node's restart the first query may be lost."""
+        """Repeat the query, for the causes of STALE_S, and return its first reply; None if it has none."""
         self._repeated = True
-        time.sleep(STALE_S)
-        self._query.close()
-        self._query = self._ask()
-        return self._next(deadline)
+        for pause_s in STALE_S:
+            if time.monotonic() + pause_s > deadline:
+                break  # the cause of the missing replies tells more than a time limit
+            time.sleep(pause_s)
+            self._query.close()
+            self._query = self._ask()
+            answer = self._next(deadline)
+            if answer is not None or not self._online():
+                return answer
+        return None
+
+    def _online(self) -> bool:
+        try:
+            return self._place in self._client.robots()
+        except NoAnswer:
+            return False
 
     def _next(self, deadline: float) -> Reply | None:
         """Return the next reply, None at the end of the query; raises NoAnswer after a loss of the router."""
