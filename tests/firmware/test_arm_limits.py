@@ -56,6 +56,18 @@ def test_arms_that_turn_too_far_on_their_path_are_stopped(ready: Rig) -> None:
     assert YAW_SUM_MAX - 300 <= sum(ready.steps) <= YAW_SUM_MAX
 
 
+def test_the_yaw_limit_includes_the_extreme_position_of_an_arm_that_turns_back(ready: Rig) -> None:
+    assert ready.move((2000, 2000, 2900), straight=True) == Error.OK
+    ready.run()
+    assert ready.move((2400, 2400, 2000), (2000, 2000, 3600)) == Error.OK
+    for tick in range(2000):
+        if tick % 400 == 0:
+            ready.ask(FrameType.PING)
+        ready.tick()
+        assert sum(ready.steps) <= YAW_SUM_MAX
+    assert ready.outcome == BoardOutcome.YAW
+
+
 def test_a_motion_back_from_a_limit_is_accepted(ready: Rig) -> None:
     ready.move((1500, 1500, 1500), (SPEED_MAX, 400, SPEED_MAX))
     ready.run()

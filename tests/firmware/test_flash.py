@@ -135,6 +135,7 @@ def test_a_new_board_answers_after_flashing_and_verification() -> None:
     assert [report[0] for report in progress] == sorted((report[0] for report in progress), reverse=True)
 
 
+@SLOW
 def test_flashing_succeeds_although_replies_are_damaged() -> None:
     with board() as avr:
         put(BenchWire(avr, spoil=0.005))

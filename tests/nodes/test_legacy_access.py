@@ -24,7 +24,7 @@ def motors_on_again(place: Place) -> Iterator[None]:
     try:
         yield
     finally:
-        until(lambda: place.robot.status().holder in ("", "ana"), "free")
+        place.until_free()
         place.robot.command(Command.RESET)
         place.robot.enable()
         place.robot.calibrate()
@@ -75,7 +75,7 @@ def test_the_event_log_has_actions_of_a_program_and_not_its_queries(place: Place
 
 
 def test_a_stop_is_carried_out_after_the_program_has_closed_its_port(place: Place) -> None:
-    until(lambda: place.robot.status().holder == "", "free")
+    place.until_free()
     with contextlib.closing(Program(place.path).port) as port:
         port.write(b"@ENMOTORS ON\r@CALNOW\r" + place.turn(2000) + b"@MOVRX 5\r")
         until(place.far, "moving")

@@ -10,8 +10,10 @@ from robots import Stage, ask_raw, ready, until
 from shell import Shell
 
 from beatrix_zenoh import Refused
+from beatrix_zenoh.client import lease
 from beatrix_zenoh.client.choreography import Choreography, Pose, play
 from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LeaseAction
 
 ASKED = (
     "ana asked look yaw 20.0°, pitch 0.0°, roll 0.0° at 60°/s, from Python: Accepted",
@@ -39,7 +41,7 @@ def test_every_request_is_in_the_log_file_with_its_seat_source_and_outcome(tmp_p
         Shell(stage.endpoint).good("look", "--yaw", "5", "--speed", "60", "--name", "bea", "--on", "hw")
         play(robot, Choreography([("nod", Pose(0.0, 0.0, 5.0, 0.0, 60.0))]))
         robot.stop()
-        until(lambda: robot.status().holder == "", "free")
+        lease.ask(stage.robot("bea", "hw", "teacher"), LeaseAction.GIVE_BACK)
         robot.client.bus.put(keys.arm_target("bea", "hw", "short"), b"0.1", "text/plain")
         until(lambda: "arm-topics" in log.read_text(encoding="utf-8"), "the last line")
     text = log.read_text(encoding="utf-8")

@@ -10,9 +10,10 @@ import msgspec
 import serial
 from robots import Stage, ask_raw, until
 
+from beatrix_zenoh.client import lease
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Event, Events
-from beatrix_zenoh.contract.names import OLD_PROGRAMS
+from beatrix_zenoh.contract._generated.messages import Event, Events, LeaseAction
+from beatrix_zenoh.contract.names import OLD_PROGRAMS, TEACHER
 
 PATIENCE_S = 40.0
 
@@ -77,7 +78,8 @@ class Place:
         self.start = self.robot.positions().commanded.short
 
     def until_free(self) -> None:
-        """Wait until another seat may drive after an old program, or before one."""
+        """Let the teacher end the turn of an old program or of a seat, so that the next one need not wait."""
+        lease.ask(self.stage.robot("bea", self._side, TEACHER), LeaseAction.GIVE_BACK)
         until(lambda: self.robot.status().holder == "", "free")
 
     @contextlib.contextmanager

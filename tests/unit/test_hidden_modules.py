@@ -96,7 +96,12 @@ OTHER = "Error importing numpy: you should not try to import numpy from its sour
     ("version", "tag", "named"),
     [
         ("1.26.4", "py3-none", "numpy 1.26.4, and BEATRIX needs numpy>=2.0"),
-        ("2.2.0", "cp310-cp310", "numpy 2.2.0 for Python 3.10"),
+        pytest.param(
+            "2.2.0",
+            "cp310-cp310",
+            "numpy 2.2.0 for Python 3.10",
+            marks=pytest.mark.long("starts four programs"),
+        ),
     ],
 )
 def test_a_package_that_beatrix_cannot_use_is_named_with_folder_and_version(

@@ -9,7 +9,6 @@ import sys
 import tomllib
 import zipfile
 from collections.abc import Iterator
-from itertools import pairwise
 from pathlib import Path
 
 import house
@@ -33,9 +32,7 @@ SLEEPERS = {
 BUILT = {"_generated", "build", "dist", "demo-out"}
 """Folders with generated files only."""
 
-DEF = re.compile(r"^(?:    )?(?:async )?def ", re.MULTILINE)
-NESTED = re.compile(r"^ {8,}(?:async )?(?:def|class) ", re.MULTILINE)
-"""Functions of modules and classes, and those in functions: without the latter, each ends before the next begins."""
+DEF = re.compile(r"^( *)(?:async def|def|class) ", re.MULTILINE)
 CPP_COMMENT_OR_STRING = re.compile(r'//[^\n]*|/\*.*?\*/|("(?:\\.|[^"\\])*")', re.DOTALL)
 
 
@@ -68,9 +65,13 @@ def cpp_code_lines(text: str) -> int:
 def long_functions(path: Path) -> Iterator[str]:
     """Yield the functions of a Python file that are longer than FUNCTION_MAX."""
     text = path.read_text(encoding="utf-8")
-    marks = [text.count("\n", 0, found.start()) for found in DEF.finditer(text)] + [text.count("\n") + 1]
-    if all(end - begin <= FUNCTION_MAX for begin, end in pairwise(marks)) and not NESTED.search(text):
-        return
+    marks = [(text.count("\n", 0, found.start()), len(found[1])) for found in DEF.finditer(text)]
+    last = text.count("\n") + 1
+    if not any(
+        next((end for end, level in marks[i + 1 :] if level <= indent), last) - begin > FUNCTION_MAX
+        for i, (begin, indent) in enumerate(marks)
+    ):
+        return  # parsing takes much longer
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             length = (node.end_lineno or node.lineno) - node.lineno + 1

@@ -117,6 +117,30 @@ def test_a_removed_task_is_not_called_again(reports: Reports) -> None:
     assert reports.called() == "bob"
 
 
+def test_no_task_of_a_robot_runs_while_another_one_is_left_behind(reports: Reports) -> None:
+    ada, returns = Owner("ada"), threading.Event()
+
+    def turn() -> float:
+        reports.calls.put("turn")
+        returns.wait(WAIT_S)
+        return NEVER
+
+    def publication() -> float:
+        reports.calls.put("publication")
+        return NEVER
+
+    reports.schedule.add(ada, turn).wake()
+    assert reports.called() == "turn"
+    reports.schedule.add(ada, publication)
+    reports.check(LEFT_TICKS + 1)
+    for task in reports.schedule._of(ada):
+        task.wake()
+    reports.add("bob", lambda: NEVER)()
+    assert reports.called() == "bob", "the publication would wait for a lock of the turn"
+    returns.set()
+    assert {reports.called(), reports.called()} == {"turn", "publication"}
+
+
 # -- the session watchdog of a process with several robots -----------------------------------------
 
 

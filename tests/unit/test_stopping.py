@@ -346,6 +346,25 @@ def test_an_error_is_reported_and_the_next_stop_is_sent(sender: StopSender, robo
     assert (reports[HW].reason, reports[SIM]) == (Reason.SHUTDOWN, RESTS)
 
 
+def test_an_unexpected_error_goes_to_the_excepthook_and_the_next_stop_is_sent(
+    sender: StopSender, robots: Robots, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown: list[BaseException | None] = []
+    monkeypatch.setattr(threading, "excepthook", lambda arguments: shown.append(arguments.exc_value))
+
+    def fail(answers: Answers) -> None:
+        raise wrong
+
+    wrong = robots.error = ValueError("unforeseen")
+    sender.send([CLIENT], [HW], robots.report(1))
+    sender.send([CLIENT], [SIM], fail)
+    until(lambda: len(shown) == 2, "both errors are shown")
+    sender.send([CLIENT], [HW, SIM], robots.report(2))
+    for _ in (HW, SIM):
+        assert robots.next_report()[0] == 2
+    assert shown == [wrong, wrong]
+
+
 def test_a_press_before_the_end_is_sent(robots: Robots) -> None:
     sender = StopSender("ended")
     robots.may_send.clear()
@@ -357,3 +376,12 @@ def test_a_press_before_the_end_is_sent(robots: Robots) -> None:
     sender.join(time.monotonic() + PATIENCE_S)
     assert [robots.sent.get_nowait(), robots.sent.get_nowait()] == [SIM, HW]
     assert {robots.next_report()[0], robots.next_report()[0]} == {1, 2}
+
+
+def test_join_waits_no_longer_than_its_deadline(robots: Robots, sender: StopSender) -> None:
+    robots.silent.add(HW)
+    sender.send([CLIENT], [HW], robots.report(1))
+    robots.sent.get(timeout=PATIENCE_S)
+    sender.close()
+    sender.join(time.monotonic() + 0.05)
+    assert robots.reported.empty()
