@@ -154,7 +154,14 @@ class MessageSession(RenewableSession):
 
         return self.add(SUBSCRIBER, key, declare)
 
-    def put(self, key: str, payload: bytes, encoding: str, priority: str | None = None) -> None:
+    def put(
+        self,
+        key: str,
+        payload: bytes,
+        encoding: str,
+        priority: str | None = None,
+        attachment: bytes | None = None,
+    ) -> None:
         """Publish once, with a `priority` as in `query`; raises the errors of `query`."""
         self._ask(key)
         self.use(
@@ -162,6 +169,7 @@ class MessageSession(RenewableSession):
                 key,
                 payload,
                 encoding=encoding,
+                attachment=attachment,
                 priority=priority_of(key, priority),
                 congestion_control=zenoh.CongestionControl.DROP,
                 source_info=zenoh.SourceInfo(session.id, 0),

@@ -359,11 +359,12 @@ class GroupRequest(Generic[M]):
         kind: type[M],
         lasts_s: float,
         priority: str | None = None,
+        attachment: bytes | None = None,
     ) -> None:
         """Send the query; replies are received for `lasts_s` and 2 s more."""
         self._client, self._key, self._kind = client, key, kind
         payload = None if request is None else codec.encode(request)
-        self._query = client.bus.query(key, payload, codec.MSGPACK, priority, lasts_s + LATE_S)
+        self._query = client.bus.query(key, payload, codec.MSGPACK, priority, lasts_s + LATE_S, attachment)
 
     def replies(self, timeout_s: float) -> Iterator[tuple[Place, M]]:
         """Yield name, side and reply of each robot, in the order of arrival, for at most `timeout_s` (s)."""

@@ -1,7 +1,8 @@
 """STOP as clients send it; all programs, windows and pages use this module.
 
 STOP is published and queried. A foreign queryable may take the query, so STOP is also published, and before the query:
-the reply then covers both. STOP needs no lease and waits in no queue of requests.
+the reply then covers both. Both carry the number of the press, because a robot may receive the publication later, when a
+new motion has begun. STOP needs no lease and waits in no queue of requests.
 
 `publish_stop` expects no reply. `stop_robots` sends STOP to several robots at the same time and waits in the caller's
 thread. A `StopSender` sends it on a thread of its own, for callers that must not wait.
@@ -10,6 +11,7 @@ thread. A `StopSender` sends it on a thread of its own, for callers that must no
 from __future__ import annotations
 
 import itertools
+import os
 import queue
 import threading
 import time
@@ -37,6 +39,8 @@ from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, R
 
 ROBOT_S: Final = 2.0
 """Default time limit (s) of the reply of one robot; the slowest stop, from 90 deg/s, takes half a second."""
+PRESS_BYTES: Final = 8
+"""Size of the random number of a press."""
 GROUP_S: Final = 3.0
 """Time limit (s) of the replies of a group."""
 PLACES_MAX: Final = 16
@@ -57,9 +61,9 @@ Report = Callable[[Answers], object]
 R = TypeVar("R", bound=RobotBase)
 
 
-def publish_stop(client: Client, place: Place) -> None:
-    """Publish STOP and expect no reply; in a place `*` stands for all robots or both sides."""
-    client.bus.put(stop_key(client, place), b"", codec.MSGPACK)
+def publish_stop(client: Client, place: Place, press: bytes | None = None) -> None:
+    """Publish STOP and expect no reply; in a place `*` stands for all robots or both sides. `press`: its number."""
+    client.bus.put(stop_key(client, place), b"", codec.MSGPACK, attachment=press)
 
 
 def stop_key(client: Client, place: Place) -> str:
@@ -76,13 +80,17 @@ def stop_robots(robots: Iterable[R]) -> Iterator[tuple[R, Answer]]:
 
 def begin_stop(
     client: Client, place: Place, *, emergency: bool
-) -> tuple[str, CommandQuery | None, str | None]:
-    """Publish STOP; return key, payload and priority of its query. EMERGENCY_STOP is only queried, as a command."""
+) -> tuple[str, CommandQuery | None, str | None, bytes | None]:
+    """Publish STOP; return key, payload, priority and attachment of its query.
+
+    EMERGENCY_STOP is only queried, as a command.
+    """
     if emergency:
         query = CommandQuery(command=Command.EMERGENCY_STOP.value, source=client.source)
-        return keys.command(*place, client.settings.who), query, "real_time"
-    publish_stop(client, place)
-    return stop_key(client, place), None, None
+        return keys.command(*place, client.settings.who), query, "real_time", None
+    press = os.urandom(PRESS_BYTES)
+    publish_stop(client, place, press)
+    return stop_key(client, place), None, None, press
 
 
 class SentStop:
@@ -91,9 +99,9 @@ class SentStop:
     def __init__(
         self, client: Client, place: Place, timeout_s: float = ROBOT_S, *, emergency: bool = False
     ) -> None:
-        key, query, priority = begin_stop(client, place, emergency=emergency)
+        key, query, priority, press = begin_stop(client, place, emergency=emergency)
         self.place, self._timeout_s = place, timeout_s
-        self._request = Request(client, place, key, query, timeout_s, priority)
+        self._request = Request(client, place, key, query, timeout_s, priority, press)
         self.close = self._request.close
 
     def answer(self) -> Answer:
@@ -111,9 +119,9 @@ class SentGroupStop:
     """STOP or EMERGENCY_STOP that was sent to all robots of a place with `*`."""
 
     def __init__(self, client: Client, place: Place, *, emergency: bool = False) -> None:
-        key, query, priority = begin_stop(client, place, emergency=emergency)
+        key, query, priority, press = begin_stop(client, place, emergency=emergency)
         self._client, self._place = client, place
-        self._request = GroupRequest(client, key, query, CommandReply, GROUP_S, priority)
+        self._request = GroupRequest(client, key, query, CommandReply, GROUP_S, priority, press)
         self.close = self._request.close
         self._deadline_s = time.monotonic() + GROUP_S
 

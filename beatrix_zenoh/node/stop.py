@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from functools import partial
 from typing import Final
 
@@ -45,7 +46,7 @@ REST_S: Final = 2.0
 SAME_PRESS_S: Final = 0.5
 """A put and a query of one seat and session within this time (s) count as one press and one event."""
 RECORDED: Final = 64
-"""Number of callers, and of keys, whose last press is remembered."""
+"""Number of callers, and of keys, whose last press is remembered, and of presses."""
 SAME_PUT_S: Final = 0.002
 """Puts of STOP with one key within this time (s), without a motion in between, count as one. Each costs Python 10 times
 as much as a skipped one, and other puts wait behind a flood."""
@@ -74,6 +75,8 @@ class StopHandler(Component):
         """Time (s, monotonic) of the last STOP that the board has acknowledged, and `Access.begun` before it."""
         self._puts: dict[str, tuple[float, int]] = {}
         """Time (s, monotonic) of the last put by its key, and `Access.begun` then."""
+        self._queried: deque[bytes] = deque(maxlen=RECORDED)
+        """Numbers of the presses whose query has come."""
         self._recorded: dict[Caller, tuple[str, float]] = {}
         """Form (put or query) and time (s, monotonic) of the last recorded press of each caller, the newest last."""
         self._thread: threading.Thread | None = None
@@ -101,6 +104,9 @@ class StopHandler(Component):
 
     def _query(self, served: str, incoming: Incoming) -> None:
         if is_stop(incoming.key):
+            if press := incoming.attachment:
+                with self._changed:
+                    self._queried.append(press)
             handle = self._requests.handle(incoming, served, Command.STOP.name, EventKind.STOP)
             caller = Caller(handle.caller.seat or self._unsigned, handle.caller.session)
             self.press(Command.STOP, replace(handle, caller=caller, events=self._events(caller, "query")))
@@ -119,8 +125,13 @@ class StopHandler(Component):
         return False
 
     def _put(self, served: str, received: Received) -> None:
-        """Handle a put of STOP. Our clients send it before the query, because another queryable may take it."""
-        if is_stop(received.key):
+        """Handle a put of STOP. Our clients send it before the query, because another queryable may take it.
+
+        One that comes after the query of the same press, which has done its work, could end the caller's next motion.
+        """
+        with self._changed:
+            done = received.attachment in self._queried
+        if is_stop(received.key) and not done:
             # The seat is that of the key, which the router of a class checks; any client can forge a session id.
             caller = Caller(seat_of(received.key, served) or self._unsigned, received.session)
             events = self._events(caller, "put")

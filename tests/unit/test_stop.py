@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from types import SimpleNamespace
 from typing import cast
 
 import msgspec
 import pytest
 
-from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.bus import Incoming, Received, Sessions
+from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.contract._generated.messages import Command, CommandReply, EventKind, Reason
 from beatrix_zenoh.contract._generated.serial import FrameType
 from beatrix_zenoh.contract.errors import NoAnswer
@@ -30,18 +32,23 @@ class Unconnected:
 
     control = Control()
 
-    def serve(self, *_: object) -> None:
-        """Declare nothing: this test sends no query."""
+    def __init__(self) -> None:
+        self.queries: dict[str, Callable[[Incoming], None]] = {}
+        self.puts: dict[str, Callable[[Received], None]] = {}
 
-    def subscribe_newest(self, *_: object) -> None:
-        """Subscribe to nothing: this test sends no put."""
+    def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
+        self.queries[key] = handle
+
+    def subscribe_newest(self, key: str, handle: Callable[[Received], None], _: object) -> None:
+        self.puts[key] = handle
 
 
 class Stage:
     """A stop handler whose board only records its requests."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        sessions = cast("Sessions", Unconnected())
+        self.network = Unconnected()
+        sessions = cast("Sessions", self.network)
         self.hardware = VirtualHardware("bea")
         self.node = node = Node(sessions, "bea", self.hardware)
         self.sent: list[FrameType] = []
@@ -138,6 +145,23 @@ def test_a_stop_after_a_new_motion_is_sent_however_soon(stage: Stage) -> None:
         stage.press(Command.STOP, "ana")
         assert stage.replied.acquire(timeout=5)
         assert stage.sent == [FrameType.STOP] * number
+
+
+def test_a_put_after_the_query_of_its_press_does_not_stop_the_next_motion(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pressed: list[Command] = []
+    monkeypatch.setattr(stage.handler, "press", lambda command, _: pressed.append(command))
+    key = "beatrix/bea/hw/stop/ana"
+    query = SimpleNamespace(
+        key=key, session="ana", attachment=b"press 1", raw=RawQuery(b"", "", ""), finish=0
+    )
+    stage.network.queries["beatrix/bea/hw/stop/*"](cast("Incoming", query))
+    assert len(pressed) == 1
+    put = stage.network.puts["beatrix/bea/hw/stop/*"]
+    for press, presses in ((b"press 1", 1), (b"press 2", 2), (b"", 3), (None, 4)):
+        put(Received(key, b"", "ana", press))
+        assert len(pressed) == presses, press
 
 
 def test_a_stop_after_one_that_the_board_did_not_acknowledge_is_sent(stage: Stage) -> None:

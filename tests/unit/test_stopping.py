@@ -58,18 +58,21 @@ class Asked:
 
 
 class Network:
-    """A session without a network: `sent` has the keys of publications (`put`) and queries (`get`) in their order."""
+    """A session without a network: `sent` has the keys of publications and queries, `presses` their attachments."""
 
     def __init__(self, replies: dict[Place, CommandReply] | None = None, *, connected: bool = True) -> None:
         self.replies, self.connected, self.closed = replies or {}, connected, False
         self.sent: list[tuple[str, str]] = []
+        self.presses: list[object] = []
 
-    def put(self, key: str, *_: object) -> None:
+    def put(self, key: str, *_: object, attachment: bytes | None = None) -> None:
+        self.presses.append(attachment)
         if self.closed:
             raise WrongUsage(Reason.SHUTDOWN, "closed by this program")
         self.sent.append(("put", key))
 
-    def query(self, key: str, *_: object, **__: object) -> Asked:
+    def query(self, key: str, *words: object, **__: object) -> Asked:
+        self.presses += words[4:5]
         self.sent.append(("get", key))
         end = key.rpartition("/")[0] + "/ana" if key.endswith("/ana") else key
         tail = end.split("/", 3)[3]
@@ -114,6 +117,7 @@ def test_stop_is_published_before_it_is_queried() -> None:
     network = Network({HW: RESTS})
     assert SentStop(network.client(), HW).answer() == RESTS
     assert network.sent == [("put", "beatrix/bea/hw/stop/ana"), ("get", "beatrix/bea/hw/stop/ana")]
+    assert network.presses[:1] == network.presses[1:] != [None], "both have the number of the press"
 
 
 def test_a_publication_alone_asks_no_robot() -> None:

@@ -102,7 +102,7 @@ KEYS: Final[dict[str, KeyRow]] = {
         "",
         "real_time",
         "drop",
-        "Stop at once, under the name of a seat. With any payload, without lease. In a class each seat may send it to all robots, only under its own name, which events then show.",
+        "Stop at once, under the name of a seat. With any payload, without lease. A put and a query of one press carry the same number as attachment (8 random bytes): a put that comes after its query is ignored. In a class each seat may send it to all robots, only under its own name, which events then show.",
     ),
     "stop_unsigned": KeyRow(
         "beatrix/{robot}/{side}/stop",
@@ -435,7 +435,7 @@ def lease(robot: str, side: str, who: str) -> str:
 def stop(robot: str, side: str, who: str) -> str:
     """Return the key `beatrix/{robot}/{side}/stop/{who}`.
 
-    Stop at once, under the name of a seat. With any payload, without lease. In a class each seat may send it to all robots, only under its own name, which events then show.
+    Stop at once, under the name of a seat. With any payload, without lease. A put and a query of one press carry the same number as attachment (8 random bytes): a put that comes after its query is ignored. In a class each seat may send it to all robots, only under its own name, which events then show.
     """
     return f"beatrix/{robot}/{side}/stop/{who}"
 

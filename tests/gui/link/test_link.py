@@ -73,8 +73,8 @@ def test_stop_is_sent_at_once_while_the_window_is_busy(
     sent_s: list[float] = []
     put = stopping.publish_stop
 
-    def noted(client: Client, place: Place) -> None:
-        put(client, place)
+    def noted(client: Client, place: Place, press: bytes | None = None) -> None:
+        put(client, place, press)
         sent_s.append(time.monotonic())
 
     monkeypatch.setattr(stopping, "publish_stop", noted)
