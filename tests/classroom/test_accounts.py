@@ -63,6 +63,7 @@ def test_an_expired_account_is_refused_before_anything_is_sent(router: ClassRout
         zbus.connect(account.connect, account=account)
 
 
+@pytest.mark.long("starts each program of a class")
 @pytest.mark.parametrize(("name", "days"), [("teacher", -1), ("ana", 59)])
 def test_doctor_and_top_announce_that_an_account_expires(
     router: ClassRouter, name: str, days: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -100,6 +100,7 @@ def test_a_stop_without_a_seat_is_the_teachers(router: ClassRouter, form: str) -
     assert event.seat == TEACHER
 
 
+@pytest.mark.long("waits for robots that do not answer")
 @pytest.mark.measures_time
 @pytest.mark.parametrize("kind", ["takes queries", "answers nonsense"])
 def test_a_token_without_a_robot_holds_up_no_command_of_the_teacher(
@@ -141,6 +142,7 @@ def test_a_token_without_a_robot_holds_up_no_command_of_the_teacher(
     in_time(listed_s, 1.9, "ls")
 
 
+@pytest.mark.long("waits for the end of a lease")
 def test_a_disconnected_holder_loses_the_robot_to_the_seat_that_waits(
     router: ClassRouter, tmp_path: Path
 ) -> None:

@@ -72,6 +72,7 @@ def test_a_seat_drives_the_robots_of_the_class_and_its_own_and_no_other(clients:
     Robot("bea1", "hw", client=clients["teacher"]).look(yaw=0)
 
 
+@pytest.mark.long("starts the page twice")
 def test_only_one_page_of_a_seat_drives_at_a_time(router: ClassRouter, clients: dict[str, Client]) -> None:
     """All pages act as one seat, because the router allows their server only the seat of its account."""
     account = router.account("ben")

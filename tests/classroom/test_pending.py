@@ -70,6 +70,7 @@ def lessons(settings: Settings) -> list[reports.Row]:
         return reports.read(client)
 
 
+@pytest.mark.long("restarts a class")
 def test_a_robot_that_was_away_gets_the_decisions_of_the_teacher_and_none_of_a_seat(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -51,6 +51,7 @@ COMMANDS = (
 )
 
 
+@pytest.mark.long("restarts a class; test_access_rules.py has the rules")
 def test_the_router_refuses_cards_that_were_replaced_and_accepts_the_new_ones(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

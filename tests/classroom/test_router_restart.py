@@ -6,6 +6,7 @@ import contextlib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import pytest
 from class_router import ClassRouter, start_node
 from patient_connections import PATIENCE_S, patiently
 from robots import ready, until
@@ -32,6 +33,7 @@ def reaches(robot: Robot) -> bool:
         return False
 
 
+@pytest.mark.long("restarts a class")
 def test_a_restart_for_a_new_seat_keeps_lease_queue_mute_and_freeze(tmp_path: Path) -> None:
     with contextlib.ExitStack() as stack:
         router = stack.enter_context(ClassRouter(tmp_path, seats='["ana", "ben", "cleo"]'))

@@ -91,6 +91,9 @@ class Stops:
         self._thread.join(PATIENCE_S)
 
 
+MORE = pytest.mark.long("two more attacks of the same kind")
+
+
 def attack(router: ClassRouter, kind: str, number: int) -> None:
     """Let the seat ana make declarations, in a process of its own."""
     process = Process("-c", PROGRAM, str(router.path("ana")), kind, str(number))
@@ -101,8 +104,8 @@ def attack(router: ClassRouter, kind: str, number: int) -> None:
     ("kind", "number", "report"),
     [
         ("subscriber", 30_000, "The router of the seats has ended (SIGABRT)"),
-        ("any subscriber", 30_000, ""),
-        ("own queryable", 30_000, ""),
+        pytest.param("any subscriber", 30_000, "", marks=MORE),
+        pytest.param("own queryable", 30_000, "", marks=MORE),
         ("tokens", 8000, "ana announced more programs"),
     ],
 )

@@ -124,6 +124,7 @@ def test_the_speed_limit_of_the_teacher_stops_and_refuses_faster_motions(body: B
     robot.look(yaw=0, speed=60)
 
 
+@pytest.mark.long("waits for the end of a turn")
 def test_a_turn_ends_in_mid_move_and_the_next_seat_gets_the_robot(body: Body, robot: Robot) -> None:
     teacher, ben = body.robot("teacher"), body.robot("ben")
     assert "at most 5 s" in lease.send(teacher, LeaseQuery(action=LeaseAction.TURN, longest_s=5)).message

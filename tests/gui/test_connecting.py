@@ -149,6 +149,7 @@ def test_a_virtual_robot_is_connected_with_two_presses(
         assert user.window._world.own_hardware
 
 
+@pytest.mark.long("starts the hardware twice")
 def test_another_port_replaces_the_one_without_a_board(tmp_path: Path) -> None:
     with Linked(free_endpoint()) as linked:
         linked.do(LookForPorts())

@@ -42,6 +42,7 @@ def test_each_column_shows_the_angles_of_its_robot(user: Windowed) -> None:
     assert shows(head.numbers["sim", "yaw"], 0)
 
 
+@pytest.mark.long("motions in real time")
 def test_a_refused_target_offers_one_that_is_reached_and_undo_goes_back(
     user: Windowed, robots: dict[str, Robot]
 ) -> None:
@@ -240,6 +241,7 @@ def test_the_next_steps_of_a_pill_make_the_robot_ready(
     assert all(robot.status().calibrated for robot in (sim, hw))
 
 
+@pytest.mark.long("test_head3d.py and test_link_plans.py have its parts")
 def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
     head = user.window.panels.head3d.head
     user.drag(head, *across(head, -40, -15))
@@ -253,6 +255,7 @@ def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw:
         user.until(lambda robot=robot: looks(robot, target), f"{robot} looks at {target}")  # type: ignore[misc]
 
 
+@pytest.mark.long("motions in real time")
 def test_live_moves_the_simulation_while_the_mouse_moves_and_never_the_hardware(
     user: Windowed, sim: Robot, hw: Robot
 ) -> None:

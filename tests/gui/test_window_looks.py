@@ -168,8 +168,15 @@ def faults(window: Window, size: tuple[int, int], name: str) -> Iterator[str]:
         yield f"{size} {name}: {text}"
 
 
+FIRST, *OTHERS = Theme
+THEMES = [
+    FIRST,
+    *(pytest.param(theme, marks=pytest.mark.long("a theme changes colours only")) for theme in OTHERS),
+]
+
+
 @pytest.mark.parametrize("language", LANGUAGES)
-@pytest.mark.parametrize("theme", Theme)
+@pytest.mark.parametrize("theme", THEMES)
 def test_no_text_and_no_widget_is_cut_off(qtbot: QtBot, theme: Theme, language: str) -> None:
     state = ShownState(example("well", theme, language))
     window = Window(RecordingLink(), state)

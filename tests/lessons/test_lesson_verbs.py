@@ -201,6 +201,7 @@ def test_tries_at_one_figure_are_counted_and_a_renamed_figure_has_the_first_hint
     assert "Hint 1/3" in good("hint", "1")
 
 
+@pytest.mark.long("waits for a time limit")
 @pytest.mark.parametrize(
     "function",
     [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 
+import pytest
 from robots import Stage, until
 from shell import NAME, Shell
 
@@ -80,6 +81,7 @@ def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> N
         assert words in free.good("limit", "--turn", longest, "--who", "teacher")
 
 
+@pytest.mark.long("waits for robots that do not answer")
 def test_a_robot_that_freeze_did_not_reach_is_named_and_shown_as_not_frozen() -> None:
     with Stage() as stage:
         shell = Shell(stage.endpoint)
@@ -105,6 +107,7 @@ def test_a_robot_that_freeze_did_not_reach_is_named_and_shown_as_not_frozen() ->
         assert line not in shell.good("top", "--once")
 
 
+@pytest.mark.long("starts a robot twice")
 def test_a_robot_that_returns_without_a_mute_or_limit_of_the_others_is_named() -> None:
     with Stage() as stage:
         shell = Shell(stage.endpoint)

@@ -43,6 +43,7 @@ def steps(robot: Robot) -> Steps:
 # -- lead ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.long("a lead in real time")
 @pytest.mark.measures_time
 def test_look_with_a_lead_counts_down_and_reports_the_lag(free: Shell) -> None:
     free.good(
@@ -100,6 +101,7 @@ def test_invalid_or_contradictory_options_are_wrong_usage(words: tuple[str, ...]
 # -- play ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.long("plays in real time")
 @pytest.mark.parametrize("options", [("--on", "sim"), ("--on", "both", "--lockstep")])
 def test_play_shows_each_pose_and_where_it_ends(free: Shell, mine: str, options: tuple[str, ...]) -> None:
     free.good("home", "--on", "both")

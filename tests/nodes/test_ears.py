@@ -37,6 +37,7 @@ def difference_db(sound: Sound) -> float:
     return left - right
 
 
+@pytest.mark.long("listens in real time")
 def test_a_sound_is_louder_on_its_side_and_the_head_turns_its_ears(robot: Robot) -> None:
     robot.place_sound(0.3, 1.5, 0.1)
     robot.play_sound("noise", 60)

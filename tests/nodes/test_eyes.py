@@ -96,6 +96,7 @@ def test_stop_ends_a_motion_while_the_eyes_draw(robot: Robot) -> None:
         assert robot.positions().head.yaw == pytest.approx(at, abs=0.2)
 
 
+@pytest.mark.long("starts a renderer twice")
 def test_a_crash_of_the_renderer_affects_only_the_pictures(stage: Stage) -> None:
     sim = stage.simulation("hurt", "--ready")
     robot = stage.robot("hurt", "sim")

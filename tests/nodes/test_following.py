@@ -152,6 +152,7 @@ def test_stop_and_switching_the_motors_off_end_following(
     both.sim.reset()
 
 
+@pytest.mark.long("follows in real time")
 def test_it_waits_for_a_hardware_that_is_off_and_moves_smoothly_to_its_new_home(both: Both) -> None:
     both.hw.move(20, 20, 20, speed=60)
     both.together()

@@ -45,6 +45,7 @@ def jog(stage: Stage, answers: str, *more: str) -> subprocess.CompletedProcess[s
     return beatrix(*words(stage, *more), answers=answers)
 
 
+@pytest.mark.long("all wrong plugs in real time")
 @pytest.mark.parametrize(
     ("answers", "advice", "missing"),
     [

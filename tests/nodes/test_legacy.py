@@ -37,6 +37,7 @@ def test_the_recorded_dialogues_are_reproduced_exactly(place: Place, dialogue: P
                 assert program.read(len(due)) == due
 
 
+@pytest.mark.long("waits for the end of a lease")
 @pytest.mark.bodies("hw")
 def test_an_old_program_is_refused_until_no_other_seat_drives(place: Place) -> None:
     with place.program() as program:
@@ -79,6 +80,7 @@ def test_any_client_stops_an_old_program(place: Place) -> None:
         assert program.say("@MOVRX 5 200") == ["ACK\n", "NACK\n"], "a stopped program has to pause"
 
 
+@pytest.mark.long("motions in real time")
 @pytest.mark.bodies("hw")
 def test_after_the_end_of_a_program_its_motion_is_finished_and_waiting_lines_are_dropped(
     place: Place,

@@ -65,6 +65,7 @@ def test_stopall_is_carried_out_before_hundreds_of_waiting_lines(place: Place) -
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"], "every line was answered"
 
 
+@pytest.mark.long("waits for a board to return")
 def test_lines_to_a_lost_board_are_answered_nack_and_its_return_clears_the_zero(tmp_path: Path) -> None:
     with Stage() as stage, PtyBoard(tmp_path / "board") as board:
         sessions = Sessions(lambda: zbus.connect(stage.endpoint))

@@ -94,6 +94,7 @@ def test_a_program_with_an_error_or_too_fast_ends_and_the_head_goes_home(free: S
         assert robot.status().lease == 0
 
 
+@pytest.mark.long("a turn in real time")
 def test_a_program_that_gives_the_robot_back_is_not_faster_and_the_head_goes_home(
     free: Shell, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -105,6 +106,7 @@ def test_a_program_that_gives_the_robot_back_is_not_faster_and_the_head_goes_hom
         until(lambda: robot.status().holder == "", "the robot is free")
 
 
+@pytest.mark.long("a turn in real time")
 def test_a_program_that_does_not_end_is_ended(
     free: Shell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -145,6 +147,7 @@ def test_stop_of_another_seat_ends_the_turn_and_the_head_stays(free: Shell, tmp_
         assert robot.status().lease == 0
 
 
+@pytest.mark.long("a turn in real time")
 def test_a_turn_that_the_teacher_ends_tells_the_pupil_to_wait(free: Shell, tmp_path: Path) -> None:
     with free.robot("hw") as robot, Robot(NAME, "hw", connect=free.endpoint, who=TEACHER) as teacher:
 

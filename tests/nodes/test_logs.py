@@ -24,6 +24,7 @@ def stage() -> Iterator[Stage]:
         yield made
 
 
+@pytest.mark.long("fills a pipe")
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux can set the size of a pipe")
 def test_an_unread_stderr_does_not_block_the_node(stage: Stage) -> None:
     reader, writer = os.pipe()

@@ -86,6 +86,7 @@ def longest_gap_s(times: list[int]) -> float:
     return max(after - before for before, after in pairwise(times)) / 1e9
 
 
+@pytest.mark.long("starts a robot several times")
 @pytest.mark.measures_time
 @pytest.mark.parametrize(
     ("fault", "name", "cause"),

@@ -43,6 +43,7 @@ POSES = Choreography(
 )
 
 
+@pytest.mark.long("plays in real time")
 def test_in_lockstep_both_robots_wait_for_the_slower_one(twin: Twin, begun: list[Begun]) -> None:
     twin.hw.look(yaw=-40, speed=90)
     begun.clear()

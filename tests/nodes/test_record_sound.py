@@ -6,12 +6,14 @@ import wave
 from pathlib import Path
 
 import numpy as np
+import pytest
 from robots import Stage, until, wait_status
 
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.recording.rrd.read import read_sound
 
 
+@pytest.mark.long("listens in real time")
 def test_a_recording_has_what_the_robot_hears(stage: Stage, tmp_path: Path) -> None:
     robot = stage.robot("bea", "sim")
     robot.place_sound(0.3, 1.5, 0.1)

@@ -6,6 +6,7 @@ import json
 import signal
 from pathlib import Path
 
+import pytest
 from recorded_values import SCALARS, recorded_values
 from robots import Process, Stage, ask_raw
 from shell import Shell
@@ -31,6 +32,7 @@ def test_a_note_without_a_recording_says_how_to_begin_one(stage: Stage) -> None:
     assert json.loads(shell.run("note", "trial 3", "--json").stdout)["reason"] == "NO_ANSWER"
 
 
+@pytest.mark.long("starts several recorders")
 def test_notes_of_all_seats_are_in_every_recording(stage: Stage, tmp_path: Path) -> None:
     shell = Shell(stage.endpoint)
     first, second = tmp_path / "one.rrd", tmp_path / "two.rrd"

@@ -100,6 +100,7 @@ def check_path(live: LiveRecording, played: Following) -> None:
     assert np.max(distances) < CUT_DEG
 
 
+@pytest.mark.long("a path in real time")
 def test_both_robots_follow_a_path_and_a_known_lag_and_offset_are_found(stage: Stage, twin: Twin) -> None:
     played = following(NOD)
     sim, hw = recorded_during(stage, 6.0, lambda: replay(twin, played, lead_s=0.1))

@@ -163,6 +163,7 @@ def test_the_error_of_a_suspended_program_does_not_name_the_router(stage: Stage,
         )
 
 
+@pytest.mark.long("waits until a session is replaced")
 @pytest.mark.parametrize("traffic", ["control", "motion"])
 def test_a_session_whose_declarations_the_router_has_lost_is_replaced(stage: Stage, traffic: str) -> None:
     node = stage.node("bea")

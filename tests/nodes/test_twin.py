@@ -193,6 +193,7 @@ def test_the_hardware_is_stopped_when_the_simulation_is_lost() -> None:
         assert other.positions().commanded.short < 60
 
 
+@pytest.mark.long("a long motion in real time")
 def test_a_refused_commit_does_not_stop_the_motion_of_another_seat(stage: Stage, twin: Twin) -> None:
     bob = stage.robot("bea", "hw", "bob")
     until(lambda: twin.hw.status().holder == "", "lease over")

@@ -99,6 +99,7 @@ def test_a_held_button_moves_the_robot_until_it_is_released(driver: WebSocket, r
     assert robot.positions().head.yaw == pytest.approx(rests, abs=0.2)
 
 
+@pytest.mark.long("jogs to a limit in real time")
 def test_a_jog_that_ends_at_the_limit_says_so_at_the_first_press(driver: WebSocket, robot: Robot) -> None:
     hold_button(driver, "pitch", at_limit, "a refusal")
     assert at_limit(driver.state(resting, "at rest"))
@@ -113,6 +114,7 @@ def test_without_heartbeats_the_robot_stops(driver: WebSocket, robot: Robot) -> 
     assert abs(robot.positions().head.yaw) > 1.0
 
 
+@pytest.mark.long("waits for the limit of a silent page")
 def test_a_silent_page_gives_the_robot_back(driver: WebSocket, robot: Robot) -> None:
     driver.state(lambda view: not view["you"]["drives"], "given back", heartbeat=False)
     assert "silent for too long" in driver.view["you"]["notice"]

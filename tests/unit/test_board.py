@@ -175,6 +175,7 @@ def test_a_reset_is_detected_by_the_boot_number(rig: Rig) -> None:
     assert rig.board.link.hello.boot == 2
 
 
+@pytest.mark.long("waits in real time")
 def test_board_time_pauses_while_the_reader_thread_does_not_run(rig: Rig) -> None:
     """On a busy computer one thread may not run for a second, although the host still exists."""
     rig.board.enable(on=True)

@@ -156,6 +156,7 @@ def test_the_only_name_online_is_selected_and_another_can_be_selected(stage: Sta
         assert linked.world.robot == "not-there"
 
 
+@pytest.mark.long("waits for a suspended router")
 def test_a_suspended_router_counts_as_lost_and_delays_no_request(stage: Stage) -> None:
     endpoint = free_endpoint()
     router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)

@@ -22,6 +22,7 @@ from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, World
 
 
+@pytest.mark.long("waits for robots that do not answer")
 def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> None:
     with Stage() as stage:
         stage.node("bea2")
@@ -100,6 +101,7 @@ def test_the_teachers_window_opens_on_a_robot_of_the_class() -> None:
             assert linked.world.robot == "bea2"
 
 
+@pytest.mark.long("waits for the period of reports")
 def test_the_reports_of_the_class_are_read_while_its_page_is_shown(tmp_path: Path) -> None:
     with ClassRouter(tmp_path) as router:
         ana, teacher = router.session("ana"), router.account("teacher")

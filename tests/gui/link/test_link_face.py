@@ -79,6 +79,7 @@ def test_the_program_is_copied_once_and_then_it_is_the_one_that_runs(linked: Lin
     assert not world.face.running
 
 
+@pytest.mark.long("starts the program")
 def test_the_person_sways_while_the_program_runs_and_then_stands_where_it_stood(
     stage: Stage, linked: Linked, own: Path
 ) -> None:
@@ -106,6 +107,7 @@ def test_a_program_that_cannot_be_copied_is_reported(linked: Linked, tmp_path: P
     assert (end.accepted, end.key) == (False, "result.no_write")
 
 
+@pytest.mark.long("starts the program three times")
 def test_a_newer_motion_or_play_replaces_the_program(linked: Linked, own: Path) -> None:
     write(own, TURNS)
     turning(linked, 1)
@@ -144,6 +146,7 @@ def test_stop_of_another_seat_ends_the_program_and_names_the_seat(
     assert (end.reason, end.detail and end.detail.presser) == (Reason.STOPPED, "ben")
 
 
+@pytest.mark.long("starts the program")
 def test_the_loss_of_the_robot_ends_the_program(stage: Stage, linked: Linked, own: Path) -> None:
     simulation = stage.process("sim_node", "--name", "gone", "--connect", stage.endpoint, "--ready")
     simulation.expect("ready")
@@ -165,6 +168,7 @@ ENDS = (
 """Programs, the reason with which they end, and a part of their last line."""
 
 
+@pytest.mark.long("starts the program")
 def test_a_program_that_ends_gives_a_reason_and_its_last_line(linked: Linked, own: Path) -> None:
     own.parent.mkdir()
     for row, (text, reason, line) in enumerate(ENDS):

@@ -109,6 +109,7 @@ def test_a_motion_of_the_simulation_replaces_one_in_its_lead(linked: Linked) -> 
     assert steps(linked) == before
 
 
+@pytest.mark.long("waits for previews")
 def test_a_refused_preview_has_a_detail_and_keeps_the_waiting_motion(linked: Linked) -> None:
     leading(linked, 1, 30.0, 1.5)
     linked.do(Send(2, pose_query(0, 60, 0, relative=False, speed=1.0), BOTH))

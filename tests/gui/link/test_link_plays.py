@@ -58,6 +58,7 @@ def test_poses_are_played_one_after_the_other(linked: Linked) -> None:
     assert short(world, "sim") == pytest.approx(-5, abs=0.1)
 
 
+@pytest.mark.long("plays in real time")
 def test_a_loop_is_played_until_a_newer_motion(linked: Linked) -> None:
     linked.do(Play(1, ("sim",), poses=turns(80.0, 8.0), again=turns(80.0, -8.0, 8.0)))
     linked.until(lambda world: short(world, "sim") > 7, "the first round")
@@ -117,6 +118,7 @@ def frozen(stage: Stage, linked: Linked) -> Iterator[Linked]:
         node.send(signal.SIGCONT)
 
 
+@pytest.mark.long("waits for a suspended node")
 def test_a_plan_that_waits_for_a_suspended_node_delays_no_motion_of_the_simulation(frozen: Linked) -> None:
     frozen.do(Send(1, look(20, 30), BOTH, 1.0))
     frozen.do(Send(2, look(5, 60), ("sim",)))
