@@ -304,7 +304,7 @@ def ended(part: Part, cause: str, connected: frozenset[str], count: int, recent:
 
     `recent`: the accounts that were connected at each of its ends within OFTEN_S.
     """
-    names = ", ".join(sorted(connected)) or "none"
+    names = ", ".join(sorted(connected)) or "none that it reported in time"
     text = f"The {part.called} has ended ({cause}), {count} x since the start. It is started again. Connected were: {names}."
     if len(recent) < OFTEN:
         return text

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import deque
 from functools import partial
 from typing import Final
 
@@ -44,7 +43,7 @@ FRAMES: Final = {
 REST_S: Final = 2.0
 """Time (s) after which moving arms are a fault. Arms at full speed stop much sooner, and clients wait longer."""
 SAME_PRESS_S: Final = 0.5
-"""A put and a query of one seat and session within this time (s) count as one press and one event."""
+"""A put and a query of one seat and session without a number within this time (s) count as one press and one event."""
 RECORDED: Final = 64
 """Number of callers, and of keys, whose last press is remembered, and of presses."""
 SAME_PUT_S: Final = 0.002
@@ -75,8 +74,8 @@ class StopHandler(Component):
         """Time (s, monotonic) of the last STOP that the board has acknowledged, and `Access.begun` before it."""
         self._puts: dict[str, tuple[float, int]] = {}
         """Time (s, monotonic) of the last put by its key, and `Access.begun` then."""
-        self._queried: deque[bytes] = deque(maxlen=RECORDED)
-        """Numbers of the presses whose query has come."""
+        self._presses: dict[tuple[str, bytes], str] = {}
+        """The form (put or query) of each press that came first, by seat and number, the newest last."""
         self._recorded: dict[Caller, tuple[str, float]] = {}
         """Form (put or query) and time (s, monotonic) of the last recorded press of each caller, the newest last."""
         self._thread: threading.Thread | None = None
@@ -104,12 +103,10 @@ class StopHandler(Component):
 
     def _query(self, served: str, incoming: Incoming) -> None:
         if is_stop(incoming.key):
-            if press := incoming.attachment:
-                with self._changed:
-                    self._queried.append(press)
             handle = self._requests.handle(incoming, served, Command.STOP.name, EventKind.STOP)
             caller = Caller(handle.caller.seat or self._unsigned, handle.caller.session)
-            self.press(Command.STOP, replace(handle, caller=caller, events=self._events(caller, "query")))
+            events = self._events(caller, "query", incoming.attachment)
+            self.press(Command.STOP, replace(handle, caller=caller, events=events))
         else:
             incoming.finish()
 
@@ -129,18 +126,25 @@ class StopHandler(Component):
 
         One that comes after the query of the same press, which has done its work, could end the caller's next motion.
         """
-        with self._changed:
-            done = received.attachment in self._queried
-        if is_stop(received.key) and not done:
-            # The seat is that of the key, which the router of a class checks; any client can forge a session id.
-            caller = Caller(seat_of(received.key, served) or self._unsigned, received.session)
-            events = self._events(caller, "put")
+        # The seat is that of the key, which the router of a class checks; any client can forge a session id.
+        caller = Caller(seat_of(received.key, served) or self._unsigned, received.session)
+        press = received.attachment or b""
+        if is_stop(received.key) and self._presses.get((caller.seat, press)) != "query":
+            events = self._events(caller, "put", press)
             self.press(Command.STOP, RequestHandle(caller, Command.STOP.name, events, kind=EventKind.STOP))
 
-    def _events(self, caller: Caller, form: str) -> NodeEvents | None:
-        """Return the event log for a press of STOP; None if its other form (put or query) was recorded just before."""
+    def _events(self, caller: Caller, form: str, press: bytes) -> NodeEvents | None:
+        """Return the event log for a press of STOP; None if its other form (put or query) was recorded just before.
+
+        `press`: its number; if it is empty, time and session decide.
+        """
         now_s = time.monotonic()
         with self._changed:
+            if press:
+                first = self._presses.setdefault((caller.seat, press), form)
+                if len(self._presses) > RECORDED:
+                    del self._presses[next(iter(self._presses))]
+                return self._requests.events if first == form else None
             last_form, last_s = self._recorded.get(caller, (form, now_s))
             if caller.session and form != last_form and now_s - last_s < SAME_PRESS_S:
                 return None
@@ -182,8 +186,10 @@ class StopHandler(Component):
                     return
                 command = next(command for command in FRAMES if command in self._pressed)
                 handles = self._pressed.pop(command)
+            moving = self._rest.moving
             repeated = command is Command.STOP and self._is_repeated()
-            self._hand_over(command, handles, None if repeated else self._send(command))
+            error = None if repeated else self._send(command)
+            self._hand_over(command, handles, error, moving=moving)
 
     def _is_repeated(self) -> bool:
         """Return whether the board has just acknowledged a STOP, and no motion has begun since it was sent."""
@@ -201,22 +207,31 @@ class StopHandler(Component):
             self._sent = before
         return None
 
-    def _hand_over(self, command: Command, handles: list[RequestHandle], error: BeatrixError | None) -> None:
+    def _hand_over(
+        self, command: Command, handles: list[RequestHandle], error: BeatrixError | None, *, moving: bool
+    ) -> None:
         def decline(closing: BeatrixError) -> None:
             refusal = closing if error is None else not_stopped(error)
             end_all(handles, command_refusal(refusal, self._controller.arms()))
 
-        self._requests.queue.post_urgent(lambda: self.stop_sent(command, handles, error), decline)
+        self._requests.queue.post_urgent(
+            lambda: self.stop_sent(command, handles, error, moving=moving), decline
+        )
 
     # -- 3. ended, on the controller's thread -----------------------------------------------------
 
-    def stop_sent(self, command: Command, handles: list[RequestHandle], error: BeatrixError | None) -> None:
-        """Carry out step 3 after the board has acknowledged STOP, or has refused or not answered it (`error`)."""
+    def stop_sent(
+        self, command: Command, handles: list[RequestHandle], error: BeatrixError | None, *, moving: bool
+    ) -> None:
+        """Carry out step 3 after the board has acknowledged STOP, or has refused or not answered it (`error`).
+
+        `moving`: whether a motion ran when STOP was sent.
+        """
         self._controller.stop_sent(acknowledged=error is None)
         if error is None and command is Command.EMERGENCY_STOP:
             error = self._check_latch()
         if error is None:
-            self._rest.wait(handles)
+            self._rest.wait(handles, moved=moving)
         else:
             end_all(handles, command_refusal(not_stopped(error), self._controller.arms()))
 
@@ -252,16 +267,17 @@ class Rest:
         """BoardOutcome of the last press."""
 
     @property
-    def _moving(self) -> bool:
+    def moving(self) -> bool:
+        """Whether the arms move, or are about to; any thread may read it."""
         # The telemetry may not show yet that a motion has begun: check the controller too.
         return self._controller.moving or self._controller.running is not None
 
-    def wait(self, handles: list[RequestHandle]) -> None:
-        """Reply to these clients when the arms rest."""
-        if not self._moving:
+    def wait(self, handles: list[RequestHandle], *, moved: bool) -> None:
+        """Reply to these clients when the arms rest. `moved`: whether STOP met a motion, which may have ended already."""
+        if not self.moving:
             # A query without events belongs to a press whose put was just handled: it gets the outcome of the put.
             same_press = all(handle.events is None for handle in handles)
-            self._end(handles, self._how if same_press else AT_REST)
+            self._end(handles, STOPPED if moved else self._how if same_press else AT_REST)
             return
         if not self._waiting:
             self._until_s = time.monotonic() + REST_S
@@ -273,7 +289,7 @@ class Rest:
 
     def observe(self) -> None:
         """Reply to the waiting clients if the arms rest, or should rest by now."""
-        if self._waiting and (not self._moving or self.overdue()):
+        if self._waiting and (not self.moving or self.overdue()):
             handles, self._waiting = self._waiting, []
             self._end(handles, STOPPED)
 
@@ -283,7 +299,7 @@ class Rest:
         if how == STOPPED and not link.connected:
             lost = lost_while_stopping(reset=link.reset)
             end_all(handles, command_refusal(lost, arms))
-        elif self._moving:
+        elif self.moving:
             end_all(handles, command_refusal(not_stopped(STILL_MOVING), arms))
         else:
             text = at_rest(self._board, how, arms)

@@ -27,6 +27,15 @@ def test_stop_is_answered_within_half_a_second(robot: Robot) -> None:
         motion.wait()
 
 
+def test_a_stop_just_after_the_beginning_of_a_motion_says_that_it_stopped_it(robot: Robot) -> None:
+    for yaw in (30, -30, 30):
+        motion = robot.look(yaw=yaw, wait=False)
+        assert robot.stop().message.startswith("Stopped")
+        with pytest.raises(Interrupted):
+            motion.wait()
+    assert robot.stop().message.startswith("Nothing moves")
+
+
 def test_a_stop_is_one_event_of_the_seat_that_pressed_it(body: Body, robot: Robot) -> None:
     boss = body.robot("boss")
     with robot.events(timeout_s=20.0) as events:
