@@ -299,8 +299,3 @@ def test_choosing_another_robot_selects_it_and_clears_the_undo_list() -> None:
     assert state.view(now).robots == ("bea1", "bea2")
     assert state.handle(ChooseRobot("bea2"), now) == [ChooseRobot("bea2")]
     assert not state.view(now).commands.undo.enabled
-
-
-def test_only_disabling_the_hardware_needs_a_confirmation() -> None:
-    assert state_after().view(world()).commands.disable.question == ""
-    assert "sinks" in state_after(BOTH).view(world()).commands.disable.question

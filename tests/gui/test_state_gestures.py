@@ -52,11 +52,6 @@ def test_a_press_plays_a_gesture_on_the_checked_robots(
     assert load(gesture) == shipped(gesture)
 
 
-def test_a_gesture_is_repeated_on_the_robots_that_are_checked_then() -> None:
-    state = state_after(Play(0, (), gesture="yes"), BOTH)
-    assert state.handle(Repeat(1), world()) == [Play(2, ("sim", "hw"), lead_s=2.0, gesture="yes")]
-
-
 def test_without_a_checked_robot_all_buttons_give_the_reason() -> None:
     view = state_after(Choose("sim", value=False)).view(faces()).gestures
     for button in (*(button for _, button in view.gestures), view.follow):

@@ -6,13 +6,12 @@ from typing import Any
 
 import pytest
 from golden import same
-from gui_worlds import ENDPOINT, absent, refused, robot, state_after, status, world
+from gui_worlds import ENDPOINT, absent, robot, status, world
 
 from beatrix_zenoh.client import Presence
-from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
-from beatrix_zenoh.contract.refusals import taken_by
-from gui.console.state.actions import AskLease, ChooseRobot, Govern, Outcome
-from gui.console.state.intents import Choose, DismissNotice, Jog, TakeAlternative
+from beatrix_zenoh.contract._generated.messages import LeaseAction
+from gui.console.state.actions import AskLease, ChooseRobot, Govern
+from gui.console.state.intents import Choose, DismissNotice
 from gui.console.state.state import State
 from gui.console.state.views import PillView
 from gui.console.state.world import LinkPhase, World
@@ -84,20 +83,6 @@ def test_a_pill_shows_the_holder_and_the_settings_of_the_teacher(
 ) -> None:
     found = pill(sim_with(seat, **known))
     assert (found.text, found.notes) == (text, notes)
-
-
-def test_a_refusal_because_of_a_lease_offers_to_wait() -> None:
-    state = state_after(Jog("short", 1))
-    refused(state, taken_by("ana").detail, Reason.NOT_HOLDER)
-    refusal = state.view(world()).arms.refusal
-    assert refusal is not None
-    same("state leases.a refusal because of a lease offers to wait 1", refusal.text)
-    assert refusal.alternative is not None
-    assert refusal.alternative.text == "Wait for my turn"
-    assert state.handle(TakeAlternative(), world()) == [AskLease(WAIT, "sim", 2)]
-    state.report(Outcome(2, "sim", accepted=True, done=True))
-    row = state.view(world()).history[0]
-    assert (row.what, row.result) == ("ask for the robot (simulation)", "done")
 
 
 def banner_of(state: State, now: World) -> str:
