@@ -10,6 +10,7 @@ import pytest
 from gui_worlds import absent, robot, state_after, status, world
 from hypothesis import given
 from hypothesis import strategies as st
+from present import present
 
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -200,8 +201,7 @@ def test_add_takes_the_target_of_the_pad_or_the_present_pose() -> None:
     assert names(state.saved.poses) == ["pose-1", "pose-2"]
     assert state.saved.poses[1].arms == pytest.approx((30.0, 30.0, 30.0))
     card = state.view(now).sequence.cards[1]
-    assert card.head is not None
-    assert card.head.yaw == pytest.approx(30.0)
+    assert present(card.head).yaw == pytest.approx(30.0)
     assert card.duration_s == comfortable(ArmAngles(*first.arms), state.saved.poses[1], 30.0, LIMITS)
     state.handle(AimHead(0.0, 89.0, 0.0), now)
     state.handle(AddPose(), now)
@@ -304,10 +304,7 @@ def test_a_play_with_the_motors_off_offers_the_next_step() -> None:
     off = not_enabled()
     state.report(Outcome(play.row, "sim", accepted=True, done=False))
     state.report(Outcome(play.row, "sim", accepted=False, done=True, reason=off.reason, detail=off.detail))
-    refusal = state.view(world()).commands.refusal
-    assert refusal is not None
-    assert refusal.alternative is not None
-    assert refusal.alternative.text == "Make ready"
+    assert present(present(state.view(world()).commands.refusal).alternative).text == "Make ready"
 
 
 def test_without_a_simulation_the_button_says_what_to_do() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from golden import same
 from gui_worlds import ENDPOINT, absent, robot, status, world
+from present import present
 
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import LeaseAction
@@ -46,8 +47,7 @@ def test_the_button_of_a_lease_sends_its_query(
     known: dict[str, Any], seat: str, text: str, action: LeaseAction
 ) -> None:
     now = sim_with(seat, **known)
-    button = pill(now).lease
-    assert button is not None
+    button = present(pill(now).lease)
     assert (button.text, button.intent) == (text, AskLease(action, "sim"))
     assert button.tooltip
     assert State().handle(button.intent, now) == [AskLease(action, "sim", 1)]
@@ -59,9 +59,7 @@ def test_no_lease_is_offered_for_a_robot_that_does_not_answer_or_needs_another_s
     assert pill(sim_with(enabled=False)).lease is None
     state = State()
     assert state.handle(AskLease(TAKE, "sim"), world(phase=LinkPhase.NO_ROUTER)) == []
-    refusal = state.view(world()).commands.refusal
-    assert refusal is not None
-    assert ENDPOINT in refusal.text
+    assert ENDPOINT in present(state.view(world()).commands.refusal).text
 
 
 @pytest.mark.parametrize(

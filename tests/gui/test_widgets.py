@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from gui_views import TARGET, example
 from gui_windows import menu_button, reveal
+from present import present
 from PyQt5.QtCore import QEvent, QPoint, QPointF, QRect, Qt
 from PyQt5.QtGui import QGuiApplication, QMouseEvent
 from PyQt5.QtTest import QTest
@@ -168,8 +169,7 @@ def test_a_row_of_the_history_is_sent_again_and_copied(window: Window, intents: 
     row = example("preview", Theme.LIGHT, "en").history[1]
     QTest.mouseClick(history.repeat, LEFT)
     assert intents() == [Repeat(row.row)]
-    clipboard = QGuiApplication.clipboard()
-    assert clipboard is not None
+    clipboard = present(QGuiApplication.clipboard())
     assert row.program
     QTest.mouseClick(history.python, LEFT)
     assert clipboard.text() == row.program

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from gui_windows import menu_button, reveal
+from present import present
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
@@ -178,9 +179,7 @@ def test_a_name_of_32_letters_leaves_room_for_the_pills(
     qtbot.waitUntil(lambda: header.robots.currentText() == name)
     assert header.robots.width() <= ROBOT_PX
     assert name in header.robots.toolTip()
-    popup = header.robots.view()
-    assert popup is not None
-    assert popup.minimumWidth() > header.robots.fontMetrics().horizontalAdvance(name)
+    assert present(header.robots.view()).minimumWidth() > header.robots.fontMetrics().horizontalAdvance(name)
 
 
 @pytest.mark.qt_log_ignore("This plugin does not support")  # popups without a display
@@ -190,10 +189,8 @@ def test_the_list_of_41_robots_scrolls(qtbot: QtBot, window: Window, link: Recor
     link.known = replace(link.known, robot=names[0], names=names)
     qtbot.waitUntil(lambda: header.robots.count() == 41)
     header.robots.showPopup()
-    popup = header.robots.view()
-    assert popup is not None
-    bar = popup.verticalScrollBar()
-    assert bar is not None
+    popup = present(header.robots.view())
+    bar = present(popup.verticalScrollBar())
     qtbot.waitUntil(bar.isVisible)
     assert bar.maximum() > 0
     header.robots.hidePopup()

@@ -11,6 +11,7 @@ from functools import partial
 import pytest
 from gui_links import Linked, look
 from late_tests import in_time
+from present import present
 from robots import Process, Stage, free_endpoint, start_router, until
 
 from beatrix_zenoh.client import Client, Place, Presence, stopping
@@ -27,8 +28,7 @@ def test_a_motion_of_one_robot_is_accepted_and_done(linked: Linked) -> None:
         assert not accepted.done
         end = linked.end_of(row, side)
         assert (end.accepted, end.reason) == (True, Reason.OK)
-        reading = linked.world.side(side).reading
-        assert reading is not None
+        reading = present(linked.world.side(side).reading)
         assert reading.commanded.short == pytest.approx(10, abs=0.1)
         until(partial(recorded, linked, side), "the event")
         in_time(abs(end.duration_s - accepted.duration_s), 0.3, "duration apart from the one announced")
