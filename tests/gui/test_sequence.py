@@ -35,7 +35,7 @@ from gui.console.state.intents import (
     UndoSequence,
 )
 from gui.console.state.saved import Saved, SavedPose
-from gui.console.state.sequence import POSES_MAX, changed
+from gui.console.state.sequence import POSES_MAX
 from gui.console.state.sequence_timing import HOME, Pace, comfortable, timed, too_short
 from gui.console.state.state import State
 from gui.console.state.world import World
@@ -163,15 +163,6 @@ def test_every_change_is_undone_and_names_stay_unique(given_changes: list[Intent
         state.handle(UndoSequence(), world())
         assert state.saved.poses == was
     assert not state.view(world()).sequence.undo.enabled
-
-
-@given(st.integers(0, 2), st.integers(0, 2))
-def test_a_moved_pose_is_at_its_place_and_the_others_keep_their_order(which: int, to: int) -> None:
-    moved = changed(THREE, MovePose(THREE[which].name, to))
-    assert moved[to] == THREE[which]
-    assert [pose for pose in moved if pose != THREE[which]] == [
-        pose for pose in THREE if pose != THREE[which]
-    ]
 
 
 @pytest.mark.parametrize(
