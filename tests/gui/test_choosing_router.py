@@ -13,6 +13,7 @@ from class_router import ClassRouter
 from gui_links import Linked, at_home, look
 from gui_windows import windowed
 from gui_worlds import absent, world
+from present import present
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from robots import Stage, free_endpoint, start_router
@@ -43,8 +44,7 @@ def sheet(now: World, language: str = "en") -> RouterView:
     state = State()
     state.handle(Choose("language", language), now)
     state.handle(LookForPorts(), replace(now, router_trouble=None))
-    found = state.view(now).connect
-    assert found is not None
+    found = present(state.view(now).connect)
     return found.router
 
 
@@ -127,9 +127,7 @@ def test_undo_and_the_page_of_the_class_belong_to_the_router_that_was_left() -> 
 def refused(linked: Linked, action: Action) -> Trouble:
     """Make a choice; return why it is not used."""
     linked.do(action)
-    found = linked.until(lambda world: not world.choosing, "the choice is checked").router_trouble
-    assert found is not None
-    return found
+    return present(linked.until(lambda world: not world.choosing, "the choice is checked").router_trouble)
 
 
 def test_another_router_is_used_and_its_only_robot_is_shown() -> None:
@@ -240,8 +238,7 @@ def test_a_user_types_an_address_and_chooses_a_file(folder: Path) -> None:
         user.until(lambda: user.window._world.endpoint == there.endpoint, "the other router is used")
         user.until(lambda: "answers" in router.state.text(), "it answers")
         user.press(router.join)
-        dialog = router.dialog
-        assert dialog is not None
+        dialog = present(router.dialog)
         dialog.close()
         user.window.handle(UseAccount(folder / "none.toml"))
         user.until(lambda: "none.toml cannot be read" in router.state.text(), "a missing file is explained")

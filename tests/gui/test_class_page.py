@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 from gui_views import class_world, full_class, lesson, turns
 from gui_worlds import robot, status, world
+from present import present
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
@@ -61,8 +62,7 @@ def test_names_of_32_letters_are_shown_whole_in_a_narrow_window(
 
 def shown(page: ClassPage) -> list[str]:
     """Return the texts of the first row in the columns that are shown."""
-    item = page.list.topLevelItem(0)
-    assert item is not None
+    item = present(page.list.topLevelItem(0))
     return [item.text(n) for n in range(page.list.columnCount()) if not page.list.isColumnHidden(n)]
 
 
@@ -152,8 +152,7 @@ def test_the_lessons_of_a_class_fit_and_follow_the_reports(
     table = page.lessons.list
     assert page.tabs.tabText(1) == "Lessons: 3 stuck"
     assert (table.topLevelItemCount(), table.columnCount()) == (30, 11)
-    first = table.topLevelItem(0)
-    assert first is not None
+    first = present(table.topLevelItem(0))
     assert [first.text(column) for column in range(4)] == [
         "Emil Müller (emil)",
         "05-inverse",
@@ -161,16 +160,13 @@ def test_the_lessons_of_a_class_fit_and_follow_the_reports(
         "4",
     ]
     assert [first.text(column) for column in range(4, 11)] == ["✓", "✓", "✓", "✓", "▲", "–", "–"]
-    bar = table.horizontalScrollBar()
-    assert bar is not None
-    assert bar.maximum() == 0, "no column is outside"
+    assert present(table.horizontalScrollBar()).maximum() == 0, "no column is outside"
 
     table.setCurrentItem(table.topLevelItem(2))
     reports = (*(full_class().reports or ()), lesson("zoe", "02-steps", stuck=9))
     link.known = replace(full_class(), reports=reports)
     window.refresh()
-    chosen = table.currentItem()
-    assert chosen is not None
+    chosen = present(table.currentItem())
     assert chosen.text(0) == "Wim Müller (wim)", "the selected seat stays selected"
     assert page.tabs.tabText(1) == "Lessons: 4 stuck"
 

@@ -7,6 +7,7 @@ import time
 import numpy as np
 import pytest
 import simplejpeg
+from present import present
 from PyQt5.QtGui import QImage
 from pytestqt.qtbot import QtBot
 
@@ -138,6 +139,5 @@ def test_a_picture_whose_header_claims_too_many_pixels_is_not_decoded(picture: C
     shown = picture.grab().toImage()
     picture.show_view(EyeView(ON.side, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
     assert picture.grab().toImage() == shown
-    whole = eyes.decode(picture_of(RED).jpeg)
-    assert whole is not None
+    whole = present(eyes.decode(picture_of(RED).jpeg))
     assert (whole.width(), whole.height()) == (640, 480)

@@ -9,6 +9,7 @@ from collections.abc import Callable
 import pytest
 from gui_windows import Windowed
 from gui_worlds import BOTH, state_after, world
+from present import present
 from PyQt5.QtCore import QEvent, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
@@ -74,8 +75,7 @@ def test_the_panel_says_that_both_move_at_once_while_a_button_is_held(language: 
 def test_a_page_that_holds_a_button_says_the_same_until_its_row_has_ended() -> None:
     state = state_after(BOTH)
     idle = state.view(world()).sending
-    row = state.hold(world(), jog_query("yaw", 1, 30.0, AHEAD_S), "head")
-    assert row is not None
+    row = present(state.hold(world(), jog_query("yaw", 1, 30.0, AHEAD_S), "head"))
     assert state.view(world()).sending.title == state.choices.texts("sending.held")
     for side in ("sim", "hw"):
         state.report(Outcome(row, side, accepted=True, done=True))

@@ -20,6 +20,7 @@ from gui_worlds import (
     status,
     world,
 )
+from present import present
 
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Command
@@ -113,8 +114,7 @@ def test_without_a_checked_box_motion_buttons_are_disabled_with_a_reason() -> No
         assert not button.enabled
         same("state.without a checked box motion buttons are disabled with a reason", button.tooltip)
     assert state.handle(Jog("short", 1), world()) == []
-    refusal = state.view(world()).arms.refusal
-    assert refusal is not None
+    refusal = present(state.view(world()).arms.refusal)
     assert (refusal.control, refusal.text.split(":")[0]) == (
         "short",
         "Check Simulation, Hardware or both first",
@@ -133,8 +133,7 @@ def test_without_a_checked_box_motion_buttons_are_disabled_with_a_reason() -> No
 def test_a_request_that_cannot_be_sent_is_refused_beside_its_control(now: World, text: str) -> None:
     state = State()
     assert state.handle(intents.SendHead(), now) == []
-    refusal = state.view(now).head.refusal
-    assert refusal is not None
+    refusal = present(state.view(now).head.refusal)
     assert text in refusal.text
     assert refusal.alternative is None
     assert state.view(now).arms.refusal is None
@@ -146,8 +145,7 @@ def test_an_absolute_jog_needs_the_angles_of_the_other_arms() -> None:
     now = world(robot("sim", arms=None))
     state = state_after(intents.Choose("relative", value=False))
     assert state.handle(Jog("short", 1), now) == []
-    refusal = state.view(now).arms.refusal
-    assert refusal is not None
+    refusal = present(state.view(now).arms.refusal)
     assert "no positions arrive" in refusal.text
     assert arms_of(sent(state.handle(Jog("all", 1), now))) == (5, 5, 5)
 
@@ -229,8 +227,7 @@ def test_a_missing_picture_has_a_reason(cameras: tuple[CameraStatus, ...], left:
 
 def test_the_failure_of_a_child_program_is_shown_in_banner_and_last_line() -> None:
     failed = replace(world(absent("sim"), absent("hw"), names=()), child_trouble=LOST_ROUTER)
-    banner = State().view(failed).banner
-    assert banner is not None
+    banner = present(State().view(failed).banner)
     same("state.the failure of a child program is shown in banner and last line 1", banner.text)
     same("state.the failure of a child program is shown in banner and last line 2", State().view(failed).last)
 
@@ -282,8 +279,7 @@ def test_a_recording_is_begun_ended_and_opened() -> None:
     assert not State().view(ending).record.toggle.enabled
     assert pressed(ending) == []
     ended = world(recording=RecordingProgress(file, running=False, seconds=72.6, trouble=FULL))
-    opened = state.view(ended).record.open
-    assert opened is not None
+    opened = present(state.view(ended).record.open)
     assert state.handle(opened.intent, ended) == [ViewRecording(file)]
     saved = world(recording=RecordingProgress(file, running=False, seconds=72.6))
     assert state.view(saved).last == "recorded: a.rrd"
@@ -299,8 +295,3 @@ def test_choosing_another_robot_selects_it_and_clears_the_undo_list() -> None:
     assert state.view(now).robots == ("bea1", "bea2")
     assert state.handle(ChooseRobot("bea2"), now) == [ChooseRobot("bea2")]
     assert not state.view(now).commands.undo.enabled
-
-
-def test_only_disabling_the_hardware_needs_a_confirmation() -> None:
-    assert state_after().view(world()).commands.disable.question == ""
-    assert "sinks" in state_after(BOTH).view(world()).commands.disable.question

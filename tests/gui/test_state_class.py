@@ -10,6 +10,7 @@ from golden import same
 from gui_views import class_world
 from gui_worlds import status, world
 from msgspec import structs
+from present import present
 
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason, SeatCount
 from gui.console.state import intents
@@ -24,9 +25,7 @@ PLACE = ("bea2", "hw")
 
 
 def page(state: State, now: World = TEACHER) -> ClassView:
-    found = state.view(now).class_page
-    assert found is not None
-    return found
+    return present(state.view(now).class_page)
 
 
 def opened() -> State:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from gui_worlds import BOTH, NOT_SIM, NOWHERE, robot, state_after, status, world
+from present import present
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES, load, shipped
@@ -52,11 +53,6 @@ def test_a_press_plays_a_gesture_on_the_checked_robots(
     assert load(gesture) == shipped(gesture)
 
 
-def test_a_gesture_is_repeated_on_the_robots_that_are_checked_then() -> None:
-    state = state_after(Play(0, (), gesture="yes"), BOTH)
-    assert state.handle(Repeat(1), world()) == [Play(2, ("sim", "hw"), lead_s=2.0, gesture="yes")]
-
-
 def test_without_a_checked_robot_all_buttons_give_the_reason() -> None:
     view = state_after(Choose("sim", value=False)).view(faces()).gestures
     for button in (*(button for _, button in view.gestures), view.follow):
@@ -68,9 +64,7 @@ def test_without_a_checked_robot_all_buttons_give_the_reason() -> None:
 def test_a_gesture_without_a_robot_is_refused_beside_the_gestures() -> None:
     state = State()
     assert state.handle(Play(0, (), gesture="yes"), NOWHERE) == []
-    refusal = state.view(NOWHERE).gestures.refusal
-    assert refusal is not None
-    assert refusal.control == "gestures"
+    assert present(state.view(NOWHERE).gestures.refusal).control == "gestures"
 
 
 @pytest.mark.parametrize(
@@ -107,9 +101,7 @@ def test_a_robot_without_a_working_eye_follows_no_face(
 ) -> None:
     state = state_after(*given, Choose("language", language))
     assert state.handle(FollowFace(0, ()), now) == []
-    refusal = state.view(now).gestures.refusal
-    assert refusal is not None
-    assert ("eye" if language == "en" else "Auge") in refusal.text
+    assert ("eye" if language == "en" else "Auge") in present(state.view(now).gestures.refusal).text
 
 
 @pytest.mark.parametrize(("language", "title"), [("en", "Following"), ("de", "Folgt dem Gesicht")])

@@ -66,8 +66,7 @@ def test_a_motion_is_sent_again_to_the_robots_that_are_checked_now() -> None:
     (reset,) = state.handle(intents.Repeat(3), world())
     assert reset == SendCommand(4, Command.RESET, value=True, sides=("sim",))
     assert state.handle(intents.Repeat(77), world()) == []
-    refusal = state.view(world()).commands.refusal
-    assert refusal is not None
+    assert state.view(world()).commands.refusal is not None
 
 
 @pytest.mark.parametrize(

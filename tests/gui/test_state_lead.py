@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from golden import same
 from gui_worlds import BOTH, NOT_SIM, accept, arms_of, plan, robot, sent, state_after, status, world
+from present import present
 
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.client.degrees import Path as MotionPath
@@ -164,8 +165,7 @@ def test_a_simulation_left_at_the_target_is_offered_its_way_back() -> None:
     for now in (plan(PlanPhase.LEADING, 1.0), world(moving), left):
         assert state.view(now).head.refusal is None
         state.follow(now)
-    offer = state.view(left).head.refusal
-    assert offer is not None
+    offer = present(state.view(left).head.refusal)
     same("state lead.a simulation left at the target is offered its way back", offer.text)
     assert offer.alternative is not None
     back = sent(state.handle(offer.alternative.intent, left))

@@ -6,13 +6,13 @@ from typing import Any
 
 import pytest
 from golden import same
-from gui_worlds import ENDPOINT, absent, refused, robot, state_after, status, world
+from gui_worlds import ENDPOINT, absent, robot, status, world
+from present import present
 
 from beatrix_zenoh.client import Presence
-from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
-from beatrix_zenoh.contract.refusals import taken_by
-from gui.console.state.actions import AskLease, ChooseRobot, Govern, Outcome
-from gui.console.state.intents import Choose, DismissNotice, Jog, TakeAlternative
+from beatrix_zenoh.contract._generated.messages import LeaseAction
+from gui.console.state.actions import AskLease, ChooseRobot, Govern
+from gui.console.state.intents import Choose, DismissNotice
 from gui.console.state.state import State
 from gui.console.state.views import PillView
 from gui.console.state.world import LinkPhase, World
@@ -47,8 +47,7 @@ def test_the_button_of_a_lease_sends_its_query(
     known: dict[str, Any], seat: str, text: str, action: LeaseAction
 ) -> None:
     now = sim_with(seat, **known)
-    button = pill(now).lease
-    assert button is not None
+    button = present(pill(now).lease)
     assert (button.text, button.intent) == (text, AskLease(action, "sim"))
     assert button.tooltip
     assert State().handle(button.intent, now) == [AskLease(action, "sim", 1)]
@@ -60,9 +59,7 @@ def test_no_lease_is_offered_for_a_robot_that_does_not_answer_or_needs_another_s
     assert pill(sim_with(enabled=False)).lease is None
     state = State()
     assert state.handle(AskLease(TAKE, "sim"), world(phase=LinkPhase.NO_ROUTER)) == []
-    refusal = state.view(world()).commands.refusal
-    assert refusal is not None
-    assert ENDPOINT in refusal.text
+    assert ENDPOINT in present(state.view(world()).commands.refusal).text
 
 
 @pytest.mark.parametrize(
@@ -84,20 +81,6 @@ def test_a_pill_shows_the_holder_and_the_settings_of_the_teacher(
 ) -> None:
     found = pill(sim_with(seat, **known))
     assert (found.text, found.notes) == (text, notes)
-
-
-def test_a_refusal_because_of_a_lease_offers_to_wait() -> None:
-    state = state_after(Jog("short", 1))
-    refused(state, taken_by("ana").detail, Reason.NOT_HOLDER)
-    refusal = state.view(world()).arms.refusal
-    assert refusal is not None
-    same("state leases.a refusal because of a lease offers to wait 1", refusal.text)
-    assert refusal.alternative is not None
-    assert refusal.alternative.text == "Wait for my turn"
-    assert state.handle(TakeAlternative(), world()) == [AskLease(WAIT, "sim", 2)]
-    state.report(Outcome(2, "sim", accepted=True, done=True))
-    row = state.view(world()).history[0]
-    assert (row.what, row.result) == ("ask for the robot (simulation)", "done")
 
 
 def banner_of(state: State, now: World) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from golden import same
 from gui_worlds import absent, robot, status, world
+from present import present
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Command, Fault, FollowState
@@ -80,8 +81,7 @@ def test_a_pill_names_the_first_problem_and_the_next_step(
 
 def test_the_hardware_is_enabled_before_it_is_calibrated() -> None:
     found = pill(world(hw=robot("hw", known=status("hw", enabled=False, calibrated=False))), "hw")
-    assert found.next_step is not None
-    assert found.next_step.intent == RunCommand(Command.ENABLE, side="hw")
+    assert present(found.next_step).intent == RunCommand(Command.ENABLE, side="hw")
     assert "upright" in found.reason
 
 
@@ -113,8 +113,7 @@ def test_a_window_whose_account_is_refused_offers_another_one() -> None:
     state = State()
     for language, text in (("en", "does not accept account ana"), ("de", "nimmt das Konto ana")):
         state.handle(Choose("language", language), now)
-        banner = state.view(now).banner
-        assert banner is not None
+        banner = present(state.view(now).banner)
         assert text in banner.text
         assert "The router refuses ana." in banner.buttons[1].tooltip
         assert [button.intent for button in banner.buttons] == [LookForPorts(), Retry()]
@@ -140,29 +139,25 @@ def test_latency_and_details_are_shown() -> None:
 
 def test_a_latched_emergency_stop_has_a_banner_with_a_reset_for_each_robot() -> None:
     latched = status("hw", enabled=False, calibrated=False, fault=Fault.EMERGENCY)
-    banner = State().view(world(hw=robot("hw", known=latched))).banner
-    assert banner is not None
+    banner = present(State().view(world(hw=robot("hw", known=latched))).banner)
     same("state pills.a latched emergency stop has a banner with a reset for each robot", banner.text)
     assert [button.intent for button in banner.buttons] == [RunCommand(Command.RESET, side="hw")]
     both = world(robot("sim", known=latched), robot("hw", known=latched))
-    banner = State().view(both).banner
-    assert banner is not None
-    assert [button.text for button in banner.buttons] == ["Clear it (simulation)", "Clear it (hardware)"]
+    assert [button.text for button in present(State().view(both).banner).buttons] == [
+        "Clear it (simulation)",
+        "Clear it (hardware)",
+    ]
 
 
 def test_without_a_robot_the_banner_offers_the_next_step() -> None:
     sim, hw = absent("sim"), absent("hw")
     assert State().view(world()).banner is None
-    found = State().view(world(sim, hw, phase=LinkPhase.NO_ROUTER)).banner
-    assert found is not None
+    found = present(State().view(world(sim, hw, phase=LinkPhase.NO_ROUTER)).banner)
     assert [button.intent for button in found.buttons] == [StartSimulation(), LookForPorts(), Retry()]
-    found = State().view(world(sim, hw, names=())).banner
-    assert found is not None
+    found = present(State().view(world(sim, hw, names=())).banner)
     assert [button.intent for button in found.buttons] == [StartSimulation()]
-    found = State().view(world(sim, hw, names=("bea2",))).banner
-    assert found is not None
+    found = present(State().view(world(sim, hw, names=("bea2",))).banner)
     assert [button.intent for button in found.buttons] == [ChooseRobot("bea2"), StartSimulation()]
     starting = State().view(world(replace(sim, status=status("sim")), hw, starting=True))
-    assert starting.banner is not None
-    assert starting.banner.buttons == ()
+    assert present(starting.banner).buttons == ()
     assert starting.pills[0].text == "starting", "not lost"

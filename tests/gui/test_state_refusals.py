@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from golden import same
 from gui_worlds import BOTH, accept, arms_of, plan, refused, robot, sent, state_after, vector, world
+from present import present
 
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
@@ -51,12 +52,10 @@ def tilt(**alternative: Any) -> Detail:
 def test_a_refusal_is_shown_at_the_pad_and_its_alternative_is_sent() -> None:
     state = state_after(intents.AimHead(0, 40, 0), intents.SendHead())
     refused(state, tilt(head=Head(0.0, math.radians(34), 0.0), arms=vector(1, 2, 3)), Reason.OUT_OF_REACH)
-    refusal = state.view(world()).head.refusal
-    assert refusal is not None
+    refusal = present(state.view(world()).head.refusal)
     same("state refusals.a refusal is shown at the pad and its alternative is sent", refusal.text)
-    assert refusal.alternative is not None
-    assert refusal.alternative.text == "Look to 0.0°/34.0°/0.0°"
-    send = sent(state.handle(refusal.alternative.intent, world()))
+    assert present(refusal.alternative).text == "Look to 0.0°/34.0°/0.0°"
+    send = sent(state.handle(present(refusal.alternative).intent, world()))
     assert isinstance(send.query, PoseQuery)
     assert (send.query.pitch, send.query.speed) == (math.radians(34), math.radians(30))
     assert state.view(world()).head.refusal is None
@@ -70,10 +69,8 @@ def test_an_alternative_speed_keeps_the_motion() -> None:
         Detail(limit=Limit.SPEED, alternative=Alternative(speed=vector(90, 90, 90))),
         Reason.SPEED_LIMIT,
     )
-    refusal = state.view(world()).arms.refusal
-    assert refusal is not None
-    assert refusal.alternative is not None
-    assert refusal.alternative.text == "Use 90.0°/s"
+    refusal = present(state.view(world()).arms.refusal)
+    assert present(refusal.alternative).text == "Use 90.0°/s"
     send = sent(state.handle(intents.TakeAlternative(), world()))
     assert (arms_of(send), send.query.speed, send.query.absolute) == ((0, 0, -5), vector(90, 90, 90), False)
 
@@ -104,8 +101,7 @@ def test_a_refusal_offers_a_button_for_the_first_required_step(
 ) -> None:
     state = state_after(Jog("short", 1))
     refused(state, error.detail, error.reason)
-    refusal = state.view(world()).arms.refusal
-    assert refusal is not None
+    refusal = present(state.view(world()).arms.refusal)
     assert (None if refusal.alternative is None else refusal.alternative.text) == text
     assert state.handle(intents.TakeAlternative(), world()) == ([] if action is None else [action])
 
@@ -113,15 +109,12 @@ def test_a_refusal_offers_a_button_for_the_first_required_step(
 def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> None:
     state = state_after(BOTH, Jog("short", 1))
     refused(state, not_enabled().detail, Reason.NOT_ENABLED, side="hw")
-    shown = state.view(world()).arms.refusal
-    assert shown is not None
+    shown = present(state.view(world()).arms.refusal)
     same("state refusals.a refusal by one of two robots names it in the chosen language 1", shown.text)
     state.handle(intents.Choose("language", "de"), world())
-    shown = state.view(world()).arms.refusal
-    assert shown is not None
+    shown = present(state.view(world()).arms.refusal)
     same("state refusals.a refusal by one of two robots names it in the chosen language 2", shown.text)
-    assert shown.alternative is not None
-    assert shown.alternative.text == "Einschalten"
+    assert present(shown.alternative).text == "Einschalten"
     assert state.handle(intents.TakeAlternative(), world()) == [
         SendCommand(2, Command.ENABLE, value=True, sides=("hw",))
     ]
@@ -130,8 +123,7 @@ def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> Non
 def test_the_robot_that_refused_is_read_from_the_message() -> None:
     state = state_after(BOTH, Jog("short", 1))
     refused(state, not_calibrated().detail, Reason.NOT_CALIBRATED, "bea1 (hw): Home is not known.", side="")
-    shown = state.view(world()).arms.refusal
-    assert shown is not None
+    shown = present(state.view(world()).arms.refusal)
     same("state refusals.the robot that refused is read from the message", shown.text)
     (action,) = state.handle(intents.TakeAlternative(), world())
     assert action == SendCommand(2, Command.CALIBRATE, value=True, sides=("hw",))
@@ -140,12 +132,10 @@ def test_the_robot_that_refused_is_read_from_the_message() -> None:
 @pytest.mark.parametrize("left", [{"head": Head(0.0, math.radians(34.9), 0.0)}, {}], ids=["a way", "no way"])
 def test_a_hold_that_ends_at_a_limit_says_so_although_goals_before_were_accepted(left: Any) -> None:
     state = State()
-    row = state.hold(world(), jog_query("pitch", 1, 20.0, AHEAD_S), "head")
-    assert row is not None
+    row = present(state.hold(world(), jog_query("pitch", 1, 20.0, AHEAD_S), "head"))
     accept(state, row)
     refused(state, tilt(**left), Reason.OUT_OF_REACH)
-    refusal = state.view(world()).head.refusal
-    assert refusal is not None
+    refusal = present(state.view(world()).head.refusal)
     assert "at most 35.0° is allowed" in refusal.text
     assert (refusal.alternative is not None) == bool(left)
 
@@ -184,13 +174,10 @@ def test_a_refusal_without_data_is_german_unless_only_its_message_explains_it(
 ) -> None:
     state = state_after(BOTH, Jog("short", 1))
     refused(state, None, reason, "Something is wrong.", side="")
-    shown = state.view(world()).arms.refusal
-    assert shown is not None
+    shown = present(state.view(world()).arms.refusal)
     assert shown.text == "Something is wrong."
     state.handle(intents.Choose("language", "de"), world())
-    shown = state.view(world()).arms.refusal
-    assert shown is not None
-    assert shown.text == german
+    assert present(state.view(world()).arms.refusal).text == german
 
 
 def test_a_new_target_hides_the_refusal_of_the_pad() -> None:

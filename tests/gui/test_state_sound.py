@@ -29,10 +29,6 @@ def test_a_mark_shows_that_microphones_are_on(*, on: bool) -> None:
     assert len(pill.notes) == 1 + on
 
 
-def test_a_robot_without_microphones_has_no_mark() -> None:
-    assert not any("microphones" in note for pill in State().view(world()).pills for note in pill.notes)
-
-
 def test_microphones_are_on_only_while_their_levels_are_shown() -> None:
     state, both = State(), frozenset({"sim", "hw"})
     nothing: frozenset[str] = frozenset()

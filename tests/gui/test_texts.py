@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from gui_worlds import state_after, world
+from present import present
 
 from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -130,8 +131,7 @@ def test_the_failures_of_the_window_itself_are_in_its_language(code: str) -> Non
     state = state_after(intents.Choose("language", code), intents.Jog("short", 1))
     state.report(failed(1, "sim", WindowError(Reason.STOPPED, "result.deselected")))
     view = state.view(world())
-    assert view.arms.refusal is not None
-    assert view.arms.refusal.text == Texts(code)("result.deselected")
+    assert present(view.arms.refusal).text == Texts(code)("result.deselected")
     assert Texts(code)("result.deselected") in view.history[0].result
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from gui_views import TARGET, example
 from gui_windows import menu_button, reveal
+from present import present
 from PyQt5.QtCore import QEvent, QPoint, QPointF, QRect, Qt
 from PyQt5.QtGui import QGuiApplication, QMouseEvent
 from PyQt5.QtTest import QTest
@@ -29,14 +30,12 @@ from gui.console.state.intents import (
     Change,
     Choose,
     DeletePose,
-    DismissRefusal,
     Intent,
     Jog,
     PlaySequence,
     Repeat,
     RunCommand,
     SendHead,
-    TakeAlternative,
     Theme,
     Undo,
 )
@@ -170,32 +169,10 @@ def test_a_row_of_the_history_is_sent_again_and_copied(window: Window, intents: 
     row = example("preview", Theme.LIGHT, "en").history[1]
     QTest.mouseClick(history.repeat, LEFT)
     assert intents() == [Repeat(row.row)]
-    clipboard = QGuiApplication.clipboard()
-    assert clipboard is not None
+    clipboard = present(QGuiApplication.clipboard())
     assert row.program
     QTest.mouseClick(history.python, LEFT)
     assert clipboard.text() == row.program
-
-
-def test_a_refusal_is_shown_at_the_pad_with_its_alternative(
-    window: Window, shown: ShownState, intents: Taken
-) -> None:
-    shown.shown = example("refusal", Theme.LIGHT, "en")
-    window.refresh()
-    panels = window.panels
-    assert panels.refusal.isVisible()
-    assert "40.0°" in panels.refusal.text.text()
-    gap = (
-        panels.refusal.mapToGlobal(QPoint(0, 0)).x()
-        - panels.head.mapToGlobal(QPoint(panels.head.width(), 0)).x()
-    )
-    assert 0 <= gap < 20
-    QTest.mouseClick(panels.refusal.alternative, LEFT)
-    QTest.mouseClick(panels.refusal.dismiss, LEFT)
-    assert intents() == [TakeAlternative(), DismissRefusal()]
-    shown.shown = example("well", Theme.LIGHT, "en")
-    window.refresh()
-    assert not panels.refusal.isVisible()
 
 
 def drag(pad: HeadPad, start: QPointF, end: QPointF) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from golden import same
+from present import present
 
 from beatrix_zenoh.contract.errors import Refused
 from gui.window import app
@@ -36,8 +37,7 @@ def start(folder: Path, *words: str, **environment: str) -> subprocess.Popen[str
 @pytest.mark.timeout(START_S + END_S + 10)
 def test_a_signal_closes_the_window_without_an_error(tmp_path: Path) -> None:
     with start(tmp_path, "--language", "de", "--theme", "projector") as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "ready window\n"
+        assert present(process.stdout).readline() == "ready window\n"
         begin_s = time.monotonic()
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=END_S + 5)
@@ -61,8 +61,7 @@ def test_without_a_display_the_window_is_refused(tmp_path: Path) -> None:
 def test_missing_fonts_are_reported_on_the_terminal(tmp_path: Path) -> None:
     (tmp_path / "fonts.conf").write_text("<fontconfig/>")
     with start(tmp_path, FONTCONFIG_FILE=str(tmp_path / "fonts.conf")) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "ready window\n"
+        assert present(process.stdout).readline() == "ready window\n"
         process.terminate()
         _, errors = process.communicate(timeout=END_S + 5)
     assert "This computer has no fonts" in errors

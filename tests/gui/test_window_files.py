@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from present import present
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QFileDialog, QLineEdit
@@ -33,8 +34,7 @@ def _poses(window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> I
 
 def opened(qtbot: QtBot, window: Window, entry: str) -> FileDialog:
     window.panels.sequence.entries[entry].trigger()
-    dialog = window.panels.sequence.dialog
-    assert dialog is not None
+    dialog = present(window.panels.sequence.dialog)
     qtbot.waitUntil(lambda: QApplication.activeWindow() is dialog)  # keys go to the active window
     return dialog
 
@@ -53,8 +53,7 @@ def enter(dialog: FileDialog, name: str) -> None:
     watch.setSingleShot(True)
     watch.timeout.connect(close_boxes)
     watch.start(1000)
-    field = dialog.findChild(QLineEdit, "fileNameEdit")
-    assert field is not None
+    field = present(dialog.findChild(QLineEdit, "fileNameEdit"))
     field.selectAll()
     QTest.keyClicks(field, name)
     QTest.keyClick(field, Qt.Key.Key_Return)
@@ -99,8 +98,7 @@ def test_a_file_whose_suffix_was_added_is_overwritten_only_at_the_second_press(
     enter(dialog, "n.2")
     assert "n.2.csv" in dialog.notice.text()
     assert intents() == []
-    field = dialog.findChild(QLineEdit, "fileNameEdit")
-    assert field is not None
+    field = present(dialog.findChild(QLineEdit, "fileNameEdit"))
     QTest.keyClick(field, Qt.Key.Key_Return)
     assert intents() == [SaveSequence(tmp_path / "n.2.csv")]
 

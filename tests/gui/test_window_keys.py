@@ -9,6 +9,7 @@ from functools import partial
 import pytest
 from gui_windows import menu_button, whole
 from gui_worlds import plan, robot, status
+from present import present
 from PyQt5.QtCore import QEvent, QPoint, Qt
 from PyQt5.QtGui import QKeyEvent
 from PyQt5.QtTest import QTest
@@ -118,8 +119,7 @@ def test_stop_works_while_a_list_or_the_menu_is_open(window: Window, intents: Ta
 def test_stop_works_while_a_file_is_chosen(qtbot: QtBot, window: Window, intents: Taken, key: Qt.Key) -> None:
     poses = window.panels.sequence
     poses.entries["play_file"].trigger()
-    dialog = poses.dialog
-    assert dialog is not None
+    dialog = present(poses.dialog)
     assert not dialog.isModal()
     qtbot.waitUntil(lambda: QApplication.activeWindow() is dialog)
     press(key)
@@ -222,8 +222,7 @@ def test_tab_reaches_every_control_and_returns_to_the_first(qtbot: QtBot, window
     seen: list[QWidget] = []
     while not seen or seen[-1] is not start:
         press(Qt.Key.Key_Tab)
-        now = QApplication.focusWidget()
-        assert now is not None
+        now = present(QApplication.focusWidget())
         assert now not in seen
         seen.append(now)
     panels = window.panels
@@ -293,6 +292,5 @@ def test_the_focus_of_a_button_that_vanishes_goes_to_its_neighbour(
         focus(qtbot, button)
         link.known = here
         qtbot.waitUntil(partial(unusable, button))
-        found = QApplication.focusWidget()
-        assert found is not None
+        found = present(QApplication.focusWidget())
         assert panel.isAncestorOf(found), found.accessibleName()

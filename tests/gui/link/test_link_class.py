@@ -10,6 +10,7 @@ import pytest
 from class_router import ClassRouter, process_of, replies, start_node
 from gui_links import Linked
 from gui_views import lesson
+from present import present
 from robots import Stage
 
 from beatrix_zenoh.classroom.router_file import Part
@@ -74,8 +75,7 @@ def page_seats(now: World) -> list[str]:
     """Return the seats that the buttons of the page mute."""
     state = State()
     state.handle(TogglePage(), now)
-    page = state.view(now).class_page
-    assert page is not None
+    page = present(state.view(now).class_page)
     return [view.mute.intent.seat for view in page.seats if isinstance(view.mute.intent, Govern)]
 
 
