@@ -101,3 +101,24 @@ def test_a_dance_is_made_played_and_saved_as_a_program(
     sequence.entries["save_program"].trigger()
     save(user, sequence, tmp_path / "dance.py")
     assert_program_passes(user, tmp_path / "dance.py", sim, list(goals))
+
+
+def test_the_code_of_a_session_repeats_its_motions(user: Windowed, sim: Robot, tmp_path: Path) -> None:
+    panels = user.window.panels
+    user.send_to("sim")
+    user.press(panels.arms.rows["all"].plus)
+    user.until_last("done")
+    user.press(panels.arms.rows["short"].plus)
+    user.until_last("done")
+    goal = sim.positions().commanded
+    panels.side.setCurrentWidget(panels.code)
+    file = tmp_path / "mine.py"
+    user.press(panels.code.save)
+    save(user, panels.code, file)
+    sim.home()
+    environment = os.environ | {"BEATRIX_WHO": "ana"}
+    done = subprocess.run(
+        [sys.executable, str(file)], check=False, env=environment, timeout=PROGRAM_S, capture_output=True
+    )
+    assert done.returncode == 0, done.stderr.decode()
+    assert near(sim.positions().arms, tuple(goal))

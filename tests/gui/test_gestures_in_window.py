@@ -91,6 +91,16 @@ def test_each_gesture_moves_both_heads_and_ends_at_home(
             user.until_at(robot, *HOME)
 
 
+def test_stop_ends_a_gesture(user: Windowed, robots: dict[str, Robot]) -> None:
+    user.press(user.window.panels.gestures.buttons["dance"])
+    user.until(lambda: all(robot.status().moving for robot in robots.values()), "both move")
+    QTest.mousePress(user.window.panels.stop_bar, Qt.MouseButton.LeftButton)
+    user.until_last("stop done")
+    user.until(lambda: not any(robot.status().moving for robot in robots.values()), "both rest")
+    link, view = user.window._link, user.state.view
+    user.until(lambda: view(link.world()).history[1].result == "stopped", "the gesture has ended")
+
+
 @pytest.mark.long("follows with its eyes in real time")
 def test_the_simulated_head_follows_a_person_who_walks_until_the_second_press(
     user: Windowed, sim: Robot, hw: Robot
@@ -118,3 +128,12 @@ def test_the_simulated_head_follows_a_person_who_walks_until_the_second_press(
 
 def near_home(robot: Robot) -> bool:
     return all(abs(angle) < 0.5 for angle in robot.positions().head)
+
+
+def test_the_program_is_opened_as_a_file_of_the_user(user: Windowed, home_folder: Path) -> None:
+    panel = user.window.panels.gestures
+    user.press(panel.open)
+    user.until_last("copy the program", "done")
+    copied = home_folder / "beatrix-programs/follow_the_face.py"
+    assert "def follow(" in copied.read_text(encoding="utf-8")
+    user.until(lambda: str(copied) in panel.note.text(), "the panel shows the path")

@@ -202,6 +202,14 @@ def test_dragging_the_face_to_the_right_turns_the_nose_to_the_right_of_the_pictu
     assert window.intents[-1] == ReleaseHead()
 
 
+def test_dragging_an_ear_tilts_the_head(shown: Callable[..., Shown]) -> None:
+    window = shown()
+    window.drag(EARS["left"], 0, -40)
+    assert window.target.roll > 10  # right ear down
+    window.drag(EARS["right"], 0, -40)
+    assert abs(window.target.roll) < 3
+
+
 def test_dragging_beside_the_head_or_with_the_right_button_moves_the_camera(
     shown: Callable[..., Shown],
 ) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 from gui_windows import HOME, Windowed, menu_button, near
-from present import present
 from PyQt5.QtCore import QPoint, QPointF, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLabel
@@ -76,6 +75,24 @@ def test_commands_are_sent_to_both_robots(user: Windowed, robots: dict[str, Robo
     for robot in robots.values():
         user.until_at(robot, *HOME)
     user.until_last("home done")
+
+
+def test_the_menu_of_a_pill_disables_its_robot_at_the_second_press(
+    user: Windowed, robots: dict[str, Robot]
+) -> None:
+    pill, disable = user.window.panels.header.pills["hw"], menu_button(user.window, "hw", "Disable")
+    user.press(disable)
+    assert "sinks" in pill.menu.question.text(), "the button asks first, because the head sinks"
+    assert robots["hw"].status().enabled
+    user.press(disable)
+    user.until_last("disable done")
+    assert not robots["hw"].status().enabled
+    assert robots["sim"].status().enabled
+    user.until(lambda: "motors off" in pill.state.text(), "the pill shows it")
+    for text in ("Enable", "Calibrate"):
+        user.until(lambda text=text: pill.next_step.text() == text, f"the next step is {text}")  # type: ignore[misc]
+        user.press(pill.next_step)
+    user.until_ready("sim", "hw")
 
 
 # -- STOP -----------------------------------------------------------------------------------------
@@ -154,7 +171,8 @@ def test_an_emergency_stop_switches_off_both_moving_robots_and_offers_reset(
 def aim(user: Windowed, pitch: float, roll: float) -> None:
     """Drag the circle of the pad to a pitch and roll (deg)."""
     pad = user.window.panels.head.pad
-    view = present(pad._view)
+    view = pad._view
+    assert view is not None
     start = pad.tilt_point(view.target, view.tilt_max).toPoint()
     scale = pad._disc / (view.tilt_max * 1.2)
     goal = (QPointF(pad.width() / 2, pad.height() / 2) + QPointF(roll, pitch) * scale).toPoint()
@@ -164,7 +182,8 @@ def aim(user: Windowed, pitch: float, roll: float) -> None:
 def test_the_user_drags_a_target_on_the_pad_and_sends_it(user: Windowed, sim: Robot, hw: Robot) -> None:
     head = user.window.panels.head
     aim(user, 12.0, -8.0)
-    target = present(head.pad._view.target if head.pad._view else None)
+    target = head.pad._view.target if head.pad._view else None
+    assert target is not None
     assert (target.pitch, target.roll) == pytest.approx((12, -8), abs=0.7)
     assert near(sim.positions().arms, HOME), "nothing was sent yet"
     user.press(user.window.panels.sending.send)
@@ -196,7 +215,8 @@ def test_during_the_lead_the_hardware_can_be_kept_unmoved(
     user.until(lambda: not user.window.panels.sending.countdown.text(), "nothing waits")
     user.until_ready("sim", "hw")
     assert hw.positions().commanded == before == HOME
-    shown = present(user.window.panels.head.pad._view)
+    shown = user.window.panels.head.pad._view
+    assert shown is not None
     assert shown.sim is not None
     expected_yaw = 5 if name == "change" else shown.sim.yaw
     assert shown.target.yaw == pytest.approx(expected_yaw, abs=0.2)
@@ -225,13 +245,29 @@ def test_the_next_steps_of_a_pill_make_the_robot_ready(
 def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
     head = user.window.panels.head3d.head
     user.drag(head, *across(head, -40, -15))
-    target = present(user.state.choices.target)
+    target = user.state.choices.target
+    assert target is not None
     assert target.yaw > 10  # from behind, left is left
     assert target.pitch < -3  # nose up
     user.window.panels.head.pad.setFocus()
     user.key(Qt.Key.Key_Return)
     for robot in (sim, hw):
         user.until(lambda robot=robot: looks(robot, target), f"{robot} looks at {target}")  # type: ignore[misc]
+
+
+@pytest.mark.long("motions in real time")
+def test_live_moves_the_simulation_while_the_mouse_moves_and_never_the_hardware(
+    user: Windowed, sim: Robot, hw: Robot
+) -> None:
+    panel = user.window.panels.head3d
+    user.check(panel.live)
+    user.drag(panel.head, *across(panel.head, 40, 0))
+    target = user.state.choices.target
+    assert target is not None
+    assert target.yaw < -10
+    user.until(lambda: looks(sim, target), f"the simulation looks at {target}")
+    assert near(hw.positions().arms, HOME)
+    assert not hw.status().moving
 
 
 def across(head: Head3d, right: int, down: int) -> tuple[QPoint, QPoint]:

@@ -9,15 +9,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from gui_views import posed
 from gui_windows import menu_button, reveal
-from present import present
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink
 
+from beatrix_zenoh.client.degrees import HeadAngles
 from beatrix_zenoh.contract._generated.messages import Command
+from gui.console.state.actions import ChooseRobot
 from gui.console.state.intents import Choose, Intent, Jog, RunCommand, Stop, Theme
 from gui.window.panels import PAGES
 from gui.window.run import Bridge, errors_shown
@@ -28,6 +30,15 @@ from gui.window.window import Window
 Taken = Callable[[], list[Intent]]
 LEFT = Qt.MouseButton.LeftButton
 POPUPS = pytest.mark.qt_log_ignore("This plugin does not support")  # popups without a display
+
+
+def test_the_window_shows_the_world_of_the_link_periodically(
+    qtbot: QtBot, window: Window, link: RecordingLink
+) -> None:
+    link.known = replace(link.known, sim=posed("sim", (33.3, 0.0, 0.0), HeadAngles(44.0, 0.0, 0.0)))
+    row = window.panels.arms.rows["short"]
+    qtbot.waitUntil(lambda: row.sim.text() == "33.3°")
+    assert window.panels.head.numbers["sim", "yaw"].text() == "44.0°"
 
 
 @POPUPS
@@ -50,6 +61,18 @@ def test_disabling_the_hardware_needs_a_second_press(window: Window, intents: Ta
     assert intents() == [RunCommand(Command.ENABLE, value=False, side="hw")]
     assert button.text() == "Disable"
     assert not menu.isVisible()
+
+
+@POPUPS
+def test_enter_presses_a_button_of_a_menu_and_space_is_stop(window: Window, intents: Taken) -> None:
+    pill = window.panels.header.pills["sim"]
+    pill.more.click()
+    QTest.keyClick(pill.menu.buttons[0], Qt.Key.Key_Return)
+    assert intents() == [RunCommand(Command.CALIBRATE, side="sim")]
+    pill.more.click()
+    QTest.keyClick(pill.menu.buttons[0], Qt.Key.Key_Space)
+    assert intents() == [Stop()]
+    assert not pill.menu.isVisible()
 
 
 def test_a_theme_applies_to_all_widgets(window: Window) -> None:
@@ -171,6 +194,14 @@ def test_nothing_is_drawn_while_nothing_changes(qtbot: QtBot, window: Window) ->
         qtbot.waitUntil(lambda: painted == ["pad"])
 
 
+def test_another_robot_is_chosen_by_keyboard(qtbot: QtBot, window: Window, intents: Taken) -> None:
+    robots = window.panels.header.robots
+    robots.setFocus()
+    qtbot.waitUntil(robots.hasFocus)
+    QTest.keyClick(robots, Qt.Key.Key_Down)
+    assert intents() == [ChooseRobot("bea2")]
+
+
 def test_a_name_of_32_letters_leaves_room_for_the_pills(
     qtbot: QtBot, window: Window, link: RecordingLink
 ) -> None:
@@ -179,7 +210,9 @@ def test_a_name_of_32_letters_leaves_room_for_the_pills(
     qtbot.waitUntil(lambda: header.robots.currentText() == name)
     assert header.robots.width() <= ROBOT_PX
     assert name in header.robots.toolTip()
-    assert present(header.robots.view()).minimumWidth() > header.robots.fontMetrics().horizontalAdvance(name)
+    popup = header.robots.view()
+    assert popup is not None
+    assert popup.minimumWidth() > header.robots.fontMetrics().horizontalAdvance(name)
 
 
 @pytest.mark.qt_log_ignore("This plugin does not support")  # popups without a display
@@ -189,8 +222,10 @@ def test_the_list_of_41_robots_scrolls(qtbot: QtBot, window: Window, link: Recor
     link.known = replace(link.known, robot=names[0], names=names)
     qtbot.waitUntil(lambda: header.robots.count() == 41)
     header.robots.showPopup()
-    popup = present(header.robots.view())
-    bar = present(popup.verticalScrollBar())
+    popup = header.robots.view()
+    assert popup is not None
+    bar = popup.verticalScrollBar()
+    assert bar is not None
     qtbot.waitUntil(bar.isVisible)
     assert bar.maximum() > 0
     header.robots.hidePopup()

@@ -110,6 +110,13 @@ def test_cookies_are_for_this_page_only(port: int) -> None:
     assert all("SameSite=Strict" in cookie and "HttpOnly" in cookie for cookie in cookies)
 
 
+def test_the_files_of_the_page_load_nothing_from_elsewhere(browser: WebClient) -> None:
+    for name in ("page.html", "login.html", "page.js", "connection.js", "eyes.js", "page.css"):
+        text = (server.STATIC / name).read_text()
+        assert "http://" not in text
+        assert "https://" not in text
+
+
 @pytest.mark.parametrize(
     "text",
     [

@@ -11,7 +11,6 @@ from functools import partial
 import pytest
 from gui_links import Linked, look
 from late_tests import in_time
-from present import present
 from robots import Process, Stage, free_endpoint, start_router, until
 
 from beatrix_zenoh.client import Client, Place, Presence, stopping
@@ -28,7 +27,8 @@ def test_a_motion_of_one_robot_is_accepted_and_done(linked: Linked) -> None:
         assert not accepted.done
         end = linked.end_of(row, side)
         assert (end.accepted, end.reason) == (True, Reason.OK)
-        reading = present(linked.world.side(side).reading)
+        reading = linked.world.side(side).reading
+        assert reading is not None
         assert reading.commanded.short == pytest.approx(10, abs=0.1)
         until(partial(recorded, linked, side), "the event")
         in_time(abs(end.duration_s - accepted.duration_s), 0.3, "duration apart from the one announced")
@@ -38,6 +38,32 @@ def recorded(linked: Linked, side: str) -> bool:
     """Return whether an event shows that the window has requested a yaw of 10 deg."""
     asked = [event.pose_query for event in linked.world.side(side).events if event.source is Source.WINDOW]
     return any(query is not None and 0.17 < query.yaw < 0.18 for query in asked)
+
+
+def test_a_command_reaches_both_robots_and_each_answers(linked: Linked) -> None:
+    linked.do(SendCommand(1, Command.ENABLE, value=False, sides=("sim", "hw")))
+    for side in ("sim", "hw"):
+        assert linked.end_of(1, side).accepted
+        linked.until(lambda world, side=side: not world.side(side).status.enabled, "motors off")  # type: ignore[misc]
+    linked.do(Send(2, look(5), ("hw",)))
+    end = linked.end_of(2, "hw")
+    assert (end.accepted, end.reason, len(linked.of(2))) == (False, Reason.NOT_ENABLED, 1)
+    linked.do(MakeReady("hw", 3))
+    assert linked.end_of(3, "hw").accepted
+
+
+def test_stop_ends_the_motions_of_both_robots(linked: Linked) -> None:
+    for row, side in ((1, "sim"), (2, "hw")):
+        linked.do(Send(row, look(90, 30), (side,)))
+    linked.accepted(1, "sim")
+    linked.accepted(2, "hw")
+    linked.do(SendStop(3))
+    for row, side in ((1, "sim"), (2, "hw")):
+        assert linked.end_of(row, side).reason is Reason.STOPPED
+        assert linked.end_of(3, side).accepted
+    world = linked.until(lambda world: not (world.sim.status.moving or world.hw.status.moving), "both rest")  # type: ignore[union-attr]
+    assert world.sim.reading is not None
+    assert world.sim.reading.commanded.short < 60
 
 
 @pytest.mark.measures_time
