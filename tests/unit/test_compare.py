@@ -112,6 +112,16 @@ def test_each_exceeded_threshold_is_reported() -> None:
     assert "short" not in sentences
 
 
+def test_as_many_missed_steps_as_allowed_are_no_failure() -> None:
+    found = compare(shaken([0.0] * 3), shaken([0.0] * 3))
+    assert [len(Thresholds(missed_steps=3).exceeded(found, slipped=n)) for n in (-4, -3, 3, 4)] == [
+        1,
+        0,
+        0,
+        1,
+    ]
+
+
 def test_a_threshold_names_all_axes_in_one_sentence_and_never_an_equal_figure() -> None:
     found = compare(shaken([0.0] * 3), shaken([0.05004] * 3))
     (lag_sentence, largest) = Thresholds(lag_s=0.05, largest_deg=0.0).exceeded(found, None)
