@@ -24,6 +24,9 @@ OTHER_CAUSES = (
     "Or it does not use certificates: it serves no class."
 )
 """What else may be wrong if a router with TLS does not answer."""
+AGAIN_S = 0.3
+"""Time (s) after which a session is opened once more: a router that has just started may have begun to listen after the
+first attempt, and does not refuse the account."""
 STAYS_S = 0.3
 """Time (s) after which a router has not closed the session of an account that it has put out."""
 OTHER_ZENOH = (
@@ -193,7 +196,7 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
         except NoAnswer as error:
             raise credentials.no_router(error, account) from error
 
-    def open_session() -> zenoh.Session:
+    def open_session(*, again: bool = True) -> zenoh.Session:
         if account is None:
             check_listening()  # after a connection without a handshake, TLS accepts none for 0.1 s
         begin = time.monotonic()
@@ -202,6 +205,9 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
         except NoAnswer as error:
             slow = time.monotonic() - begin > OPEN_MS / 1e3 * 0.9
             check_listening()  # a router that is absent or shuts down did not refuse the account
+            if again and not slow:
+                time.sleep(AGAIN_S)
+                return open_session(again=False)
             if slow:
                 other = "" if account is None else OTHER_CAUSES
                 raise NoAnswer(Reason.NO_ROUTER, hanging_router(endpoint) + other) from error

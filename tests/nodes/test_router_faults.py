@@ -19,7 +19,7 @@ from shell import Shell
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.bus import Sessions, session, transport
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.node import Node
 from hw_node.body import VirtualHardware
@@ -234,3 +234,19 @@ def test_a_router_of_another_protocol_version_is_named_as_such(
         server.shutdown(socket.SHUT_RDWR)
         serving.join()
     assert (refused.value.reason, named in refused.value.message) == (reason, True)
+
+
+def test_a_router_that_begins_to_listen_after_the_first_attempt_refuses_no_one(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    attempts: list[bool] = []
+
+    def opened(*given: object) -> zenoh.Session:
+        attempts.append(True)
+        if len(attempts) == 1:
+            raise NoAnswer(Reason.ACCOUNT_REFUSED, "")
+        return transport.opened(*given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(session, "opened", opened)
+    zbus.connect(stage.endpoint).close()
+    assert len(attempts) == 2
