@@ -39,10 +39,10 @@ from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, R
 
 ROBOT_S: Final = 2.0
 """Default time limit (s) of the reply of one robot; the slowest stop, from 90 deg/s, takes half a second."""
-PRESS_BYTES: Final = 8
-"""Size of the random number of a press."""
 GROUP_S: Final = 3.0
 """Time limit (s) of the replies of a group."""
+PRESS_BYTES: Final = 8
+"""Size of the random number of a press."""
 PLACES_MAX: Final = 16
 """Largest number of places whose answers a `StopSender` awaits at the same time; STOP is sent to further ones, too."""
 REPORTS_MAX: Final = 256

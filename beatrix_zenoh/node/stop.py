@@ -45,7 +45,7 @@ REST_S: Final = 2.0
 SAME_PRESS_S: Final = 0.5
 """A put and a query of one seat and session without a number within this time (s) count as one press and one event."""
 RECORDED: Final = 64
-"""Number of callers, and of keys, whose last press is remembered, and of presses."""
+"""Number of presses, and of keys, that are remembered."""
 SAME_PUT_S: Final = 0.002
 """Puts of STOP with one key within this time (s), without a motion in between, count as one. Each costs Python 10 times
 as much as a skipped one, and other puts wait behind a flood."""
@@ -74,10 +74,9 @@ class StopHandler(Component):
         """Time (s, monotonic) of the last STOP that the board has acknowledged, and `Access.begun` before it."""
         self._puts: dict[str, tuple[float, int]] = {}
         """Time (s, monotonic) of the last put by its key, and `Access.begun` then."""
-        self._presses: dict[tuple[str, bytes], str] = {}
-        """The form (put or query) of each press that came first, by seat and number, the newest last."""
-        self._recorded: dict[Caller, tuple[str, float]] = {}
-        """Form (put or query) and time (s, monotonic) of the last recorded press of each caller, the newest last."""
+        self._recorded: dict[Caller | tuple[str, bytes], tuple[str, float]] = {}
+        """Form (put or query) and time (s, monotonic) of recorded presses, the newest last: each by seat and number, and
+        of those without a number the last of each caller."""
         self._thread: threading.Thread | None = None
         self._rest = Rest(self._board, controller)
         board_watch.observe(Observer(self._rest.observe, self._rest.overdue))
@@ -129,7 +128,8 @@ class StopHandler(Component):
         # The seat is that of the key, which the router of a class checks; any client can forge a session id.
         caller = Caller(seat_of(received.key, served) or self._unsigned, received.session)
         press = received.attachment or b""
-        if is_stop(received.key) and self._presses.get((caller.seat, press)) != "query":
+        form, _ = self._recorded.get((caller.seat, press), ("put", 0.0))
+        if is_stop(received.key) and form != "query":
             events = self._events(caller, "put", press)
             self.press(Command.STOP, RequestHandle(caller, Command.STOP.name, events, kind=EventKind.STOP))
 
@@ -140,16 +140,13 @@ class StopHandler(Component):
         """
         now_s = time.monotonic()
         with self._changed:
-            if press:
-                first = self._presses.setdefault((caller.seat, press), form)
-                if len(self._presses) > RECORDED:
-                    del self._presses[next(iter(self._presses))]
-                return self._requests.events if first == form else None
-            last_form, last_s = self._recorded.get(caller, (form, now_s))
-            if caller.session and form != last_form and now_s - last_s < SAME_PRESS_S:
+            key = (caller.seat, press) if press else caller
+            last_form, last_s = self._recorded.get(key, (form, now_s))
+            same = bool(press) or (bool(caller.session) and now_s - last_s < SAME_PRESS_S)
+            if form != last_form and same:
                 return None
-            self._recorded.pop(caller, None)
-            self._recorded[caller] = form, now_s
+            self._recorded.pop(key, None)
+            self._recorded[key] = form, now_s
             if len(self._recorded) > RECORDED:
                 del self._recorded[next(iter(self._recorded))]
         return self._requests.events
