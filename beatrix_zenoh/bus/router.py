@@ -160,13 +160,10 @@ def answer_checks(session: zenoh.Session, key: str) -> object:
     return session.declare_queryable(key, direct(answer))
 
 
-def is_received(session: zenoh.Session, key: str) -> bool:
-    """Return whether a subscriber would receive publications of a router on this key."""
-    publisher = session.declare_publisher(key)
-    try:
-        return bool(publisher.matching_status.matching)  # type: ignore[attr-defined]  # the stub says bool
-    finally:
-        publisher.undeclare()
+def is_answered(session: zenoh.Session, key: str, timeout_s: float) -> bool:
+    """Return whether a query of a router on this key has a reply within `timeout_s` (s)."""
+    replies = session.get(key, target=zenoh.QueryTarget.ALL, timeout=timeout_s)
+    return any(reply.ok is not None for reply in replies)
 
 
 def close_connections(addresses: Container[str]) -> None:

@@ -34,6 +34,8 @@ OUT_S: Final = 60.0
 """Time for which a seat with too many tokens is kept out."""
 LINK_S, POLL_S = 5.0, 0.01
 """Longest time (s) to wait for the other router, without which seats reach no robot, and period of looking for it."""
+CHECK_S: Final = 0.2
+"""Longest time (s) of one query to the other router."""
 MEMORY: Final = 1 << 30
 """Largest amount of memory (bytes); a router of a class with thirty robots and seats needs less than a fifth. A key of
 some thousand chunks takes Zenoh up to a gigabyte, which it keeps for ever."""
@@ -103,12 +105,12 @@ class RouterProcess:
             self._wait_for_other()
 
     def _wait_for_other(self) -> None:
-        """Wait until the other router has passed on its subscriptions, 0.1 s after the connection: reports would get lost."""
+        """Wait until the other router answers through their connection: before, it drops reports, motions and STOPs.
+
+        It has passed on its subscriptions some ms earlier, and then still dropped 1 of 200 reports (measured).
+        """
         deadline_s = time.monotonic() + LINK_S
-        while (
-            not zbus.is_received(self._session, keys.lesson("router", "any"))
-            and time.monotonic() < deadline_s
-        ):
+        while not zbus.is_answered(self._session, CHECK_KEY, CHECK_S) and time.monotonic() < deadline_s:
             time.sleep(POLL_S)
 
     def _on_link(self, common_name: str, address: str, opened: bool) -> None:  # noqa: FBT001

@@ -111,5 +111,5 @@ def read(client: Client, timeout_s: float = ANSWER_S) -> list[Row]:
             f"The router at {bus.endpoint} has not sent all reports of the class within {timeout_s:g} s. "
             "Try again; `beatrix doctor` checks the router."
         )
-        raise NoAnswer(Reason.TIMED_OUT, text)
+        raise bus.refusal() or NoAnswer(Reason.TIMED_OUT, text)
     return sorted(rows, key=lambda row: row[:2])

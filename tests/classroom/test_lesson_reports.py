@@ -38,19 +38,24 @@ def good(*words: str) -> str:
     return done.stdout
 
 
-def rows(router: ClassRouter, seat: str = "teacher") -> list[reports.Row]:
+def client(router: ClassRouter, seat: str) -> Client:
     account = router.account(seat)
-    with patiently(lambda: Client(Settings("bea1", account.connect, seat, account=account))) as client:
-        return reports.read(client)
+    return patiently(lambda: Client(Settings("bea1", account.connect, seat, account=account)))
+
+
+@pytest.fixture(scope="module")
+def teacher(router: ClassRouter) -> Iterator[Client]:
+    with client(router, "teacher") as made:
+        yield made
 
 
 def test_seats_that_are_silent_or_too_busy_are_listed(
-    router: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    router: ClassRouter, teacher: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     use_account(tmp_path, router.path("ana"))
     reports.report("01-hello", Record().state(measured=False))
-    until(lambda: bool(rows(router)), "the report has arrived")
+    until(lambda: bool(reports.read(teacher)), "the report has arrived")
     use_account(tmp_path, router.path("teacher"))
     table = patiently(lambda: good("lesson", "report")).splitlines()
     assert [line.split() for line in table[:3]] == [
@@ -67,20 +72,23 @@ def test_seats_that_are_silent_or_too_busy_are_listed(
 
 
 def test_the_teacher_reads_what_each_seat_has_reported(
-    router: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    router: ClassRouter, teacher: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     for seat, record in (("ana", STUCK), ("ben", PASSED)):
         use_account(tmp_path, router.path(seat))
         reports.report("01-hello", record.state())
     expected = [("ana", "01-hello", "stuck (7)"), ("ben", "01-hello", "passed (2)")]
-    until(lambda: [(row.seat, row.lesson, row.words) for row in rows(router)] == expected, "both reports")
+    until(
+        lambda: [(row.seat, row.lesson, row.words) for row in reports.read(teacher)] == expected,
+        "both reports",
+    )
     use_account(tmp_path, router.path("ana"))
     reports.report("01-hello", PASSED.state())
     added = ["passed (9)", "passed (2)"]
-    until(lambda: [row.words for row in rows(router)] == added, "a report from another folder")
-    with pytest.raises(Refused) as refused:
-        rows(router, "ana")
+    until(lambda: [row.words for row in reports.read(teacher)] == added, "a report from another folder")
+    with client(router, "ana") as pupil, pytest.raises(Refused) as refused:
+        reports.read(pupil)
     assert refused.value.reason is Reason.TEACHER_ONLY
 
     # a seat that does not ask politely
@@ -98,7 +106,7 @@ def test_the_teacher_reads_what_each_seat_has_reported(
     ):
         ben.put(keys.lesson("ben", lesson), report, codec.MSGPACK)
     router.settled(ben)
-    assert [(row.seat, row.lesson, row.progress) for row in rows(router)] == [
+    assert [(row.seat, row.lesson, row.progress) for row in reports.read(teacher)] == [
         ("ana", "01-hello", "passed"),
         ("ben", "01-hello", "passed"),
     ]
