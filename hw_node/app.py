@@ -15,9 +15,9 @@ from beatrix_zenoh.output import note, say
 from beatrix_zenoh.settings import resolve
 from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, RobotFile
 from beatrix_zenoh.terminal.run import run_command
-from hw_node.body import build
-from hw_node.cameras.camera import choices
-from hw_node.microphones import choose
+from hw_node.body import MakeSensor, build
+from hw_node.cameras.camera import TEST_EYES, choices
+from hw_node.microphones import MicrophoneSensor, choose
 from hw_node.port import VIRTUAL, listed
 
 MicrophonesOption = Annotated[
@@ -83,8 +83,11 @@ def hw(
     settings = resolve(name, connect)
     robot = values.load(robot_file)
     words = camera or settings.cameras
-    cameras = choices(words) if words else None
+    sensors: list[MakeSensor] = [*TEST_EYES] if port == VIRTUAL and not words else []
+    sensors += [choice.sensor for choice in choices(words)]
     ears = choose(settings.microphones if microphones is None else microphones)
+    if ears is not None:
+        sensors.append(lambda node: MicrophoneSensor(node, ears))
     if port and legacy is not None and Path(port).resolve() == legacy.resolve():
         raise WrongUsage(
             Reason.BAD_VALUE,
@@ -92,7 +95,7 @@ def hw(
         )
     raise typer.Exit(
         serve(
-            lambda name: build(port, name, robot, cameras, ears),
+            lambda name: build(port, name, robot, sensors),
             [settings.robot],
             settings,
             robot=robot,

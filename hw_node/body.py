@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from beatrix_zenoh.board.state import Port, TimedPort
 from beatrix_zenoh.board.virtual import Firmware, RealTime, RealTimePort, VirtualBoard
@@ -11,9 +11,10 @@ from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import TELEMETRY_PERIOD, Telemetry
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node import ArmState, Component, Node
-from hw_node.cameras.camera import PATTERN, CameraChoice, CameraSensor, same_for_both
-from hw_node.microphones import MicrophoneSensor, SoundSource
+from hw_node.cameras.camera import TEST_EYES
 from hw_node.port import VIRTUAL, SerialPort, find
+
+MakeSensor = Callable[[Node], Component]
 
 
 class Hardware:
@@ -23,13 +24,9 @@ class Hardware:
     sampling_s = TELEMETRY_PERIOD / 1000
 
     def __init__(
-        self,
-        device: str = "",
-        robot: RobotData = ROBOT,
-        cameras: Sequence[CameraChoice] = (),
-        microphones: SoundSource | None = None,
+        self, device: str = "", robot: RobotData = ROBOT, sensors: Sequence[MakeSensor] = ()
     ) -> None:
-        self._device, self._cameras, self._microphones = device, cameras, microphones
+        self._device, self._sensors = device, sensors
         self._gear = Gear(robot.drive)
 
     def open_port(self) -> Port:
@@ -53,10 +50,8 @@ class Hardware:
         """Do nothing: a person has set the head upright."""
 
     def components(self, node: Node) -> list[Component]:
-        """Return a component for each camera, and one for the microphones if there are any."""
-        eyes = [CameraSensor(node, choice.eye, choice.build()) for choice in self._cameras]
-        ears = [] if self._microphones is None else [MicrophoneSensor(node, self._microphones)]
-        return [*eyes, *ears]
+        """Return the sensors: cameras, microphones and others."""
+        return [make(node) for make in self._sensors]
 
     def plant(self) -> PlantStatus | None:
         """Return None: only a simulation has a plant."""
@@ -74,13 +69,9 @@ class VirtualHardware(Hardware):
     """A robot whose firmware runs on a virtual board in real time; by default its eyes show a test picture."""
 
     def __init__(
-        self,
-        name: str,
-        robot: RobotData = ROBOT,
-        cameras: Sequence[CameraChoice] | None = None,
-        microphones: SoundSource | None = None,
+        self, name: str, robot: RobotData = ROBOT, sensors: Sequence[MakeSensor] = TEST_EYES
     ) -> None:
-        super().__init__(VIRTUAL, robot, same_for_both(PATTERN) if cameras is None else cameras, microphones)
+        super().__init__(VIRTUAL, robot, sensors)
         self._board = VirtualBoard(Firmware(boot=1, name=name))
         self._port = RealTimePort(self._board, RealTime(self._board))
 
@@ -97,17 +88,8 @@ class VirtualHardware(Hardware):
         self._board.close()
 
 
-def build(
-    device: str,
-    name: str,
-    robot: RobotData = ROBOT,
-    cameras: Sequence[CameraChoice] | None = None,
-    microphones: SoundSource | None = None,
-) -> Hardware:
-    """Create the body for `device`, or for a virtual board, without opening a port.
-
-    `cameras`: None for the default cameras. `microphones`: None for none.
-    """
+def build(device: str, name: str, robot: RobotData, sensors: Sequence[MakeSensor]) -> Hardware:
+    """Create the body for `device`, or for a virtual board, without opening a port."""
     if device == VIRTUAL:
-        return VirtualHardware(name, robot, cameras, microphones)
-    return Hardware(device, robot, cameras or (), microphones)
+        return VirtualHardware(name, robot, sensors)
+    return Hardware(device, robot, sensors)

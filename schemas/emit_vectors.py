@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import struct
 
-from contract import Contract
+from contract import Contract, rows
 from golden_bytes import cobs, crc16, msgpack, payload
 from media_examples import MEDIA
 from state_examples import STATES
@@ -15,7 +15,6 @@ POSE: dict[str, object] = {
     "yaw": 0.5,
     "pitch": -0.125,
     "roll": 0.0,
-    "speed": None,
     "lease": 0,
     "lead": 2.0,
     "source": "window",
@@ -23,23 +22,17 @@ POSE: dict[str, object] = {
 DETAIL: dict[str, object] = {
     "limit": "TILT",
     "value": 0.75,
-    "low": None,
     "high": 0.5,
     "unit": "rad",
     "arms": [],
     "at_goal": True,
-    "leaves_s": None,
-    "leaves_arms": None,
     "field": "",
     "known": [],
     "holder": "",
     "presser": "",
-    "wait_s": None,
     "needs": ["ENABLE", "CALIBRATE"],
     "alternative": {
-        "arms": None,
         "head": {"yaw": 0.0, "pitch": 0.5, "roll": 0.0},
-        "speed": None,
     },
 }
 EVENT: dict[str, object] = {
@@ -50,17 +43,12 @@ EVENT: dict[str, object] = {
     "action": "ENABLE",
     "seat": "ana",
     "session": "4711",
-    "phase": None,
     "reason": "EMERGENCY",
     "message": "EMERGENCY_STOP is latched.",
     "motion": 0,
     "duration": 0.0,
     "count": 2,
-    "detail": None,
     "source": "sdk",
-    "motion_query": None,
-    "pose_query": None,
-    "position": None,
 }
 MESSAGES: list[tuple[str, dict[str, object]]] = [
     ("Vector3", {"x": 0.1, "y": -0.25, "z": 1.5}),
@@ -73,7 +61,6 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "position": {"x": 0.1, "y": -0.25, "z": 1.5},
             "speed": {"x": 0.5, "y": 0.5, "z": 0.5},
             "lease": 0,
-            "lead": None,
             "source": "zenoh",
         },
     ),
@@ -82,7 +69,6 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
         {
             "absolute": False,
             "position": {"x": 0.0, "y": 0.0, "z": -0.0625},
-            "speed": None,
             "lease": 7,
             "lead": 2.0,
             "source": "window",
@@ -102,7 +88,6 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "lease": 3,
             "holder": "ana",
             "waiting": ["ben"],
-            "detail": None,
         },
     ),
     ("TargetQuery", {"x": 1.25, "y": -0.5, "z": 0.125, "path": "", "period_s": 12.0}),
@@ -115,7 +100,6 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "x": 1.25,
             "y": 0.0,
             "z": 0.125,
-            "detail": None,
         },
     ),
     ("CommandQuery", {"command": 1, "value": True, "source": "page"}),
@@ -128,7 +112,6 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "reason": "NOT_ENABLED",
             "message": "Die Motoren sind aus – ✓",
             "position": {"x": 0.0, "y": 0.0, "z": 0.0},
-            "detail": None,
         },
     ),
     (
@@ -150,7 +133,6 @@ MESSAGES: list[tuple[str, dict[str, object]]] = [
             "motion": 65535,
             "duration": 1.25,
             "position": {"x": 0.5, "y": 0.5, "z": 0.5},
-            "detail": None,
         },
     ),
     (
@@ -227,10 +209,20 @@ FRAMES: list[tuple[str, int, dict[str, object]]] = [
 ]
 
 
+def completed(contract: Contract, name: str, given: dict[str, object]) -> dict[str, object]:
+    """Return an example with all fields of its message and of those in it; fields that are not given have their default."""
+    found = {}
+    for field, row in rows(contract.messages["message"][name]).items():
+        value = given.get(field, row.get("default"))
+        found[field] = completed(contract, str(row["type"]), value) if isinstance(value, dict) else value
+    return found
+
+
 def files(contract: Contract) -> dict[str, str]:
     """Return the text of every file of golden bytes by its relative path."""
+    examples = [(name, completed(contract, name, given)) for name, given in MESSAGES]
     messages = [
-        {"message": name, "value": value, "msgpack": msgpack(value).hex()} for name, value in MESSAGES
+        {"message": name, "value": value, "msgpack": msgpack(value).hex()} for name, value in examples
     ]
     frames = []
     for name, seq, values in FRAMES:

@@ -20,7 +20,6 @@ MEDIA: list[tuple[str, dict[str, object]]] = [
             "y": -0.5,
             "z": 0.125,
             "mouth": False,
-            "detail": None,
         },
     ),
     (

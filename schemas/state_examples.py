@@ -17,7 +17,6 @@ STATES: list[tuple[str, dict[str, object]]] = [
             "commanded": {"x": 0.1, "y": -0.25, "z": 1.5},
             "steps": {"x": 73, "y": -183, "z": 1100},
             "head": {"yaw": 0.5, "pitch": -0.125, "roll": 0.0},
-            "head_measured": None,
             "repeated": True,
         },
     ),

@@ -69,6 +69,14 @@ class CameraChoice:
 
         return opencv.OpenCvCamera(int(self.source), opencv.library())
 
+    def sensor(self, node: Node) -> CameraSensor:
+        """Create the sensor of this eye."""
+        return CameraSensor(node, self.eye, self.build())
+
+
+TEST_EYES: Final = tuple(CameraChoice(eye, PATTERN).sensor for eye in names.EYES)
+"""the sensors of two eyes that show a test picture"""
+
 
 def on_linux() -> bool:
     """Return whether this is Linux, where USB cameras have paths and linuxpy reads them.
@@ -81,11 +89,6 @@ def on_linux() -> bool:
 def examples() -> str:
     """Return examples of values of --camera on this system."""
     return f"left={'/dev/v4l/by-path/…' if on_linux() else '0'} (a USB camera), {OTHERS}"
-
-
-def same_for_both(source: str) -> list[CameraChoice]:
-    """Return choices with the same source for both eyes."""
-    return [CameraChoice(eye, source) for eye in names.EYES]
 
 
 def choices(words: Sequence[str]) -> list[CameraChoice]:

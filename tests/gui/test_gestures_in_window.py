@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -12,13 +11,15 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.client.choreography import GESTURES
+from beatrix_zenoh.client.choreography import GESTURES, Pose, shipped
 from beatrix_zenoh.client.degrees import HeadAngles, Reading
 
 pytestmark = [
     pytest.mark.qt_log_ignore("This plugin does not support"),
     pytest.mark.no_cover,  # the tests of state, link and widget cover the same code
 ]
+NEAR_DEG = 3.0
+"""A head that passes through a pose differs from it by at most this angle."""
 SEEN_S = 60.0
 """Time limit (s) of the first pictures and of the start of a program on a busy computer."""
 
@@ -47,22 +48,15 @@ def watched(robots: dict[str, Robot]) -> Iterator[dict[str, Callable[[], list[He
         stream.close()
 
 
-def turns(angles: list[float], least: float) -> int:
-    """Return how often an angle changes from above `least` to below minus `least`, or back."""
-    sides = [angle > 0 for angle in angles if abs(angle) > least]
-    return sum(one != other for one, other in itertools.pairwise(sides))
-
-
-MOVES: dict[str, Callable[[list[HeadAngles]], bool]] = {
-    "yes": lambda heads: turns([head.pitch for head in heads], 4) >= 3,
-    "no": lambda heads: turns([head.yaw for head in heads], 10) >= 2,
-    "hello": lambda heads: turns([head.roll for head in heads], 10) >= 2,
-    "surprised": lambda heads: min(head.pitch for head in heads) < -15,
-    "sleepy": lambda heads: max(head.pitch for head in heads) > 15,
-    "curious": lambda heads: turns([head.roll for head in heads], 8) == 1,
-    "dance": lambda heads: turns([head.roll for head in heads], 7) >= 3,
-}
-"""What the positions of each robot show."""
+def shows(gesture: str, heads: list[HeadAngles]) -> bool:
+    """Return whether a head has turned as far to each side as the poses of the gesture do (deg)."""
+    poses = [pose for _, pose in shipped(gesture).steps if isinstance(pose, Pose)]
+    return all(
+        abs(most([getattr(head, axis) for head in heads]) - most([getattr(pose, axis) for pose in poses]))
+        < NEAR_DEG
+        for most in (min, max)
+        for axis in ("yaw", "pitch", "roll")
+    )
 
 
 @pytest.mark.long("all gestures in real time")
@@ -87,7 +81,7 @@ def test_each_gesture_moves_both_heads_and_ends_at_home(
 
         user.until(ended, f"{gesture} has ended")
         for side, robot in robots.items():
-            assert MOVES[gesture](seen[side]), (gesture, side, seen[side])
+            assert shows(gesture, seen[side]), (gesture, side, seen[side])
             user.until_at(robot, *HOME)
 
 

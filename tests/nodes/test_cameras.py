@@ -15,7 +15,7 @@ from robots import Stage, ready, until, wait_status
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import CameraFrame, Component, Node, sensors
+from beatrix_zenoh.node import CameraFrame, sensors
 from hw_node.body import VirtualHardware
 from hw_node.cameras.camera import CameraSensor
 
@@ -64,11 +64,7 @@ class HardwareWithOneEye(VirtualHardware):
     """A virtual board with one eye, whose pictures come from `source`."""
 
     def __init__(self, name: str, source: FakeSource) -> None:
-        super().__init__(name, cameras=())
-        self._source = source
-
-    def components(self, node: Node) -> list[Component]:
-        return [CameraSensor(node, "left", self._source)]
+        super().__init__(name, sensors=[lambda node: CameraSensor(node, "left", source)])
 
 
 @pytest.fixture

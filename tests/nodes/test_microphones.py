@@ -14,6 +14,7 @@ from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason,
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import SoundBlock, sensors
 from hw_node.body import VirtualHardware
+from hw_node.microphones import MicrophoneSensor
 
 
 class FakeDevice:
@@ -56,7 +57,7 @@ def router() -> Iterator[Stage]:
 
 @pytest.fixture
 def robot(router: Stage, device: FakeDevice) -> Iterator[Robot]:
-    node = router.node("bea", VirtualHardware("bea", cameras=(), microphones=device))
+    node = router.node("bea", VirtualHardware("bea", sensors=[lambda node: MicrophoneSensor(node, device)]))
     robot = router.robot("bea", "hw")
     wait_status(robot, lambda status: status.microphones is not None, "there are microphones")
     yield robot
@@ -95,7 +96,7 @@ def test_a_lost_device_is_reported_and_listened_to_again(robot: Robot, device: F
 
 
 def test_a_robot_without_microphones_says_what_to_do(router: Stage) -> None:
-    node = router.node("ben", VirtualHardware("ben", cameras=()))
+    node = router.node("ben", VirtualHardware("ben", sensors=()))
     robot = router.robot("ben", "hw")
     assert robot.status().microphones is None
     with (

@@ -58,23 +58,23 @@ def test_every_value_of_a_status_has_a_group() -> None:
     assert {one.field for one in values.values(BUSY) if not one.group} == set()
 
 
-class Touch(Status, frozen=True, kw_only=True):
+class OneMore(Status, frozen=True, kw_only=True):
     """A status with one more field, as a contributor adds it."""
 
-    pressed_s: float = 2.5
+    sample_s: float = 2.5
 
 
 def test_a_new_field_is_shown_by_every_program_without_being_named_there(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    row = ValueRow("pressed", "s", "touch")
+    row = ValueRow("sample", "s", "example")
     tables: dict[type[msgspec.Struct], dict[str, ValueRow]] = {**VALUES}
-    tables[Touch] = VALUES[Status] | {"pressed_s": row}
+    tables[OneMore] = VALUES[Status] | {"sample_s": row}
     monkeypatch.setattr(values, "VALUES", tables)
-    status = Touch(**msgspec.structs.asdict(READY))
-    assert values.lines(status)["touch"] == "pressed 2.5 s"
-    assert "touch: pressed 2,5 s" in details(status, Texts("de")).splitlines()
-    assert values.as_data(status)["pressed_s"] == 2.5
+    status = OneMore(**msgspec.structs.asdict(READY))
+    assert values.lines(status)["example"] == "sample 2.5 s"
+    assert "example: sample 2,5 s" in details(status, Texts("de")).splitlines()
+    assert values.as_data(status)["sample_s"] == 2.5
 
 
 def test_a_new_row_of_keys_is_a_stream(monkeypatch: pytest.MonkeyPatch) -> None:
