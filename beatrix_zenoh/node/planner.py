@@ -9,7 +9,6 @@ from functools import lru_cache
 import msgspec
 from msgspec import structs
 
-from beatrix_zenoh.contract import sentences
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Detail,
@@ -208,7 +207,7 @@ class Planner:
         """
         if refusal.reason is not Reason.SPEED_LIMIT or refusal.detail is None:
             return refusal
-        limits = {sentences.TEACHER_LIMIT: self.speed_limit, sentences.TURN_LIMIT: self._turn_speed}
+        limits = {"speed_limit": self.speed_limit, "turn_speed": self._turn_speed}
         # Rounded, because the limit of a turn has the single precision of messages.
         limits_deg = {name: round(math.degrees(limit), 3) for name, limit in limits.items() if limit}
         lowest = min(limits_deg.values(), default=math.inf)

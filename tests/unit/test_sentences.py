@@ -137,7 +137,8 @@ REFUSALS: list[BeatrixError] = [
                 field=field,
             ),
         )
-        for field in (sentences.TEACHER_LIMIT, sentences.TURN_LIMIT, sentences.BOTH_LIMITS)
+        for reason, _, field in sentences.ENGLISH.refusals
+        if reason is Reason.SPEED_LIMIT and field not in ("", "low", "high")
     ),
     NoAnswer(Reason.NO_ANSWER, detail=Detail(field="ana (hw)")),
     NoAnswer(Reason.NO_ANSWER, detail=Detail(field="ana (hw)", known=["ana (sim)"])),

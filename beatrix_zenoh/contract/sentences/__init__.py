@@ -13,16 +13,10 @@ from typing import Final
 from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
 from beatrix_zenoh.contract.sentences.templates import Language, language, slots_of
 
-__all__ = ["BOTH_LIMITS", "ENGLISH", "TEACHER_LIMIT", "TURN_LIMIT", "case_of", "language", "render"]
+__all__ = ["ENGLISH", "case_of", "language", "render"]
 
 ENGLISH: Final = language("en")
 """read once, at the import: no refusal waits for a file"""
-TEACHER_LIMIT: Final = "speed_limit"
-"""`Detail.field` of a speed above the teacher's limit: the field of the status that shows the limit."""
-TURN_LIMIT: Final = "turn_speed"
-"""`Detail.field` of a speed above the limit of a turn, which the seat itself has asked for."""
-BOTH_LIMITS: Final = f"{TEACHER_LIMIT} {TURN_LIMIT}"
-"""`Detail.field` of a speed above both, which are equal."""
 
 
 def render(reason: Reason, detail: Detail | None = None, table: Language = ENGLISH) -> str:
@@ -111,7 +105,9 @@ def _speed_case(detail: Detail) -> str:
         return ""
     if detail.value < detail.low:
         return "low"
-    return {TEACHER_LIMIT: "teacher", TURN_LIMIT: "turn", BOTH_LIMITS: "both"}.get(detail.field, "high")
+    # the names of the limits; a newer robot may have one that this table lacks
+    known = (Reason.SPEED_LIMIT, Limit.SPEED, detail.field) in ENGLISH.refusals
+    return detail.field if known and detail.field else "high"
 
 
 _CASES: dict[tuple[Reason, Limit | None], Callable[[Detail], str]] = {
