@@ -28,7 +28,7 @@ DUE_S: Final = 60.0
 A killed recorder loses the rows that are not due yet. But each chunk takes 0.3 kB of the file beside its rows, and 1.4 kB
 of memory until the file is complete, because Rerun keeps a table of all chunks for the end of the file.
 """
-CHUNK_BYTES: Final = 500_000
+CHUNK_BYTES: Final = 2_000_000
 """Pictures and sound of this size are due at once."""
 FLUSH_S: Final = 5.0
 CLOSE_S: Final = 10.0
