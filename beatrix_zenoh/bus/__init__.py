@@ -22,7 +22,6 @@ from beatrix_zenoh.bus.reports import KeptReports as KeptReports
 from beatrix_zenoh.bus.router import answer_checks as answer_checks
 from beatrix_zenoh.bus.router import close_connections as close_connections
 from beatrix_zenoh.bus.router import close_router as close_router
-from beatrix_zenoh.bus.router import is_answered as is_answered
 from beatrix_zenoh.bus.router import open_router as open_router
 from beatrix_zenoh.bus.router import watch_router as watch_router
 from beatrix_zenoh.bus.session import Bus as Bus

@@ -160,12 +160,6 @@ def answer_checks(session: zenoh.Session, key: str) -> object:
     return session.declare_queryable(key, direct(answer))
 
 
-def is_answered(session: zenoh.Session, key: str, timeout_s: float) -> bool:
-    """Return whether a query of a router on this key has a reply within `timeout_s` (s)."""
-    replies = session.get(key, target=zenoh.QueryTarget.ALL, timeout=timeout_s)
-    return any(reply.ok is not None for reply in replies)
-
-
 def close_connections(addresses: Container[str]) -> None:
     """End the connections of this process to these addresses, such as `10.0.0.7:51002`; Zenoh cannot end a session.
 

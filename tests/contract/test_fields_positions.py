@@ -150,6 +150,6 @@ def test_number_and_times_of_publications(body: Body, robot: Robot) -> None:
     in_time((max(offsets) - min(offsets)) / 1e9, 0.02, "between the readings of both clocks")
     lasted_s, due_s = (stamps[-1] - stamps[0]) / 1e9, (len(samples) - 1) / keys.POSITIONS_HZ
     assert lasted_s > due_s / 1.2
-    in_time(lasted_s, due_s / 0.5, f"{len(samples)} samples at 50 Hz")
+    in_time(lasted_s, due_s / 0.8, f"{len(samples)} samples at 50 Hz")
     if body.kind != "mega":  # it simulates every cycle, and sends less telemetry on a busy computer
-        in_time(lasted_s, len(set(stamps)) / keys.POSITIONS_HZ / 0.4, "telemetry behind these samples")
+        in_time(lasted_s, len(set(stamps)) / keys.POSITIONS_HZ / 0.7, "telemetry behind these samples")

@@ -49,14 +49,15 @@ def watched(robots: dict[str, Robot]) -> Iterator[dict[str, Callable[[], list[He
 
 
 def shows(gesture: str, heads: list[HeadAngles]) -> bool:
-    """Return whether a head has turned as far to each side as the poses of the gesture do (deg)."""
+    """Return whether a head has passed through all poses of the gesture, in their order."""
     poses = [pose for _, pose in shipped(gesture).steps if isinstance(pose, Pose)]
-    return all(
-        abs(most([getattr(head, axis) for head in heads]) - most([getattr(pose, axis) for pose in poses]))
-        < NEAR_DEG
-        for most in (min, max)
-        for axis in ("yaw", "pitch", "roll")
-    )
+    later = iter(heads)
+    return all(any(near(head, pose) for head in later) for pose in poses)
+
+
+def near(head: HeadAngles, pose: Pose) -> bool:
+    angles = zip(head, (pose.yaw, pose.pitch, pose.roll), strict=True)
+    return all(abs(angle - wanted) < NEAR_DEG for angle, wanted in angles)
 
 
 @pytest.mark.long("all gestures in real time")

@@ -107,7 +107,7 @@ def _speed_case(detail: Detail) -> str:
         return "low"
     # the names of the limits; a newer robot may have one that this table lacks
     known = (Reason.SPEED_LIMIT, Limit.SPEED, detail.field) in ENGLISH.refusals
-    return detail.field if known and detail.field else "high"
+    return detail.field if known else "high"
 
 
 _CASES: dict[tuple[Reason, Limit | None], Callable[[Detail], str]] = {
