@@ -51,8 +51,7 @@ class Autosave:
             return
         before, self._kept = self._kept, mine
         try:
-            theirs, _ = saved.load(self._file)
-            saved.save(self._file, saved.merged(before, mine, theirs))
+            saved.save(self._file, saved.merged(before, mine, saved.load(self._file)))
         except OSError as error:
             logger.warning("The choices of the window cannot be saved: %s.", error)
 
@@ -169,12 +168,12 @@ def qt_application() -> QApplication:
 
 def chosen_state(theme: Theme | None, language: str | None) -> State:
     """Return a state with the saved choices; options of the command line take precedence."""
-    choices, notice = saved.load(saved.path())
+    choices = saved.load(saved.path())
     if theme is not None:
         choices = msgspec.structs.replace(choices, theme=theme)
     if language is not None:
         choices = msgspec.structs.replace(choices, language=language)
-    return State(choices, notice)
+    return State(choices)
 
 
 @contextlib.contextmanager

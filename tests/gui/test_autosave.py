@@ -25,15 +25,15 @@ def test_a_saved_pose_survives_the_save_of_a_second_window(file: Path) -> None:
     first, second = Autosave(one), Autosave(two)
     one.handle(intents.SavePose("nod"), world())
     first.save_changes()
-    assert [pose.name for pose in saved.load(file)[0].poses] == ["nod"]
+    assert [pose.name for pose in saved.load(file).poses] == ["nod"]
     two.handle(intents.Choose("theme", Theme.PROJECTOR), world())
     second.save_changes()
     first.save_changes()
-    kept, _ = saved.load(file)
+    kept = saved.load(file)
     assert ([pose.name for pose in kept.poses], kept.theme) == (["nod"], Theme.PROJECTOR)
     one.handle(intents.DeletePose("nod"), world())
     first.save_changes()
-    kept, _ = saved.load(file)
+    kept = saved.load(file)
     assert (kept.poses, kept.theme) == ((), Theme.PROJECTOR)
 
 

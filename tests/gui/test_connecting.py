@@ -72,22 +72,6 @@ def test_the_list_has_boards_first_and_always_the_virtual_robot() -> None:
     assert state.view(WITHOUT).connect is None
 
 
-def test_an_address_that_was_not_used_is_named_until_the_sheet_is_closed() -> None:
-    def seen() -> str:
-        found = state.view(wrong).connect
-        assert found is not None
-        return found.router.text
-
-    wrong = replace(WITHOUT, router_trouble=Trouble("connect.bad_address", slots={"address": "x:y"}))
-    state = opened()
-    assert "x:y" in seen()
-    state.handle(LookForPorts(), wrong)
-    assert "x:y" in seen(), "the sheet was open"
-    state.handle(CloseConnect(), wrong)
-    state.handle(LookForPorts(), wrong)
-    assert seen() == "The router answers. Robots online: 1."
-
-
 def test_a_choice_starts_the_hardware_once_and_the_list_goes_when_its_board_answers() -> None:
     state = opened()
     assert state.handle(ConnectHardware(VIRTUAL), WITHOUT) == [ConnectHardware(VIRTUAL)]

@@ -229,7 +229,7 @@ def test_a_motion_of_another_seat_is_one_row_from_accepted_to_done() -> None:
 def test_a_motion_of_another_seat_whose_end_does_not_come_is_not_under_way_for_ever() -> None:
     """The router, and with it the event of the end, may be lost."""
     state, lost = State(), robot("sim", known=status("sim"), events=(event(10),))
-    shown = [state.view(world(lost, wall_s=wall_s)).history[0].result for wall_s in (16.1, 16.3)]
+    shown = [state.view(world(lost, wall_s=wall_s)).history[0].result for wall_s in (16.1, 17.1)]
     assert shown == ["under way, takes 1.2 s", "its end was not seen"]
     assert rows(event(10), event(30, phase=Phase.DONE), wall_s=40) == [("ana", "look", "done, 1.2 s", True)]
 

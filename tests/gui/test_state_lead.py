@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 from golden import same
-from gui_worlds import BOTH, NOT_SIM, accept, arms_of, plan, robot, sent, state_after, status, world
+from gui_worlds import BOTH, NOT_SIM, accept, arms_of, plan, robot, sent, state_after, world
 from present import present
 
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
@@ -20,21 +20,12 @@ from gui.console.state.intents import Choose, HeadOrientation, Jog
 from gui.console.state.world import PlanPhase
 
 
-@pytest.mark.parametrize(
-    ("language", "apart", "unlike"),
-    [("en", "stands 5.7° away", "different values"), ("de", "steht 5,7° von", "verschiedenen Werten")],
-)
 @pytest.mark.parametrize("phase", [PlanPhase.LEADING, PlanPhase.SENT])
-def test_what_the_preview_does_not_show_is_said_in_the_language_of_the_window(
-    phase: PlanPhase, language: str, apart: str, unlike: str
-) -> None:
-    state, now = state_after(BOTH), plan(phase)
-    state.handle(intents.Choose("language", language), now)
-    assert now.plan is not None
-    far = replace(now, plan=replace(now.plan, apart_deg=5.7))
-    assert apart in state.view(far).sending.text
-    other = replace(now, plan=replace(now.plan, alike=False))
-    assert unlike in state.view(other).sending.text
+def test_what_the_preview_does_not_show_is_said(phase: PlanPhase) -> None:
+    now = plan(phase)
+    for known, words in (({"apart_deg": 5.7}, "stands 5.7° away"), ({"alike": False}, "different values")):
+        other = replace(now, plan=replace(present(now.plan), **known))
+        assert words in state_after(BOTH).view(other).sending.text
 
 
 def test_the_countdown_is_shown_with_its_buttons() -> None:
@@ -52,14 +43,15 @@ def test_the_countdown_is_shown_with_its_buttons() -> None:
 
 
 def test_a_waiting_motion_is_sent_changed_or_aborted() -> None:
-    waiting = plan(PlanPhase.LEADING, 1.0)
-    state = state_after(BOTH, intents.AimHead(20, 10, 0), intents.SendHead(), intents.AimHead(-50, 0, 0))
+    path = MotionPath([0.0, 1.0], [ArmAngles(0, 0, 0)] * 2, [HeadAngles(0, 0, 0), HeadAngles(1, 2, 3)])
+    waiting = plan(PlanPhase.LEADING, 1.0, path)
+    state = state_after(BOTH, Jog("short", 1), intents.AimHead(-50, 0, 0))
     assert state.handle(SendNow(), waiting) == [SendNow()]
     assert state.handle(Abort(), waiting) == [Abort()]
     assert state.view(waiting).head.target.yaw == -50
     assert state.handle(intents.Change(), waiting) == [Abort()]
-    target = state.view(waiting).head.target
-    assert (round(target.yaw, 6), round(target.pitch, 6)) == (20, 10)
+    head = state.view(waiting).head
+    assert head.target == head.path[-1] == HeadOrientation(1, 2, 3)
     for intent in (SendNow(), intents.Change(), Abort()):
         assert state.handle(intent, world()) == []
 
@@ -83,15 +75,6 @@ def test_hardware_that_is_unchecked_during_the_lead_does_not_move(
     assert state.handle(intent, now) == ([Abort()] if aborts else [])
     state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
     assert state.view(world()).history[0].on_purpose is aborts
-
-
-def test_change_of_an_arm_motion_aims_at_the_end_of_its_path() -> None:
-    path = MotionPath([0.0, 1.0], [ArmAngles(0, 0, 0)] * 2, [HeadAngles(0, 0, 0), HeadAngles(1, 2, 3)])
-    state = state_after(BOTH, Jog("short", 1))
-    now = plan(PlanPhase.LEADING, 1.0, path)
-    state.handle(intents.Change(), now)
-    assert state.view(now).head.target == HeadOrientation(1, 2, 3)
-    assert state.view(now).head.path[-1] == HeadOrientation(1, 2, 3)
 
 
 def test_a_motion_during_the_lead_replaces_the_waiting_one() -> None:
@@ -154,33 +137,6 @@ def test_increments_of_both_robots_add_up_although_the_arms_stand_on_whole_micro
         short, middle, long = map(math.degrees, counted)
         arms = short, middle, long
     assert goal == pytest.approx((increment * times,) * 3, abs=1e-4)
-
-
-def test_a_simulation_left_at_the_target_is_offered_its_way_back() -> None:
-    moving = robot("sim", arms=(4, 4, 4), known=status("sim", moving=True))
-    left = world(robot("sim", arms=(5, 0, 0)), robot("hw"))
-    state = state_after(BOTH, Jog("short", 1))
-    state.handle(Abort(), plan(PlanPhase.LEADING, 1.0))
-    state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
-    for now in (plan(PlanPhase.LEADING, 1.0), world(moving), left):
-        assert state.view(now).head.refusal is None
-        state.follow(now)
-    offer = present(state.view(left).head.refusal)
-    same("state lead.a simulation left at the target is offered its way back", offer.text)
-    assert offer.alternative is not None
-    back = sent(state.handle(offer.alternative.intent, left))
-    assert (back.sides, arms_of(back), back.query.absolute) == (("sim",), (0, 0, 0), True)
-    assert state.view(left).head.refusal is None
-
-
-def test_the_offer_of_a_way_back_goes_when_both_robots_are_at_one_place() -> None:
-    left = world(robot("sim", arms=(5, 0, 0)), robot("hw"))
-    state = state_after(BOTH, Jog("short", 1))
-    state.handle(Abort(), plan(PlanPhase.LEADING, 1.0))
-    state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
-    for now, shown in ((left, True), (world(), False), (left, False)):
-        state.follow(now)
-        assert (state.view(now).head.refusal is not None) is shown
 
 
 def test_abort_just_after_the_lead_stops_both_robots() -> None:

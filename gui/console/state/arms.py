@@ -20,7 +20,7 @@ from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import refusals
 from gui.console.state.actions import Action, Hold, Release, Send
 from gui.console.state.intents import ALL_ARMS, Intent, Jog
-from gui.console.state.memory import Memory, RequestRow, unreachable
+from gui.console.state.memory import Memory, unreachable
 from gui.console.state.motions import Handles, send_arms
 from gui.console.state.motions import begin as begin_request
 from gui.console.state.views import ArmRowView, ArmsView, ButtonView
@@ -118,45 +118,39 @@ def _start(memory: Memory, world: World) -> ArmAngles | None:
     """Return the angles that + or - start from; None if they are unknown.
 
     They are the goal of the motion that the checked robots are making, or else the set point: so three quick presses
-    turn an arm three times as far, and robots that stand apart, as after STOP, come together. If both robots stand at
-    the last goal, it is the exact one and not its microsteps, as for relative motions of one robot.
+    turn an arm three times as far, and robots that stand apart, as after STOP, come together. Arms at rest stand at
+    whole microsteps; if the last goal is nearer than one, it counts, so that increments add up exactly.
     """
-    choices = memory.choices
-    here = commanded(world, choices.sides)
-    if not choices.relative:
+    here = commanded(world, memory.choices.sides)
+    if not memory.choices.relative:
         return here
-    if (going := _going(memory, world)) is not None:
-        return going
-    query = None if (newest := _newest(memory)) is None else newest[1]
-    if isinstance(query, MotionQuery) and query.absolute and len(choices.sides) > 1 and here is not None:
-        goal = arm_angles(query.position)
-        return goal if furthest(goal, here) <= HALF_STEP_DEG else here
-    return here
-
-
-def _newest(memory: Memory) -> tuple[RequestRow, MotionQuery | PoseQuery] | None:
-    """Return the newest request if it is a motion of just the checked robots, and not that of a held button."""
-    row = memory.rows[-1] if memory.rows else None
-    if row is None or row.sides != memory.choices.sides or row.number == memory.open_hold:
-        return None
-    return (row, row.request.query) if isinstance(row.request, Send) else None
+    goal = None if here is None else _goal(memory, world)
+    reached = here is not None and goal is not None and furthest(goal, here) <= HALF_STEP_DEG
+    return _going(memory, world) or (goal if reached else here)
 
 
 def _going(memory: Memory, world: World) -> ArmAngles | None:
-    """Return the goal of the motion that the checked robots are making; None if there is none, or it is unknown."""
-    if (newest := _newest(memory)) is None or newest[0].ended:
+    """Return the goal of the motion that just the checked robots are making; None if there is none, or it is unknown."""
+    if not memory.rows or memory.rows[-1].ended or (len(memory.choices.sides) > 1 and world.plan is None):
         return None
-    row, query = newest
-    if len(row.sides) > 1 and world.plan is None:
+    return _goal(memory, world)
+
+
+def _goal(memory: Memory, world: World) -> ArmAngles | None:
+    """Return the goal of the newest request if it is a motion of just the checked robots, and not of a held button."""
+    row, sides = memory.rows[-1] if memory.rows else None, memory.choices.sides
+    if row is None or row.sides != sides or row.number == memory.open_hold:
         return None
+    if not isinstance(row.request, Send):
+        return None
+    query = row.request.query
     if isinstance(query, PoseQuery):
         path = None if world.plan is None else world.plan.path
         return path.arms[-1] if path is not None and path.arms else None
-    goal = arm_angles(query.position)
-    if query.absolute:
-        return goal
-    start = row.before.get(row.sides[0])
-    return None if start is None else ArmAngles(*map(sum, zip(start, goal, strict=True)))
+    goal, start = arm_angles(query.position), row.before.get(sides[0])
+    if query.absolute or start is None:
+        return goal if query.absolute else None
+    return ArmAngles(*map(sum, zip(start, goal, strict=True)))
 
 
 def _moved(start: ArmAngles, chosen: tuple[str, ...], by: float, *, relative: bool) -> ArmAngles:

@@ -14,32 +14,21 @@ from beatrix_zenoh.client.monitor import SeatStops, stops_by_seat
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
-from gui.console.state import connecting, history, leases, lessons, pills, refusals
-from gui.console.state.actions import (
-    NEW,
-    Action,
-    ChooseRobot,
-    Govern,
-    SendStop,
-    UseAccount,
-    UseRouter,
-    WatchCameras,
-    WatchClass,
-    WatchMicrophones,
-)
+from gui.console.state import actions, connecting, history, leases, lessons, pills, refusals
+from gui.console.state.actions import NEW, Action, ChooseRobot, Govern, SendStop, UseAccount, UseRouter
 from gui.console.state.eyes import microphones, wanted
-from gui.console.state.intents import Intent, LimitClass, TogglePage, WindowPage
+from gui.console.state.intents import LimitClass, TogglePage, WindowPage
 from gui.console.state.leases import limit_text
 from gui.console.state.memory import Memory, offline
 from gui.console.state.motions import Handles, begin
 from gui.console.state.views import (
-    ButtonView,
     ClassRowView,
     ClassView,
     Condition,
     ProjectorRowView,
     ProjectorView,
     SeatView,
+    button,
 )
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
@@ -64,24 +53,21 @@ def view(memory: Memory, world: World) -> ClassView | None:
     texts = memory.choices.texts
     limits, rows = _limits(world), table(world, texts)
     shown = memory.choices.page is WindowPage.CLASS
-    toggle = "hide" if shown else "show"
+    toggle = "class.hide" if shown else "class.show"
     result, good = _result(memory, texts)
-
-    def button(key: str, intent: Intent) -> ButtonView:
-        return ButtonView(texts(f"class.{key}"), texts(f"class.{key}_tip"), intent)
 
     return ClassView(
         summary=_summary(world, texts),
         rows=rows,
         empty="" if rows else _empty(world, texts),
-        freeze_all=button("freeze_all", Govern(NEW, LeaseAction.FREEZE)),
-        unfreeze_all=button("unfreeze_all", Govern(NEW, LeaseAction.UNFREEZE)),
-        limit=button("limit", LimitClass("")),
+        freeze_all=button(texts, "class.freeze_all", Govern(NEW, LeaseAction.FREEZE)),
+        unfreeze_all=button(texts, "class.unfreeze_all", Govern(NEW, LeaseAction.UNFREEZE)),
+        limit=button(texts, "class.limit", LimitClass("")),
         limit_now=_limit_now(limits, texts),
         seats=_seats(world, texts),
         result=result,
         good=good,
-        toggle=button(toggle, TogglePage()),
+        toggle=button(texts, toggle, TogglePage()),
         lessons=lessons.view(world, texts),
     )
 
@@ -131,8 +117,8 @@ def _seats(world: World, texts: Texts) -> tuple[SeatView, ...]:
     for seat in sorted({*world.seats, *muted} - {TEACHER}):
         key, shown = "unmute" if seat in muted else "mute", world.pupils.get(seat, seat)
         intent = Govern(NEW, LeaseAction.UNMUTE if seat in muted else LeaseAction.MUTE, seat=seat)
-        button = ButtonView(texts(f"class.{key}"), texts(f"class.{key}_tip", seat=shown), intent)
-        views.append(SeatView(texts("class.muted_seat", seat=shown) if seat in muted else shown, button))
+        text = texts("class.muted_seat", seat=shown) if seat in muted else shown
+        views.append(SeatView(text, button(texts, f"class.{key}", intent, seat=shown)))
     return tuple(views)
 
 
@@ -187,8 +173,9 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
     assert found is not None  # without a status, `problem` returns SILENT
     place = (robot.robot, robot.side)
     named = f"{robot.robot} ({texts(f'sides.{robot.side}')})"
-    frozen = status is not None and status.frozen
-    freeze = LeaseAction.UNFREEZE if frozen else LeaseAction.FREEZE
+    freeze = LeaseAction.UNFREEZE if status is not None and status.frozen else LeaseAction.FREEZE
+    mine = status is not None and status.holder == world.seat and bool(status.lease)
+    take = Govern(NEW, LeaseAction.GIVE_BACK if mine else LeaseAction.TAKE, (place,))
     remarks = _remarks(status, found, texts, limit_shown=limit_shown)
     if status is not None and (not world.class_robots or robot.robot in world.class_robots):
         missing = sorted(_muted(world) - {*status.muted})
@@ -210,9 +197,9 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
         ),
         condition=found.condition,
         details="\n".join(remarks),
-        freeze=_button("unfreeze" if frozen else "freeze", named, Govern(NEW, freeze, (place,)), texts),
-        take=_take(status, place, world, named, texts),
-        show=_button("show_robot", named, ChooseRobot(robot.robot), texts),
+        freeze=button(texts, f"class.{freeze.value}", Govern(NEW, freeze, (place,)), robot=named),
+        take=button(texts, "class.give_back" if mine else "class.take_over", take, robot=named),
+        show=button(texts, "class.show_robot", ChooseRobot(robot.robot), robot=named),
     )
 
 
@@ -247,18 +234,6 @@ def _driver(status: Status | None, world: World, texts: Texts) -> str:
     return texts("class.taken", holder=holder) if status.lease else holder
 
 
-def _take(
-    status: Status | None, place: tuple[str, str], world: World, named: str, texts: Texts
-) -> ButtonView:
-    if status is not None and status.holder == world.seat and status.lease:
-        return _button("give_back", named, Govern(NEW, LeaseAction.GIVE_BACK, (place,)), texts)
-    return _button("take_over", named, Govern(NEW, LeaseAction.TAKE, (place,)), texts)
-
-
-def _button(key: str, named: str, intent: Intent, texts: Texts) -> ButtonView:
-    return ButtonView(texts(f"class.{key}"), texts(f"class.{key}_tip", robot=named), intent)
-
-
 # -- requests -----------------------------------------------------------------------------------------
 
 
@@ -273,8 +248,11 @@ def show(memory: Memory, page: WindowPage) -> list[Action]:
     if page is memory.choices.page:
         return []
     memory.choices = structs.replace(memory.choices, page=page)
-    listens = [WatchMicrophones(microphones(memory.choices))] if memory.choices.microphones else []
-    return [WatchClass(page is WindowPage.CLASS), WatchCameras(wanted(memory.choices)), *listens]
+    watched: list[Action] = [actions.WatchClass(page is WindowPage.CLASS)]
+    watched.append(actions.WatchCameras(wanted(memory.choices)))
+    if memory.choices.microphones:
+        watched.append(actions.WatchMicrophones(microphones(memory.choices)))
+    return watched
 
 
 def limit(memory: Memory, world: World, intent: LimitClass) -> list[Action]:

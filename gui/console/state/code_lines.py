@@ -11,7 +11,7 @@ from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, Mot
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state.actions import POSES, AskLease, MakeReady, Play, Send, SendCommand, SendStop
-from gui.console.state.memory import Request
+from gui.console.state.memory import Request, sides_of
 from gui.console.state.views import CodeLine
 from gui.console.state.world import World, online
 
@@ -35,7 +35,7 @@ def program(lines: Sequence[CodeLine], world: World, title: str) -> tuple[CodeLi
 
 def whole_program(request: Request, world: World) -> str:
     """Return a program that sends the request to the robot shown and runs as it is; empty if there is none."""
-    sides = _sides(request)
+    sides = sides_of(request)
     if isinstance(request, SendStop):  # `Twin.stop` raises the error of a robot that is not online
         sides = tuple(side for side in SIDES if online(world, side)) or SIDES
     side = sides[0] if len(sides) == 1 else ""
@@ -66,22 +66,12 @@ def _opening(world: World, side: str) -> str:
     return f"with {'Robot' if side else 'Twin'}({', '.join(words)}) as {'robot' if side else 'twin'}:"
 
 
-def _sides(request: Request) -> tuple[str, ...]:
-    match request:
-        case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides):
-            return sides
-        case MakeReady(side=side) | AskLease(side=side):
-            return (side,)
-    return SIDES
-
-
-def python(request: Request, variable: str = "twin", rounds: int | None = None) -> str:
+def python(request: Request, variable: str = "twin", *, once: bool = False) -> str:
     """Return Python that sends the request, one line; for a play of poses, one for each. Empty if there is none.
 
-    `variable` is `twin` for a `Twin`, or `robot` for a `Robot`; `rounds` is how often a play that repeats was played to
-    its end, None: it repeats for ever.
+    `variable` is `twin` for a `Twin`, or `robot` for a `Robot`; `once`: a play that repeats is played once.
     """
-    sides = _sides(request)
+    sides = sides_of(request) or SIDES
     both = len(sides) > 1
     robot = f"{variable}.{sides[0]}" if variable == "twin" and not both else variable
     text = ""
@@ -99,21 +89,19 @@ def python(request: Request, variable: str = "twin", rounds: int | None = None) 
         case AskLease(action=LeaseAction.WAIT):
             text = f"{robot}.lease(wait_s=60)"
         case Play():
-            text = _play_python(request, robot, rounds, both=both)
+            text = _play_python(request, robot, both=both, once=once)
     return text
 
 
-def _play_python(request: Play, robot: str, rounds: int | None, *, both: bool) -> str:
+def _play_python(request: Play, robot: str, *, both: bool, once: bool) -> str:
     """Return the lines of a play, which contain the time of each pose, so that pauses are repeated as well."""
     lead = f", lead_s={_number(request.lead_s)}" if request.lead_s and both else ""
-    if _played(request):
-        return f"play({robot}, load({_played(request)!r}){lead})"
+    if played := request.gesture or ("" if request.file is None else str(request.file)):
+        return f"play({robot}, load({played!r}){lead})"
     lines = _poses_python(request.poses, robot, lead)
-    if request.again and rounds is None:
-        lines += ["while True:  # until Ctrl-C", *_indented(_poses_python(request.again, robot, lead))]
-    elif request.again and rounds is not None and rounds > 1:
-        times = f"for _ in range({rounds - 1}):"
-        lines += [times, *_indented(_poses_python(request.again, robot, lead))]
+    if request.again and not once:
+        again = _poses_python(request.again, robot, lead)
+        lines += ["while True:  # until Ctrl-C", *(f"    {line}" for line in again)]
     return "\n".join(lines)
 
 
@@ -126,17 +114,8 @@ def _poses_python(poses: Sequence[ArmPose], robot: str, lead: str) -> list[str]:
     return [f"play({robot}, Choreography([  # {words}", *steps, f"]){lead})"]
 
 
-def _indented(lines: Sequence[str]) -> list[str]:
-    return [f"    {line}" for line in lines]
-
-
 def _verb(command: Command, *, on: bool) -> str:
     return "disable" if command is Command.ENABLE and not on else VERBS[command]
-
-
-def _played(request: Play) -> str:
-    """Return the name of the gesture or file that is played; empty: poses of the window."""
-    return request.gesture or ("" if request.file is None else str(request.file))
 
 
 def _motion_python(query: MotionQuery | PoseQuery, robot: str, lead_s: float, *, both: bool) -> str:

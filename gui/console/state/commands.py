@@ -3,26 +3,13 @@
 from __future__ import annotations
 
 from beatrix_zenoh.contract._generated.messages import Command
-from gui.console.state import refusals, sending, sequence
-from gui.console.state.actions import (
-    Action,
-    BeginRecording,
-    CopyProgram,
-    EndRecording,
-    Govern,
-    MakeReady,
-    Play,
-    Send,
-    SendCommand,
-    SendStop,
-    ViewRecording,
-    WriteFile,
-)
+from gui.console.state import actions, refusals, sending, sequence
+from gui.console.state.actions import Action, MakeReady, SendCommand, SendStop, WriteFile
 from gui.console.state.intents import EmergencyStop, Intent, Repeat, RunCommand, Stop, Undo, WindowPage
 from gui.console.state.memory import Memory, unreachable
 from gui.console.state.motions import Handles, again, begin, pass_on, send_arms
 from gui.console.state.poses import way_back
-from gui.console.state.views import ButtonView, CommandsView, RecordView
+from gui.console.state.views import ButtonView, CommandsView, RecordView, button
 from gui.console.state.world import LinkPhase, World
 
 CONTROL, CLASS = "commands", "class"
@@ -44,32 +31,26 @@ def view(memory: Memory) -> CommandsView:
 
 def stop_button(memory: Memory) -> ButtonView:
     """Return the STOP button, which is always enabled; on the page *Class* it stops all robots."""
-    texts, page = memory.choices.texts, memory.choices.page
-    return ButtonView(texts(f"stop.{page}"), texts(f"stop.{page}_tip"), Stop())
+    return button(memory.choices.texts, f"stop.{memory.choices.page}", Stop())
 
 
 def emergency_button(memory: Memory) -> ButtonView:
     """Return the button of EMERGENCY_STOP, which is enabled like STOP and asks first, because heads fall."""
     texts, page = memory.choices.texts, memory.choices.page
     question = texts(f"emergency.{page}_question")
-    return ButtonView(
-        texts(f"emergency.{page}"), texts(f"emergency.{page}_tip"), EmergencyStop(), question=question
-    )
+    return button(texts, f"emergency.{page}", EmergencyStop(), question=question)
 
 
 def _button(memory: Memory, key: str, intent: Intent, question: str = "") -> ButtonView:
-    texts = memory.choices.texts
-    enabled = bool(memory.choices.sides)
-    tooltip = texts(f"command.{key}_tip") if enabled else texts("off.unchecked")
-    return ButtonView(texts(f"command.{key}"), tooltip, intent, enabled=enabled, question=question)
+    off = "" if memory.choices.sides else "off.unchecked"
+    return button(memory.choices.texts, f"command.{key}", intent, off, question=question)
 
 
 def _undo(memory: Memory) -> ButtonView:
     texts, found = memory.choices.texts, way_back(memory)
-    if not memory.choices.sides:
-        return ButtonView(texts("command.undo"), texts("off.unchecked"), Undo(), enabled=False)
-    if found is None:
-        return ButtonView(texts("command.undo"), texts("off.no_undo"), Undo(), enabled=False)
+    if not memory.choices.sides or found is None:
+        off = "off.no_undo" if memory.choices.sides else "off.unchecked"
+        return button(texts, "command.undo", Undo(), off)
     tooltip = texts("command.undo_tip", **found.arms._asdict())
     if found.sides != memory.choices.sides:
         tooltip = texts("of.side", side=texts(f"side.{found.sides[0]}"), text=tooltip)
@@ -111,10 +92,8 @@ def repeat(memory: Memory, world: World, intent: Repeat) -> list[Action]:
     if isinstance(row.request, SendStop):
         memory.mark_dropped()
         return begin(memory, world, again(memory, row.request), row.control)
-    sides = memory.choices.sides if isinstance(row.request, Send | Play) else row.sides
-    if not isinstance(row.request, WriteFile | CopyProgram | Govern) and unreachable(
-        memory, world, sides, row.control
-    ):
+    sides = memory.choices.sides if isinstance(row.request, actions.Send | actions.Play) else row.sides
+    if row.sides and unreachable(memory, world, sides, row.control):
         return []
     return begin(memory, world, again(memory, row.request), row.control)
 
@@ -131,20 +110,18 @@ def recording_view(memory: Memory, world: World) -> RecordView:
     texts, recording = memory.choices.texts, world.recording
     if recording is not None and recording.running:
         minutes, seconds = divmod(max(0.0, recording.seconds) // 1, 60.0)
-        tooltip = texts("record.ending_tip" if recording.ending else "record.end_tip")
+        off = "record.ending_tip" if recording.ending else ""
         return RecordView(
-            ButtonView(texts("record.end"), tooltip, EndRecording(), enabled=not recording.ending),
+            button(texts, "record.end", actions.EndRecording(), off),
             running=True,
             text=texts("minutes", minutes=minutes, seconds=seconds),
             open=None,
         )
     shown = None
     if recording is not None:
-        tooltip = texts("record.open_tip", file=str(recording.file))
-        shown = ButtonView(texts("record.open"), tooltip, ViewRecording(recording.file))
-    possible = world.phase is LinkPhase.ONLINE
-    tooltip = texts("record.begin_tip") if possible else texts("off.no_router")
-    toggle = ButtonView(texts("record.begin"), tooltip, BeginRecording(), enabled=possible)
+        shown = button(texts, "record.open", actions.ViewRecording(recording.file), file=str(recording.file))
+    off = "" if world.phase is LinkPhase.ONLINE else "off.no_router"
+    toggle = button(texts, "record.begin", actions.BeginRecording(), off)
     return RecordView(toggle, running=False, text="", open=shown)
 
 
@@ -155,7 +132,7 @@ HANDLES: Handles = {
     MakeReady: make_ready,
     Repeat: repeat,
     WriteFile: write,
-    BeginRecording: pass_on,
-    EndRecording: pass_on,
-    ViewRecording: pass_on,
+    actions.BeginRecording: pass_on,
+    actions.EndRecording: pass_on,
+    actions.ViewRecording: pass_on,
 }

@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
-from gui.console.state.actions import (
-    Action,
-    ConnectHardware,
-    LookForPorts,
-    Retry,
-    StartSimulation,
-    UseAccount,
-    UseRouter,
-)
+from gui.console.state import actions
+from gui.console.state.actions import Action, ConnectHardware, LookForPorts, StartSimulation
 from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory
 from gui.console.state.motions import Handles, pass_on
-from gui.console.state.views import ButtonView, ConnectView, RouterView
+from gui.console.state.views import ButtonView, ConnectView, RouterView, button
 from gui.console.state.world import LinkPhase, OwnAccount, UsbPort, World, online
 from gui.console.texts import Texts
 
@@ -40,8 +32,6 @@ def view(memory: Memory, world: World) -> ConnectView | None:
     if not memory.connecting:
         return None
     texts, failed, here = memory.choices.texts, world.child_trouble, _serves(world)
-    if world.router_trouble is memory.read_trouble:
-        world = replace(world, router_trouble=None)
     if here:
         text = texts("connect.online", robot=world.robot)
     elif world.connecting:
@@ -52,24 +42,22 @@ def view(memory: Memory, world: World) -> ConnectView | None:
         text = texts("connect.looking")
     else:
         text = texts("connect.choose" if any(port.board for port in world.ports) else "connect.no_board")
-    off = world.connecting
-    ports = tuple(_port(port, texts, off=off) for port in world.ports or ())
-    virtual = ButtonView(
-        texts("connect.virtual"), texts("connect.virtual_tip"), ConnectHardware(VIRTUAL), enabled=not off
-    )
+    off = "connect.starting" if world.connecting else ""
+    ports = tuple(_port(port, texts, off) for port in world.ports or ())
+    virtual = button(texts, "connect.virtual", ConnectHardware(VIRTUAL), off)
     return ConnectView(
         router(world, texts),
         text,
         "" if failed is None or off else failed.detail,
         () if here or world.ports is None else (*ports, virtual),  # all at once: none moves under the mouse
-        ButtonView(texts("connect.again"), texts("connect.again_tip"), LookForPorts(), enabled=not off),
-        ButtonView(texts("connect.close"), texts("connect.close_tip"), CloseConnect()),
+        button(texts, "connect.again", LookForPorts(), off),
+        button(texts, "connect.close", CloseConnect()),
     )
 
 
 def router(world: World, texts: Texts) -> RouterView:
     """Return the router and the account of the window, and what can be changed."""
-    failed, account, off = world.router_trouble, world.account, world.choosing
+    failed, account, off = world.router_trouble, world.account, "connect.checking" if world.choosing else ""
     if off:
         text, good = texts("connect.checking"), None
     elif failed is not None:
@@ -87,9 +75,9 @@ def router(world: World, texts: Texts) -> RouterView:
         text,
         "" if failed is None or off else failed.detail,
         good,
-        ButtonView(texts("connect.use"), texts("connect.use_tip"), UseRouter(""), enabled=not off),
+        button(texts, "connect.use", actions.UseRouter(""), off),
         own,
-        ButtonView(texts("connect.join"), texts("connect.join_tip"), UseAccount(Path()), enabled=not off),
+        button(texts, "connect.join", actions.UseAccount(Path()), off),
     )
 
 
@@ -134,10 +122,9 @@ def _endpoint(address: str) -> str:
     return f"tcp/{address}" if with_port else f"tcp/{address}:{PORT}"
 
 
-def _port(port: UsbPort, texts: Texts, *, off: bool) -> ButtonView:
-    tooltip = texts("connect.board_tip" if port.board else "connect.port_tip", device=port.device)
-    name = texts("connect.board" if port.board else "connect.port", device=port.device, title=port.title)
-    return ButtonView(name, tooltip, ConnectHardware(port.device), enabled=not off)
+def _port(port: UsbPort, texts: Texts, off: str) -> ButtonView:
+    key = "connect.board" if port.board else "connect.port"
+    return button(texts, key, ConnectHardware(port.device), off, device=port.device, title=port.title)
 
 
 def simulate(_memory: Memory, world: World, intent: StartSimulation) -> list[Action]:
@@ -147,8 +134,6 @@ def simulate(_memory: Memory, world: World, intent: StartSimulation) -> list[Act
 
 def look_for_ports(memory: Memory, world: World, intent: LookForPorts) -> list[Action]:
     """Show the sheet; return the action that lists the ports, unless hardware is online."""
-    if not memory.connecting:
-        memory.read_trouble = world.router_trouble
     memory.connecting, memory.port_chosen = True, False
     return [] if _serves(world) else [intent]
 
@@ -188,7 +173,7 @@ def _serves(world: World) -> bool:
 
 HANDLES: Handles = {
     StartSimulation: simulate,
-    Retry: pass_on,
+    actions.Retry: pass_on,
     LookForPorts: look_for_ports,
     ConnectHardware: use_port,
     CloseConnect: close,

@@ -10,7 +10,7 @@ from gui.console.state import refusals
 from gui.console.state.actions import NEW, POSES, Action, CopyProgram, EndFollowing, FollowFace, Play
 from gui.console.state.memory import Memory, unreachable
 from gui.console.state.motions import Handles, begin, lead_of, pass_on
-from gui.console.state.views import ButtonView, GesturesView
+from gui.console.state.views import ButtonView, GesturesView, button
 from gui.console.state.world import World
 from gui.console.texts import Texts
 
@@ -25,20 +25,19 @@ TEST_PICTURE = "pattern"
 def view(memory: Memory, world: World) -> GesturesView:
     """Return the buttons, and the refusal of one of them."""
     texts, face = memory.choices.texts, world.face
-    off = "" if memory.choices.sides else texts("off.unchecked")
+    off = "" if memory.choices.sides else "off.unchecked"
+    follow = button(texts, "gesture.follow", FollowFace(NEW, ()), off)
+    if face.running:  # it can always be ended
+        follow = button(texts, "gesture.end", EndFollowing())
     if face.running:
         note = texts("gesture.following_own" if face.own else "gesture.following", file=str(face.file))
     else:
         note = texts("gesture.own", file=str(face.file)) if face.own else ""
     return GesturesView(
         gestures=tuple((name, _gesture(name, off, texts)) for name in GESTURES),
-        follow=_follow(off, texts, running=face.running),
+        follow=follow,
         following=face.running,
-        open=ButtonView(
-            texts("gesture.open"),
-            texts("gesture.open_tip", file=str(face.own_file)),
-            CopyProgram(NEW, face.own_file),
-        ),
+        open=button(texts, "gesture.open", CopyProgram(NEW, face.own_file), file=str(face.own_file)),
         note=note,
         details=texts("gesture.line", line=face.line) if face.line else "",
         refusal=refusals.at(memory, (CONTROL,)),
@@ -46,17 +45,7 @@ def view(memory: Memory, world: World) -> GesturesView:
 
 
 def _gesture(name: str, off: str, texts: Texts) -> ButtonView:
-    """Return the button of a gesture; `off` is the reason why it is disabled."""
-    tooltip = off or texts(f"gesture.{name}_tip")
-    return ButtonView(texts(f"gesture.{name}"), tooltip, Play(NEW, (), gesture=name), enabled=not off)
-
-
-def _follow(off: str, texts: Texts, *, running: bool) -> ButtonView:
-    """Return the button that starts or ends the program; it always ends a running one."""
-    if running:
-        return ButtonView(texts("gesture.end"), texts("gesture.end_tip"), EndFollowing())
-    tooltip = off or texts("gesture.follow_tip")
-    return ButtonView(texts("gesture.follow"), tooltip, FollowFace(NEW, ()), enabled=not off)
+    return button(texts, f"gesture.{name}", Play(NEW, (), gesture=name), off)
 
 
 def title(playing: str, texts: Texts) -> str:
@@ -99,10 +88,9 @@ def sees(robot: RobotState) -> bool:
 
 
 def watching(memory: Memory, world: World) -> str:
-    """Return the side whose eye the running program uses, if this window has started it; else an empty string."""
-    started = (row.request for row in reversed(memory.rows) if not row.ended)
-    found = next((request for request in started if isinstance(request, FollowFace)), None)
-    return found.sides[0] if found is not None and world.face.running else ""
+    """Return the side whose eye the shipped program uses, if this window has started it; else an empty string."""
+    sides = (row.sides for row in memory.rows if isinstance(row.request, FollowFace) and not row.ended)
+    return next(sides, ("",))[0] if world.face.running and not world.face.own else ""
 
 
 HANDLES: Handles = {Play: play, FollowFace: follow_face, EndFollowing: pass_on, CopyProgram: copy}

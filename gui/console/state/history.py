@@ -7,21 +7,16 @@ from datetime import datetime
 
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.client.degrees import arm_angles
-from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery, Reason
-from gui.console.state import code_lines, other_seats
-from gui.console.state.actions import (
-    AskLease,
-    CopyProgram,
-    FollowFace,
-    Govern,
-    MakeReady,
-    Outcome,
-    Play,
-    Send,
-    SendCommand,
-    SendStop,
-    WriteFile,
+from beatrix_zenoh.contract._generated.messages import (
+    Command,
+    Event,
+    LeaseAction,
+    MotionQuery,
+    PoseQuery,
+    Reason,
 )
+from gui.console.state import actions, code_lines, other_seats
+from gui.console.state.actions import Govern, Outcome, Play, Send, SendStop
 from gui.console.state.memory import HistoryCache, Memory, Request, RequestRow
 from gui.console.state.refusals import sentence, side_of
 from gui.console.state.views import HistoryRowView
@@ -45,32 +40,29 @@ def view(memory: Memory, world: World) -> tuple[HistoryRowView, ...]:
     """Return the rows of this window and of other seats, newest first; unchanged rows come from the cache."""
     cache, texts = memory.history_cache, memory.choices.texts
     context = (world.seat, world.session, world.robot, world.names, world.endpoint, world.who, texts.code)
-    events = (world.sim.events, world.hw.events)
+    made_from = (memory.rows, world.sim.events, world.hw.events, int(world.wall_s))
     if cache.context != context:
         cache = memory.history_cache = HistoryCache(context)
-    elif (cache.rows, cache.events) == (memory.rows, events) and world.wall_s < cache.due_s:
-        return cache.views
-    if cache.events != events or world.wall_s >= cache.due_s:
-        groups = other_seats.groups(world)
-        cache.foreign = [(group.began_s, _foreign(group, world.wall_s, texts)) for group in groups]
-        dues = (group.due_s for group in groups if group.under_way)
-        cache.due_s = min((due_s for due_s in dues if due_s > world.wall_s), default=math.inf)
-    newest = {row.number: row for row in memory.rows[-SHOWN:]}
-    cache.own = {
-        number: kept
-        if (kept := cache.own.get(number)) and kept[0] is row
-        else (row, row_view(row, world, texts))
-        for number, row in newest.items()
-    }
-    both = [*cache.foreign, *((row.began_s, seen) for row, seen in cache.own.values())]
-    newest_last = sorted(both, key=lambda entry: entry[0])[-SHOWN:]
-    cache.rows, cache.events = memory.rows, events
-    cache.views = tuple(seen for _, seen in reversed(newest_last))
+    if cache.made_from != made_from:
+        cache.own = {row.number: _cached(cache, row, world, texts) for row in memory.rows[-SHOWN:]}
+        others = (
+            (group.began_s, _foreign(group, world.wall_s, texts)) for group in other_seats.groups(world)
+        )
+        both = [*others, *((row.began_s, seen) for row, seen in cache.own.values())]
+        newest_last = sorted(both, key=lambda entry: entry[0])[-SHOWN:]
+        cache.made_from, cache.views = made_from, tuple(seen for _, seen in reversed(newest_last))
     return cache.views
 
 
+def _cached(
+    cache: HistoryCache, row: RequestRow, world: World, texts: Texts
+) -> tuple[RequestRow, HistoryRowView]:
+    kept = cache.own.get(row.number)
+    return kept if kept is not None and kept[0] is row else (row, row_view(row, world, texts))
+
+
 def last(memory: Memory, world: World) -> str:
-    """Return one line: a new error of a child program, else the last request with its outcome, else the notice."""
+    """Return one line: a new error of a child program, else the last request with its outcome."""
     texts = memory.choices.texts
     if (failed := _trouble(memory, world)) is not None:
         key, trouble = failed
@@ -79,10 +71,8 @@ def last(memory: Memory, world: World) -> str:
     if recording is not None and not recording.running and recording.file != memory.recorded:
         return texts("record.saved", file=str(recording.file))
     if not memory.rows:
-        return memory.notice or texts("last.none")
+        return texts("last.none")
     row = memory.rows[-1]
-    if row.number == memory.solved and not isinstance(row.request, SendStop):
-        return texts("last.solved", what=what(row, texts))
     text, _ = result(row, texts)
     first, _, _ = text.partition(". ")  # the first sentence; other places also show the advice
     shown = {"what": what(row, texts), "result": first.removesuffix(".")}
@@ -132,21 +122,22 @@ def row_view(row: RequestRow, world: World, texts: Texts) -> HistoryRowView:
 
 
 def _foreign(group: other_seats.Group, now_s: float, texts: Texts) -> HistoryRowView:
-    key = other_seats.WHATS.get(group.action, "")
-    query = group.query
-    if query is not None and group.count == 1 and (query.absolute or isinstance(query, MotionQuery)):
+    began, query, newest = group.began, group.query, group.newest
+    if query is not None and (query.absolute or isinstance(query, MotionQuery)):
         text = _motion(query, texts, undoes=False)
     else:
-        text = texts(key) if key else group.action
+        key = other_seats.WHATS.get(began.action, "")
+        text = texts(key) if key else began.action
     if group.count > 1:
         text = texts("what.times", what=text, count=float(group.count))
-    text_of_result, good = _foreign_result(group, now_s, texts)
+    unknown = "who.unknown" if began.action == Command.STOP.name else "who.none"
+    result, good = _foreign_result(group, newest, now_s, texts)
     return HistoryRowView(
         row=-1,
         time=clock(group.began_s),
-        who=group.seat or texts("who.unknown" if group.action == Command.STOP.name else "who.none"),
+        who=began.seat or texts(unknown),
         what=text,
-        result=text_of_result,
+        result=result,
         symbol=symbol(good),
         good=good,
         on_purpose=False,
@@ -155,19 +146,20 @@ def _foreign(group: other_seats.Group, now_s: float, texts: Texts) -> HistoryRow
     )
 
 
-def _foreign_result(group: other_seats.Group, now_s: float, texts: Texts) -> tuple[str, bool | None]:
-    if group.reason is Reason.OK:
-        if group.under_way and now_s >= group.due_s:
-            return texts("result.unseen"), False
-        if group.under_way:
-            return texts("result.accepted", seconds=float(group.duration_s)), None
-        if group.duration_s:
-            return texts("result.done_in", seconds=float(group.duration_s)), True
-        return texts("result.done"), True
-    text = sentence(group.reason, group.detail, group.message, texts)
-    if group.action in STOPS:
-        return _stop_missed(group.reason, [texts(f"side.{side}") for side in group.motions], text, texts)
-    return failure(group.reason, text, texts, began=group.ended)
+def _foreign_result(
+    group: other_seats.Group, newest: Event, now_s: float, texts: Texts
+) -> tuple[str, bool | None]:
+    if group.under_way:
+        seen = now_s < group.due_s
+        key = "result.accepted" if seen else "result.unseen"
+        return texts(key, seconds=float(newest.duration)), None if seen else False
+    if newest.reason is Reason.OK:
+        key = "result.done_in" if newest.duration else "result.done"
+        return texts(key, seconds=float(newest.duration)), True
+    text = sentence(newest.reason, newest.detail, newest.message, texts)
+    if newest.action in STOPS:
+        return _stop_missed(newest.reason, [texts(f"side.{group.side}")], text, texts)
+    return failure(newest.reason, text, texts, began=group.ended)
 
 
 def failure(reason: Reason, text: str, texts: Texts, *, began: bool) -> tuple[str, bool | None]:
@@ -238,13 +230,8 @@ def _bad(row: RequestRow, bad: list[Outcome], texts: Texts) -> tuple[str, bool |
     if row.dropped and worst.reason is Reason.STOPPED:
         return texts("result.aborted" if row.aborted else "result.stopped"), False
     began = worst.side in row.accepted or "" in row.accepted
-    if (
-        began
-        and worst.reason is Reason.STOPPED
-        and BY_STOP not in worst.message
-        and worst.key != BY_STOP_HERE
-    ):
-        # This window has ended the motion, and the message contains the reason.
+    by_stop = BY_STOP in worst.message or worst.key == BY_STOP_HERE
+    if began and worst.reason is Reason.STOPPED and not by_stop:  # the window has ended it, for this reason
         return texts("result.ended", text=text), False
     return failure(worst.reason, text, texts, began=began)
 
@@ -300,41 +287,36 @@ def _way(query: PoseQuery, texts: Texts) -> str:
 
 
 def _other(request: Request, texts: Texts) -> str:
-    text = ""
+    if isinstance(request, Govern):
+        return _governed(request, texts)
+    if isinstance(request, Play):
+        return _played(request, texts)
+    key, slots = "what.ready", {}
     match request:
-        case SendCommand(command=Command.ENABLE, value=False):
-            text = texts("what.disable")
-        case SendCommand(command=command):
-            text = texts(other_seats.WHATS[command.name])
-        case MakeReady():
-            text = texts("what.ready")
+        case actions.SendCommand(command=command, value=value):
+            on = value or command is not Command.ENABLE
+            key = other_seats.WHATS[command.name] if on else "what.disable"
         case SendStop(everywhere=everywhere, emergency=emergency):
             verb = "emergency_stop" if emergency else "stop"
-            text = texts(f"what.{verb}_all" if everywhere else f"what.{verb}")
-        case AskLease(action=action):
-            text = texts(other_seats.WHATS[action.value])
-        case Govern():
-            text = _governed(request, texts)
-        case Play() | FollowFace() | WriteFile() | CopyProgram():
-            text = _of_files(request, texts)
-    return text
+            key = f"what.{verb}_all" if everywhere else f"what.{verb}"
+        case actions.AskLease(action=action):
+            key = other_seats.WHATS[action.value]
+        case actions.FollowFace():
+            key = "what.follow_face"
+        case actions.CopyProgram(file=file):
+            key, slots = "what.copy_program", {"file": str(file)}
+        case actions.WriteFile(file=file):
+            key, slots = "what.save", {"title": file.name}
+    return texts(key, **slots)
 
 
-def _of_files(request: Play | FollowFace | WriteFile | CopyProgram, texts: Texts) -> str:
-    """Return a play, a program, or the writing of a file in a few words."""
-    match request:
-        case FollowFace():
-            return texts("what.follow_face")
-        case CopyProgram(file=file):
-            return texts("what.copy_program", file=str(file))
-        case WriteFile(file=file):
-            return texts("what.save", title=file.name)
+def _played(request: Play, texts: Texts) -> str:
     if request.gesture:
         return texts("what.gesture", title=texts(f"gesture.{request.gesture}"))
-    if request.file is None:
-        count = len(request.poses)
-        return texts("what.play_pose") if count == 1 else texts("what.play_poses", count=float(count))
-    return texts("what.play", title=request.file.name)
+    if request.file is not None:
+        return texts("what.play", title=request.file.name)
+    count = len(request.poses)
+    return texts("what.play_pose" if count == 1 else "what.play_poses", count=float(count))
 
 
 def _governed(request: Govern, texts: Texts) -> str:

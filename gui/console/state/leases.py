@@ -8,6 +8,7 @@ from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.names import SIDES
+from gui.console.state import views
 from gui.console.state.actions import Action, AskLease, Govern
 from gui.console.state.intents import DismissNotice
 from gui.console.state.memory import Memory, Notice, RequestRow, Standing, unreachable
@@ -35,8 +36,7 @@ def button(world: World, side: str, texts: Texts) -> ButtonView | None:
         key, action = "wait", LeaseAction.WAIT
     else:
         key, action = "take_over" if others else "take", LeaseAction.TAKE
-    tooltip = texts(f"lease.{key}_tip", holder=status.holder)
-    return ButtonView(texts(f"lease.{key}"), tooltip, AskLease(action, side))
+    return views.button(texts, f"lease.{key}", AskLease(action, side), holder=status.holder)
 
 
 def notes(status: Status, world: World, texts: Texts, *, holder_shown: bool) -> tuple[str, ...]:
@@ -115,7 +115,7 @@ def banner(memory: Memory, world: World) -> BannerView | None:
     texts, notice = memory.choices.texts, memory.lease_notice
     if notice is not None and notice.slots["robot"] == world.robot:
         slots: Mapping[str, str] = {**notice.slots, "side": texts(f"sides.{notice.side}")}
-        close = ButtonView(texts("lease.dismiss"), texts("lease.dismiss_tip"), DismissNotice())
+        close = views.button(texts, "lease.dismiss", DismissNotice())
         return BannerView(texts(notice.key, **slots), (close,))
     frozen = tuple(side for side in SIDES if _is_frozen(world, side))
     if frozen and not world.is_teacher:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,39 +10,32 @@ from beatrix_zenoh.client import Place
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from beatrix_zenoh.contract.names import SIDES
-from gui.console.state.actions import (
-    Action,
-    AskLease,
-    CopyProgram,
-    FollowFace,
-    Govern,
-    MakeReady,
-    Outcome,
-    Play,
-    Send,
-    SendCommand,
-    SendStop,
-    WriteFile,
-)
+from gui.console.state import actions
+from gui.console.state.actions import Action, Outcome
 from gui.console.state.saved import Choices, SavedPose
 from gui.console.state.views import CodeView, HistoryRowView
 from gui.console.state.world import LinkPhase, Trouble, World, online
 
 KEPT = 200
 """Largest number of rows of the history."""
-Request = (
-    Send
-    | SendCommand
-    | AskLease
-    | MakeReady
-    | SendStop
-    | Govern
-    | Play
-    | WriteFile
-    | FollowFace
-    | CopyProgram
+Motion = actions.Send | actions.Play | actions.FollowFace
+"""Actions that move robots until they end."""
+Request = (Motion | actions.SendCommand | actions.AskLease | actions.MakeReady) | (
+    actions.SendStop | actions.Govern | actions.WriteFile | actions.CopyProgram
 )
 """Actions with a row in the history."""
+
+
+def sides_of(request: Request) -> tuple[str, ...]:
+    """Return the robots that a request is sent to; none for requests to all robots, and to this computer."""
+    match request:
+        case actions.MakeReady(side=side) | actions.AskLease(side=side):
+            return (side,)
+        case actions.SendStop(everywhere=everywhere):
+            return () if everywhere else SIDES
+        case actions.Govern() | actions.WriteFile() | actions.CopyProgram():
+            return ()
+    return request.sides
 
 
 @dataclass(frozen=True)
@@ -67,8 +59,6 @@ class RequestRow:
     """the newest outcome of each robot"""
     accepted: frozenset[str] = frozenset()
     """robots that accepted it"""
-    rounds: int = 0
-    """how often the poses of a play that repeats were played to their end"""
 
     @property
     def number(self) -> int:
@@ -78,14 +68,7 @@ class RequestRow:
     @property
     def sides(self) -> tuple[str, ...]:
         """Robots that the request was sent to."""
-        match self.request:
-            case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides) | FollowFace(sides=sides):
-                return sides
-            case MakeReady(side=side) | AskLease(side=side):
-                return (side,)
-            case SendStop(everywhere=False):
-                return SIDES
-        return ()
+        return sides_of(self.request)
 
     @property
     def ended(self) -> bool:
@@ -96,8 +79,7 @@ class RequestRow:
     def after(self, outcome: Outcome) -> RequestRow:
         """Return the row with one more outcome."""
         accepted = self.accepted | {outcome.side} if outcome.accepted else self.accepted
-        outcomes, rounds = {**self.outcomes, outcome.side: outcome}, max(self.rounds, outcome.rounds)
-        return replace(self, outcomes=outcomes, accepted=accepted, rounds=rounds)
+        return replace(self, outcomes={**self.outcomes, outcome.side: outcome}, accepted=accepted)
 
 
 @dataclass(frozen=True)
@@ -117,7 +99,7 @@ class Refusal:
     request: Request | None = None
     """the refused request"""
     seen: bool = False
-    """whether the state of a robot has shown the cause since"""
+    """whether a robot that refused was seen not to be ready since"""
 
 
 @dataclass(frozen=True)
@@ -144,12 +126,8 @@ class HistoryCache:
     context: tuple[object, ...] = ()
     """values that all rows depend on, such as seat, robot and language"""
     own: dict[int, tuple[RequestRow, HistoryRowView]] = field(default_factory=dict)
-    events: tuple[object, ...] = ()
-    due_s: float = math.inf
-    """when the row of another seat that is under way changes without an event (wall clock, s)"""
-    foreign: list[tuple[float, HistoryRowView]] = field(default_factory=list)
-    """rows of other seats, with the time of each (wall clock, s)"""
-    rows: tuple[RequestRow, ...] = ()
+    made_from: tuple[object, ...] = ()
+    """rows and events, and the second: a row of another seat may change without an event"""
     views: tuple[HistoryRowView, ...] = ()
 
 
@@ -171,8 +149,6 @@ class Sequence:
     """row and content of the newest play on the simulation"""
     rehearsed: tuple[object, ...] = ()
     """content of the last play on the simulation that went well"""
-    doubt: tuple[int, str, str] = (0, "", "")
-    """row of the newest play, and name and problem of its first pose that the limits do not seem to allow"""
 
 
 @dataclass
@@ -190,14 +166,8 @@ class Memory:
     undo: tuple[tuple[int, Mapping[str, ArmAngles]], ...] = ()
     """row of each accepted motion, and by side the arms (deg) before it; oldest first"""
     refusal: Refusal | None = None
-    seen_trouble: Trouble | None = None
-    """the newest failure during which the simulation was not online"""
     recorded: Path | None = None
     """file of the last recording at the newest request; it is no longer shown"""
-    aborted_row: int = 0
-    """row of a motion of both robots that Abort has ended, until its simulation is offered the way back; 0: none"""
-    solved: int = 0
-    """row of the newest refused request whose cause has gone; 0: none"""
     live_row: int | None = None
     """row of the motions that follow the present drag of the head; None: none, not positive: it has ended, see `sending`"""
     held_row: int | None = None
@@ -206,14 +176,10 @@ class Memory:
     """row of the newest hold until its end; 0: none"""
     connecting: bool = False
     """whether the sheet that connects is shown"""
-    read_trouble: Trouble | None = None
-    """why a router or account was not used, before the sheet was opened; no longer shown"""
     port_chosen: bool = False
     """whether the user has chosen a port in it"""
     router: tuple[str, str] = ("", "")
     """endpoint and seat of the window at the last call of `connecting.follow`"""
-    notice: str = ""
-    """a sentence to show until the first request"""
     troubles: Mapping[str, Trouble | None] = field(default_factory=dict)
     """`world.troubles` at the newest request; they are no longer shown"""
     standings: Mapping[Place, Standing] = field(default_factory=dict)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import defaultdict, deque
 from typing import Final
 
 from beatrix_zenoh.contract.names import SIDES
@@ -11,7 +11,7 @@ from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.memory import Memory, RequestRow
 from gui.console.state.pills import problem
 from gui.console.state.sending import PAD, REASONS
-from gui.console.state.views import BannerView, ButtonView
+from gui.console.state.views import BannerView, button
 from gui.console.state.world import PlanPhase, World, online
 
 STEPS: Final = ("ready", "drag", "send", "stop")
@@ -19,7 +19,8 @@ MISSIONS: Final = ("no", "edge", "lead")
 TASKS: Final = (*STEPS, *MISSIONS)
 AIMED_DEG: Final = 3.0
 """How far a target differs from the head, in one axis, so that it counts as dragged."""
-SWING_DEG: Final = 10.0
+SIDE_DEG: Final = 5.0
+"""How far a head turns to one side (yaw), so that it counts."""
 SWINGS, SWINGS_S = 3, 6.0
 """How many turns to alternate sides say no, and in which time (s)."""
 EARLY_S: Final = 0.2
@@ -34,32 +35,24 @@ class CloseGuide(Intent, frozen=True):
     """End steps and missions for good."""
 
 
-@dataclass(frozen=True)
 class Swings:
-    """How often a head has turned from side to side."""
+    """When a head has turned from one side to the other."""
 
-    extreme: float | None = None
-    """furthest yaw since the last swing (deg); None: unknown"""
-    way: int = 0
-    """1: it turns to the left, -1: to the right, 0: unknown"""
-    times: tuple[float, ...] = ()
-    """when the last swings were noticed (monotonic clock, s)"""
+    def __init__(self) -> None:
+        self._left: bool | None = None
+        """whether it has turned to the left last; None: to neither side yet"""
+        self._times: deque[float] = deque(maxlen=SWINGS)
 
-    def after(self, yaw: float, now_s: float) -> Swings:
-        """Return the swings after one more yaw (deg) at a time (s)."""
-        if self.extreme is None:
-            return Swings(yaw)
-        moved = yaw - self.extreme
-        if moved * self.way > 0:
-            return Swings(yaw, self.way, self.times)
-        if abs(moved) < SWING_DEG:
-            return self
-        return Swings(yaw, 1 if moved > 0 else -1, (*self.times, now_s)[-SWINGS:])
+    def note(self, yaw: float, now_s: float) -> None:
+        """Note where the head is (deg) at a time (monotonic clock, s)."""
+        if abs(yaw) >= SIDE_DEG and (yaw > 0) is not self._left:
+            self._left = yaw > 0
+            self._times.append(now_s)
 
     @property
     def say_no(self) -> bool:
         """Whether enough swings came soon enough after one another."""
-        return len(self.times) == SWINGS and self.times[-1] - self.times[0] <= SWINGS_S
+        return len(self._times) == SWINGS and self._times[-1] - self._times[0] <= SWINGS_S
 
 
 class Guide:
@@ -71,9 +64,9 @@ class Guide:
         self._since = 0
         """row of the newest request when the task began"""
         self._praise = False
-        self._swings: dict[str, Swings] = {}
-        self._lead_ends_s = 0.0
-        """when the lead of the present motion ends by itself (monotonic clock); 0: it has not begun"""
+        self._swings: defaultdict[str, Swings] = defaultdict(Swings)
+        self._waited_s = 0.0
+        """how long the hardware would still have waited at the last call of `follow`; 0: it did not wait"""
 
     def follow(self, memory: Memory, world: World) -> None:
         """Go on to the next task if the robots, or the outcomes of requests, show that the present one is done."""
@@ -81,7 +74,7 @@ class Guide:
             return
         for side in () if world.playing else SIDES:  # a gesture is no solution
             if online(world, side) and (seen := world.side(side).reading) is not None:
-                self._swings[side] = self._swings.get(side, Swings()).after(seen.head.yaw, world.now_s)
+                self._swings[side].note(seen.head.yaw, world.now_s)
         task = TASKS[self.done]
         if self._is_done(task, memory, world):
             self._praise = True
@@ -89,10 +82,10 @@ class Guide:
             if task != "drag":  # with Send on release, the target is sent while it is dragged
                 self._begin(memory)
         plan = world.plan
-        if plan is None or plan.phase is PlanPhase.TRYING:
-            self._lead_ends_s = 0.0
-        elif plan.phase is PlanPhase.LEADING and not self._lead_ends_s:
-            self._lead_ends_s = world.now_s + plan.countdown_s
+        if plan is None or plan.phase is not PlanPhase.LEADING:
+            self._waited_s = 0.0
+        elif plan.countdown_s:  # it is 0 between Send now and the motion of the hardware
+            self._waited_s = plan.countdown_s
 
     def handle(self, memory: Memory, _world: World, intent: SkipTask | CloseGuide) -> list[Action]:
         """Go on to the next task, or end."""
@@ -107,18 +100,19 @@ class Guide:
         hidden = world.is_teacher or memory.choices.page is WindowPage.CLASS
         if hidden or (ended and not self._praise):
             return None
-        close = ButtonView(texts("guide.close"), texts("guide.close_tip"), CloseGuide())
+        close = button(texts, "guide.close", CloseGuide())
         if ended:
             return BannerView(texts("guide.all_done"), (close,))
         task = TASKS[self.done]
         key, among = ("guide.a_step", STEPS) if task in STEPS else ("guide.a_mission", MISSIONS)
         slots = {"number": among.index(task) + 1.0, "count": float(len(among))}
         text = texts(key, text=texts(f"guide.{task}"), **slots)
-        skip = ButtonView(texts("guide.skip"), texts("guide.skip_tip"), SkipTask())
+        skip = button(texts, "guide.skip", SkipTask())
         return BannerView(texts("guide.well_done", text=text) if self._praise else text, (skip, close))
 
     def _begin(self, memory: Memory) -> None:
-        self._since, self._swings, self._lead_ends_s = memory.numbers, {}, 0.0
+        self._since, self._waited_s = memory.numbers, 0.0
+        self._swings.clear()
 
     def _is_done(self, task: str, memory: Memory, world: World) -> bool:
         rows = [row for row in memory.rows if row.number > self._since]
@@ -144,14 +138,11 @@ class Guide:
 
     def _beats_the_lead(self, rows: list[RequestRow], world: World) -> bool:
         """Return whether the user has sent, changed or aborted a motion while the hardware waited for it."""
-        plan = world.plan
-        if world.now_s > self._lead_ends_s - EARLY_S or (
-            plan is not None and plan.phase is PlanPhase.LEADING
-        ):
+        phase = None if world.plan is None else world.plan.phase
+        if self._waited_s < EARLY_S or phase is PlanPhase.LEADING:
             return False
-        motion = next((row for row in reversed(rows) if isinstance(row.request, Send)), None)
-        sent = plan is not None and plan.phase is PlanPhase.SENT
-        return motion is not None and (motion.aborted or sent)
+        motions = [row for row in rows if isinstance(row.request, Send)]
+        return bool(motions) and (motions[-1].aborted or phase is PlanPhase.SENT)
 
 
 def _is_aimed(memory: Memory, world: World) -> bool:

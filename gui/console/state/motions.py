@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Never
 
 from msgspec import structs
@@ -10,9 +11,9 @@ from msgspec import structs
 from beatrix_zenoh.client.degrees import ArmAngles, head_angles, motion_query, pose_query
 from beatrix_zenoh.contract._generated.messages import Head, MotionQuery, PoseQuery
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.state.actions import NEW, Action, AskLease, FollowFace, Govern, Play, Send
+from gui.console.state.actions import NEW, Action, AskLease, Govern, Play, Send
 from gui.console.state.intents import HeadOrientation, Intent
-from gui.console.state.memory import Memory, Refusal, Request, RequestRow, unreachable
+from gui.console.state.memory import Memory, Motion, Refusal, Request, RequestRow, unreachable
 from gui.console.state.world import World, commanded, troubles
 
 Query = MotionQuery | PoseQuery
@@ -39,22 +40,15 @@ def send_arms(
 
     sides: None: the checked robots
     """
-    speed = memory.choices.speed
-
-    def query() -> Query:
-        return motion_query(*arms, relative=relative, speed=speed)
-
+    query = partial(motion_query, *arms, relative=relative, speed=memory.choices.speed)
     chosen = memory.choices.sides if sides is None else sides
     return _send(memory, world, query, control, chosen, undoes)
 
 
 def send_head(memory: Memory, world: World, target: HeadOrientation, control: str) -> list[Action]:
     """Return the action that turns the head to an orientation (deg) at the chosen speed; none if it is refused."""
-    speed = memory.choices.speed
-
-    def query() -> Query:
-        return pose_query(target.yaw, target.pitch, target.roll, relative=False, speed=speed)
-
+    angles = (target.yaw, target.pitch, target.roll)
+    query = partial(pose_query, *angles, relative=False, speed=memory.choices.speed)
     return _send(memory, world, query, control, memory.choices.sides)
 
 
@@ -110,5 +104,5 @@ def begin(
 
 
 def _before(world: World, request: Request) -> dict[str, ArmAngles]:
-    sides = request.sides if isinstance(request, Send | Play | FollowFace) else ()
+    sides = request.sides if isinstance(request, Motion) else ()
     return {side: arms for side in sides if (arms := commanded(world, (side,))) is not None}

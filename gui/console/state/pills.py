@@ -16,11 +16,11 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.contract.values import lines
-from gui.console.state import actions, connecting, intents, leases
-from gui.console.state.actions import ChooseRobot, Retry, StartSimulation
+from gui.console.state import actions, connecting, leases
+from gui.console.state.actions import ChooseRobot, LookForPorts, Retry, StartSimulation
 from gui.console.state.intents import Intent, RunCommand
 from gui.console.state.memory import Memory
-from gui.console.state.views import BannerView, ButtonView, Condition, PillView
+from gui.console.state.views import BannerView, ButtonView, Condition, PillView, button
 from gui.console.state.world import LinkPhase, World, online, silent
 from gui.console.texts import DEFAULT_LANGUAGE, Texts
 
@@ -41,8 +41,6 @@ CONNECT: Final = "CONNECT"
 """a next step: choose the port of the hardware"""
 WAIT: Final = "WAIT"
 """a next step: wait for a robot that another seat holds"""
-BRING_BACK: Final = "BRING_BACK"
-"""a next step: turn the simulation to where the hardware is"""
 NEXT_STEPS: Final = {
     "START": "start",
     CONNECT: "connect",
@@ -51,7 +49,6 @@ NEXT_STEPS: Final = {
     Command.CALIBRATE.name: "calibrate",
     Command.RESET.name: "reset",
     MAKE_READY: "ready",
-    BRING_BACK: "back",
 }
 FAULT_CONDITIONS: Final = {
     Fault(word.upper()): word for word in ("emergency", "board_lost", "contract_mismatch", "assembly_left")
@@ -106,21 +103,13 @@ def pill(world: World, side: str, texts: Texts) -> PillView:
 
 def menu(world: World, side: str, texts: Texts) -> tuple[ButtonView, ...]:
     """Return the buttons of the commands that are rarely needed; ENABLE is a next step whenever it is possible."""
-    here, question = online(world, side), texts("command.disable_question") if side == "hw" else ""
-    rare = {
-        "calibrate": RunCommand(Command.CALIBRATE, side=side),
-        "disable": RunCommand(Command.ENABLE, value=False, side=side),
-        "reset": RunCommand(Command.RESET, side=side),
-    }
-    return tuple(
-        ButtonView(
-            texts(f"command.{key}"),
-            texts(f"command.{key}_tip") if here else texts("off.absent", side=texts(f"side.{side}")),
-            intent,
-            enabled=here,
-            question=question if key == "disable" else "",
-        )
-        for key, intent in rare.items()
+    off, name = "" if online(world, side) else "off.absent", texts(f"side.{side}")
+    question = texts("command.disable_question") if side == "hw" else ""
+    disable = RunCommand(Command.ENABLE, value=False, side=side)
+    return (
+        button(texts, "command.calibrate", RunCommand(Command.CALIBRATE, side=side), off, side=name),
+        button(texts, "command.disable", disable, off, question=question, side=name),
+        button(texts, "command.reset", RunCommand(Command.RESET, side=side), off, side=name),
     )
 
 
@@ -164,10 +153,9 @@ def problem(robot: RobotState, texts: Texts) -> RobotCondition | None:
 def _unready(status: Status, side: str, texts: Texts) -> RobotCondition | None:
     if not status.enabled:
         # Between enabling and calibrating the hardware, the user sets its head upright, so these are two steps.
-        next_step = MAKE_READY if side == "sim" else Command.ENABLE.name
-        return RobotCondition(
-            Condition.DISABLED, texts("condition.disabled"), texts(f"reason.disabled_{side}"), next_step
-        )
+        step = MAKE_READY if side == "sim" else Command.ENABLE.name
+        reason = texts(f"reason.disabled_{side}")
+        return RobotCondition(Condition.DISABLED, texts("condition.disabled"), reason, step)
     if not status.calibrated:
         text, reason = texts("condition.not_calibrated"), texts("reason.not_calibrated")
         return RobotCondition(Condition.NOT_CALIBRATED, text, reason, Command.CALIBRATE.name)
@@ -183,13 +171,12 @@ def _shared(status: Status, world: World, texts: Texts) -> RobotCondition | None
         return RobotCondition(Condition.DRIVEN, text, texts("reason.follow"))
     if status.holder in ("", world.seat):
         return None
+    key = "taken" if status.lease else "driven"
+    reason = "driven_moving" if status.moving and not status.lease else key
     slots = {"holder": status.holder}
-    if status.lease:
-        return RobotCondition(
-            Condition.DRIVEN, texts("condition.taken", **slots), texts("reason.taken", **slots)
-        )
-    key = "reason.driven_moving" if status.moving else "reason.driven"
-    return RobotCondition(Condition.DRIVEN, texts("condition.driven", **slots), texts(key, **slots))
+    return RobotCondition(
+        Condition.DRIVEN, texts(f"condition.{key}", **slots), texts(f"reason.{reason}", **slots)
+    )
 
 
 def working(status: Status, texts: Texts) -> RobotCondition:
@@ -200,28 +187,18 @@ def working(status: Status, texts: Texts) -> RobotCondition:
 
 
 def _absent(world: World, side: str, texts: Texts) -> RobotCondition:
-    found = _why_absent(world, side, texts)
-    if side == "sim" and world.starting:
-        found = replace(found, text=texts("condition.starting"), reason=texts("reason.starting"))
-    if side == "hw" and world.connecting:
-        found = replace(found, text=texts("condition.starting"), reason=texts("connect.starting"))
     if world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED):
-        return found  # the banner has the reason and the buttons for both robots
-    return replace(found, next_step="START" if side == "sim" else CONNECT)
-
-
-def _why_absent(world: World, side: str, texts: Texts) -> RobotCondition:
-    if world.phase is LinkPhase.CONNECTING:
-        text, reason = texts("condition.connecting"), texts("reason.connecting", endpoint=world.endpoint)
-        return RobotCondition(Condition.ABSENT, text, reason)
-    if world.phase in (LinkPhase.NO_ROUTER, LinkPhase.REFUSED):
-        return RobotCondition(Condition.ABSENT, texts("condition.absent"))
-    if world.side(side).status is not None:
-        reason = texts("reason.lost", robot=world.robot)
-        return RobotCondition(Condition.ABSENT, texts("condition.lost"), reason)
-    return RobotCondition(
-        Condition.ABSENT, texts("condition.absent"), texts(f"reason.absent_{side}", robot=world.robot)
-    )
+        key, reason = "absent", ""  # the banner has the reason and the buttons for both robots
+    elif world.starting if side == "sim" else world.connecting:
+        key, reason = "starting", texts("reason.starting" if side == "sim" else "connect.starting")
+    elif world.phase is LinkPhase.CONNECTING:
+        key, reason = "connecting", texts("reason.connecting", endpoint=world.endpoint)
+    elif world.side(side).status is not None:
+        key, reason = "lost", texts("reason.lost", robot=world.robot)
+    else:
+        key, reason = "absent", texts(f"reason.absent_{side}", robot=world.robot)
+    step = ("START" if side == "sim" else CONNECT) if reason else ""
+    return RobotCondition(Condition.ABSENT, texts(f"condition.{key}"), reason, step)
 
 
 def fault_of(status: Status) -> Fault:
@@ -233,38 +210,31 @@ def fault_of(status: Status) -> Fault:
 
 def _faulty(fault: Fault, status: Status, texts: Texts) -> RobotCondition:
     if fault not in FAULT_CONDITIONS:  # unknown here, because the robot runs another version
-        return RobotCondition(
-            Condition.FAULT, texts("condition.fault", name=str(fault)), texts("reason.fault"), ""
-        )
-    text, next_step = texts(f"condition.{FAULT_CONDITIONS[fault]}"), ""
+        text = texts("condition.fault", name=str(fault))
+        return RobotCondition(Condition.FAULT, text, texts("reason.fault"))
+    text, step = texts(f"condition.{FAULT_CONDITIONS[fault]}"), ""
     if fault is Fault.ASSEMBLY_LEFT:
-        reason = texts("reason.assembly_left")
-        next_step = Command.CALIBRATE.name if status.enabled and not status.calibrated else ""
-    else:
-        reason = texts.refusal(Reason(fault.value), None)
-        next_step = Command.RESET.name if fault is Fault.EMERGENCY else ""
-    return RobotCondition(Condition.FAULT, text, reason, next_step)
+        step = Command.CALIBRATE.name if status.enabled and not status.calibrated else ""
+        return RobotCondition(Condition.FAULT, text, texts("reason.assembly_left"), step)
+    step = Command.RESET.name if fault is Fault.EMERGENCY else ""
+    return RobotCondition(Condition.FAULT, text, texts.refusal(Reason(fault.value), None), step)
 
 
 def next_step_button(next_step: str, side: str, texts: Texts, *, starting: bool = False) -> ButtonView:
     """Return the button of a next step."""
-    key = NEXT_STEPS[next_step]
-    off = next_step == "START" and starting
-    tooltip = texts("off.starting") if off else texts(f"next.{key}_tip")
-    return ButtonView(texts(f"next.{key}"), tooltip, next_step_intent(next_step, side), enabled=not off)
+    off = "off.starting" if next_step == "START" and starting else ""
+    return button(texts, f"next.{NEXT_STEPS[next_step]}", next_step_intent(next_step, side), off)
 
 
 def next_step_intent(next_step: str, side: str) -> Intent:
     """Return the intent of a next step."""
-    if next_step == "START":
-        return actions.StartSimulation()
-    if next_step == CONNECT:
-        return actions.LookForPorts()
-    if next_step == MAKE_READY:
-        return actions.MakeReady(side)
-    if next_step == WAIT:
-        return actions.AskLease(LeaseAction.WAIT, side)
-    return intents.RunCommand(Command[next_step], value=True, side=side)
+    others: dict[str, Intent] = {
+        "START": StartSimulation(),
+        CONNECT: LookForPorts(),
+        MAKE_READY: actions.MakeReady(side),
+        WAIT: actions.AskLease(LeaseAction.WAIT, side),
+    }
+    return others.get(next_step) or RunCommand(Command[next_step], value=True, side=side)
 
 
 def details(status: Status, texts: Texts) -> str:
@@ -289,26 +259,25 @@ def banner(memory: Memory, world: World) -> BannerView | None:
         return BannerView(texts("banner.starting" if world.starting else "connect.starting"))
     if world.phase is LinkPhase.CONNECTING:
         return BannerView(texts("banner.connecting", endpoint=world.endpoint))
-    start = ButtonView(texts("next.start"), texts("next.start_tip"), StartSimulation())
-    connect = next_step_button(CONNECT, "hw", texts)
-    others = [name for name in world.names if name != world.robot][:CHOICES]
+    start, connect = (
+        next_step_button(step, side, texts) for step, side in (("START", "sim"), (CONNECT, "hw"))
+    )
     tooltip = f"{texts('next.retry_tip')} {world.trouble}".strip()
     retry = ButtonView(texts("next.retry"), tooltip, Retry())
+    others = [name for name in world.names if name != world.robot][:CHOICES]
+    choose = [button(texts, "banner.choose", ChooseRobot(name), robot=name) for name in others]
     if world.phase is LinkPhase.REFUSED:
         found = BannerView(connecting.refused(world, texts), (connect, retry))
     elif world.phase is LinkPhase.NO_ROUTER:
         found = BannerView(texts("banner.no_router", endpoint=world.endpoint), (start, connect, retry))
     elif others:
-        choose = [_choose_button(name, texts) for name in others]
         found = BannerView(texts("banner.other_robots", robot=world.robot), (*choose, start))
     else:
         found = BannerView(texts("banner.no_robot"), (start,))
     failed = world.child_trouble
-    return (
-        found
-        if failed is None
-        else replace(found, text=f"{texts(failed.key, code=failed.code)} {found.text}")
-    )
+    if failed is None:
+        return found
+    return replace(found, text=f"{texts(failed.key, code=failed.code)} {found.text}")
 
 
 def _is_latched(world: World, side: str) -> bool:
@@ -319,9 +288,3 @@ def _is_latched(world: World, side: str) -> bool:
 def _reset_button(side: str, texts: Texts) -> ButtonView:
     text = texts("banner.reset", side=texts(f"sides.{side}"))
     return ButtonView(text, texts("next.reset_tip"), RunCommand(Command.RESET, side=side))
-
-
-def _choose_button(name: str, texts: Texts) -> ButtonView:
-    return ButtonView(
-        texts("banner.choose", robot=name), texts("banner.choose_tip", robot=name), ChooseRobot(name)
-    )

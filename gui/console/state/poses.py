@@ -8,10 +8,9 @@ from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import gestures, intents, sequence
 from gui.console.state.actions import Action, MakeReady, Outcome, SendCommand
-from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory, Request, RequestRow
 from gui.console.state.motions import Handles, lead_of, send_arms
-from gui.console.state.views import ButtonView, PosesView
+from gui.console.state.views import PosesView, button
 from gui.console.state.world import World, commanded
 
 CONTROL = "commands"
@@ -21,34 +20,19 @@ UNDO_KEPT: Final = 50
 def view(memory: Memory, world: World) -> PosesView:
     """Return the list and its buttons."""
     checked, count = bool(memory.choices.sides), len(memory.poses)
+    texts, playing = memory.choices.texts, gestures.title(world.playing, memory.choices.texts)
     reason = "" if checked else "off.unchecked"
-    some = reason or ("" if count else "off.no_pose")
-    playing = "off.playing" if world.playing else ""
+    some = "" if count else "off.no_pose"
+    several = "off.playing" if playing else "" if count > 1 else "off.one_pose"
     here = "" if commanded(world, _where(memory)) is not None else "off.no_position"
     return PosesView(
         names=tuple(pose.name for pose in memory.poses),
-        go=_button(memory, world, "go", intents.GoToPose(""), some),
-        save=_button(memory, world, "save", intents.SavePose(""), here),
-        delete=_button(memory, world, "delete", intents.DeletePose(""), "" if count else "off.no_pose"),
-        play=_button(
-            memory,
-            world,
-            "play",
-            intents.PlayPoses(),
-            reason or playing or ("" if count > 1 else "off.one_pose"),
-        ),
-        playing=gestures.title(world.playing, memory.choices.texts),
+        go=button(texts, "pose.go", intents.GoToPose(""), reason or some),
+        save=button(texts, "pose.save", intents.SavePose(""), here),
+        delete=button(texts, "pose.delete", intents.DeletePose(""), some),
+        play=button(texts, "pose.play", intents.PlayPoses(), reason or several, title=playing),
+        playing=playing,
     )
-
-
-def _button(memory: Memory, world: World, key: str, intent: Intent, off: str) -> ButtonView:
-    """Return a button; it is disabled if `off` is the key of a reason."""
-    texts = memory.choices.texts
-    if off == "off.playing":
-        tooltip = texts("off.playing", title=gestures.title(world.playing, texts))
-    else:
-        tooltip = texts(off) if off else texts(f"pose.{key}_tip")
-    return ButtonView(texts(f"pose.{key}"), tooltip, intent, enabled=not off)
 
 
 def _where(memory: Memory) -> tuple[str, ...]:

@@ -4,72 +4,40 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Final
 
 import msgspec
 
-from beatrix_zenoh.client import Presence
-from beatrix_zenoh.client.degrees import arm_angles, motion_query
+from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.client.motion_file import COLUMNS, HEAD, SPEED, TIME, WrongLine
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Command,
     Detail,
-    Fault,
     LeaseAction,
     MotionQuery,
     PoseQuery,
     Reason,
-    Status,
     Vector3,
 )
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import Action, AskLease, MakeReady, Outcome, Play, Send, SendCommand
-from gui.console.state.intents import (
-    AimHead,
-    Choose,
-    DismissRefusal,
-    Intent,
-    SetDuration,
-    TakeAlternative,
-)
+from gui.console.state.intents import AimHead, Choose, DismissRefusal, Intent, SetDuration, TakeAlternative
 from gui.console.state.memory import Memory, Refusal, RequestRow, unreachable
+from gui.console.state.memory import sides_of as sides_of_request
 from gui.console.state.motions import Handles, again, begin, head_of
-from gui.console.state.pills import BRING_BACK, MAKE_READY, NEXT_STEPS, WAIT
-from gui.console.state.views import ButtonView, RefusalView
-from gui.console.state.world import SERVING, LinkPhase, World, apart, commanded, online
+from gui.console.state.pills import MAKE_READY, NEXT_STEPS, WAIT, finding
+from gui.console.state.views import ButtonView, Condition, RefusalView, button
+from gui.console.state.world import World
 from gui.console.texts import Texts
 
-LEFT: Final = "sending.left"
-"""key of a refusal whose next step is BRING_BACK"""
 COMMAND: Final = "`beatrix"
 """part of an SDK message that gives a command to type, which the user of a face does not"""
 MODES: Final = ("sim", "hw", "relative")
 """choices that answer a refusal of the window itself"""
 NAMED: Final = re.compile(r"[a-z0-9-]+ \((sim|hw)\): ")
 """beginning of an SDK message that names its robot"""
-IN_STATUS: Final[Mapping[Reason, Callable[[Status, str], bool]]] = {
-    Reason.NOT_ENABLED: lambda status, _: not status.enabled,
-    Reason.NOT_CALIBRATED: lambda status, _: not status.calibrated,
-    Reason.NOT_HOLDER: lambda status, seat: status.holder not in ("", seat),
-    Reason.FROZEN: lambda status, _: status.frozen,
-    Reason.MUTED: lambda status, seat: seat in status.muted,
-    Reason.EMERGENCY: lambda status, _: status.fault is Fault.EMERGENCY,
-    Reason.BOARD_LOST: lambda status, _: status.fault is Fault.BOARD_LOST,
-}
-"""Whether the status of a robot shows the cause, for this seat."""
-IN_WORLD: Final[Mapping[str, Callable[[World], bool]]] = {
-    "cannot.router": lambda world: world.phase is not LinkPhase.ONLINE,
-    "cannot.refused": lambda world: world.phase is LinkPhase.REFUSED,
-    "cannot.sim": lambda world: not online(world, "sim"),
-    "cannot.hw": lambda world: not online(world, "hw"),
-    LEFT: apart,
-}
-"""Whether the cause of a refusal of the window itself lasts, by the key of its text."""
-NOT_ONLINE: Final = (Reason.NO_SUCH_ROBOT, Reason.NODE_LOST, Reason.NODE_HANGS)
 
 
 def at(memory: Memory, controls: tuple[str, ...]) -> RefusalView | None:
@@ -188,8 +156,8 @@ def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> 
     for side in sides_of(refusal) if next_step else ():
         if unreachable(memory, world, (side,), refusal.control):
             return actions
-        step = _next_step_request(next_step, side, memory, world)
-        actions += [] if step is None else begin(memory, world, step, refusal.control)
+        step = _next_step_request(next_step, side, memory)
+        actions += begin(memory, world, step, refusal.control)
     # The target was refused, so the user will send it again.
     memory.choices = msgspec.structs.replace(memory.choices, target=target)
     return actions
@@ -197,26 +165,21 @@ def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> 
 
 def _button(refusal: Refusal, texts: Texts) -> ButtonView | None:
     if refusal.key == "cannot.too_short":
-        text = texts("alternative.duration", **refusal.slots)
         longer = SetDuration(str(refusal.slots["name"]), float(refusal.slots["shortest"]))
-        return ButtonView(text, texts("tip.duration"), longer)
+        return ButtonView(texts("alternative.duration", **refusal.slots), texts("tip.duration"), longer)
     request = _alternative_request(refusal)
     if isinstance(request, Send):
-        return ButtonView(
-            _alternative_text(request, refusal, texts), texts("alternative.tip"), TakeAlternative()
-        )
+        text = _alternative_text(request, refusal, texts)
+        return ButtonView(text, texts("alternative.tip"), TakeAlternative())
     next_step = next_step_of(refusal)
     if not next_step or not sides_of(refusal):
         return None
-    key = f"next.{NEXT_STEPS[next_step]}"
-    return ButtonView(texts(key), texts(f"{key}_tip"), TakeAlternative())
+    return button(texts, f"next.{NEXT_STEPS[next_step]}", TakeAlternative())
 
 
 def next_step_of(refusal: Refusal) -> str:
     """Return the first required step, a key of `pills.NEXT_STEPS`; empty if no button can do it."""
     detail = refusal.detail
-    if refusal.key == LEFT:
-        return BRING_BACK
     if refusal.reason is Reason.NOT_HOLDER and detail is not None and detail.value is None:
         return WAIT  # another seat holds the robot; with a `value`, a lease of this seat has ended
     needs = [] if detail is None else detail.needs
@@ -227,24 +190,13 @@ def next_step_of(refusal: Refusal) -> str:
 
 def sides_of(refusal: Refusal) -> tuple[str, ...]:
     """Return the robots that refused."""
-    if refusal.side:
-        return (refusal.side,)
-    match refusal.request:
-        case Send(sides=sides) | SendCommand(sides=sides) | Play(sides=sides):
-            return sides
-        case MakeReady(side=side) | AskLease(side=side):
-            return (side,)
-    return ()
+    if refusal.side or refusal.request is None:
+        return (refusal.side,) if refusal.side else ()
+    return sides_of_request(refusal.request)
 
 
-def _next_step_request(
-    next_step: str, side: str, memory: Memory, world: World
-) -> MakeReady | Send | SendCommand | AskLease | None:
-    """Return the request of a next step; None if the arms of the hardware, to which to bring back, are unknown."""
+def _next_step_request(next_step: str, side: str, memory: Memory) -> MakeReady | SendCommand | AskLease:
     row = memory.next_row()
-    if next_step == BRING_BACK:
-        arms, speed = commanded(world, ("hw",)), memory.choices.speed
-        return None if arms is None else Send(row, motion_query(*arms, relative=False, speed=speed), (side,))
     if next_step == MAKE_READY:
         return MakeReady(side, row)
     if next_step == WAIT:
@@ -296,31 +248,13 @@ HANDLES: Handles = {TakeAlternative: take_alternative, DismissRefusal: dismiss}
 
 
 def follow(memory: Memory, world: World) -> None:
-    """Hide the shown refusal, and the failure of a program, if the world has shown its cause, and no longer does."""
-    failed, refusal = world.child_trouble, memory.refusal
-    if failed is not None and failed.key in SERVING:
-        if world.sim.presence is not Presence.ONLINE:
-            memory.seen_trouble = failed
-        elif memory.seen_trouble == failed:
-            memory.troubles = {**memory.troubles, "child.trouble": failed}
+    """Hide the shown refusal once its robots are ready again, after one of them was not."""
+    refusal = memory.refusal
     if refusal is None:
         return
-    if _lasts(refusal, world):
+    sides, texts = sides_of(refusal) or memory.choices.sides, memory.choices.texts
+    found = {finding(world, side, texts).condition for side in sides}
+    if not found <= {Condition.READY, Condition.MOVING}:
         memory.refusal = replace(refusal, seen=True)
     elif refusal.seen:
         memory.refusal = None
-        memory.solved = 0 if refusal.request is None else refusal.request.row
-
-
-def _lasts(refusal: Refusal, world: World) -> bool:
-    if refusal.key:
-        return refusal.key in IN_WORLD and IN_WORLD[refusal.key](world)
-    if refusal.reason is Reason.NO_ROUTER:
-        return world.phase is not LinkPhase.ONLINE
-    robots = [world.side(side) for side in sides_of(refusal) or SIDES]
-    if refusal.reason in NOT_ONLINE:
-        return any(robot.presence is not Presence.ONLINE for robot in robots)
-    shows = IN_STATUS.get(refusal.reason)
-    return shows is not None and any(
-        robot.status is not None and shows(robot.status, world.seat) for robot in robots
-    )

@@ -36,8 +36,7 @@ class SavedPose(msgspec.Struct, frozen=True):
     short: float
     middle: float
     long: float
-    duration_s: Annotated[float, Meta(ge=0, le=DURATION_MAX_S)] = 0.0
-    """0: unknown, because an older window has saved the pose"""
+    duration_s: Annotated[float, Meta(ge=0, le=DURATION_MAX_S)] = 1.0
 
     @property
     def arms(self) -> tuple[float, float, float]:
@@ -88,22 +87,12 @@ def merged(before: Saved, mine: Saved, theirs: Saved) -> Saved:
     return replace(theirs, **changed, poses=poses)
 
 
-def load(file: Path) -> tuple[Saved, str]:
-    """Return the saved choices, or the defaults if there are none, and a sentence for the user.
-
-    A damaged file is renamed to end in `.bad`. The sentence reports this; it is empty if the file is not damaged.
-    """
+def load(file: Path) -> Saved:
+    """Return the saved choices; the defaults if there are none, or they cannot be read."""
     try:
-        return msgspec.json.decode(files.text(file, LONGEST, "JSON"), type=Saved), ""
-    except FileNotFoundError:
-        return Saved(), ""
+        return msgspec.json.decode(files.text(file, LONGEST, "JSON"), type=Saved)
     except (OSError, WrongUsage, msgspec.DecodeError):
-        kept = file.with_name(file.name + ".bad")
-        try:
-            file.replace(kept)
-        except OSError:
-            kept = file
-        return Saved(), Texts(DEFAULT_LANGUAGE)("saved.damaged", file=str(kept))
+        return Saved()
 
 
 def save(file: Path, saved: Saved) -> None:

@@ -9,27 +9,16 @@ from functools import cache
 
 from msgspec import structs
 
-from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.client.degrees import Reading, pose_query
 from beatrix_zenoh.contract._generated.messages import PoseQuery, Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.limits.region import border, reach
-from gui.console.state import gestures, motions, refusals
+from gui.console.state import gestures, intents, motions, refusals
 from gui.console.state.actions import Abort, Action, Outcome, Send, SendNow
-from gui.console.state.intents import (
-    AimHead,
-    Change,
-    Choose,
-    GrabHead,
-    HeadOrientation,
-    Intent,
-    LiveHead,
-    ReleaseHead,
-    SendHead,
-)
-from gui.console.state.memory import Memory, Refusal, unreachable
-from gui.console.state.views import ButtonView, DragView, HeadView, SendingView
-from gui.console.state.world import PlanPhase, PlanProgress, World, apart, kept, reading, silent
+from gui.console.state.intents import AimHead, Change, Choose, HeadOrientation, LiveHead, SendHead
+from gui.console.state.memory import Memory, unreachable
+from gui.console.state.views import DragView, HeadView, SendingView, button
+from gui.console.state.world import PlanPhase, PlanProgress, World, kept, reading, silent
 from gui.console.texts import Texts
 
 PAD = "head"
@@ -54,9 +43,10 @@ def head(memory: Memory, world: World) -> HeadView:
         tilt_max, yaw_max = math.degrees(world.limits.tilt_max), math.degrees(world.limits.yaw_max)
     gap_min = ROBOT.limits.gap_min if world.limits is None else math.degrees(world.limits.gap_min)
     path = world.plan.path if world.plan is not None else None
-    solid = _solid(memory, world)
+    solid, aim = _solid(memory, world), target(memory, world)
+    off = "" if memory.choices.sides else "off.unchecked"
     return HeadView(
-        target=target(memory, world),
+        target=aim,
         sim=_head(world, "sim"),
         hw=_head(world, "hw"),
         solid=solid,
@@ -66,7 +56,9 @@ def head(memory: Memory, world: World) -> HeadView:
         yaw_max=yaw_max,
         path=() if path is None else tuple(HeadOrientation(*head) for head in path.head),
         drag=_drag(memory, tilt_max, gap_min),
-        send=_send_button(memory, world),
+        send=button(
+            memory.choices.texts, "head.send", SendHead(), off, yaw=aim.yaw, pitch=aim.pitch, roll=aim.roll
+        ),
         refusal=refusals.at(memory, (PAD,)),
     )
 
@@ -92,36 +84,17 @@ def target(memory: Memory, world: World) -> HeadOrientation:
     return HeadOrientation(*(round(angle, 1) + 0.0 for angle in (here.yaw, here.pitch, here.roll)))
 
 
-def _send_button(memory: Memory, world: World) -> ButtonView:
-    texts, aim = memory.choices.texts, target(memory, world)
-    if not memory.choices.sides:
-        return ButtonView(texts("head.send"), texts("off.unchecked"), SendHead(), enabled=False)
-    tooltip = texts("head.send_tip", yaw=aim.yaw, pitch=aim.pitch, roll=aim.roll)
-    return ButtonView(texts("head.send"), tooltip, SendHead())
-
-
 def view(memory: Memory, world: World) -> SendingView:
     """Return boxes, lead, and the present motion of both robots."""
     choices, plan = memory.choices, world.plan
     texts = choices.texts
     waiting = plan is not None and plan.phase is PlanPhase.LEADING
-    if plan is not None:
-        title, text = _under_way(plan, texts)
-    else:
-        title, text = _without_plan(memory, world)
+    title, text = _without_plan(memory, world) if plan is None else _under_way(plan, texts)
     countdown, progress = "", None
     if plan is not None and waiting:
         left_s = max(0.0, plan.countdown_s)
         countdown = texts("countdown", seconds=left_s)
         progress = min(1.0, max(0.0, 1 - left_s / plan.lead_s)) if plan.lead_s > 0 else 1.0
-
-    def button(key: str, intent: Intent, *, enabled: bool) -> ButtonView:
-        return ButtonView(
-            texts(f"plan.{key}"),
-            texts(f"plan.{key}_tip") if enabled else texts("off.no_plan"),
-            intent,
-            enabled=enabled,
-        )
 
     return SendingView(
         lead_matters=choices.sim and choices.hw,
@@ -129,9 +102,9 @@ def view(memory: Memory, world: World) -> SendingView:
         text=text,
         countdown=countdown,
         progress=progress,
-        send_now=button("send_now", SendNow(), enabled=waiting),
-        change=button("change", Change(), enabled=_can_change(plan)),
-        abort=button("abort", Abort(), enabled=plan is not None),
+        send_now=button(texts, "plan.send_now", SendNow(), "" if waiting else "off.no_plan"),
+        change=button(texts, "plan.change", Change(), "" if _can_change(plan) else "off.no_plan"),
+        abort=button(texts, "plan.abort", Abort(), "off.no_plan" if plan is None else ""),
     )
 
 
@@ -147,12 +120,9 @@ def _without_plan(memory: Memory, world: World) -> tuple[str, str]:
         return texts("sending.playing", title=title), texts("sending.playing_text")
     if world.face.running:
         eye = gestures.watching(memory, world)
-        text = (
-            texts("sending.following_text", side=texts(f"side.{eye}"))
-            if eye and not world.face.own
-            else texts("sending.playing_text")
-        )
-        return texts("sending.following"), text
+        if not eye:
+            return texts("sending.following"), texts("sending.playing_text")
+        return texts("sending.following"), texts("sending.following_text", side=texts(f"side.{eye}"))
     held = memory.row(memory.held_row or 0)
     if held is not None and len(held.sides) > 1 and not (held.ended or held.dropped):
         return texts("sending.held"), texts("sending.held_text")
@@ -177,12 +147,9 @@ def _under_way(plan: PlanProgress, texts: Texts) -> tuple[str, str]:
     duration_s = float(plan.duration_s)
     if plan.phase is PlanPhase.TRYING:
         return texts("sending.trying"), texts("sending.trying_text")
-    warnings = []
+    warning = "" if plan.alike else texts("sending.unlike")
     if plan.apart_deg:
-        warnings.append(texts("sending.apart", degrees=float(plan.apart_deg)))
-    if not plan.alike:
-        warnings.append(texts("sending.unlike"))
-    warning = " ".join(warnings)
+        warning = texts("sending.apart", degrees=float(plan.apart_deg))
     if plan.phase is PlanPhase.LEADING:
         text = warning or texts("sending.leading_text")
         return texts("sending.possible", seconds=duration_s), text
@@ -212,10 +179,9 @@ def end_lead(memory: Memory, world: World, intent: SendNow | Change | Abort) -> 
         return []
     if isinstance(intent, SendNow):
         return [intent]
-    if isinstance(intent, Change):
-        _restore_target(memory, world)
-    else:
-        memory.aborted_row = memory.rows[-1].number if memory.rows else 0
+    path = world.plan.path
+    if isinstance(intent, Change) and path is not None and path.head:
+        memory.choices = structs.replace(memory.choices, target=HeadOrientation(*path.head[-1]))
     memory.mark_dropped(aborted=True)
     return [Abort()]
 
@@ -224,34 +190,6 @@ def spare_hardware(memory: Memory, world: World, intent: Choose) -> list[Action]
     """Return the action that aborts a motion which waits for the hardware when its box is cleared; else none."""
     cleared = intent == Choose("hw", value=False)
     return end_lead(memory, world, Abort()) if cleared and _can_change(world.plan) else []
-
-
-def follow(memory: Memory, world: World) -> None:
-    """Offer the simulation its way back when both robots rest at different places after Abort."""
-    if memory.aborted_row and memory.rows[-1].number != memory.aborted_row:
-        memory.aborted_row = 0
-    elif memory.aborted_row and memory.rows[-1].ended and world.plan is None and apart(world):
-        memory.aborted_row = 0
-        memory.refusal = Refusal(PAD, refusals.LEFT, side="sim")
-
-
-def _restore_target(memory: Memory, world: World) -> None:
-    """Set the target of the pad to the goal of the waiting motion."""
-    path = world.plan.path if world.plan is not None else None
-    sent = next((row.request for row in reversed(memory.rows) if _of_both(row.request)), None)
-    target = _goal(sent.query if isinstance(sent, Send) else None, path)
-    if target is not None:
-        memory.choices = structs.replace(memory.choices, target=target)
-
-
-def _of_both(request: Action) -> bool:
-    return isinstance(request, Send) and len(request.sides) > 1
-
-
-def _goal(query: object, path: MotionPath | None) -> HeadOrientation | None:
-    if isinstance(query, PoseQuery) and query.absolute:
-        return motions.head_of(query)
-    return HeadOrientation(*path.head[-1]) if path is not None and path.head else None
 
 
 @cache
@@ -273,7 +211,7 @@ def _drag(memory: Memory, tilt_max: float, gap_min: float) -> DragView:
     return DragView(choices.live, limits, refused, reason)
 
 
-def grab(memory: Memory, _world: World, _intent: GrabHead) -> list[Action]:
+def grab(memory: Memory, _world: World, _intent: intents.GrabHead) -> list[Action]:
     """Begin a drag."""
     memory.live_row = None
     return []
@@ -284,7 +222,7 @@ def live(memory: Memory, world: World, _intent: LiveHead) -> list[Action]:
     return _follow(memory, world) if memory.choices.live and memory.live_row not in (STOPPED, REFUSED) else []
 
 
-def release(memory: Memory, world: World, _intent: ReleaseHead) -> list[Action]:
+def release(memory: Memory, world: World, _intent: intents.ReleaseHead) -> list[Action]:
     """Return the action that sends the target at the end of a drag, if that was chosen."""
     target, ended = memory.choices.target, memory.live_row in (STOPPED, REFUSED)
     if memory.live_row == REFUSED:
@@ -338,7 +276,7 @@ HANDLES: motions.Handles = {
     SendNow: end_lead,
     Change: end_lead,
     Abort: end_lead,
-    GrabHead: grab,
+    intents.GrabHead: grab,
     LiveHead: live,
-    ReleaseHead: release,
+    intents.ReleaseHead: release,
 }

@@ -14,35 +14,30 @@ from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.client.motion_file import ARMS, FIGURE, SPEED, TIME
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
-from gui.console.state import code_lines
+from gui.console.state import code_lines, intents
 from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Action, Outcome, Play, WriteFile
 from gui.console.state.intents import (
-    AddPose,
     DuplicatePose,
     HeadOrientation,
     Intent,
     MovePose,
-    OpenSequence,
-    PlaySequence,
     RenamePose,
-    SaveSequence,
     SetDuration,
-    UndoSequence,
 )
 from gui.console.state.memory import Memory, Refusal, RequestRow, unreachable
 from gui.console.state.motions import Handles, begin
 from gui.console.state.refusals import wrong_file
 from gui.console.state.saved import DURATION_MAX_S, SavedPose
-from gui.console.state.views import ButtonView, CardView, CodeLine, SequenceView
+from gui.console.state.views import CardView, CodeLine, SequenceView, button
 from gui.console.state.world import World, commanded, online
 
 CONTROL: Final = "sequence"
+NONE: Final = "off.no_sequence"
 POSES_MAX: Final = 100
 """Largest number of poses."""
 UNDO_KEPT: Final = 50
 DURATION_MIN_S: Final = 0.1
-BEYOND: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT)
 STARTS: Final = {"sim": ("sim", "hw"), "hw": ("hw",)}
 """Robots whose arms are the start of a play on one robot, the first that is known."""
 
@@ -69,22 +64,20 @@ def view(memory: Memory, world: World) -> SequenceView:
         place = None if head is None else HeadOrientation(*head)
         return CardView(pose.name, place, pose.duration_s, duration, problem)
 
-    some, whole_s = "" if poses else "off.no_sequence", float(sum(pose.duration_s for pose in poses))
+    whole_s = float(sum(pose.duration_s for pose in poses))
+    play = "" if online(world, "sim") else "off.sequence_sim"
+    hardware = _hardware_off(memory, world)
     full = "off.sequence_full" if len(poses) >= POSES_MAX else ""
     undo = "" if memory.sequence.undo else "off.no_sequence_undo"
 
-    def button(key: str, intent: Intent, off: str) -> ButtonView:
-        tooltip = texts(off, count=str(POSES_MAX)) if off else texts(f"sequence.{key}_tip", seconds=whole_s)
-        return ButtonView(texts(f"sequence.{key}"), tooltip, intent, enabled=not off)
-
     return SequenceView(
         cards=tuple(card(number, pose) for number, pose in enumerate(poses)),
-        add=button("add", AddPose(), full),
-        undo=button("undo", UndoSequence(), undo),
+        add=button(texts, "sequence.add", intents.AddPose(), full, count=str(POSES_MAX)),
+        undo=button(texts, "sequence.undo", intents.UndoSequence(), undo),
         play=button(
-            "play", PlaySequence("sim"), some or ("" if online(world, "sim") else "off.sequence_sim")
+            texts, "sequence.play", intents.PlaySequence("sim"), play if poses else NONE, seconds=whole_s
         ),
-        hardware=button("hardware", PlaySequence("hw"), some or _hardware_off(memory, world)),
+        hardware=button(texts, "sequence.hardware", intents.PlaySequence("hw"), hardware if poses else NONE),
         played=world.playing_pose,
     )
 
@@ -93,11 +86,7 @@ def _beyond(memory: Memory, limits: timing.Pace) -> dict[int, tuple[str, str]]:
     """Return a word and a sentence for each pose that the limits do not allow, by its number."""
     texts, poses, found = memory.choices.texts, memory.poses, {}
     for number, (refusal, on_way) in timing.beyond(poses, limits, loop=memory.choices.loop).items():
-        detail = (
-            None
-            if refusal.detail is None
-            else structs.replace(refusal.detail, alternative=None, leaves_s=None)
-        )
+        detail = refusal.detail and structs.replace(refusal.detail, alternative=None, leaves_s=None)
         text = texts.refusal(refusal.reason, detail)
         hint = "sequence.way" if on_way else "sequence.beyond"
         word = "sequence.too_close" if refusal.reason is Reason.ARM_GAP else "refused.tilt"
@@ -119,7 +108,7 @@ def _rehearsal(memory: Memory, world: World) -> tuple[object, ...]:
 # -- changes ----------------------------------------------------------------------------------------
 
 
-def undo(memory: Memory, _world: World, _intent: UndoSequence) -> list[Action]:
+def undo(memory: Memory, _world: World, _intent: intents.UndoSequence) -> list[Action]:
     """Restore the poses before the last change."""
     *earlier, before = memory.sequence.undo or (memory.poses,)
     memory.poses, memory.sequence = before, replace(memory.sequence, undo=tuple(earlier))
@@ -183,7 +172,7 @@ def new_pose(memory: Memory, world: World, name: str, arms: ArmAngles) -> SavedP
     return structs.replace(pose, duration_s=duration_s)
 
 
-def _add(memory: Memory, world: World, _intent: AddPose) -> list[Action]:
+def _add(memory: Memory, world: World, _intent: intents.AddPose) -> list[Action]:
     """Add the target of the pad, if the user has set one, else the present pose."""
     target = memory.choices.target
     if len(memory.poses) >= POSES_MAX:
@@ -211,7 +200,7 @@ def play(memory: Memory, world: World, sides: tuple[str, ...], lead_s: float = 0
     """Return the action that plays the sequence; none if a pose cannot be reached in its duration."""
     poses, loop = memory.poses, memory.choices.loop and len(sides) < 2
     if not poses:
-        return memory.refuse(CONTROL, "off.no_sequence")
+        return memory.refuse(CONTROL, NONE)
     if unreachable(memory, world, sides, CONTROL):
         return []
     if sides == ("hw",) and memory.sequence.rehearsed != _rehearsal(memory, world):
@@ -228,32 +217,23 @@ def play(memory: Memory, world: World, sides: tuple[str, ...], lead_s: float = 0
         holds = len(poses) > 1 and timing.way(ArmAngles(*poses[-2].arms), poses[-1]) < timing.SAME_DEG
         again = tuple(timing.timed(poses, last, limits, poses[-1].duration_s if holds else 0.0))
     request = Play(memory.next_row(), sides, None, tuple(steps), again, lead_s)
-    number, (_, problem) = next(iter(_beyond(memory, limits).items()), (0, ("", "")))
-    memory.sequence = replace(
-        memory.sequence,
-        begun=(request.row, _rehearsal(memory, world)) if sides == ("sim",) else (0, ()),
-        doubt=(request.row, poses[number].name, problem),
-    )
+    begun = (request.row, _rehearsal(memory, world)) if sides == ("sim",) else (0, ())
+    memory.sequence = replace(memory.sequence, begun=begun)
     return begin(memory, world, request, CONTROL)
 
 
 def _refuse_short(memory: Memory, start: ArmAngles, limits: timing.Pace, *, loop: bool) -> bool:
     """Return whether a pose cannot be reached in its duration; if so, show the first one."""
     short = timing.too_short(memory.poses, start, limits, loop=loop)
-    for number, least_s in short.items():
-        memory.refuse(CONTROL, "cannot.too_short", name=memory.poses[number].name, shortest=float(least_s))
-        return True
-    return False
+    if not short:
+        return False
+    number, least_s = min(short.items())
+    memory.refuse(CONTROL, "cannot.too_short", name=memory.poses[number].name, shortest=float(least_s))
+    return True
 
 
 def note(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
-    """Remember a play on the simulation that went well: to its end, or for one round of a loop.
-
-    Name the pose that a robot has refused, if the window knows it.
-    """
-    played, name, problem = memory.sequence.doubt
-    if row.number == played and problem and outcome.reason in BEYOND and not outcome.accepted:
-        memory.refuse(row.control, "cannot.beyond", name=name, text=problem)
+    """Remember a play on the simulation that went well: to its end, or for one round of a loop."""
     number, what = memory.sequence.begun
     whole = outcome.rounds > 0 if isinstance(row.request, Play) and row.request.again else outcome.done
     if row.number == number and outcome.accepted and whole:
@@ -263,10 +243,10 @@ def note(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
 # -- files ------------------------------------------------------------------------------------------
 
 
-def _save(memory: Memory, world: World, intent: SaveSequence) -> list[Action]:
+def _save(memory: Memory, world: World, intent: intents.SaveSequence) -> list[Action]:
     """Return the action that writes the sequence; in files it begins at home."""
     if not memory.poses:
-        return memory.refuse(CONTROL, "off.no_sequence")
+        return memory.refuse(CONTROL, NONE)
     if not intent.file.name:
         return memory.refuse(CONTROL, "cannot.file")
     limits, loop = timing.pace(world), intent.program and memory.choices.loop
@@ -315,7 +295,7 @@ def _calls(poses: tuple[SavedPose, ...], start: ArmAngles, limits: timing.Pace) 
     return lines
 
 
-def _open(memory: Memory, world: World, intent: OpenSequence) -> list[Action]:
+def _open(memory: Memory, world: World, intent: intents.OpenSequence) -> list[Action]:
     """Replace the strip by a choreography: each pose is reached when the next one begins."""
     if intent.trouble:
         return memory.refuse(CONTROL, "cannot.open", file=intent.file.name)
@@ -354,10 +334,10 @@ def _read(steps: list[tuple[str, Step]], limits: timing.Pace) -> tuple[SavedPose
 
 
 HANDLES: Handles = {
-    AddPose: _add,
+    intents.AddPose: _add,
     **dict.fromkeys((MovePose, DuplicatePose, SetDuration, RenamePose), edit),
-    UndoSequence: undo,
-    PlaySequence: lambda memory, world, intent: play(memory, world, (intent.side,)),
-    SaveSequence: _save,
-    OpenSequence: _open,
+    intents.UndoSequence: undo,
+    intents.PlaySequence: lambda memory, world, intent: play(memory, world, (intent.side,)),
+    intents.SaveSequence: _save,
+    intents.OpenSequence: _open,
 }

@@ -140,16 +140,6 @@ def _rules(limits: Pace) -> MotionLimits:
     return MotionLimits(replace(ROBOT, limits=mine))
 
 
-def with_durations(poses: tuple[SavedPose, ...], speed: float) -> tuple[SavedPose, ...]:
-    """Return poses of which each has a duration: poses of an older window get that of a motion with `speed` (deg/s)."""
-    done, here = [], HOME
-    for pose in poses:
-        known = pose.duration_s > 0
-        done.append(pose if known else replace(pose, duration_s=comfortable(here, pose, speed, Pace())))
-        here = ArmAngles(*pose.arms)
-    return tuple(done)
-
-
 @lru_cache(maxsize=256)
 def head_of(arms: tuple[float, float, float]) -> HeadAngles | None:
     """Return the orientation (deg) of the head; None if the rods do not fit these arms (deg)."""

@@ -27,7 +27,6 @@ from gui.console.state.intents import Choose, Intent, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.motions import Handles
 from gui.console.state.saved import Choices, Remembered, Saved, changed, choices_from
-from gui.console.state.sequence_timing import with_durations
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
 
@@ -61,9 +60,9 @@ HANDLES: Handles = {
 class State:
     """Choices and requests of the user; used in Qt's thread only."""
 
-    def __init__(self, saved: Saved = DEFAULTS, notice: str = "") -> None:
-        """Begin with saved choices; `notice` is a sentence to show until the first request."""
-        self._memory = Memory(choices_from(saved), with_durations(saved.poses, saved.speed), notice=notice)
+    def __init__(self, saved: Saved = DEFAULTS) -> None:
+        """Begin with saved choices."""
+        self._memory = Memory(choices_from(saved), saved.poses)
         self._guide = missions.Guide(saved.guided)
         self._handles: Handles = {
             **HANDLES,
@@ -116,7 +115,6 @@ class State:
     def follow(self, world: World) -> None:
         """Show leases gained or lost since the last call, hide a refusal without a cause, and complete the row of a hold."""
         leases.follow(self._memory, world)
-        sending.follow(self._memory, world)
         refusals.follow(self._memory, world)
         arms.follow(self._memory, world)
         connecting.follow(self._memory, world)

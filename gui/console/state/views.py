@@ -10,6 +10,7 @@ from beatrix_zenoh.client import Place
 from gui.console.state.intents import HeadOrientation, Intent
 from gui.console.state.lessons import LessonsView
 from gui.console.state.saved import Choices
+from gui.console.texts import Texts
 
 
 class Condition(StrEnum):
@@ -40,6 +41,14 @@ class ButtonView:
     enabled: bool = True
     question: str = ""
     """shown at the first press; the second press reports the intent; empty: one press is enough"""
+
+
+def button(
+    texts: Texts, key: str, intent: Intent, off: str = "", *, question: str = "", **slots: str | float
+) -> ButtonView:
+    """Return the button of the text `key`, with the tooltip `key_tip`; disabled for the reason `off`, if that is a key."""
+    tooltip = texts(off or f"{key}_tip", **slots)
+    return ButtonView(texts(key, **slots), tooltip, intent, enabled=not off, question=question)
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,6 @@ from beatrix_zenoh.contract.names import TEACHER
 
 FURTHEST_DEG = 1e4
 """larger angles (deg) do not come from a robot and are ignored"""
-APART_DEG = 1.0
-"""difference of an angle (deg) above which both robots are apart; at one place they differ by less"""
 STALE_S = 0.4
 """A robot whose newest positions are older than this (s) is silent; robots publish positions every 20 ms."""
 
@@ -241,15 +239,6 @@ def commanded(world: World, sides: tuple[str, ...]) -> ArmAngles | None:
         if (found := reading(world, side)) is not None:
             return found.commanded
     return None
-
-
-def apart(world: World) -> bool:
-    """Return whether both robots rest, and their arms stand at different angles."""
-    sim, hw = reading(world, "sim"), reading(world, "hw")
-    statuses = (world.sim.status, world.hw.status)
-    if sim is None or hw is None or any(status is None or status.moving for status in statuses):
-        return False
-    return any(abs(one - other) > APART_DEG for one, other in zip(sim.arms, hw.arms, strict=True))
 
 
 def troubles(world: World) -> dict[str, Trouble | None]:
