@@ -16,7 +16,7 @@ from gui_worlds import absent, world
 from present import present
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from robots import Stage, free_endpoint, start_router
+from robots import Stage, free_endpoint
 
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh.client import Presence
@@ -67,12 +67,14 @@ def test_an_address_may_be_typed_without_protocol_and_port(typed: str, endpoint:
     assert State().handle(UseRouter(typed), ALONE) == [UseRouter(endpoint)]
 
 
-def test_the_sheet_shows_router_and_account() -> None:
+def test_the_sheet_shows_router_and_account_and_takes_one_choice_at_a_time() -> None:
     alone = sheet(ALONE)
     assert (alone.address, alone.good) == (ALONE.endpoint, True)
     assert alone.account.startswith("No account.")
-    joined = sheet(replace(ALONE, account=ANA))
-    assert joined.account == "Account ana of class 8b, valid until 2027-07-31."
+    now = replace(ALONE, account=ANA, choosing=True)
+    assert sheet(now).account == "Account ana of class 8b, valid until 2027-07-31."
+    assert not sheet(now).use.enabled
+    assert State().handle(UseRouter("lab"), now) == []
 
 
 @pytest.mark.parametrize(
@@ -92,14 +94,6 @@ def test_a_router_that_cannot_be_used_says_what_to_do(
     assert words in sheet(now).text
     assert sheet(now).good is False
     assert sheet(now, "de").text != sheet(now).text
-
-
-def test_while_a_choice_is_checked_there_is_no_second_one() -> None:
-    now = replace(ALONE, choosing=True)
-    assert not sheet(now).use.enabled
-    assert not sheet(now).join.enabled
-    assert State().handle(UseRouter("lab"), now) == []
-    assert State().handle(UseAccount(Path("ana.toml")), now) == []
 
 
 def test_undo_and_the_page_of_the_class_belong_to_the_router_that_was_left() -> None:
@@ -148,19 +142,6 @@ def test_another_router_is_used_and_its_only_robot_is_shown() -> None:
             linked.do(UseRouter(here.endpoint))
             linked.until(lambda world: world.robot == "bea", "the first robot is shown again")
             linked.online("hw")
-
-
-def test_a_window_without_a_router_waits_for_the_one_that_was_typed() -> None:
-    later = free_endpoint()
-    with Linked(free_endpoint()) as linked:
-        linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "no router answers")
-        linked.do(UseRouter(later))
-        linked.until(lambda world: world.endpoint == later, "the window looks for the other router")
-        router = start_router(later)
-        try:
-            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "it answers")
-        finally:
-            router.end()
 
 
 def test_the_motion_of_the_window_ends_with_its_session() -> None:

@@ -20,7 +20,6 @@ from gui.console.state.connecting import VIRTUAL, CloseConnect
 from gui.console.state.intents import Choose
 from gui.console.state.pills import pill
 from gui.console.state.state import State
-from gui.console.state.views import Condition
 from gui.console.state.world import Trouble, UsbPort, World
 from gui.console.texts import Texts
 
@@ -131,28 +130,6 @@ def test_a_virtual_robot_is_connected_with_two_presses(
         user.until(sheet.isHidden, "the virtual robot is online, and the list has gone")
         assert user.window._world.hw.presence is not Presence.ABSENT
         assert user.window._world.own_hardware
-
-
-@pytest.mark.long("starts the hardware twice")
-def test_another_port_replaces_the_one_without_a_board(tmp_path: Path) -> None:
-    with Linked(free_endpoint()) as linked:
-        linked.do(LookForPorts())
-        linked.until(lambda world: world.ports is not None, "the ports were listed", READY_S)
-        linked.do(ConnectHardware(str(tmp_path / "no-port")))
-        assert linked.world.connecting
-        linked.until(lambda world: not world.connecting and world.own_hardware, "the program runs", READY_S)
-
-        def offered(world: World) -> bool:
-            found = pill(world, "hw", Texts("en"))
-            return found.condition is Condition.FAULT and found.next_step is not None
-
-        linked.until(offered, "its board is lost, and the pill offers other ports")
-        linked.do(ConnectHardware(VIRTUAL))
-        linked.until(lambda world: not world.connecting and world.own_hardware, "it runs again", READY_S)
-        linked.until(
-            lambda world: pill(world, "hw", Texts("en")).condition is Condition.DISABLED, "it answers"
-        )
-        assert linked.world.child_trouble is None
 
 
 def test_a_failed_program_of_the_hardware_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -57,9 +57,8 @@ def test_the_row_of_a_hold_gets_the_angles_at_rest() -> None:
     assert "relative" not in row.python
 
 
-@pytest.mark.parametrize("language", ["en", "de"])
-def test_the_panel_says_that_both_move_at_once_while_a_button_is_held(language: str) -> None:
-    state = state_after(Choose("language", language), BOTH)
+def test_the_panel_says_that_both_move_at_once_while_a_button_is_held() -> None:
+    state = state_after(BOTH)
     texts, idle = state.choices.texts, state.view(world()).sending
     state.handle(HoldArm("short", 1), world())
     held = state.view(world())

@@ -15,7 +15,6 @@ from gui.console.state.missions import MISSIONS, STEPS, TASKS, CloseGuide, SkipT
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.console.state.world import PlanPhase, PlanProgress, World
-from gui.window.window import Window
 
 WELL = world()
 
@@ -137,14 +136,3 @@ def test_the_first_run_yields_to_a_banner_and_is_not_for_teachers() -> None:
     assert (view.banner is not None, view.guide) == (True, None)
     assert text(State(), world(seat="teacher")) == ""
     assert len(TASKS) == len(STEPS) + len(MISSIONS)
-
-
-def test_the_window_shows_a_step_with_its_buttons(window: Window) -> None:
-    guide = window.panels.guide
-    assert guide.isVisible()
-    shown = guide.text.text()
-    skip, close = guide.buttons[:2]
-    skip.click()
-    assert guide.text.text() != shown
-    close.click()
-    assert not guide.isVisible()

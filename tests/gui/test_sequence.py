@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from gui_worlds import absent, robot, state_after, status, world
+from gui_worlds import LEFT, NOD, UP, editing, refusal_of, robot, state_after, status, world
 from hypothesis import given
 from hypothesis import strategies as st
 from present import present
@@ -16,47 +15,21 @@ from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.refusals import not_enabled
 from beatrix_zenoh.motion.trajectory import plan, shortest_s, speed_for
+from gui.console.state import intents
 from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Outcome, Play
-from gui.console.state.intents import (
-    AddPose,
-    AimHead,
-    Choose,
-    DeletePose,
-    DuplicatePose,
-    Intent,
-    MovePose,
-    PlaySequence,
-    RenamePose,
-    SavePose,
-    SaveSequence,
-    SetDuration,
-    UndoSequence,
-)
-from gui.console.state.saved import Saved, SavedPose
+from gui.console.state.saved import SavedPose
 from gui.console.state.sequence import POSES_MAX
 from gui.console.state.sequence_timing import HOME, Pace, comfortable, timed, too_short
 from gui.console.state.state import State
 from gui.console.state.world import World
 
 LIMITS = Pace()
-NOD = SavedPose("nod", 20.0, 0.0, 0.0, 2.0)
-LEFT = SavedPose("left", 30.0, 30.0, 30.0, 1.5)
-UP = SavedPose("up", 0.0, 0.0, 0.0, 1.0)
 THREE = (NOD, LEFT, UP)
 
 
 def names(poses: tuple[SavedPose, ...]) -> list[str]:
     return [pose.name for pose in poses]
-
-
-def editing(*poses: SavedPose) -> State:
-    return State(Saved(poses=poses))
-
-
-def refusal_of(state: State, now: World | None = None) -> str:
-    refusal = state.view(now or world()).commands.refusal
-    return "" if refusal is None else refusal.text
 
 
 # -- durations --------------------------------------------------------------------------------------
@@ -85,9 +58,9 @@ ARMS = st.floats(-90, 90).map(lambda angle: round(angle, 1))
 
 @given(st.lists(st.tuples(ARMS, ARMS, ARMS), min_size=1, max_size=6), st.floats(1, 90))
 def test_new_durations_are_possible_and_kept(places: list[tuple[float, ...]], speed: float) -> None:
-    state = state_after(Choose("speed", speed))
+    state = state_after(intents.Choose("speed", speed))
     for number, place in enumerate(places):
-        state.handle(SavePose(f"n{number}"), world(robot("sim", arms=place)))  # type: ignore[arg-type]
+        state.handle(intents.SavePose(f"n{number}"), world(robot("sim", arms=place)))  # type: ignore[arg-type]
     made = state.saved.poses
     assert too_short(made, HOME, LIMITS, loop=False) == {}
     begins, here = timed(made, HOME, LIMITS), HOME
@@ -129,20 +102,22 @@ def test_a_teachers_limit_makes_durations_longer() -> None:
 # -- changes ----------------------------------------------------------------------------------------
 
 CHANGES = st.one_of(
-    st.builds(MovePose, st.sampled_from(["nod", "left", "up", "none"]), st.integers(-3, 9)),
-    st.builds(DuplicatePose, st.sampled_from(["nod", "left", "nod-2"])),
-    st.builds(DeletePose, st.sampled_from(["nod", "left", "up"])),
-    st.builds(SetDuration, st.sampled_from(["nod", "up"]), st.floats(-5, 1e9) | st.just(math.nan)),
+    st.builds(intents.MovePose, st.sampled_from(["nod", "left", "up", "none"]), st.integers(-3, 9)),
+    st.builds(intents.DuplicatePose, st.sampled_from(["nod", "left", "nod-2"])),
+    st.builds(intents.DeletePose, st.sampled_from(["nod", "left", "up"])),
+    st.builds(intents.SetDuration, st.sampled_from(["nod", "up"]), st.floats(-5, 1e9) | st.just(math.nan)),
     st.builds(
-        RenamePose, st.sampled_from(["nod", "up"]), st.sampled_from(["", " ", "up", "ja nein", "left"])
+        intents.RenamePose,
+        st.sampled_from(["nod", "up"]),
+        st.sampled_from(["", " ", "up", "ja nein", "left"]),
     ),
-    st.builds(SavePose, st.sampled_from(["nod", "new"])),
-    st.just(AddPose()),
+    st.builds(intents.SavePose, st.sampled_from(["nod", "new"])),
+    st.just(intents.AddPose()),
 )
 
 
 @given(st.lists(CHANGES, max_size=10))
-def test_every_change_is_undone_and_names_stay_unique(given_changes: list[Intent]) -> None:
+def test_every_change_is_undone_and_names_stay_unique(given_changes: list[intents.Intent]) -> None:
     state, before = editing(*THREE), []
     for change in given_changes:
         was = state.saved.poses
@@ -152,16 +127,16 @@ def test_every_change_is_undone_and_names_stay_unique(given_changes: list[Intent
         assert all(0.1 <= pose.duration_s <= 60 for pose in now)
         if now != was:
             before.append(was)
-        if isinstance(change, MovePose):
+        if isinstance(change, intents.MovePose):
             assert sorted(names(now)) == sorted(names(was))
-        if isinstance(change, DuplicatePose) and now != was:
+        if isinstance(change, intents.DuplicatePose) and now != was:
             at = names(was).index(change.name)
             assert now[: at + 1] == was[: at + 1]
             assert now[at + 1].arms == was[at].arms
             assert now[at + 2 :] == was[at + 1 :]
     for was in reversed(before):
         assert state.view(world()).sequence.undo.enabled
-        state.handle(UndoSequence(), world())
+        state.handle(intents.UndoSequence(), world())
         assert state.saved.poses == was
     assert not state.view(world()).sequence.undo.enabled
 
@@ -169,15 +144,15 @@ def test_every_change_is_undone_and_names_stay_unique(given_changes: list[Intent
 @pytest.mark.parametrize(
     ("change", "after"),
     [
-        (RenamePose("nod", "yes"), ["yes", "left", "up"]),
-        (RenamePose("nod", "up"), ["up-2", "left", "up"]),
-        (RenamePose("nod", " "), ["nod", "left", "up"]),
-        (DuplicatePose("nod"), ["nod", "nod-2", "left", "up"]),
-        (MovePose("up", 0), ["up", "nod", "left"]),
-        (DeletePose("left"), ["nod", "up"]),
+        (intents.RenamePose("nod", "yes"), ["yes", "left", "up"]),
+        (intents.RenamePose("nod", "up"), ["up-2", "left", "up"]),
+        (intents.RenamePose("nod", " "), ["nod", "left", "up"]),
+        (intents.DuplicatePose("nod"), ["nod", "nod-2", "left", "up"]),
+        (intents.MovePose("up", 0), ["up", "nod", "left"]),
+        (intents.DeletePose("left"), ["nod", "up"]),
     ],
 )
-def test_changes_of_one_pose(change: Intent, after: list[str]) -> None:
+def test_changes_of_one_pose(change: intents.Intent, after: list[str]) -> None:
     state = editing(*THREE)
     state.handle(change, world())
     assert names(state.saved.poses) == after
@@ -185,26 +160,26 @@ def test_changes_of_one_pose(change: Intent, after: list[str]) -> None:
 
 def test_add_takes_the_target_of_the_pad_or_the_present_pose() -> None:
     now = world(robot("sim", arms=(10.0, -5.0, 2.5)))
-    state = state_after(AddPose(), now=now)
+    state = state_after(intents.AddPose(), now=now)
     (first,) = state.saved.poses
     assert (first.name, first.arms) == ("pose-1", (10.0, -5.0, 2.5))
-    state.handle(AimHead(30.0, 0.0, 0.0), now)
-    state.handle(AddPose(), now)
+    state.handle(intents.AimHead(30.0, 0.0, 0.0), now)
+    state.handle(intents.AddPose(), now)
     assert names(state.saved.poses) == ["pose-1", "pose-2"]
     assert state.saved.poses[1].arms == pytest.approx((30.0, 30.0, 30.0))
     card = state.view(now).sequence.cards[1]
     assert present(card.head).yaw == pytest.approx(30.0)
     assert card.duration_s == comfortable(ArmAngles(*first.arms), state.saved.poses[1], 30.0, LIMITS)
-    state.handle(AimHead(0.0, 89.0, 0.0), now)
-    state.handle(AddPose(), now)
+    state.handle(intents.AimHead(0.0, 89.0, 0.0), now)
+    state.handle(intents.AddPose(), now)
     assert len(state.saved.poses) == 2
     assert "lean" in refusal_of(state, now), "the rods do not reach it"
 
 
 def test_a_sequence_has_a_largest_number_of_poses() -> None:
     state = editing(*(SavedPose(f"n{number}", *NOD.arms, 2.0) for number in range(POSES_MAX)))
-    state.handle(AddPose(), world())
-    state.handle(DuplicatePose("n1"), world())
+    state.handle(intents.AddPose(), world())
+    state.handle(intents.DuplicatePose("n1"), world())
     assert len(state.saved.poses) == POSES_MAX
     assert not state.view(world()).sequence.add.enabled
 
@@ -212,7 +187,7 @@ def test_a_sequence_has_a_largest_number_of_poses() -> None:
 # -- playing ----------------------------------------------------------------------------------------
 
 
-def played(state: State, intent: Intent, now: World | None = None) -> Play:
+def played(state: State, intent: intents.Intent, now: World | None = None) -> Play:
     (action,) = state.handle(intent, now or world())
     assert isinstance(action, Play)
     return action
@@ -221,26 +196,26 @@ def played(state: State, intent: Intent, now: World | None = None) -> Play:
 def test_the_hardware_follows_when_the_simulation_has_played_this_sequence() -> None:
     state = editing(NOD, LEFT)
     assert not state.view(world()).sequence.hardware.enabled
-    assert state.handle(PlaySequence("hw"), world()) == []
+    assert state.handle(intents.PlaySequence("hw"), world()) == []
     assert "Press Play first" in refusal_of(state)
-    play = played(state, PlaySequence("sim"))
+    play = played(state, intents.PlaySequence("sim"))
     assert play.sides == ("sim",)
     assert [step.at for step in play.poses] == [0.0, 2.0]
     state.report(Outcome(play.row, "sim", accepted=True, done=False))
     assert not state.view(world()).sequence.hardware.enabled
     state.report(Outcome(play.row, "sim", accepted=True, done=True))
     assert state.view(world()).sequence.hardware.enabled
-    assert played(state, PlaySequence("hw")).sides == ("hw",)
-    state.handle(SetDuration("nod", 3.0), world())
+    assert played(state, intents.PlaySequence("hw")).sides == ("hw",)
+    state.handle(intents.SetDuration("nod", 3.0), world())
     assert not state.view(world()).sequence.hardware.enabled, "this sequence was not played yet"
-    state.handle(UndoSequence(), world())
+    state.handle(intents.UndoSequence(), world())
     assert state.view(world()).sequence.hardware.enabled
 
 
 def test_a_loop_frees_the_hardware_after_one_round() -> None:
     state = editing(NOD, LEFT, SavedPose("pause", *LEFT.arms, 1.5))
-    state.handle(Choose("loop", value=True), world())
-    play = played(state, PlaySequence("sim"))
+    state.handle(intents.Choose("loop", value=True), world())
+    play = played(state, intents.PlaySequence("sim"))
     assert [step.at for step in play.poses] == [0.0, 2.0, 3.5]
     assert [step.at for step in play.again] == [1.5, 3.5, 5.0], "the last pose is a pause of 1.5 s"
     state.report(Outcome(play.row, "sim", accepted=True, done=False))
@@ -252,12 +227,12 @@ def test_a_loop_frees_the_hardware_after_one_round() -> None:
 def test_a_pose_that_cannot_be_reached_in_its_duration_is_named() -> None:
     state = editing(NOD, SavedPose("far", 90.0, 90.0, 90.0, 0.5))
     assert [card.problem for card in state.view(world()).sequence.cards] == ["", "needs 1.6 s or more"]
-    assert state.handle(PlaySequence("sim"), world()) == []
+    assert state.handle(intents.PlaySequence("sim"), world()) == []
     assert "'far'" in refusal_of(state)
     refusal = state.view(world()).commands.refusal
     assert refusal and refusal.alternative  # noqa: PT018
     state.handle(refusal.alternative.intent, world())
-    assert played(state, PlaySequence("sim")).poses[1].speed <= ROBOT.limits.speed_max
+    assert played(state, intents.PlaySequence("sim")).poses[1].speed <= ROBOT.limits.speed_max
 
 
 FAR = SavedPose("far", -77.7, -24.0, -98.3, 3.0)
@@ -284,40 +259,21 @@ def test_a_pose_that_the_limits_do_not_allow_is_said_at_the_pose(
 
 def test_a_play_with_the_motors_off_offers_the_next_step() -> None:
     state = editing(NOD, LEFT)
-    play = played(state, PlaySequence("sim"))
+    play = played(state, intents.PlaySequence("sim"))
     off = not_enabled()
     state.report(Outcome(play.row, "sim", accepted=True, done=False))
     state.report(Outcome(play.row, "sim", accepted=False, done=True, reason=off.reason, detail=off.detail))
     assert present(present(state.view(world()).commands.refusal).alternative).text == "Make ready"
 
 
-def test_without_a_simulation_the_button_says_what_to_do() -> None:
-    view = editing(NOD).view(world(absent("sim"))).sequence
-    assert not view.play.enabled
-    assert "Start simulation" in view.play.tooltip
-
-
-def test_a_play_has_its_name_in_the_language_of_the_window() -> None:
-    state = State(Saved(poses=(NOD, LEFT), language="de"))
-    view = state.view(replace(world(), playing="poses", playing_pose=1))
-    assert view.sequence.played == 1
-    assert view.sending.title == "Spielt Posen"
-    assert view.poses.playing == "Posen"
-
-
 def test_invalid_requests_are_refused_with_a_reason() -> None:
-    given_intents: list[tuple[Intent, str]] = [
-        (PlaySequence("sim"), "no pose yet"),
-        (SaveSequence(Path("a.csv")), "no pose yet"),
-    ]
-    for intent, text in given_intents:
-        state = State()
-        assert state.handle(intent, world()) == []
-        assert text in refusal_of(state)
     unknown = world(robot("sim", arms=None), robot("hw", arms=None))
-    state = State()
-    state.handle(AddPose(), unknown)
-    assert "unknown" in refusal_of(state, unknown)
-    state = editing(NOD)
-    assert state.handle(SaveSequence(Path()), world()) == []
-    assert "needs a name" in refusal_of(state)
+    cases: list[tuple[State, intents.Intent, World, str]] = [
+        (State(), intents.PlaySequence("sim"), world(), "no pose yet"),
+        (State(), intents.SaveSequence(Path("a.csv")), world(), "no pose yet"),
+        (State(), intents.AddPose(), unknown, "unknown"),
+        (editing(NOD), intents.SaveSequence(Path()), world(), "needs a name"),
+    ]
+    for state, intent, now, text in cases:
+        assert state.handle(intent, now) == []
+        assert text in refusal_of(state, now)

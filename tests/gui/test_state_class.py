@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from golden import same
 from gui_views import class_world
 from gui_worlds import status, world
-from msgspec import structs
 from present import present
 
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason, SeatCount
+from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason, SeatCount
 from gui.console.state import intents
 from gui.console.state.actions import Govern, Outcome, SendStop, WatchCameras, WatchClass
 from gui.console.state.intents import Intent, LimitClass, Stop, TogglePage, WindowPage
@@ -46,17 +46,8 @@ def test_only_the_teacher_has_the_page() -> None:
 def test_a_row_shows_state_driver_queue_rate_and_age() -> None:
     rows = {row.place: row for row in page(opened()).rows}
     moving = rows["bea1", "sim"]
-    assert moving.cells == (
-        "bea1",
-        "Simulation",
-        "► moving",
-        "ana (taken)",
-        "",
-        "ben, cleo",
-        "50",
-        "0.0 s",
-        "",
-    )
+    queue = "ben, cleo"
+    assert moving.cells == ("bea1", "Simulation", "► moving", "ana (taken)", "", queue, "50", "0.0 s", "")
     assert rows[PLACE].cells[2:4] == ("■ frozen", "dora")
     assert rows["bea3", "sim"].condition is Condition.DISABLED
     assert rows["bea4", "sim"].condition is Condition.FAULT
@@ -78,9 +69,7 @@ def test_a_seat_is_muted_on_all_robots_and_shown_as_muted() -> None:
     assert state.handle(shown["cleo"], TEACHER) == [Govern(1, LeaseAction.MUTE, (), 0.0, "cleo")]
     view = state.view(TEACHER)
     assert view.history[0].what == "mute cleo, all robots"
-    first, *others = TEACHER.robots
-    robots = (replace(first, status=status("sim", muted=("cleo", "zoe"))), *others)
-    muted = page(state, replace(TEACHER, robots=robots))
+    muted = page(state, with_first(muted=("cleo", "zoe")))
     assert "Muted: cleo, zoe." in muted.summary
     buttons = {view.text: view.mute.intent for view in muted.seats}
     assert buttons["cleo (muted)"] == Govern(0, LeaseAction.UNMUTE, seat="cleo")
@@ -90,10 +79,9 @@ def test_a_seat_is_muted_on_all_robots_and_shown_as_muted() -> None:
 
 def test_a_robot_that_was_away_when_a_seat_was_muted_is_named() -> None:
     """In a class only its own robots are named: a robot of a seat need not obey."""
-    first, *others = TEACHER.robots
-    robots = (replace(first, status=status("sim", muted=("cleo",))), *others)
+    now = with_first(muted=("cleo",))
     for names, named in (((), {"bea2", "bea3", "bea4"}), (("bea1", "bea2"), {"bea2"})):
-        rows = page(opened(), replace(TEACHER, robots=robots, class_robots=names)).rows
+        rows = page(opened(), replace(now, class_robots=names)).rows
         assert {row.place[0] for row in rows if "not muted: cleo" in row.cells[-1]} - {"bea1"} == named
 
 
@@ -102,28 +90,24 @@ def test_a_pupil_is_shown_by_name_and_muted_by_seat() -> None:
     same("state class.a pupil is shown by name and muted by seat", page(opened(), now).summary)
     (view,) = (view for view in page(opened(), now).seats if view.text == "Cléo Brun (cleo)")
     assert view.mute.intent == Govern(0, LeaseAction.MUTE, seat="cleo")
-    first, *others = TEACHER.robots
-    muted = page(
-        opened(), replace(now, robots=(replace(first, status=status("sim", muted=("cleo",))), *others))
-    )
+    muted = page(opened(), replace(with_first(muted=("cleo",)), pupils=now.pupils))
     assert [view.text for view in muted.seats] == ["ana", "ben", "Cléo Brun (cleo) (muted)", "dora"]
 
 
+def with_first(**known: Any) -> World:
+    """Return the world of the teacher in which the first robot has these fields in its status."""
+    first, *others = TEACHER.robots
+    return replace(TEACHER, robots=(replace(first, status=status("sim", **known)), *others))
+
+
 def test_the_summary_counts_the_stops_of_each_seat() -> None:
-    first, second, *others = TEACHER.robots
-    assert first.status is not None
-    assert second.status is not None
-    both = [SeatCount(seat="cem", count=30), SeatCount(seat="", count=1)]
-    one = [SeatCount(seat="cem", count=2)]
-    robots = (
-        replace(first, status=structs.replace(first.status, stops=both)),
-        replace(second, status=structs.replace(second.status, stops=one)),
-        *others,
-    )
-    summary = page(opened(), replace(TEACHER, robots=robots)).summary
+    stops = (SeatCount(seat="cem", count=30), SeatCount(seat="", count=1))
+    summary = page(opened(), with_first(stops=stops)).summary
     same("state class.the summary counts the stops of each seat 1", summary)
-    free = replace(TEACHER.robots[0], status=status("sim"))
-    mixed = page(opened(), replace(TEACHER, robots=(free, *TEACHER.robots[1:])))
+
+
+def test_different_speed_limits_are_shown_with_each_robot() -> None:
+    mixed = page(opened(), with_first())
     same("state class.the summary counts the stops of each seat 2", mixed.limit_now)
     assert mixed.rows[2].cells[-1] == "limit 20 °/s"
     empty = page(opened(), replace(TEACHER, robots=()))
@@ -177,18 +161,8 @@ def test_the_outcome_is_shown_with_the_robots_that_failed() -> None:
     state.report(Outcome(1, "", accepted=True, done=True, robots=8))
     assert (page(state).result, page(state).good) == ("freeze, all robots: done by 8 robots", True)
     state.handle(LimitClass("20"), TEACHER)
-    state.report(
-        Outcome(
-            2,
-            "",
-            accepted=False,
-            done=True,
-            reason=Reason.TIMED_OUT,
-            message="It did not answer.",
-            robots=8,
-            failed=("bea3 (hw)", "bea4 (hw)"),
-        )
-    )
+    missed, why = ("bea3 (hw)", "bea4 (hw)"), "It did not answer."
+    state.report(Outcome(2, "", False, True, Reason.TIMED_OUT, why, robots=8, failed=missed))
     same("state class.the outcome is shown with the robots that failed", page(state).result)
     assert page(state).good is False
 
@@ -200,32 +174,14 @@ def test_without_a_router_nothing_is_sent() -> None:
     assert "no router answers" in page(state, lost).result
 
 
-def test_stop_on_the_page_of_the_class_stops_all_robots() -> None:
+def test_both_stops_on_the_page_of_the_class_are_for_all_robots() -> None:
     state = opened()
-    assert state.view(TEACHER).stop.text == "STOP ALL"
+    view = state.view(TEACHER)
+    assert (view.stop.text, view.emergency.text) == ("STOP ALL", "EMERGENCY STOP ALL")
     assert state.handle(Stop(), TEACHER) == [SendStop(1, everywhere=True)]
-    state.report(Outcome(1, "", accepted=True, done=True, robots=8))
-    same("state class.stop on the page of the class stops all robots", state.view(TEACHER).last)
-    assert state.handle(TogglePage(), TEACHER)[0] == WatchClass(on=False)
-    assert state.handle(Stop(), TEACHER) == [SendStop(2)]
-    assert state.handle(intents.Repeat(1), TEACHER) == [SendStop(3, everywhere=True)]
-
-
-def test_an_emergency_stop_on_the_page_of_the_class_goes_to_all_robots() -> None:
-    state = opened()
-    button = state.view(TEACHER).emergency
-    assert (button.text, button.intent) == ("EMERGENCY STOP ALL", intents.EmergencyStop())
-    assert state.handle(button.intent, TEACHER) == [SendStop(1, everywhere=True, emergency=True)]
-    state.report(Outcome(1, "", accepted=True, done=True, robots=8))
+    assert state.handle(view.emergency.intent, TEACHER) == [SendStop(2, everywhere=True, emergency=True)]
+    state.report(Outcome(2, "", accepted=True, done=True, robots=8))
     same("state class.an emergency stop on the page of the class goes to all robots", page(state).result)
-
-
-def test_requests_of_the_teacher_are_in_the_history_of_students() -> None:
-    frozen = Event(
-        seq=1, t_mono_ns=1, t_wall_ns=1, kind=EventKind.LEASE, action="freeze", seat="teacher", session="t"
-    )
-    changed = Event(seq=2, t_mono_ns=2, t_wall_ns=2, kind=EventKind.LEASE, seat="ana", message="ana drives.")
-    now = world()
-    now = replace(now, sim=replace(now.sim, events=(frozen, changed)))
-    (row,) = State().view(now).history
-    assert (row.who, row.what, row.result) == ("teacher", "freeze", "done")
+    assert state.handle(TogglePage(), TEACHER)[0] == WatchClass(on=False)
+    assert state.handle(Stop(), TEACHER) == [SendStop(3)]
+    assert state.handle(intents.Repeat(1), TEACHER) == [SendStop(4, everywhere=True)]

@@ -18,7 +18,8 @@ from gui.console.state.state import State
 from gui.console.state.views import Condition, PillView
 from gui.console.state.world import LinkPhase, OwnAccount, World
 
-CALIBRATE_SIM = RunCommand(Command.CALIBRATE, side="sim")
+CALIBRATE_SIM, RESET_SIM = (RunCommand(command, side="sim") for command in (Command.CALIBRATE, Command.RESET))
+LEFT = Fault.ASSEMBLY_LEFT
 
 
 def sim_with(**fields: Any) -> RobotState:
@@ -33,32 +34,18 @@ def pill(now: World, side: str = "sim") -> PillView:
     ("sim", "condition", "text", "next_step"),
     [
         (absent("sim"), Condition.ABSENT, "not online", StartSimulation()),
+        (replace(absent("sim"), status=status("sim")), Condition.ABSENT, "lost", StartSimulation()),
         (robot("sim", presence=Presence.SILENT, arms=None), Condition.SILENT, "silent", None),
         (robot("sim", presence=Presence.LOST, age_s=3.0), Condition.SILENT, "silent", None),
         (robot("sim", age_s=0.41), Condition.SILENT, "silent", None),
         (replace(robot("sim"), status=None), Condition.SILENT, "silent", None),
-        (
-            sim_with(fault=Fault.EMERGENCY, enabled=False),
-            Condition.FAULT,
-            "emergency stop",
-            RunCommand(Command.RESET, side="sim"),
-        ),
+        (sim_with(fault=Fault.EMERGENCY, enabled=False), Condition.FAULT, "emergency stop", RESET_SIM),
         (sim_with(fault=Fault.BOARD_LOST), Condition.FAULT, "board lost", None),
         (sim_with(connected=False), Condition.FAULT, "board lost", None),
         (sim_with(fault=Fault.CONTRACT_MISMATCH, connected=False), Condition.FAULT, "wrong firmware", None),
-        (sim_with(fault=Fault.ASSEMBLY_LEFT), Condition.FAULT, "neck put back", None),
-        (
-            sim_with(fault=Fault.ASSEMBLY_LEFT, calibrated=False),
-            Condition.FAULT,
-            "neck put back",
-            CALIBRATE_SIM,
-        ),
-        (
-            sim_with(enabled=False, calibrated=False, holder="ana"),
-            Condition.DISABLED,
-            "motors off",
-            MakeReady("sim"),
-        ),
+        (sim_with(fault=LEFT), Condition.FAULT, "neck put back", None),
+        (sim_with(fault=LEFT, calibrated=False), Condition.FAULT, "neck put back", CALIBRATE_SIM),
+        (sim_with(enabled=False, holder="ana"), Condition.DISABLED, "motors off", MakeReady("sim")),
         (sim_with(calibrated=False, holder="ana"), Condition.NOT_CALIBRATED, "not calibrated", CALIBRATE_SIM),
         (sim_with(holder="ana", moving=True), Condition.DRIVEN, "driven by ana", None),
         (sim_with(holder="ana", lease=3), Condition.DRIVEN, "taken by ana", None),
@@ -117,14 +104,6 @@ def test_a_window_whose_account_is_refused_offers_another_one() -> None:
         assert text in banner.text
         assert "The router refuses ana." in banner.buttons[1].tooltip
         assert [button.intent for button in banner.buttons] == [LookForPorts(), Retry()]
-
-
-def test_a_robot_that_was_online_is_lost_and_one_that_was_not_is_absent() -> None:
-    lost = replace(absent("hw"), status=status("hw"))
-    found = pill(world(hw=lost), "hw")
-    assert (found.condition, found.text) == (Condition.ABSENT, "lost")
-    assert "is no longer online" in found.reason
-    assert pill(world(hw=absent("hw")), "hw").text == "not online"
 
 
 def test_latency_and_details_are_shown() -> None:

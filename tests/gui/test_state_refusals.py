@@ -64,11 +64,8 @@ def test_a_refusal_is_shown_at_the_pad_and_its_alternative_is_sent() -> None:
 
 def test_an_alternative_speed_keeps_the_motion() -> None:
     state = state_after(intents.Choose("speed", 100), Jog("long", -1))
-    refused(
-        state,
-        Detail(limit=Limit.SPEED, alternative=Alternative(speed=vector(90, 90, 90))),
-        Reason.SPEED_LIMIT,
-    )
+    other = Alternative(speed=vector(90, 90, 90))
+    refused(state, Detail(limit=Limit.SPEED, alternative=other), Reason.SPEED_LIMIT)
     refusal = present(state.view(world()).arms.refusal)
     assert present(refusal.alternative).text == "Use 90.0°/s"
     send = sent(state.handle(intents.TakeAlternative(), world()))
@@ -79,17 +76,8 @@ def test_an_alternative_speed_keeps_the_motion() -> None:
     ("error", "text", "action"),
     [
         (not_enabled(), "Make ready", MakeReady("sim", 2)),
-        (
-            Refused(Reason.NOT_ENABLED, detail=Detail(needs=["ENABLE"])),
-            "Enable",
-            SendCommand(2, Command.ENABLE, value=True, sides=("sim",)),
-        ),
         (not_calibrated(), "Calibrate", SendCommand(2, Command.CALIBRATE, value=True, sides=("sim",))),
-        (
-            emergency_latched(),
-            "Clear the stop",
-            SendCommand(2, Command.RESET, value=True, sides=("sim",)),
-        ),
+        (emergency_latched(), "Clear the stop", SendCommand(2, Command.RESET, value=True, sides=("sim",))),
         (driven_by("ana", 1.2), "Wait for my turn", AskLease(LeaseAction.WAIT, "sim", 2)),
         (taken_by("ana"), "Wait for my turn", AskLease(LeaseAction.WAIT, "sim", 2)),
         (Refused(Reason.NOT_HOLDER, detail=Detail(holder="ana", field="lease", value=float(3))), None, None),
@@ -120,15 +108,6 @@ def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> Non
     ]
 
 
-def test_the_robot_that_refused_is_read_from_the_message() -> None:
-    state = state_after(BOTH, Jog("short", 1))
-    refused(state, not_calibrated().detail, Reason.NOT_CALIBRATED, "bea1 (hw): Home is not known.", side="")
-    shown = present(state.view(world()).arms.refusal)
-    same("state refusals.the robot that refused is read from the message", shown.text)
-    (action,) = state.handle(intents.TakeAlternative(), world())
-    assert action == SendCommand(2, Command.CALIBRATE, value=True, sides=("hw",))
-
-
 @pytest.mark.parametrize("left", [{"head": Head(0.0, math.radians(34.9), 0.0)}, {}], ids=["a way", "no way"])
 def test_a_hold_that_ends_at_a_limit_says_so_although_goals_before_were_accepted(left: Any) -> None:
     state = State()
@@ -151,11 +130,7 @@ def test_a_motion_that_this_window_stops_or_aborts_is_not_a_refusal() -> None:
     for intent, result in ((intents.Stop(), "stopped"), (Abort(), "aborted by you")):
         state, now = state_after(BOTH, Jog("short", 1)), plan(PlanPhase.TRYING)
         state.handle(intent, now)
-        state.report(
-            Outcome(
-                1, "", accepted=False, done=True, reason=Reason.STOPPED, message="Aborted in this window."
-            )
-        )
+        state.report(Outcome(1, "", False, True, Reason.STOPPED, "Aborted in this window."))
         view = state.view(now)
         assert view.arms.refusal is None
         assert view.history[-1].result == result
@@ -243,10 +218,3 @@ def test_undo_of_a_motion_of_both_goes_to_the_pose_of_the_hardware() -> None:
     accept(state, 1)
     back = sent(state.handle(intents.Undo(), world()))
     assert (back.sides, arms_of(back), back.lead_s) == (("sim", "hw"), (1, 2, 3), 2.0)
-
-
-def test_a_replaced_motion_is_no_error_in_the_history() -> None:
-    state = state_after(Jog("short", 1))
-    state.report(Outcome(1, "sim", accepted=False, done=True, reason=Reason.REPLACED, message="Replaced."))
-    row = state.view(world()).history[-1]
-    assert (row.on_purpose, row.symbol, row.good) == (True, "–", False)

@@ -12,28 +12,10 @@ from gui_worlds import absent, robot, status, world
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, Path
 from beatrix_zenoh.client.lesson_reports import STUCK, Row
-from beatrix_zenoh.contract._generated.messages import (
-    Alternative,
-    Detail,
-    Fault,
-    Head,
-    LeaseAction,
-    LessonState,
-    Limit,
-    Reason,
-)
+from beatrix_zenoh.contract._generated import messages
 from beatrix_zenoh.motion.kinematics import Neck
+from gui.console.state import intents
 from gui.console.state.actions import Action, Govern, Outcome
-from gui.console.state.intents import (
-    AimHead,
-    Choose,
-    Intent,
-    Jog,
-    SavePose,
-    SendHead,
-    Theme,
-    TogglePage,
-)
 from gui.console.state.state import State
 from gui.console.state.views import View
 from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, World
@@ -73,11 +55,13 @@ def posed(side: str, arms: tuple[float, float, float], head: HeadAngles, **known
     """Return a robot that this seat drives, with this head orientation."""
     made = robot(side, arms=arms, known=status(side, **({"holder": "ben"} | known)))  # type: ignore[arg-type]
     assert made.positions is not None
-    turned = msgspec.structs.replace(made.positions, head=Head(*map(math.radians, head)))
+    turned = msgspec.structs.replace(made.positions, head=messages.Head(*map(math.radians, head)))
     return replace(made, positions=turned)
 
 
-def reported(state: State, intent: Intent, now: World, refused: Detail | None = None) -> None:
+def reported(
+    state: State, intent: intents.Intent, now: World, refused: messages.Detail | None = None
+) -> None:
     """Let a state handle an intent; report that both robots have carried out its request, or that its preview was refused."""
     for action in state.handle(intent, now):
         if isinstance(action, Govern):
@@ -87,32 +71,38 @@ def reported(state: State, intent: Intent, now: World, refused: Detail | None = 
             state.report(outcome(action, side, refused))
 
 
-def outcome(action: Action, side: str, refused: Detail | None) -> Outcome:
+def outcome(action: Action, side: str, refused: messages.Detail | None) -> Outcome:
     """Return the last outcome of a request at one robot; with `refused`, a refusal."""
     row: int = getattr(action, "row", 0)
     if refused is None:
         return Outcome(row, side, accepted=True, done=True, duration_s=1.21)
     message = "bea1 (sim): The head would lean 40.0°; at most 35.0° is allowed."
     return Outcome(
-        row, side, accepted=False, done=True, reason=Reason.OUT_OF_REACH, message=message, detail=refused
+        row,
+        side,
+        accepted=False,
+        done=True,
+        reason=messages.Reason.OUT_OF_REACH,
+        message=message,
+        detail=refused,
     )
 
 
-def driving(theme: Theme, language: str, now: World) -> State:
+def driving(theme: intents.Theme, language: str, now: World) -> State:
     """Return a state with some requests in its history."""
     state = State()
     for intent in (
-        Choose("theme", theme),
-        Choose("language", language),
-        Choose("hw", value=True),
-        Choose("cameras", value=True),
+        intents.Choose("theme", theme),
+        intents.Choose("language", language),
+        intents.Choose("hw", value=True),
+        intents.Choose("cameras", value=True),
     ):
         state.handle(intent, now)
     for name in ("nod", "left", "shy"):
-        state.handle(SavePose(name), now)
-    reported(state, Jog("short", 1), now)
-    reported(state, AimHead(20.0, -10.0, 5.0), now)
-    reported(state, SendHead(), now)
+        state.handle(intents.SavePose(name), now)
+    reported(state, intents.Jog("short", 1), now)
+    reported(state, intents.AimHead(20.0, -10.0, 5.0), now)
+    reported(state, intents.SendHead(), now)
     return state
 
 
@@ -142,7 +132,7 @@ def class_world() -> World:
         "bea1": {"moving": True, "holder": "ana", "lease": 3, "waiting": ("ben", "cleo"), "limit_deg": 20.0},
         "bea2": {"frozen": True, "holder": "dora", "limit_deg": 20.0},
         "bea3": {"enabled": False, "calibrated": False, "limit_deg": 20.0},
-        "bea4": {"fault": Fault.BOARD_LOST, "connected": False, "limit_deg": 20.0},
+        "bea4": {"fault": messages.Fault.BOARD_LOST, "connected": False, "limit_deg": 20.0},
     }
     robots = [
         replace(robot(side, known=status(side, **fields)), robot=name)  # type: ignore[arg-type]
@@ -172,7 +162,9 @@ def lesson(seat: str, name: str, *, passed: bool = False, stuck: int = 0, tries:
     """Return the report of one seat about one lesson; `stuck`: checks in a row that have ended at the figure `runs`."""
     figure, tries = "runs" if stuck else "", max(2, stuck) if tries is None else tries
     return Row(
-        seat, name, LessonState(version=1, tries=tries, hints=0, stuck=stuck, passed=passed, figure=figure)
+        seat,
+        name,
+        messages.LessonState(version=1, tries=tries, hints=0, stuck=stuck, passed=passed, figure=figure),
     )
 
 
@@ -221,30 +213,30 @@ def turns(count: int, *, long: bool = False) -> World:
     return replace(ready(), seat="teacher", robots=tuple(robots), seats=PUPILS, pupils=pupils)
 
 
-def example(state: str, theme: Theme, language: str) -> View:
+def example(state: str, theme: intents.Theme, language: str) -> View:
     """Return the view of one of STATES."""
     now = ready()
     deciding = driving(theme, language, now)
     if state == "preview":
-        deciding.handle(AimHead(*TARGET), now)
-        deciding.handle(SendHead(), now)
+        deciding.handle(intents.AimHead(*TARGET), now)
+        deciding.handle(intents.SendHead(), now)
         plan = PlanProgress(PlanPhase.LEADING, 1.2, 2.0, 1.1, PATH)
         head = WAY[15]  # 0.9 s of 1.2 s have passed
         now = replace(now, plan=plan, sim=posed("sim", arms_of(head), head, moving=True))
     elif state == "refusal":
-        deciding.handle(AimHead(20.0, 40.0, 0.0), now)
-        other = Alternative(head=Head(math.radians(20), math.radians(35), 0.0))
-        tilt = Detail(
-            limit=Limit.TILT,
+        deciding.handle(intents.AimHead(20.0, 40.0, 0.0), now)
+        other = messages.Alternative(head=messages.Head(math.radians(20), math.radians(35), 0.0))
+        tilt = messages.Detail(
+            limit=messages.Limit.TILT,
             at_goal=True,
             value=math.radians(40),
             high=math.radians(35),
             unit="rad",
             alternative=other,
         )
-        reported(deciding, SendHead(), now, tilt)
+        reported(deciding, intents.SendHead(), now, tilt)
     elif state == "fault":
-        known = status("hw", enabled=False, calibrated=False, fault=Fault.EMERGENCY)
+        known = status("hw", enabled=False, calibrated=False, fault=messages.Fault.EMERGENCY)
         now = replace(now, hw=robot("hw", arms=ARMS, known=known))
     elif state == "no-router":
         now = world(absent("sim"), absent("hw"), phase=LinkPhase.NO_ROUTER, names=())
@@ -254,8 +246,8 @@ def example(state: str, theme: Theme, language: str) -> View:
         now = shared(deciding, now, **SHARED[state])
     elif state in {"class", "class-full"}:
         now = class_world() if state == "class" else full_class()
-        deciding.handle(TogglePage(), now)
-        reported(deciding, Govern(0, LeaseAction.LIMIT, speed=math.radians(20)), now)
+        deciding.handle(intents.TogglePage(), now)
+        reported(deciding, Govern(0, messages.LeaseAction.LIMIT, speed=math.radians(20)), now)
     elif state == "driven":
         taken = {
             side: robot(side, arms=ARMS, known=status(side, holder="ana", moving=True))

@@ -10,30 +10,22 @@ from statuses import AT_HOME, BOARD, READY
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import Path as MotionPath
-from beatrix_zenoh.contract._generated.messages import (
-    Detail,
-    Event,
-    Head,
-    MotionQuery,
-    Positions,
-    Reason,
-    Status,
-    Vector3,
-)
+from beatrix_zenoh.contract._generated import messages
 from gui.console.state.actions import Action, Outcome, Send
 from gui.console.state.intents import Choose, Intent
+from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, World
 
 ENDPOINT = "tcp/127.0.0.1:7447"
 
 
-def vector(short: float, middle: float, long: float) -> Vector3:
+def vector(short: float, middle: float, long: float) -> messages.Vector3:
     """Convert degrees to a vector of a message (rad)."""
-    return Vector3(*map(math.radians, (short, middle, long)))
+    return messages.Vector3(*map(math.radians, (short, middle, long)))
 
 
-def status(side: str, *, connected: bool = True, limit_deg: float = 0.0, **fields: Any) -> Status:
+def status(side: str, *, connected: bool = True, limit_deg: float = 0.0, **fields: Any) -> messages.Status:
     """Return a status; by default of a ready robot."""
     board = replace(BOARD, connected=connected, port="virtual:", name="bea1", firmware="1.2")
     lists = {name: [*value] for name, value in fields.items() if isinstance(value, tuple)}
@@ -41,10 +33,10 @@ def status(side: str, *, connected: bool = True, limit_deg: float = 0.0, **field
     return replace(READY, robot="bea1", side=side, board=board, speed_limit=limit, **fields | lists)
 
 
-def positions(arms: tuple[float, float, float] = (0.0, 0.0, 0.0), yaw: float = 0.0) -> Positions:
+def positions(arms: tuple[float, float, float] = (0.0, 0.0, 0.0), yaw: float = 0.0) -> messages.Positions:
     """Return the positions of a robot at rest; `arms` and `yaw` in deg."""
     place = vector(*arms)
-    return replace(AT_HOME, position=place, commanded=place, head=Head(math.radians(yaw), 0.0, 0.0))
+    return replace(AT_HOME, position=place, commanded=place, head=messages.Head(math.radians(yaw), 0.0, 0.0))
 
 
 def robot(
@@ -53,8 +45,8 @@ def robot(
     presence: Presence = Presence.ONLINE,
     arms: tuple[float, float, float] | None = (0.0, 0.0, 0.0),
     age_s: float = 0.02,
-    known: Status | None = None,
-    events: tuple[Event, ...] = (),
+    known: messages.Status | None = None,
+    events: tuple[messages.Event, ...] = (),
 ) -> RobotState:
     """Return a robot; by default ready with its arms at home."""
     here = presence is not Presence.ABSENT
@@ -95,6 +87,9 @@ def world(
 
 
 BOTH = Choose("hw", value=True)
+NOD = SavedPose("nod", 20.0, 0.0, 0.0, 2.0)
+LEFT = SavedPose("left", 30.0, 30.0, 30.0, 1.5)
+UP = SavedPose("up", 0.0, 0.0, 0.0, 1.0)
 NOT_SIM = Choose("sim", value=False)
 NOWHERE = world(absent("sim"), absent("hw"))
 
@@ -106,6 +101,17 @@ def state_after(*given: Intent, now: World | None = None) -> State:
     return state
 
 
+def editing(*poses: SavedPose) -> State:
+    """Return the state of a window with a sequence."""
+    return State(Saved(poses=poses))
+
+
+def refusal_of(state: State, now: World | None = None) -> str:
+    """Return the refusal beside commands and sequence; empty if there is none."""
+    refusal = state.view(now or world()).commands.refusal
+    return "" if refusal is None else refusal.text
+
+
 def sent(actions: list[Action]) -> Send:
     (action,) = actions
     assert isinstance(action, Send)
@@ -113,7 +119,7 @@ def sent(actions: list[Action]) -> Send:
 
 
 def arms_of(send: Send) -> tuple[float, ...]:
-    assert isinstance(send.query, MotionQuery)
+    assert isinstance(send.query, messages.MotionQuery)
     place = send.query.position
     return tuple(round(math.degrees(angle), 6) + 0.0 for angle in (place.x, place.y, place.z))
 
@@ -123,7 +129,11 @@ def plan(phase: PlanPhase, countdown_s: float = 0.0, path: MotionPath | None = N
 
 
 def refused(
-    state: State, detail: Detail | None, reason: Reason, message: str = "", side: str = "sim"
+    state: State,
+    detail: messages.Detail | None,
+    reason: messages.Reason,
+    message: str = "",
+    side: str = "sim",
 ) -> None:
     row = state.view(world()).history[0].row
     outcome = Outcome(row, side, accepted=False, done=True, reason=reason, message=message, detail=detail)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
+import math
 import os
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from typing import Final
@@ -14,7 +15,7 @@ from typing import Final
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.output import exit_code
-from beatrix_zenoh.processes import POLL_S, READY_S, Child, Supervisor, in_words, start_router
+from beatrix_zenoh.processes import POLL_S, Child, Supervisor, in_words, start_router
 from gui.console.link.jobs import Jobs
 from gui.console.state.world import RecordingProgress, Trouble, UsbPort
 
@@ -24,7 +25,9 @@ NO_ROBOT = exit_code(Reason.NO_ANSWER)
 SIMULATION, HARDWARE = "simulation", "hardware"
 """Titles of the nodes."""
 ENDED = {word: f"trouble.{word}" for word in ("router", SIMULATION, HARDWARE, "viewer", "recorder")}
-"""Texts by the first word of a child's title."""
+"""Texts by the title of a child."""
+WATCH_S: Final = 0.1
+"""Period in which a recorder is watched."""
 LIST_S: Final = 15.0
 """Time limit of the child; a busy computer may need several seconds to start Python."""
 END_S: Final = 1.0
@@ -42,7 +45,6 @@ class Children:
         self._nodes: dict[str, Child] = {}
         """The newest simulation and hardware, by SIMULATION and HARDWARE."""
         self._starting: set[str] = set()
-        self._numbers = itertools.count(1)
         self._trouble: Trouble | None = None
 
     def starts(self, title: str) -> bool:
@@ -113,7 +115,7 @@ class Children:
         try:
             viewers = self._viewers = self._viewers or Supervisor()
             viewers.forget_ended()
-            viewers.start(f"viewer-{next(self._numbers)}", "view", str(file))
+            viewers.start("viewer", "view", str(file))
         except (BeatrixError, OSError) as error:
             self._trouble = not_started(error)
 
@@ -125,82 +127,65 @@ class Children:
 
 
 class Recordings:
-    """Runs one recorder at a time; methods except `end_all` return at once."""
+    """Runs one recorder at a time; methods except `end_all` return at once. One thread calls them, for a window Qt's."""
 
     def __init__(self, jobs: Jobs) -> None:
         self._jobs = jobs
-        self._lock = threading.Lock()
-        self._file: Path | None = None
+        self._newest: RecordingProgress | None = None
         self._processes: Supervisor | None = None
         self._child: Child | None = None
-        self._began_s: float | None = None
-        self._lasted_s: float | None = None
-        """duration (s); None: the recording runs"""
-        self._trouble: Trouble | None = None
-        self._ending = False
-        """whether the user has ended the recording"""
+        self._began_s = math.inf
+        """when the recorder was ready (monotonic clock, s)"""
+        self._end = threading.Event()
+        """set when the user ends the recording"""
 
     def progress(self) -> RecordingProgress | None:
         """Return the progress of the last recording; None if there was none."""
-        file, child = self._file, self._child
-        if file is None:
-            return None
-        if self._lasted_s is None and child is not None:
-            if self._began_s is None and child.ready:
-                self._began_s = time.monotonic()
-            if child.code is not None:
-                self._ended()
-        seconds = self._lasted_s
-        if seconds is None:
-            seconds = 0.0 if self._began_s is None else time.monotonic() - self._began_s
-        running = self._lasted_s is None
-        return RecordingProgress(file, running, seconds, self._trouble, ending=running and self._ending)
+        newest = self._newest
+        if newest is None or not newest.running:
+            return newest
+        return replace(newest, seconds=self._seconds(), ending=self._end.is_set())
+
+    def _seconds(self) -> float:
+        return max(0.0, time.monotonic() - self._began_s)
 
     def begin(self, robot: str, endpoint: str) -> None:
         """Record the robots of this name until `end`; does nothing while a recording runs."""
-        with self._lock:
-            if self._file is not None and self._lasted_s is None:
-                return
-            self._child = self._began_s = self._lasted_s = None
-            self._trouble, self._ending = None, False
-            stamp = f"{datetime.now().astimezone():%Y-%m-%d-%H%M%S}"
-            file = self._file = folder() / f"{robot}-{stamp}.rrd"
-        self._jobs.put("recorder", lambda: self._begin(file, robot, endpoint))
-
-    def _begin(self, file: Path, robot: str, endpoint: str) -> None:
+        if self._newest is not None and self._newest.running:
+            return
+        self._end.clear()
+        self._began_s = math.inf
+        file = folder() / f"{robot}-{datetime.now().astimezone():%Y-%m-%d-%H%M%S}.rrd"
+        self._newest = RecordingProgress(file, running=True, seconds=0.0)
         words = ("record", str(file), "--name", robot, "--connect", endpoint)
-        try:
-            file.parent.mkdir(parents=True, exist_ok=True)
-            processes = self._processes = self._processes or Supervisor()
-            processes.forget_ended()
-            self._child = processes.start("recorder", *words)
-        except (BeatrixError, OSError) as error:
-            self._trouble, self._lasted_s = not_started(error), 0.0
+        self._jobs.put("recorder", lambda: self._record(file, words))
 
     def end(self) -> None:
         """End the recording; its file is complete once `progress` reports that it no longer runs."""
-        self._ending = True
-        self._jobs.put("recorder", self._end)
+        self._end.set()
 
-    def _end(self) -> None:
-        child = self._child
-        if child is not None and self._lasted_s is None:
-            deadline_s = time.monotonic() + READY_S
-            while not child.ready and child.code is None and time.monotonic() < deadline_s:
-                time.sleep(POLL_S)  # a recorder that ends while it starts would leave no file
-            child.end()
-            self._ended()
+    def _record(self, file: Path, words: Sequence[str]) -> None:
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            trouble = self._run(words)
+        except (BeatrixError, OSError) as error:
+            trouble = not_started(error)
+        self._newest = RecordingProgress(file, running=False, seconds=self._seconds(), trouble=trouble)
 
-    def _ended(self) -> None:
-        """Store the duration and, if the recorder failed, the reason."""
-        child, processes = self._child, self._processes
-        with self._lock:
-            if self._lasted_s is None:
-                self._lasted_s = 0.0 if self._began_s is None else time.monotonic() - self._began_s
-                # A recording that the user ends while it is starting is empty, which is not a failure.
-                accepted = (0, NO_ROBOT) if self._ending else (0,)
-                if child is not None and processes is not None and child.code not in accepted:
-                    self._trouble = ended(processes)
+    def _run(self, words: Sequence[str]) -> Trouble | None:
+        """Run a recorder until the user ends it, or it ends by itself; return why it has failed."""
+        processes = self._processes = self._processes or Supervisor()
+        processes.forget_ended()
+        child = self._child = processes.start("recorder", *words)
+        while child.code is None and not child.ready:
+            time.sleep(POLL_S)  # a recorder that ends while it starts would leave no file
+        self._began_s = time.monotonic()
+        while child.code is None and not self._end.wait(WATCH_S):
+            pass
+        child.end()
+        # A recording that the user ends while it is starting is empty, which is not a failure.
+        accepted = (0, NO_ROBOT) if self._end.is_set() else (0,)
+        return None if child.code in accepted else ended(processes)
 
     def end_all(self, deadline_s: float) -> None:
         """End the recording; wait for its end until `deadline_s` (monotonic clock, s) at the latest."""
@@ -213,7 +198,7 @@ def ended(processes: Supervisor) -> Trouble | None:
     for child in processes.children:
         if child.code is not None:
             code = in_words(child.code).removeprefix("exit code ")
-            return Trouble(ENDED[child.title.partition("-")[0]], code, processes.output_of(child))
+            return Trouble(ENDED[child.title], code, processes.output_of(child))
     return None
 
 
@@ -237,7 +222,6 @@ class Ports:
 
     def __init__(self, jobs: Jobs) -> None:
         self._jobs = jobs
-        self._closed = False
         self.newest: tuple[UsbPort, ...] | None = None
         """the ports found last; None: not known yet"""
 
@@ -251,17 +235,13 @@ class Ports:
         try:
             child = processes.start("ports", "hw", "--ports")
             deadline_s = time.monotonic() + LIST_S
-            while child.code is None and not self._closed and time.monotonic() < deadline_s:
+            while child.code is None and time.monotonic() < deadline_s:
                 time.sleep(POLL_S)
             self.newest = parsed(child.lines()) if child.code == 0 else ()
         except (BeatrixError, OSError):
             self.newest = ()
         finally:
             processes.end_all(time.monotonic() + END_S)
-
-    def close(self) -> None:
-        """End the child soon."""
-        self._closed = True
 
 
 def parsed(lines: list[str]) -> tuple[UsbPort, ...]:

@@ -24,38 +24,8 @@ from gui.console.link.outcomes import WindowError, done, failed
 from gui.console.link.pictures import Levels, OnImage, cameras
 from gui.console.link.routers import Routers, own_account
 from gui.console.link.stopping import send_stop
-from gui.console.state.actions import (
-    Abort,
-    Action,
-    AskLease,
-    BeginRecording,
-    ChooseRobot,
-    ConnectHardware,
-    CopyProgram,
-    EndFollowing,
-    EndRecording,
-    FollowFace,
-    Govern,
-    Hold,
-    LookForPorts,
-    MakeReady,
-    Outcome,
-    Play,
-    Release,
-    Retry,
-    Send,
-    SendCommand,
-    SendNow,
-    SendStop,
-    StartSimulation,
-    UseAccount,
-    UseRouter,
-    ViewRecording,
-    WatchCameras,
-    WatchClass,
-    WatchMicrophones,
-    WriteFile,
-)
+from gui.console.state import actions
+from gui.console.state.actions import Action, Govern, Hold, Outcome, SendStop, WatchClass, WriteFile
 from gui.console.state.world import LinkPhase, World
 
 OnOutcome = Callable[[Outcome], None]
@@ -176,32 +146,37 @@ class Link:
     def _carrying_out(self) -> Mapping[type[Action], Callable[[Never], None]]:
         """Return what carries out the actions of each class."""
         moving, connection, children = self._moving, self._connection, self._children
-        requests = (Send, Play, SendCommand, AskLease, MakeReady, FollowFace)
+        motions = (actions.Send, actions.Play, actions.FollowFace)
+        requests = (*motions, actions.SendCommand, actions.AskLease, actions.MakeReady)
         return {
             **dict.fromkeys(requests, self._request),
             SendStop: self._stop,
-            SendNow: lambda _: moving.plans.send_now(),
-            Abort: lambda _: moving.plans.abort(),
+            actions.SendNow: lambda _: moving.plans.send_now(),
+            actions.Abort: lambda _: moving.plans.abort(),
             Hold: self._hold,
-            Release: lambda action: self.jogging.release(action.row),
-            Retry: lambda _: connection.try_now(),
-            ChooseRobot: lambda action: self._select(action.name),
-            WatchCameras: lambda action: self._cameras.watch(action.wanted),
-            WatchMicrophones: lambda action: self._levels.watch(action.sides),
+            actions.Release: lambda action: self.jogging.release(action.row),
+            actions.Retry: lambda _: connection.try_now(),
+            actions.ChooseRobot: lambda action: self._select(action.name),
+            actions.WatchCameras: lambda action: self._cameras.watch(action.wanted),
+            actions.WatchMicrophones: lambda action: self._levels.watch(action.sides),
             WatchClass: self._watch_class,
             Govern: self._govern,
-            BeginRecording: lambda _: self._recordings.begin(connection.robot, connection.settings.connect),
-            EndRecording: lambda _: self._recordings.end(),
-            ViewRecording: lambda action: children.view(action.file),
-            StartSimulation: lambda _: children.simulate(connection.robot, connection.settings.connect),
-            LookForPorts: lambda _: self._ports.look(),
-            ConnectHardware: lambda action: children.connect(
+            actions.BeginRecording: lambda _: self._recordings.begin(
+                connection.robot, connection.settings.connect
+            ),
+            actions.EndRecording: lambda _: self._recordings.end(),
+            actions.ViewRecording: lambda action: children.view(action.file),
+            actions.StartSimulation: lambda _: children.simulate(
+                connection.robot, connection.settings.connect
+            ),
+            actions.LookForPorts: lambda _: self._ports.look(),
+            actions.ConnectHardware: lambda action: children.connect(
                 connection.robot, connection.settings.connect, action.port
             ),
-            UseRouter: self._routers.choose,
-            UseAccount: self._routers.choose,
-            EndFollowing: lambda _: moving.end_following(),
-            CopyProgram: moving.face.copy,
+            actions.UseRouter: self._routers.choose,
+            actions.UseAccount: self._routers.choose,
+            actions.EndFollowing: lambda _: moving.end_following(),
+            actions.CopyProgram: moving.face.copy,
             WriteFile: lambda action: self._jobs.put("files", lambda: self._write(action)),
         }
 
@@ -306,7 +281,7 @@ class Link:
         """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
         deadline_s = time.monotonic() + CLOSE_S
         self.jogging.end(stopped=True)
-        for part in (self._moving, self._stop_sender, self._cameras, self._levels, self._ports):
+        for part in (self._moving, self._stop_sender, self._cameras, self._levels):
             part.close()
         # In parallel, because each may need all of the time, for example while a recorder completes its file.
         self._jobs.put("recorder-end", lambda: self._recordings.end_all(deadline_s))

@@ -16,7 +16,7 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
 from gui.console.link.jobs import Jobs
@@ -35,8 +35,6 @@ from gui.console.link.programs import FaceProgram, Following, Playing, Programs
 from gui.console.state import actions
 from gui.console.state.actions import Outcome
 
-LIMIT = 8
-"""Largest number of requests that may wait for a robot."""
 Request = (
     actions.Send
     | actions.Play
@@ -124,17 +122,8 @@ class RequestQueue:
         if task.query is not None:
             self.replace()
         with self._lock:
-            full = len(self._waiting) >= LIMIT
-            if not full:
-                self._waiting.append(task)
-        if full:
-            text = (
-                f"{LIMIT} requests to {task.robot} are waiting, which is the limit. Wait, or check whether the robot "
-                "responds."
-            )
-            self._report(failed(task.row, self._side, Refused(Reason.BUSY, text)))
-        else:
-            self._jobs.put(self._side, self._next)
+            self._waiting.append(task)
+        self._jobs.put(self._side, self._next)
 
     # -- one after the other -----------------------------------------------------------------------
 

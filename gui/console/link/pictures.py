@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 import time
-from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable
 from typing import Any, Final, Generic, TypeVar
@@ -38,47 +37,43 @@ Level = tuple[float, float]
 """Loudness of the left and the right ear (dB): -120 is silence."""
 
 
-class MediaStream(ABC, Generic[Media]):
+class MediaStream(Generic[Media]):
     """What one camera or one robot's microphones publish, read by a thread of its own."""
 
-    def __init__(self, name: str) -> None:
-        """Start the thread, which has this name."""
+    def __init__(
+        self, name: str, subscribe: Callable[[], Subscription[Media]], arrived: Callable[[Media], None]
+    ) -> None:
+        """Start the thread, which has this name.
+
+        Args:
+            name: of the thread.
+            subscribe: returns a new subscription; raises NoAnswer if no router answers.
+            arrived: takes each publication; must return at once.
+        """
+        self._subscribe, self._arrived = subscribe, arrived
         self._lock = threading.Lock()
         self._ended = threading.Event()
         self._subscription: Subscription[Media] | None = None
         self._thread = threads.start(self._run, name)
 
-    @abstractmethod
-    def _subscribe(self) -> Subscription[Media]:
-        """Subscribe; raises NoAnswer if no router answers."""
-
-    @abstractmethod
-    def _arrived(self, value: Media) -> None:
-        """Take a publication; must return at once."""
-
     def _run(self) -> None:
         while not self._ended.is_set():
             try:
-                self._deliver(self._subscribed())
-            except NoAnswer as error:
+                self._deliver()
+            except (NoAnswer, WrongUsage) as error:
                 if error.reason is Reason.SHUTDOWN:
                     return
+                if isinstance(error, WrongUsage):
+                    raise
                 self._ended.wait(RETRY_S)
-            except WrongUsage as error:
-                if error.reason is Reason.SHUTDOWN:
-                    return
-                raise
 
-    def _subscribed(self) -> Subscription[Media]:
-        """Return the subscription; raises NoAnswer if no router answers."""
+    def _deliver(self) -> None:
+        """Deliver publications until the subscription ends; raises NoAnswer if no router answers."""
         subscription = self._subscribe()
         with self._lock:
             self._subscription = subscription
             if self._ended.is_set():  # `end` was called too early to close it
                 subscription.close()
-        return subscription
-
-    def _deliver(self, subscription: Subscription[Media]) -> None:
         while True:
             value = subscription.next()
             with self._lock:
@@ -102,20 +97,16 @@ Stream = TypeVar("Stream", bound=MediaStream[Any])
 
 
 class CameraStream(MediaStream[CameraImage]):
-    """Pictures of one camera."""
+    """Pictures of one camera; only the newest is kept."""
 
     def __init__(self, client: Client, camera: tuple[str, str, str], on_image: OnImage) -> None:
         """Start the thread; `camera` is robot, side and eye."""
-        self._client, self._camera, self._on_image = client, camera, on_image
-        super().__init__(f"pictures-{camera[1]}-{camera[2]}")
-
-    def _subscribe(self) -> Subscription[CameraImage]:
-        """Subscribe, and keep only the newest picture."""
-        robot, side, eye = self._camera
-        return images(self._client, robot, side, eye, timeout_s=None, length=1)
-
-    def _arrived(self, value: CameraImage) -> None:
-        self._on_image(self._camera[1], value)
+        _, side, eye = camera
+        super().__init__(
+            f"pictures-{side}-{eye}",
+            lambda: images(client, *camera, timeout_s=None, length=1),
+            lambda image: on_image(side, image),
+        )
 
 
 class Streams(Generic[Key, Stream]):
@@ -199,16 +190,14 @@ class LevelStream(MediaStream[Sound]):
 
     def __init__(self, client: Client, place: Place) -> None:
         """Start the thread, which switches the microphones on."""
-        self._client, self._place = client, place
         self._levels: deque[Level] = deque(maxlen=SHOWN)
         self._arrived_s = 0.0
-        super().__init__(f"levels-{place[1]}")
+        super().__init__(
+            f"levels-{place[1]}", lambda: Microphones(client, *place, timeout_s=None), self._heard
+        )
 
-    def _subscribe(self) -> Microphones:
-        return Microphones(self._client, *self._place, timeout_s=None)
-
-    def _arrived(self, value: Sound) -> None:
-        self._levels.append(value.level)
+    def _heard(self, sound: Sound) -> None:
+        self._levels.append(sound.level)
         self._arrived_s = time.monotonic()
 
     @property

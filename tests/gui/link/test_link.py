@@ -40,32 +40,6 @@ def recorded(linked: Linked, side: str) -> bool:
     return any(query is not None and 0.17 < query.yaw < 0.18 for query in asked)
 
 
-def test_a_command_reaches_both_robots_and_each_answers(linked: Linked) -> None:
-    linked.do(SendCommand(1, Command.ENABLE, value=False, sides=("sim", "hw")))
-    for side in ("sim", "hw"):
-        assert linked.end_of(1, side).accepted
-        linked.until(lambda world, side=side: not world.side(side).status.enabled, "motors off")  # type: ignore[misc]
-    linked.do(Send(2, look(5), ("hw",)))
-    end = linked.end_of(2, "hw")
-    assert (end.accepted, end.reason, len(linked.of(2))) == (False, Reason.NOT_ENABLED, 1)
-    linked.do(MakeReady("hw", 3))
-    assert linked.end_of(3, "hw").accepted
-
-
-def test_stop_ends_the_motions_of_both_robots(linked: Linked) -> None:
-    for row, side in ((1, "sim"), (2, "hw")):
-        linked.do(Send(row, look(90, 30), (side,)))
-    linked.accepted(1, "sim")
-    linked.accepted(2, "hw")
-    linked.do(SendStop(3))
-    for row, side in ((1, "sim"), (2, "hw")):
-        assert linked.end_of(row, side).reason is Reason.STOPPED
-        assert linked.end_of(3, side).accepted
-    world = linked.until(lambda world: not (world.sim.status.moving or world.hw.status.moving), "both rest")  # type: ignore[union-attr]
-    assert world.sim.reading is not None
-    assert world.sim.reading.commanded.short < 60
-
-
 @pytest.mark.measures_time
 def test_stop_is_sent_at_once_while_the_window_is_busy(
     linked: Linked, monkeypatch: pytest.MonkeyPatch
@@ -156,24 +130,6 @@ def test_the_only_name_online_is_selected_and_another_can_be_selected(stage: Sta
         assert linked.world.robot == "not-there"
 
 
-@pytest.mark.long("waits for a suspended router")
-def test_a_suspended_router_counts_as_lost_and_delays_no_request(stage: Stage) -> None:
-    endpoint = free_endpoint()
-    router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint)
-    router.expect("ready")
-    with Linked(endpoint) as linked:
-        linked.until(lambda world: world.phase is LinkPhase.ONLINE, "there is a router")
-        router.send(signal.SIGSTOP)
-        linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "the router is lost")
-        linked.do(SendStop(1))
-        linked.do(Send(2, look(5), ("sim", "hw")))
-        for side in ("sim", "hw"):
-            assert linked.end_of(1, side).reason is Reason.NO_ROUTER
-        linked.do(SendStop(3))
-        linked.close()
-    router.end()
-
-
 # -- robots that are suspended or killed ----------------------------------------------------------
 
 
@@ -218,12 +174,10 @@ def test_a_suspended_hardware_node_delays_neither_the_simulation_nor_stop(
         assert linked.end_of(4, "hw").reason in (Reason.NODE_HANGS, Reason.NODE_LOST)
         linked.until(lambda world: world.latency_s["hw"] is None, "no round trip")
         assert linked.world.latency_s["sim"] is not None
-        rows = range(20, 32)
-        for row in rows:
+        for row in (20, 21):
             linked.do(MakeReady("hw", row))
-        assert linked.end_of(rows[-1], "hw").reason is Reason.BUSY
         linked.do(SendStop(5))
-        assert linked.end_of(rows[1], "hw").reason is Reason.STOPPED
+        assert linked.end_of(21, "hw").reason is Reason.STOPPED
         hardware.send(signal.SIGCONT)
         linked.online("hw")
         until(lambda: retried(linked), "the robot carries out requests again")

@@ -14,14 +14,7 @@ from robots import Stage, free_endpoint
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.processes import Child
 from beatrix_zenoh.recording.verbs.files import read_recording
-from gui.console.state.actions import (
-    BeginRecording,
-    EndRecording,
-    Send,
-    StartSimulation,
-    ViewRecording,
-    WriteFile,
-)
+from gui.console.state import actions
 from gui.console.state.world import LinkPhase, RecordingProgress
 
 READY_S = 60.0
@@ -51,7 +44,7 @@ def kill(child: Child | None) -> None:
 
 
 def test_the_error_of_a_viewer_without_its_file_names_the_cause(linked: Linked, tmp_path: Path) -> None:
-    linked.do(ViewRecording(tmp_path / "none.rrd"))
+    linked.do(actions.ViewRecording(tmp_path / "none.rrd"))
     world = linked.until(lambda world: bool(world.child_trouble), "it has ended", READY_S)
     assert world.child_trouble is not None
     assert (world.child_trouble.key, "none.rrd" in world.child_trouble.detail) == ("trouble.viewer", True)
@@ -63,19 +56,19 @@ def test_the_error_of_a_viewer_without_its_file_names_the_cause(linked: Linked, 
 def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None:
     with Linked(free_endpoint()) as linked:
         linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
-        linked.do(StartSimulation())
+        linked.do(actions.StartSimulation())
         assert linked.world.starting
         world = linked.until(lambda world: world.own_simulation and not world.starting, "it runs", READY_S)
         assert world.child_trouble is None
         linked.online("sim")
-        linked.do(Send(1, look(5), ("sim",)))
+        linked.do(actions.Send(1, look(5), ("sim",)))
         assert linked.end_of(1, "sim").accepted
         kill(linked.link._children._nodes["simulation"])
         world = linked.until(lambda world: not world.own_simulation, "it was killed")
         assert world.child_trouble is not None
         assert (world.child_trouble.key, world.child_trouble.code) == ("trouble.simulation", "SIGKILL")
         linked.until(lambda world: world.sim.presence is Presence.ABSENT, "it is absent")
-        linked.do(StartSimulation())
+        linked.do(actions.StartSimulation())
         assert linked.world.child_trouble is None
         linked.until(lambda world: world.own_simulation, "it runs again", READY_S)
         linked.online("sim")
@@ -83,7 +76,7 @@ def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None
 
 def test_a_simulation_for_a_router_on_another_computer_is_refused() -> None:
     with Linked("tcp/203.0.113.1:7447") as linked:
-        linked.do(StartSimulation())
+        linked.do(actions.StartSimulation())
         world = linked.until(lambda world: not world.starting, "it is refused", READY_S)
         assert world.child_trouble is not None
         assert (world.child_trouble.key, "another computer" in world.child_trouble.detail) == (
@@ -98,7 +91,7 @@ def test_a_simulation_for_a_router_on_another_computer_is_refused() -> None:
 
 def recording(linked: Linked) -> RecordingProgress:
     """Begin a recording; return its progress after half a second."""
-    linked.do(BeginRecording())
+    linked.do(actions.BeginRecording())
     world = linked.until(
         lambda world: world.recording is not None and world.recording.seconds > 0.5, "it records", READY_S
     )
@@ -107,14 +100,14 @@ def recording(linked: Linked) -> RecordingProgress:
 
 
 def test_a_recording_can_be_read(linked: Linked, tmp_path: Path) -> None:
-    linked.do(EndRecording())  # no recording runs, so this does nothing
+    linked.do(actions.EndRecording())  # no recording runs, so this does nothing
     assert linked.world.recording is None
     begun = recording(linked)
     assert (begun.running, begun.trouble) == (True, None)
     assert begun.file.parent == tmp_path / "recordings"
-    linked.do(Send(1, look(5), ("sim",)))
+    linked.do(actions.Send(1, look(5), ("sim",)))
     assert linked.end_of(1, "sim").accepted
-    linked.do(EndRecording())
+    linked.do(actions.EndRecording())
     world = linked.until(
         lambda world: world.recording is not None and not world.recording.running, "it has ended"
     )
@@ -122,21 +115,6 @@ def test_a_recording_can_be_read(linked: Linked, tmp_path: Path) -> None:
     assert world.recording.trouble is None
     assert world.recording.seconds >= begun.seconds
     assert list(read_recording(begun.file).robots) == [("bea", "sim")]
-
-
-@pytest.mark.long("starts a recorder")
-def test_a_recording_that_is_ended_while_it_starts_is_complete(linked: Linked) -> None:
-    linked.do(BeginRecording())
-    linked.do(EndRecording())
-    world = linked.world
-    assert world.recording is not None
-    assert (world.recording.running, world.recording.ending) == (True, True)
-    world = linked.until(
-        lambda world: world.recording is not None and not world.recording.running, "it has ended", READY_S
-    )
-    assert world.recording is not None
-    assert world.recording.trouble is None
-    assert world.recording.file.is_file()
 
 
 def test_the_loss_of_the_recorder_is_reported(linked: Linked) -> None:
@@ -150,20 +128,10 @@ def test_the_loss_of_the_recorder_is_reported(linked: Linked) -> None:
     assert (world.recording.trouble.key, world.recording.trouble.code) == ("trouble.recorder", "SIGKILL")
 
 
-@pytest.mark.long("starts a recorder")
-def test_a_suspended_recorder_does_not_delay_the_end_of_the_window(linked: Linked) -> None:
-    recording(linked)
-    child = linked.link._recordings._child
-    assert child is not None
-    os.kill(child._process.pid, signal.SIGSTOP)
-    linked.close()
-    assert child.code == -signal.SIGKILL
-
-
 def test_a_file_is_written_or_the_failure_is_reported(linked: Linked, tmp_path: Path) -> None:
-    linked.do(WriteFile(1, tmp_path / "a.csv", "t_s,°\n"))
+    linked.do(actions.WriteFile(1, tmp_path / "a.csv", "t_s,°\n"))
     assert linked.end_of(1).accepted
     assert (tmp_path / "a.csv").read_text(encoding="utf-8") == "t_s,°\n"
-    linked.do(WriteFile(2, tmp_path / "none" / "a.csv", ""))
+    linked.do(actions.WriteFile(2, tmp_path / "none" / "a.csv", ""))
     end = linked.end_of(2)
     assert (end.accepted, end.key) == (False, "result.no_write")

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import signal
 from pathlib import Path
 
 import pytest
-from class_router import ClassRouter, process_of, replies, start_node
+from class_router import ClassRouter, replies, start_node
 from gui_links import Linked
 from gui_views import lesson
 from present import present
 from robots import Stage
 
-from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
@@ -118,31 +116,6 @@ def test_the_reports_of_the_class_are_read_while_its_page_is_shown(tmp_path: Pat
             linked.until(lambda world: world.reports == (passed,), "a later report is read")
             linked.do(WatchClass(on=False))
             assert linked.world.reports is None
-
-
-@pytest.mark.long("waits for the time limit of a read")
-def test_the_last_reports_of_the_class_stay_when_a_read_fails(tmp_path: Path) -> None:
-    with ClassRouter(tmp_path) as router:
-        ana, teacher = router.session("ana"), router.account("teacher")
-        passed = lesson("ana", "01-hello", passed=True)
-        ana.put(keys.lesson("ana", "01-hello"), codec.encode(passed.state), codec.MSGPACK)
-        router.settled(ana)
-        with Linked(teacher.connect, "bea1", "teacher", account=teacher) as linked:
-            linked.do(WatchClass(on=True))
-            linked.until(lambda world: world.reports == (passed,), "the report is read")
-            hung = (
-                router.process.pid,
-                process_of(router, Part.ROBOTS),
-            )  # the first would start the second again
-            for pid in hung:
-                os.kill(pid, signal.SIGSTOP)
-            try:
-                late = linked.until(lambda world: world.reports_failed, "a read fails")
-                assert late.reports == (passed,), "the last reports stay"
-            finally:
-                for pid in hung:
-                    os.kill(pid, signal.SIGCONT)
-            linked.until(lambda world: not world.reports_failed, "they are read again")
 
 
 def test_only_the_teacher_reads_reports(tmp_path: Path) -> None:

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 from gui_links import Linked, at_home, look, short
-from robots import END_S, Stage, until
+from robots import END_S, Stage
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from gui.console.link.programs import SHIPPED
-from gui.console.state.actions import ChooseRobot, CopyProgram, EndFollowing, FollowFace, Play, Send, SendStop
+from gui.console.state.actions import CopyProgram, EndFollowing, FollowFace, Play, Send, SendStop
 
 START_S = 60.0
 TURNS = """
@@ -79,34 +79,6 @@ def test_the_program_is_copied_once_and_then_it_is_the_one_that_runs(linked: Lin
     assert not world.face.running
 
 
-@pytest.mark.long("starts the program")
-def test_the_person_sways_while_the_program_runs_and_then_stands_where_it_stood(
-    stage: Stage, linked: Linked, own: Path
-) -> None:
-    room = stage.robot("bea", "sim")
-    stood = room.move_target(1.2, 0.1, 0.2)
-    write(own, TURNS)
-    turning(linked, 1)
-    until(lambda: room.target() != stood, "the person sways")
-    linked.do(EndFollowing())
-    assert linked.end_of(1).accepted
-    assert room.target() == stood
-    room.walk_target("circle")
-    turning(linked, 2)
-    linked.do(EndFollowing())
-    assert linked.end_of(2).accepted
-    here = room.target()
-    until(lambda: room.target() != here, "its own walk goes on")
-    room.walk_target("still")
-
-
-def test_a_program_that_cannot_be_copied_is_reported(linked: Linked, tmp_path: Path) -> None:
-    (tmp_path / "taken").write_text("", encoding="utf-8")
-    linked.do(CopyProgram(1, tmp_path / "taken" / "follow.py"))
-    end = linked.end_of(1)
-    assert (end.accepted, end.key) == (False, "result.no_write")
-
-
 @pytest.mark.long("starts the program three times")
 def test_a_newer_motion_or_play_replaces_the_program(linked: Linked, own: Path) -> None:
     write(own, TURNS)
@@ -146,19 +118,6 @@ def test_stop_of_another_seat_ends_the_program_and_names_the_seat(
     assert (end.reason, end.detail and end.detail.presser) == (Reason.STOPPED, "ben")
 
 
-@pytest.mark.long("starts the program")
-def test_the_loss_of_the_robot_ends_the_program(stage: Stage, linked: Linked, own: Path) -> None:
-    simulation = stage.process("sim_node", "--name", "gone", "--connect", stage.endpoint, "--ready")
-    simulation.expect("ready")
-    write(own, TURNS)
-    linked.do(ChooseRobot("gone"))
-    linked.online("sim")
-    turning(linked, 1)
-    simulation.end()
-    end = linked.end_of(1)
-    assert (end.accepted, end.key == FAILED) == (False, False), end
-
-
 ENDS = (
     ("import sys\nprint(sys.argv[1:])", Reason.OK, "['sim']"),
     ("raise ValueError('no face')", Reason.BAD_VALUE, "ValueError: no face"),
@@ -179,14 +138,6 @@ def test_a_program_that_ends_gives_a_reason_and_its_last_line(linked: Linked, ow
         assert (end.key == FAILED) == (reason is Reason.BAD_VALUE)
         assert line in linked.world.face.line
         assert (end.detail is None) == (reason in (Reason.OK, Reason.BAD_VALUE))
-
-
-def test_the_program_ends_with_the_link(stage: Stage, own: Path) -> None:
-    write(own, TURNS)
-    with Linked(stage.endpoint) as linked:
-        at_home(linked)
-        turning(linked, 1)
-    assert linked.end_of(1).reason is Reason.SHUTDOWN
 
 
 def test_the_program_ends_when_its_parent_is_killed(tmp_path: Path) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-
 import pytest
 from gui_links import Linked, look, short
 from robots import Stage
@@ -13,7 +11,7 @@ from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.contract._generated.messages import Reason, Steps
 from beatrix_zenoh.contract.errors import Refused
 from gui.console.link import plans
-from gui.console.state.actions import Abort, ChooseRobot, Send, SendNow, SendStop
+from gui.console.state.actions import Abort, ChooseRobot, Send, SendStop
 from gui.console.state.world import PlanPhase, World
 
 BOTH = ("sim", "hw")
@@ -100,15 +98,6 @@ def test_the_newest_of_many_motions_is_carried_out_and_each_row_ends_once(linked
         assert len([found for found in linked.of(row) if found.done]) == 1
 
 
-def test_a_motion_of_the_simulation_replaces_one_in_its_lead(linked: Linked) -> None:
-    before = steps(linked)
-    leading(linked, 1)
-    linked.do(Send(2, look(0, 60), ("sim",)))
-    assert linked.end_of(1).reason is Reason.REPLACED
-    assert linked.end_of(2, "sim").accepted
-    assert steps(linked) == before
-
-
 @pytest.mark.long("waits for previews")
 def test_a_refused_preview_has_a_detail_and_keeps_the_waiting_motion(linked: Linked) -> None:
     leading(linked, 1, 30.0, 1.5)
@@ -154,13 +143,6 @@ def test_the_end_of_the_window_within_the_lead_leaves_the_hardware_unmoved(
         assert short(other.world, "sim") < 50
 
 
-def test_send_now_ends_the_lead(linked: Linked) -> None:
-    leading(linked, 1, 20.0, 30.0)
-    linked.do(SendNow())
-    assert linked.end_of(1).accepted
-    linked.until(lambda world: short(world, "hw") == pytest.approx(20, abs=0.1), "there")
-
-
 def test_a_motion_of_both_is_carried_out_although_one_robot_still_moves(linked: Linked) -> None:
     linked.do(Send(1, look(-10, 20), ("hw",)))
     linked.until(lambda world: abs(short(world, "hw")) > 1, "it moves")
@@ -168,14 +150,6 @@ def test_a_motion_of_both_is_carried_out_although_one_robot_still_moves(linked: 
     assert linked.end_of(2).reason is Reason.OUT_OF_REACH
     linked.do(Send(3, look(4), BOTH))
     assert linked.end_of(3).accepted
-
-
-def test_a_motion_that_waits_for_a_moving_robot_ends_with_stop(linked: Linked) -> None:
-    linked.do(Send(1, look(90, 10), ("sim",)))
-    linked.until(lambda world: abs(short(world, "sim")) > 1, "it moves")
-    linked.do(Send(2, look(4), BOTH))
-    linked.do(SendStop(3))
-    assert linked.end_of(2).key == "result.stop_pressed"
 
 
 def test_a_motion_whose_preview_stays_obsolete_is_refused_with_the_cause(
@@ -189,15 +163,3 @@ def test_a_motion_whose_preview_stays_obsolete_is_refused_with_the_cause(
     linked.do(Send(1, look(4), BOTH))
     end = linked.end_of(1)
     assert (end.accepted, end.reason, end.key) == (False, Reason.NOT_AT_REST, "result.moved")
-
-
-@pytest.mark.long("30 pairs of motions, and a pause of another length before each")
-def test_a_motion_after_a_refused_one_is_never_replaced(linked: Linked) -> None:
-    for number in range(30):
-        row, yaw = 10 * number, 4.0 if number % 2 else -4.0
-        linked.do(Send(row + 1, look(-yaw), BOTH))
-        threading.Event().wait(0.01 * number)
-        linked.do(Send(row + 2, TOO_FAR, BOTH))
-        assert linked.end_of(row + 2).reason is Reason.OUT_OF_REACH
-        linked.do(Send(row + 3, look(yaw), BOTH))
-        assert linked.end_of(row + 3).accepted, number

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from gui_links import Linked, at_home, look, short
-from robots import Process, Stage, until
+from gui_links import Linked, look, short
 
-from beatrix_zenoh.client import Presence
 from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.contract._generated.messages import Reason
-from gui.console.state.actions import ChooseRobot, Play, Send, SendStop
+from gui.console.state.actions import Play, Send, SendStop
 from gui.console.texts import Texts
 
 BOTH = ("sim", "hw")
@@ -98,38 +94,3 @@ def test_a_file_is_played_or_refused_with_the_line_of_the_error(linked: Linked, 
 
 
 # -- a suspended node -----------------------------------------------------------------------------
-
-
-@pytest.fixture
-def frozen(stage: Stage, linked: Linked) -> Iterator[Linked]:
-    """A link to a simulation and to a hardware node that is suspended."""
-    with Stage() as other:
-        node: Process = other.process(
-            "hw_node", "--name", "ice", "--connect", stage.endpoint, "--port", "virtual:"
-        )
-        node.expect("ready")
-        simulation = other.process("sim_node", "--name", "ice", "--connect", stage.endpoint, "--ready")
-        simulation.expect("ready")
-        linked.do(ChooseRobot("ice"))
-        at_home(linked)
-        node.send(signal.SIGSTOP)
-        linked.until(lambda world: world.hw.presence is Presence.LOST, "the node is lost")
-        yield linked
-        node.send(signal.SIGCONT)
-
-
-@pytest.mark.long("waits for a suspended node")
-def test_a_plan_that_waits_for_a_suspended_node_delays_no_motion_of_the_simulation(frozen: Linked) -> None:
-    frozen.do(Send(1, look(20, 30), BOTH, 1.0))
-    frozen.do(Send(2, look(5, 60), ("sim",)))
-    assert frozen.end_of(1, timeout_s=5).reason is Reason.REPLACED
-    assert frozen.end_of(2, "sim", 5).accepted
-    frozen.do(Send(3, look(20, 30), BOTH, 1.0))
-    frozen.do(SendStop(4))
-    assert frozen.end_of(3, timeout_s=5).reason is Reason.STOPPED
-    assert frozen.end_of(4, "sim", 5).accepted
-    frozen.do(Send(5, look(10, 30), BOTH, 1.0))
-    end = frozen.end_of(5, timeout_s=30)
-    assert end.reason in (Reason.NODE_HANGS, Reason.NODE_LOST)
-    assert "ice (hw)" in end.message
-    until(lambda: short(frozen.world, "sim") == pytest.approx(5, abs=0.1), "only the sent motions were made")
