@@ -35,12 +35,3 @@ def test_a_saved_pose_survives_the_save_of_a_second_window(file: Path) -> None:
     first.save_changes()
     kept = saved.load(file)
     assert (kept.poses, kept.theme) == ((), Theme.PROJECTOR)
-
-
-def test_a_folder_that_cannot_be_written_is_logged(file: Path, caplog: pytest.LogCaptureFixture) -> None:
-    file.parent.write_text("no folder")
-    state = State()
-    autosave = Autosave(state)
-    state.handle(intents.Choose("speed", 40.0), world())
-    autosave.save_changes()
-    assert "cannot be saved" in caplog.text

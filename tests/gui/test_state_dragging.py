@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from gui_worlds import absent, accept, refused, sent, state_after, world
-from present import present
+from gui_worlds import accept, refused, sent, state_after, world
 
 from beatrix_zenoh.contract._generated.messages import Detail, Limit, LimitInfo, PoseQuery, Reason
 from gui.console.state import intents
@@ -97,13 +96,6 @@ def test_live_stays_at_the_border_beyond_which_the_robot_would_refuse() -> None:
     view = state.view(now).head
     assert view.target == intents.HeadOrientation(0.0, 30.0, 0.0)  # shown where the user has dragged it
     assert max(view.drag.border) < 20.5
-
-
-def test_live_without_a_simulation_says_why() -> None:
-    now = world(absent("sim"))
-    state = state_after(LIVE, intents.AimHead(5.0, 0.0, 0.0), now=now)
-    assert state.handle(intents.LiveHead(), now) == []
-    assert "simulation" in present(state.view(now).head.refusal).text.lower()
 
 
 def test_a_refused_target_keeps_its_place_and_reason_until_the_user_aims_again() -> None:

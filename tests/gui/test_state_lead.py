@@ -54,6 +54,7 @@ def test_a_waiting_motion_is_sent_changed_or_aborted() -> None:
     assert head.target == head.path[-1] == HeadOrientation(1, 2, 3)
     for intent in (SendNow(), intents.Change(), Abort()):
         assert state.handle(intent, world()) == []
+    assert state.handle(Abort(), plan(PlanPhase.SENT)) == [Abort()]
 
 
 @pytest.mark.parametrize(
@@ -75,15 +76,6 @@ def test_hardware_that_is_unchecked_during_the_lead_does_not_move(
     assert state.handle(intent, now) == ([Abort()] if aborts else [])
     state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.STOPPED))
     assert state.view(world()).history[0].on_purpose is aborts
-
-
-def test_a_motion_during_the_lead_replaces_the_waiting_one() -> None:
-    state = state_after(BOTH, Jog("short", 1))
-    assert sent(state.handle(Jog("short", 1), plan(PlanPhase.LEADING, 1.0))).row == 2
-    state.report(Outcome(1, "", accepted=False, done=True, reason=Reason.REPLACED))
-    view = state.view(world())
-    assert view.arms.refusal is None
-    same("state lead.a motion during the lead replaces the waiting one", view.history[1].result)
 
 
 def test_plus_during_the_lead_adds_to_the_goal_of_both_robots() -> None:
@@ -137,12 +129,6 @@ def test_increments_of_both_robots_add_up_although_the_arms_stand_on_whole_micro
         short, middle, long = map(math.degrees, counted)
         arms = short, middle, long
     assert goal == pytest.approx((increment * times,) * 3, abs=1e-4)
-
-
-def test_abort_just_after_the_lead_stops_both_robots() -> None:
-    state = state_after(BOTH, Jog("short", 1))
-    assert state.handle(Abort(), plan(PlanPhase.SENT)) == [Abort()]
-    assert state.handle(Abort(), world()) == []
 
 
 def test_the_target_follows_the_head_until_the_user_aims() -> None:

@@ -6,16 +6,15 @@ from typing import Any
 
 import pytest
 from golden import same
-from gui_worlds import ENDPOINT, absent, robot, status, world
+from gui_worlds import robot, status, world
 from present import present
 
-from beatrix_zenoh.client import Presence
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from gui.console.state.actions import AskLease, ChooseRobot, Govern
 from gui.console.state.intents import Choose, DismissNotice
 from gui.console.state.state import State
 from gui.console.state.views import PillView
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.world import World
 
 TAKE, WAIT, GIVE_BACK = LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK
 
@@ -51,15 +50,6 @@ def test_the_button_of_a_lease_sends_its_query(
     assert (button.text, button.intent) == (text, AskLease(action, "sim"))
     assert button.tooltip
     assert State().handle(button.intent, now) == [AskLease(action, "sim", 1)]
-
-
-def test_no_lease_is_offered_for_a_robot_that_does_not_answer_or_needs_another_step() -> None:
-    for sim in (absent("sim"), robot("sim", presence=Presence.LOST, age_s=3.0)):
-        assert pill(world(sim)).lease is None
-    assert pill(sim_with(enabled=False)).lease is None
-    state = State()
-    assert state.handle(AskLease(TAKE, "sim"), world(phase=LinkPhase.NO_ROUTER)) == []
-    assert ENDPOINT in present(state.view(world()).commands.refusal).text
 
 
 @pytest.mark.parametrize(

@@ -80,18 +80,6 @@ def test_stuck_seats_come_first_and_are_counted_in_the_title() -> None:
     assert shown(lesson("ben", "01-hello")).title == "Lessons"
 
 
-def test_a_pupil_is_shown_by_name_in_the_language_of_the_window() -> None:
-    now = replace(class_world(), pupils={"ana": "Ána Ruiz (ana)"})
-    view = shown(STUCK, now=now, language="de")
-    assert view.rows[0].cells == (
-        "Ána Ruiz (ana)",
-        "03-arms",
-        "▲ hängt seit 5 Prüfungen; verlangt: ein Programm, das ohne Fehler endet",
-        "0",
-    )
-    assert view.title == "Lektionen: 1 hängt fest"
-
-
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_an_empty_page_says_why(language: str) -> None:
     texts, now = Texts(language), class_world()

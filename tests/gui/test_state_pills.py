@@ -73,12 +73,7 @@ def test_the_hardware_is_enabled_before_it_is_calibrated() -> None:
 
 
 @pytest.mark.parametrize(
-    ("phase", "text"),
-    [
-        (LinkPhase.CONNECTING, "connecting"),
-        (LinkPhase.NO_ROUTER, "not online"),
-        (LinkPhase.REFUSED, "not online"),
-    ],
+    ("phase", "text"), [(LinkPhase.CONNECTING, "connecting"), (LinkPhase.NO_ROUTER, "not online")]
 )
 def test_without_a_router_no_robot_is_online(phase: LinkPhase, text: str) -> None:
     found = pill(world(phase=phase))

@@ -35,7 +35,6 @@ DETAILS = st.sampled_from(
         None,
         Detail(),
         refusals.not_enabled().detail,
-        refusals.not_calibrated().detail,
         refusals.emergency_latched().detail,
         refusals.driven_by("ana", 1.0).detail,
         refusals.home_known([1, 0, 0], 0.1).detail,

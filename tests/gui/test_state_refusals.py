@@ -155,15 +155,6 @@ def test_a_refusal_without_data_is_german_unless_only_its_message_explains_it(
     assert present(state.view(world()).arms.refusal).text == german
 
 
-def test_a_new_target_hides_the_refusal_of_the_pad() -> None:
-    state = state_after(intents.SendHead())
-    refused(state, tilt(), Reason.OUT_OF_REACH)
-    state.handle(intents.Choose("language", "de"), world())
-    assert state.view(world()).head.refusal is not None
-    state.handle(intents.AimHead(1, 0, 0), world())
-    assert state.view(world()).head.refusal is None
-
-
 # -- undo --------------------------------------------------------------------------------------------
 
 

@@ -11,8 +11,8 @@ from robots import until
 
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Presence, RobotState
-from beatrix_zenoh.client.degrees import motion_query, pose_query
-from beatrix_zenoh.contract._generated.messages import Command, MotionQuery, PoseQuery
+from beatrix_zenoh.client.degrees import pose_query
+from beatrix_zenoh.contract._generated.messages import Command, PoseQuery
 from beatrix_zenoh.settings import Settings
 from gui.console.link import Link
 from gui.console.state.actions import Action, MakeReady, Outcome, SendCommand, SendStop
@@ -24,11 +24,6 @@ PATIENCE_S = 40.0
 def look(yaw: float, speed: float = 60.0) -> PoseQuery:
     """Return a request to turn the head to this yaw (deg) at this speed (deg/s)."""
     return pose_query(yaw, 0.0, 0.0, relative=False, speed=speed)
-
-
-def arms(short: float, middle: float, long: float, speed: float = 60.0) -> MotionQuery:
-    """Return a request to turn the arms to these angles (deg) at this speed (deg/s)."""
-    return motion_query(short, middle, long, relative=False, speed=speed)
 
 
 class Linked:

@@ -20,7 +20,7 @@ from gui.console.link.governing import ClassStates, LessonReports, send_govern
 from gui.console.link.jobs import Jobs
 from gui.console.link.jogging import Jogging, Press
 from gui.console.link.moving import Moving, Request, robots_of
-from gui.console.link.outcomes import WindowError, done, failed
+from gui.console.link.outcomes import failed, written
 from gui.console.link.pictures import Levels, OnImage, cameras
 from gui.console.link.routers import Routers, own_account
 from gui.console.link.stopping import send_stop
@@ -116,7 +116,6 @@ class Link:
             plan=moving.plans.progress(),
             recording=self._recordings.progress(),
             starting=self._children.starts(SIMULATION),
-            own_simulation=self._children.runs(SIMULATION),
             connecting=self._children.starts(HARDWARE),
             own_hardware=self._children.runs(HARDWARE),
             ports=self._ports.newest,
@@ -200,16 +199,8 @@ class Link:
         self._moving.deselect()
 
     def _write(self, action: WriteFile) -> None:
-        try:
-            if isinstance(action.content, bytes):
-                action.file.write_bytes(action.content)
-            else:
-                action.file.write_text(action.content, encoding="utf-8")
-        except OSError:
-            error = WindowError(Reason.BAD_VALUE, "result.no_write", file=str(action.file))
-            self._report(failed(action.row, "", error))
-        else:
-            self._report(done(action.row, "", f"{action.file}: written."))
+        content = action.content if isinstance(action.content, bytes) else action.content.encode()
+        self._report(written(action.row, action.file, lambda: action.file.write_bytes(content)))
 
     def _report(self, outcome: Outcome) -> None:
         """Report an outcome on a thread of the link, never on the caller's thread within `do`."""

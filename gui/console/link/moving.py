@@ -19,17 +19,9 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, R
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
+from gui.console.link import outcomes
 from gui.console.link.jobs import Jobs
-from gui.console.link.outcomes import (
-    WindowError,
-    accepted,
-    closed,
-    deselected,
-    done,
-    failed,
-    replaced,
-    stopped,
-)
+from gui.console.link.outcomes import WindowError, done, failed, replaced
 from gui.console.link.plans import Plans
 from gui.console.link.programs import FaceProgram, Following, Playing, Programs
 from gui.console.state import actions
@@ -52,8 +44,8 @@ class QueuedRequest:
 
     row: int
     robot: Robot
-    do: Callable[[Robot], str]
-    """sends the request; returns the robot's message"""
+    do: Callable[[Robot], str] = lambda _: ""
+    """sends the request, unless it is a motion; returns the robot's message"""
     query: MotionQuery | PoseQuery | None = None
     """the motion, if it is one"""
     clear: Callable[[], None] = lambda: None
@@ -80,20 +72,13 @@ class RequestQueue:
         """Whether a motion runs, or a request waits."""
         return self._running is not None or bool(self._waiting)
 
-    def move(
-        self,
-        row: int,
-        robot: Robot,
-        query: MotionQuery | PoseQuery,
-        clear: Callable[[], None],
-        begun: Callable[[], None],
-    ) -> None:
-        """Queue a motion, which replaces one that still waits."""
-        self._put(QueuedRequest(row, robot, lambda _: "", query, clear, begun))
-
-    def ask(self, row: int, robot: Robot, do: Callable[[Robot], str]) -> None:
-        """Queue a request that is not a motion: `do` sends it and returns the robot's message."""
-        self._put(QueuedRequest(row, robot, do))
+    def put(self, task: QueuedRequest) -> None:
+        """Queue a request; a motion replaces one that still waits."""
+        if task.query is not None:
+            self.replace()
+        with self._lock:
+            self._waiting.append(task)
+        self._jobs.put(self._side, self._next)
 
     def stop(self) -> None:
         """Drop waiting requests; a motion that is being sent is stopped when the robot has accepted it."""
@@ -101,7 +86,7 @@ class RequestQueue:
             self._stops += 1
             dropped, self._waiting = self._waiting, []
         for task in dropped:
-            self._report(failed(task.row, self._side, stopped()))
+            self._report(failed(task.row, self._side, outcomes.stopped()))
 
     def release(self) -> None:
         """Drop waiting requests and stop the running motion, because later STOPs of the window go to another robot."""
@@ -117,13 +102,6 @@ class RequestQueue:
             self._waiting = [task for task in self._waiting if task.query is None]
         for task in dropped:
             self._report(failed(task.row, self._side, replaced()))
-
-    def _put(self, task: QueuedRequest) -> None:
-        if task.query is not None:
-            self.replace()
-        with self._lock:
-            self._waiting.append(task)
-        self._jobs.put(self._side, self._next)
 
     # -- one after the other -----------------------------------------------------------------------
 
@@ -149,7 +127,7 @@ class RequestQueue:
         if self._stops != stops:  # the STOP sent meanwhile may have arrived before the motion
             publish_stop(task.robot.client, task.robot.place)
         task.begun()
-        self._report(accepted(task.row, self._side, motion.accepted.message, motion.duration))
+        self._report(outcomes.accepted(task.row, self._side, motion.accepted.message, motion.duration))
 
         def ended(motion: Motion) -> None:
             error = motion.exception(0.0)
@@ -237,19 +215,19 @@ class Moving:
 
     def drop(self) -> None:
         """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
-        self._end(stopped())
+        self._end(outcomes.stopped())
         for queue in self._queues.values():
             queue.stop()
 
     def deselect(self) -> None:
         """End all motions, because the user selects another robot."""
-        self._end(deselected())
+        self._end(outcomes.deselected())
         for queue in self._queues.values():
             queue.release()
 
     def close(self) -> None:
         """End all motions and drop waiting requests, because the link closes."""
-        self._end(closed())
+        self._end(outcomes.closed())
         for queue in self._queues.values():
             queue.close()
 
@@ -266,17 +244,18 @@ class Moving:
             return
         self.plans.drop_trying(replaced())
         for robot in robots:
-            self._queues[robot.side].move(
+            task = QueuedRequest(
                 action.row,
                 robot,
-                action.query,
-                self._programs.wait_ended,
-                lambda: self.plans.drop_leading(replaced()),
+                query=action.query,
+                clear=self._programs.wait_ended,
+                begun=lambda: self.plans.drop_leading(replaced()),
             )
+            self._queues[robot.side].put(task)
 
     def _ask(self, row: int, robots: tuple[Robot, ...], do: Callable[[Robot], str]) -> None:
         for robot in robots:
-            self._queues[robot.side].ask(row, robot, do)
+            self._queues[robot.side].put(QueuedRequest(row, robot, do))
 
     def _clear(self, robots: tuple[Robot, ...]) -> None:
         """End what a play or a program of these robots replaces."""

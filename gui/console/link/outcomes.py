@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from pathlib import Path
 
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
@@ -62,6 +63,15 @@ def of_several(row: int, robots: int, failed: Mapping[Place, BeatrixError]) -> O
         robots=robots,
         failed=tuple("{} ({})".format(*place) for place in failed),
     )
+
+
+def written(row: int, file: Path, write: Callable[[], object]) -> Outcome:
+    """Write a file of the user, and return the outcome."""
+    try:
+        write()
+    except OSError:
+        return failed(row, "", WindowError(Reason.BAD_VALUE, "result.no_write", file=str(file)))
+    return done(row, "", f"{file}: written.")
 
 
 def replaced() -> WindowError:

@@ -22,7 +22,7 @@ from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from beatrix_zenoh.settings import Settings
 from gui.console.link.jobs import Jobs
-from gui.console.link.outcomes import WindowError, accepted, done, failed, replaced
+from gui.console.link.outcomes import WindowError, accepted, done, failed, replaced, written
 from gui.console.state.actions import CopyProgram, FollowFace, Outcome, Play
 from gui.console.state.world import FaceProgress
 
@@ -181,16 +181,13 @@ class FaceProgram:
         self._jobs.put("files", lambda: self._copy(action))
 
     def _copy(self, action: CopyProgram) -> None:
-        try:
+        def write() -> None:
             if not action.file.exists():
                 action.file.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(SHIPPED, action.file)
-        except OSError:
-            error = WindowError(Reason.BAD_VALUE, "result.no_write", file=str(action.file))
-            self._report(failed(action.row, "", error))
-        else:
             self.file = action.file
-            self._report(done(action.row, "", f"{action.file}: copied."))
+
+        self._report(written(action.row, action.file, write))
 
 
 class Following(Program):

@@ -259,7 +259,7 @@ def what(row: RequestRow, texts: Texts) -> str:
     """Return a request in a few words."""
     request = row.request
     if isinstance(request, Send):
-        return _motion(request.query, texts, undoes=row.undoes is not None)
+        return _motion(request.query, texts, undoes=row.undoes)
     return _other(request, texts)
 
 

@@ -49,8 +49,8 @@ class RequestRow:
     """wall clock, since 1970; 0: unknown"""
     before: Mapping[str, ArmAngles]
     """by side: set point of the arms at the time of the request (deg), if it was known and this is a motion"""
-    undoes: int | None = None
-    """row of the motion that this request undoes; None: it is not an undo"""
+    undoes: bool = False
+    """whether this request undoes a motion"""
     dropped: bool = False
     """whether this window has aborted or stopped the request"""
     aborted: bool = False

@@ -33,7 +33,7 @@ def send_arms(
     control: str,
     *,
     relative: bool = False,
-    undoes: int | None = None,
+    undoes: bool = False,
     sides: tuple[str, ...] | None = None,
 ) -> list[Action]:
     """Return the action that turns the arms to, or by, angles (deg) at the chosen speed; none if it is refused.
@@ -42,7 +42,7 @@ def send_arms(
     """
     query = partial(motion_query, *arms, relative=relative, speed=memory.choices.speed)
     chosen = memory.choices.sides if sides is None else sides
-    return _send(memory, world, query, control, chosen, undoes)
+    return _send(memory, world, query, control, chosen, undoes=undoes)
 
 
 def send_head(memory: Memory, world: World, target: HeadOrientation, control: str) -> list[Action]:
@@ -58,7 +58,8 @@ def _send(
     query: Callable[[], Query],
     control: str,
     sides: tuple[str, ...],
-    undoes: int | None = None,
+    *,
+    undoes: bool = False,
 ) -> list[Action]:
     if unreachable(memory, world, sides, control):
         return []
@@ -67,7 +68,7 @@ def _send(
     except WrongUsage as error:  # a number outside the range of the message
         memory.refusal = Refusal(control, reason=error.reason, message=error.message, detail=error.detail)
         return []
-    return begin(memory, world, request, control, undoes)
+    return begin(memory, world, request, control, undoes=undoes)
 
 
 def head_of(query: PoseQuery) -> HeadOrientation:
@@ -89,7 +90,7 @@ def again(memory: Memory, request: Request) -> Request:
 
 
 def begin(
-    memory: Memory, world: World, request: Request, control: str, undoes: int | None = None
+    memory: Memory, world: World, request: Request, control: str, *, undoes: bool = False
 ) -> list[Action]:
     """Add a request to the history and return its action; a NEW one gets the number of its row."""
     if request.row == NEW:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final, NamedTuple
 
 from beatrix_zenoh.client.degrees import ArmAngles
@@ -80,16 +81,13 @@ class WayBack(NamedTuple):
 
 
 def way_back(memory: Memory) -> WayBack | None:
-    """Return how the newest motion of a checked robot without a pending undo is undone; None if there is none.
+    """Return how the newest motion of a checked robot is undone; None if there is none.
 
     Robots that did not make the motion stay where they are. If both made it from different places, both go to that of
     the hardware: it gets no pose that only the simulation had, and both go there with preview and lead.
     """
-    open_rows = [row for row in memory.rows if row.undoes is not None and not row.outcomes]
-    under_way = {(row.undoes, side) for row in open_rows for side in row.sides}
     for number, before in reversed(memory.undo):
-        made = (side for side in memory.choices.sides if side in before)
-        if sides := tuple(side for side in made if (number, side) not in under_way):
+        if sides := tuple(side for side in memory.choices.sides if side in before):
             return WayBack(number, sides, before[sides[-1]])
     return None
 
@@ -99,28 +97,30 @@ def undo(memory: Memory, world: World, _intent: intents.Undo) -> list[Action]:
     found = way_back(memory)
     if found is None:
         return memory.refuse(CONTROL, "off.no_undo")
-    return send_arms(memory, world, found.arms, CONTROL, undoes=found.row, sides=found.sides)
+    actions = send_arms(memory, world, found.arms, CONTROL, undoes=True, sides=found.sides)
+    if actions:
+        memory.undo = tuple(
+            (number, rest)
+            for number, before in memory.undo
+            if (rest := before if number != found.row else _without(before, found.sides))
+        )
+    return actions
+
+
+def _without(before: Mapping[str, ArmAngles], sides: tuple[str, ...]) -> dict[str, ArmAngles]:
+    return {side: arms for side, arms in before.items() if side not in sides}
 
 
 def note_accepted(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
     """Add a motion to the undo list when the first robot accepts it.
 
-    Remove from it the robots of a motion that undoes it, when one of them accepts that. Angles are counted from home,
-    so a request that may change home clears the list.
+    Angles are counted from home, so a request that may change home clears the list.
     """
     if not outcome.accepted or row.accepted:
         return
     if sets_home(row.request):
         memory.undo = ()
-    elif row.undoes is not None:
-        rest = (
-            (number, {side: arms for side, arms in before.items() if side not in row.sides})
-            if number == row.undoes
-            else (number, before)
-            for number, before in memory.undo
-        )
-        memory.undo = tuple(entry for entry in rest if entry[1])
-    elif row.before:
+    elif row.before and not row.undoes:
         memory.undo = (*memory.undo, (row.number, row.before))[-UNDO_KEPT:]
 
 

@@ -24,7 +24,7 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state.actions import Action, AskLease, MakeReady, Outcome, Play, Send, SendCommand
 from gui.console.state.intents import AimHead, Choose, DismissRefusal, Intent, SetDuration, TakeAlternative
-from gui.console.state.memory import Memory, Refusal, RequestRow, unreachable
+from gui.console.state.memory import Memory, Refusal, Request, RequestRow, unreachable
 from gui.console.state.memory import sides_of as sides_of_request
 from gui.console.state.motions import Handles, again, begin, head_of
 from gui.console.state.pills import MAKE_READY, NEXT_STEPS, WAIT, finding
@@ -168,8 +168,8 @@ def _button(refusal: Refusal, texts: Texts) -> ButtonView | None:
         longer = SetDuration(str(refusal.slots["name"]), float(refusal.slots["shortest"]))
         return ButtonView(texts("alternative.duration", **refusal.slots), texts("tip.duration"), longer)
     request = _alternative_request(refusal)
-    if isinstance(request, Send):
-        text = _alternative_text(request, refusal, texts)
+    if request is not None and refusal.request is not None:
+        text = _alternative_text(request, refusal.request, texts)
         return ButtonView(text, texts("alternative.tip"), TakeAlternative())
     next_step = next_step_of(refusal)
     if not next_step or not sides_of(refusal):
@@ -229,19 +229,17 @@ def alternative_query(query: MotionQuery | PoseQuery, other: Alternative) -> Mot
     return None if other.speed is None else msgspec.structs.replace(query, speed=other.speed)
 
 
-def _alternative_text(request: Send, refusal: Refusal, texts: Texts) -> str:
+def _alternative_text(request: Send, refused: Request, texts: Texts) -> str:
     """Return the alternative in a few words."""
-    other = None if refusal.detail is None else refusal.detail.alternative
     query = request.query
-    if other is not None and other.head is None and other.arms is None and other.speed is not None:
-        return texts(
-            "alternative.speed", speed=math.degrees(min(other.speed.x, other.speed.y, other.speed.z))
-        )
+    if isinstance(refused, Send) and msgspec.structs.replace(refused.query, speed=query.speed) == query:
+        speed = query.speed
+        slowest = min(speed.x, speed.y, speed.z) if isinstance(speed, Vector3) else speed
+        return texts("alternative.speed", speed=math.degrees(slowest or 0.0))
     if isinstance(query, PoseQuery):
         head = head_of(query)
         return texts("alternative.head", yaw=head.yaw, pitch=head.pitch, roll=head.roll)
-    arms = arm_angles(query.position)
-    return texts("alternative.arms", short=arms.short, middle=arms.middle, long=arms.long)
+    return texts("alternative.arms", **arm_angles(query.position)._asdict())
 
 
 HANDLES: Handles = {TakeAlternative: take_alternative, DismissRefusal: dismiss}

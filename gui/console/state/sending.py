@@ -130,17 +130,10 @@ def _without_plan(memory: Memory, world: World) -> tuple[str, str]:
 
 
 def _idle(memory: Memory) -> tuple[str, str]:
-    texts, lead_s = memory.choices.texts, memory.choices.lead_s
-    match memory.choices.sides:
-        case ():
-            return texts("sending.none"), texts("sending.none_text")
-        case ("sim",):
-            return texts("sending.sim"), texts("sending.sim_text")
-        case ("hw",):
-            return texts("sending.hw"), texts("sending.hw_text")
-    if lead_s:
-        return texts("sending.both"), texts("sending.both_text", seconds=float(lead_s))
-    return texts("sending.both"), texts("sending.together_text")
+    texts, lead_s, sides = memory.choices.texts, memory.choices.lead_s, memory.choices.sides
+    key = "both" if len(sides) > 1 else sides[0] if sides else "none"
+    text = "together" if key == "both" and not lead_s else key
+    return texts(f"sending.{key}"), texts(f"sending.{text}_text", seconds=float(lead_s))
 
 
 def _under_way(plan: PlanProgress, texts: Texts) -> tuple[str, str]:

@@ -41,19 +41,13 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
     return [*ended, *eyes.watch(memory.choices, intent)]
 
 
+TOPICS = (
+    *(arms, class_page, commands, connecting, gestures, leases),
+    *(poses, program, refusals, sending, sequence),
+)
 HANDLES: Handles = {
     Choose: choose,
-    **arms.HANDLES,
-    **class_page.HANDLES,
-    **commands.HANDLES,
-    **connecting.HANDLES,
-    **gestures.HANDLES,
-    **leases.HANDLES,
-    **poses.HANDLES,
-    **program.HANDLES,
-    **refusals.HANDLES,
-    **sending.HANDLES,
-    **sequence.HANDLES,
+    **{intent: handle for topic in TOPICS for intent, handle in topic.HANDLES.items()},
 }
 
 
@@ -114,10 +108,8 @@ class State:
 
     def follow(self, world: World) -> None:
         """Show leases gained or lost since the last call, hide a refusal without a cause, and complete the row of a hold."""
-        leases.follow(self._memory, world)
-        refusals.follow(self._memory, world)
-        arms.follow(self._memory, world)
-        connecting.follow(self._memory, world)
+        for topic in (leases, refusals, arms, connecting):
+            topic.follow(self._memory, world)
         self._guide.follow(self._memory, world)
 
     def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:

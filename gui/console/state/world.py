@@ -156,8 +156,6 @@ class World:
     recording: RecordingProgress | None = None
     starting: bool = False
     """whether this window is starting a simulation"""
-    own_simulation: bool = False
-    """whether a simulation of this window is running"""
     connecting: bool = False
     """whether this window is starting the program of the hardware"""
     own_hardware: bool = False

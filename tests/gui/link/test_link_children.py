@@ -14,6 +14,7 @@ from robots import Stage, free_endpoint
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.processes import Child
 from beatrix_zenoh.recording.verbs.files import read_recording
+from gui.console.link.children import SIMULATION
 from gui.console.state import actions
 from gui.console.state.world import LinkPhase, RecordingProgress
 
@@ -58,19 +59,21 @@ def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None
         linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
         linked.do(actions.StartSimulation())
         assert linked.world.starting
-        world = linked.until(lambda world: world.own_simulation and not world.starting, "it runs", READY_S)
+        world = linked.until(
+            lambda world: not world.starting and linked.link._children.runs(SIMULATION), "it runs", READY_S
+        )
         assert world.child_trouble is None
         linked.online("sim")
         linked.do(actions.Send(1, look(5), ("sim",)))
         assert linked.end_of(1, "sim").accepted
-        kill(linked.link._children._nodes["simulation"])
-        world = linked.until(lambda world: not world.own_simulation, "it was killed")
+        kill(linked.link._children._nodes[SIMULATION])
+        world = linked.until(lambda _: not linked.link._children.runs(SIMULATION), "it was killed")
         assert world.child_trouble is not None
         assert (world.child_trouble.key, world.child_trouble.code) == ("trouble.simulation", "SIGKILL")
         linked.until(lambda world: world.sim.presence is Presence.ABSENT, "it is absent")
         linked.do(actions.StartSimulation())
         assert linked.world.child_trouble is None
-        linked.until(lambda world: world.own_simulation, "it runs again", READY_S)
+        linked.until(lambda _: linked.link._children.runs(SIMULATION), "it runs again", READY_S)
         linked.online("sim")
 
 
@@ -83,7 +86,7 @@ def test_a_simulation_for_a_router_on_another_computer_is_refused() -> None:
             "trouble.elsewhere",
             True,
         )
-        assert not world.own_simulation
+        assert not linked.link._children.runs(SIMULATION)
 
 
 # -- recordings -----------------------------------------------------------------------------------

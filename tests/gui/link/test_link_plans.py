@@ -98,19 +98,6 @@ def test_the_newest_of_many_motions_is_carried_out_and_each_row_ends_once(linked
         assert len([found for found in linked.of(row) if found.done]) == 1
 
 
-@pytest.mark.long("waits for previews")
-def test_a_refused_preview_has_a_detail_and_keeps_the_waiting_motion(linked: Linked) -> None:
-    leading(linked, 1, 30.0, 1.5)
-    linked.do(Send(2, pose_query(0, 60, 0, relative=False, speed=1.0), BOTH))
-    end = linked.end_of(2)
-    assert not end.accepted
-    assert end.detail is not None
-    world = linked.until(lambda world: world.plan is not None, "the earlier motion")
-    assert world.plan is not None
-    assert world.plan.phase in (PlanPhase.LEADING, PlanPhase.SENT)
-    assert linked.end_of(1).accepted
-
-
 def test_selecting_another_robot_ends_the_motions_of_this_window(linked: Linked) -> None:
     """STOP of this window then goes to the other robot."""
     before = steps(linked)
