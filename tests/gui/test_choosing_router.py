@@ -218,8 +218,5 @@ def test_a_user_types_an_address_and_chooses_a_file(folder: Path) -> None:
         typed(there.endpoint)()
         user.until(lambda: user.window._world.endpoint == there.endpoint, "the other router is used")
         user.until(lambda: "answers" in router.state.text(), "it answers")
-        user.press(router.join)
-        dialog = present(router.dialog)
-        dialog.close()
         user.window.handle(UseAccount(folder / "none.toml"))
         user.until(lambda: "none.toml cannot be read" in router.state.text(), "a missing file is explained")

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 
 import pytest
 from gui_windows import Windowed
 from gui_worlds import BOTH, state_after, world
-from present import present
 from PyQt5.QtCore import QEvent, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.contract._generated.messages import MotionQuery
 from gui.console.state.actions import Hold, Outcome, Release
-from gui.console.state.arms import AHEAD_S, FASTEST_DEG_S, HoldArm, ReleaseArm, jog_query
+from gui.console.state.arms import HoldArm, ReleaseArm
 from gui.console.state.intents import Choose, Stop
 from gui.console.state.state import State
 from gui.window.widgets.arms import HoldButton
@@ -69,24 +66,6 @@ def test_the_panel_says_that_both_move_at_once_while_a_button_is_held() -> None:
     state.handle(HoldArm("short", 1), world())
     state.handle(Stop(), world())
     assert state.view(world()).sending == idle, "after STOP nothing moves although the button is held"
-
-
-def test_a_page_that_holds_a_button_says_the_same_until_its_row_has_ended() -> None:
-    state = state_after(BOTH)
-    idle = state.view(world()).sending
-    row = present(state.hold(world(), jog_query("yaw", 1, 30.0, AHEAD_S), "head"))
-    assert state.view(world()).sending.title == state.choices.texts("sending.held")
-    for side in ("sim", "hw"):
-        state.report(Outcome(row, side, accepted=True, done=True))
-    assert state.view(world()).sending == idle
-
-
-@pytest.mark.parametrize(("part", "moved"), [("short", 1), ("all", 3)])
-def test_the_goal_of_a_hold_lies_ahead_at_a_limited_speed(part: str, moved: int) -> None:
-    query = jog_query(part, 1, 90.0, AHEAD_S)
-    assert isinstance(query, MotionQuery)
-    angles = [query.position.x, query.position.y, query.position.z]
-    assert sum(math.isclose(math.degrees(angle), FASTEST_DEG_S * AHEAD_S) for angle in angles) == moved
 
 
 # -- with robots ------------------------------------------------------------------------------------

@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from gui_worlds import BOTH, NOT_SIM, NOWHERE, robot, state_after, status, world
+from gui_worlds import BOTH, NOT_SIM, robot, state_after, status, world
 from present import present
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Reason
-from gui.console.state.actions import CopyProgram, EndFollowing, FollowFace, Outcome, Play
-from gui.console.state.intents import Choose, Intent, Repeat
+from gui.console.state.actions import EndFollowing, FollowFace, Outcome, Play
+from gui.console.state.intents import Choose, Intent
 from gui.console.state.state import State
 from gui.console.state.world import FaceProgress, World
 
@@ -112,15 +112,6 @@ def test_a_second_press_ends_the_program_even_if_no_robot_is_checked() -> None:
     view = state.view(now).gestures
     assert (view.following, view.follow.enabled) == (True, True)
     assert state.handle(view.follow.intent, now) == [EndFollowing()]
-
-
-def test_opening_the_program_copies_it_and_the_history_shows_the_path() -> None:
-    state, now = State(), faces()
-    assert state.handle(state.view(now).gestures.open.intent, now) == [CopyProgram(1, OWN)]
-    state.report(Outcome(1, "", accepted=True, done=True))
-    assert str(OWN) in state.view(now).history[0].what
-    assert str(OWN) in state.view(now).last
-    assert state.handle(Repeat(1), NOWHERE) == [CopyProgram(2, OWN)]
 
 
 def test_a_failed_program_is_a_sentence_and_its_last_line_a_detail() -> None:

@@ -92,14 +92,12 @@ def test_the_banner_of_a_new_lease_is_shown_until_it_is_dismissed() -> None:
     assert banner_of(state, mine) == ""
 
 
-def test_a_lease_that_the_teacher_takes_or_ends_has_a_banner() -> None:
+@pytest.mark.parametrize(("case", "known"), [("1", {"holder": "teacher", "lease": 6}), ("2", {})])
+def test_a_lease_that_the_teacher_takes_or_ends_has_a_banner(case: str, known: dict[str, Any]) -> None:
     state = State()
     banner_of(state, sim_with(holder="ben", lease=5))
-    lost = banner_of(state, sim_with(holder="teacher", lease=6))
-    same("state leases.a lease that the teacher takes or ends has a banner 1", lost)
-    state = State()
-    banner_of(state, sim_with(holder="ben", lease=5))
-    same("state leases.a lease that the teacher takes or ends has a banner 2", banner_of(state, sim_with()))
+    lost = banner_of(state, sim_with(**known))
+    same(f"state leases.a lease that the teacher takes or ends has a banner {case}", lost)
 
 
 def test_a_lease_that_this_window_gives_back_has_no_banner() -> None:

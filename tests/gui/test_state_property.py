@@ -135,24 +135,8 @@ WORLDS: st.SearchStrategy[World] = st.builds(
     phase=st.sampled_from(worlds.LinkPhase),
     names=st.sampled_from([(), ("bea1",), ("bea1", "bea2")]),
     plan=st.none()
-    | st.builds(
-        worlds.PlanProgress,
-        st.sampled_from(worlds.PlanPhase),
-        st.floats(0, 10),
-        st.floats(0, 5),
-        st.floats(-1, 5),
-        PATHS,
-        st.sampled_from([0.0, 5.7]),
-        BOOL,
-    ),
-    recording=st.none()
-    | st.builds(
-        worlds.RecordingProgress,
-        FIELDS["file"],
-        BOOL,
-        st.floats(0, 1e5),
-        st.sampled_from([None, worlds.Trouble("trouble.start")]),
-    ),
+    | st.builds(worlds.PlanProgress, st.sampled_from(worlds.PlanPhase), *[st.floats(0, 5)] * 3, PATHS),
+    recording=st.none() | st.builds(worlds.RecordingProgress, FIELDS["file"], BOOL, st.floats(0, 1e5)),
     **dict.fromkeys(("starting", "connecting", "own_hardware"), BOOL),
     ports=st.sampled_from([None, (), (worlds.UsbPort("COM4", "Arduino", board=True),)]),
     wall_s=st.floats(0, 2e9),

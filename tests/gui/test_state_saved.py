@@ -44,12 +44,6 @@ def test_instead_of_a_damaged_file_the_defaults_are_used(tmp_path: Path, text: b
     assert saved.load(file) == Saved()
 
 
-def test_an_unknown_language_is_replaced_by_the_default(tmp_path: Path) -> None:
-    file = tmp_path / "window.json"
-    saved.save(file, Saved(language="fr"))
-    assert State(saved.load(file)).view(world()).choices.language == "en"
-
-
 def test_the_file_of_an_earlier_window_is_read(tmp_path: Path) -> None:
     file = tmp_path / "window.json"
     file.write_text(

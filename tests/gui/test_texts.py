@@ -13,7 +13,7 @@ from gui_worlds import state_after, world
 from present import present
 
 from beatrix_zenoh.client.choreography import GESTURES
-from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import FollowState, Reason
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.link.outcomes import WindowError, failed
 from gui.console.state import intents
@@ -107,6 +107,7 @@ def test_every_text_is_used() -> None:
     words |= {
         *ARMS,
         *GESTURES,
+        *FollowState,
         *words_of_the_page(),
         *(f"{part}-{way}" for part in ROTATIONS for way in ("plus", "minus")),
     }
@@ -137,9 +138,3 @@ def test_no_refusal_names_a_command_to_type(code: str) -> None:
     assert {
         key for key, text in refusals.refusals.items() if re.search(r"`beatrix| --|BEATRIX_", text)
     } == set()
-
-
-def test_german_refusals_call_the_emergency_stop_as_its_buttons_do() -> None:
-    _, refusals = load("de")
-    texts = (*refusals.refusals.values(), *refusals.commands.values())
-    assert {text for text in texts if re.search(r"EMERGENCY|RESET|^zurücksetzen$", text)} == set()

@@ -8,13 +8,10 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TypeVar
-
-import msgspec
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.client.monitor import Monitor, Presence, RobotState, Seats
-from beatrix_zenoh.client.request import Request
+from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated import keys
@@ -35,8 +32,6 @@ EVENTS = 200
 PROBE_S = 1.0
 """Period of the queries."""
 ANSWER_S = 1.0
-
-M = TypeVar("M", bound=msgspec.Struct)
 
 
 @dataclass(frozen=True)
@@ -304,22 +299,11 @@ class Probe:
     def _query(self, client: Client, place: Place) -> None:
         began_s = time.monotonic()
         try:
-            clock = reply_of(client, place, keys.clock(*place), Clock)
-            self.round_trip_s = None if clock is None else time.monotonic() - began_s
-            if clock is not None and self.limits(place[0]) is None:
-                info = reply_of(client, place, keys.info(*place), Info)
-                self._limits = None if info is None else (place, info.limits)
+            ask(client, place, keys.clock(*place), None, Clock, ANSWER_S)
+            self.round_trip_s = time.monotonic() - began_s
+            if self.limits(place[0]) is None:
+                self._limits = place, ask(client, place, keys.info(*place), None, Info, ANSWER_S).limits
+        except BeatrixError:
+            self.round_trip_s = None
         finally:
             self._due_s = time.monotonic() + PROBE_S
-
-
-def reply_of(client: Client, place: Place, key: str, kind: type[M]) -> M | None:
-    """Return the reply of a robot to a query without arguments; None if none arrives within ANSWER_S."""
-    try:
-        request = Request(client, place, key, None, ANSWER_S)
-        try:
-            return request.reply(kind, ANSWER_S)
-        finally:
-            request.close()
-    except (BeatrixError, TimeoutError):
-        return None

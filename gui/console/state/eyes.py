@@ -16,7 +16,6 @@ from gui.console.texts import DEFAULT_LANGUAGE, Texts
 
 SHOWN: Final = tuple((side, eye) for side in SIDES for eye in EYES)
 """Twin and eye of each picture of the window."""
-TITLES: Final = {"left": "eye.title_left", "right": "eye.title_right"}
 QUIETEST_DB: Final = -80.0
 """Level at which a bar is empty; at 0 dB it is full."""
 
@@ -42,7 +41,7 @@ def view(memory: Memory, world: World) -> tuple[EyeView, ...]:
         EyeView(
             side=side,
             eye=eye,
-            title=texts(TITLES[eye], side=texts(f"side.{side}")),
+            title=texts(f"eye.title_{eye}", side=texts(f"side.{side}")),
             watched=(side, eye) in places and online(world, side),
             text=_reason(memory, world, side, eye),
         )

@@ -54,12 +54,6 @@ FAULT_CONDITIONS: Final = {
     Fault(word.upper()): word for word in ("emergency", "board_lost", "contract_mismatch", "assembly_left")
 }
 
-FOLLOWING: Final = {
-    FollowState.WAITING: "follow_waiting",
-    FollowState.APPROACHING: "follow_approaching",
-    FollowState.FOLLOWING: "follow_following",
-    FollowState.PARTED: "follow_parted",
-}
 TREATED: Final = ("clocks", "robot", "state", "stops")
 """Groups of values that the pill shows in its own words, and those that people do not read."""
 CHOICES = 3
@@ -167,7 +161,7 @@ def _shared(status: Status, world: World, texts: Texts) -> RobotCondition | None
     if status.frozen and not world.is_teacher:
         return RobotCondition(Condition.FROZEN, texts("condition.frozen"), texts("reason.frozen"))
     if status.following is not FollowState.OFF:
-        text = texts(f"condition.{FOLLOWING[status.following]}")
+        text = texts(f"condition.follow_{status.following}")
         return RobotCondition(Condition.DRIVEN, text, texts("reason.follow"))
     if status.holder in ("", world.seat):
         return None

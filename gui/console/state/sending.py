@@ -11,12 +11,12 @@ from msgspec import structs
 
 from beatrix_zenoh.client.degrees import Reading, pose_query
 from beatrix_zenoh.contract._generated.messages import PoseQuery, Reason
-from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.motion.limits.region import border, reach
+from beatrix_zenoh.motion.limits import region
 from gui.console.state import gestures, intents, motions, refusals
 from gui.console.state.actions import Abort, Action, Outcome, Send, SendNow
 from gui.console.state.intents import AimHead, Change, Choose, HeadOrientation, LiveHead, SendHead
 from gui.console.state.memory import Memory, unreachable
+from gui.console.state.sequence_timing import Pace, pace
 from gui.console.state.views import DragView, HeadView, SendingView, button
 from gui.console.state.world import PlanPhase, PlanProgress, World, kept, reading, silent
 from gui.console.texts import Texts
@@ -38,10 +38,7 @@ REASONS = {
 
 def head(memory: Memory, world: World) -> HeadView:
     """Return the pad; limits are those of the robot, or the defaults while they are unknown."""
-    tilt_max, yaw_max = ROBOT.limits.tilt_max, ROBOT.limits.yaw_max
-    if world.limits is not None:
-        tilt_max, yaw_max = math.degrees(world.limits.tilt_max), math.degrees(world.limits.yaw_max)
-    gap_min = ROBOT.limits.gap_min if world.limits is None else math.degrees(world.limits.gap_min)
+    limits = pace(world)
     path = world.plan.path if world.plan is not None else None
     solid, aim = _solid(memory, world), target(memory, world)
     off = "" if memory.choices.sides else "off.unchecked"
@@ -52,10 +49,10 @@ def head(memory: Memory, world: World) -> HeadView:
         solid=solid,
         shown=_head(world, solid, kept),
         silent=silent(world.side(solid)),
-        tilt_max=tilt_max,
-        yaw_max=yaw_max,
+        tilt_max=limits.tilt_max,
+        yaw_max=limits.yaw_max,
         path=() if path is None else tuple(HeadOrientation(*head) for head in path.head),
-        drag=_drag(memory, tilt_max, gap_min),
+        drag=_drag(memory, limits),
         send=button(
             memory.choices.texts, "head.send", SendHead(), off, yaw=aim.yaw, pitch=aim.pitch, roll=aim.roll
         ),
@@ -188,20 +185,19 @@ def spare_hardware(memory: Memory, world: World, intent: Choose) -> list[Action]
 @cache
 def border_deg(tilt_max: float, gap_min: float) -> tuple[float, ...]:
     """Return `limits.region.border` in deg, for limits in deg."""
-    return tuple(map(math.degrees, border(math.radians(tilt_max), math.radians(gap_min))))
+    return tuple(map(math.degrees, region.border(math.radians(tilt_max), math.radians(gap_min))))
 
 
-def _drag(memory: Memory, tilt_max: float, gap_min: float) -> DragView:
-    """Return choices, border and the refused target; limits in deg."""
+def _drag(memory: Memory, limits: Pace) -> DragView:
+    """Return choices, border and the refused target."""
     choices, refusal = memory.choices, memory.refusal
-    limits = border_deg(round(tilt_max, 3), round(gap_min, 3))
     refused, reason = None, ""
     request = None if refusal is None or refusal.control != PAD else refusal.request
     if refusal is not None and isinstance(request, Send) and isinstance(request.query, PoseQuery):
         query = request.query
         refused = motions.head_of(query)
         reason = choices.texts(REASONS.get(refusal.reason, "refused.other"))
-    return DragView(choices.live, limits, refused, reason)
+    return DragView(choices.live, border_deg(limits.tilt_max, limits.gap_min), refused, reason)
 
 
 def grab(memory: Memory, _world: World, _intent: intents.GrabHead) -> list[Action]:
@@ -254,11 +250,9 @@ def _follow(memory: Memory, world: World) -> list[Action]:
 
 def _inside(world: World, target: HeadOrientation) -> tuple[float, float]:
     """Return pitch and roll (deg) of the target, or of the point of the border in its direction."""
-    limits = world.limits
-    if limits is None:
-        return target.pitch, target.roll
-    tilt_max, gap_min = (round(math.degrees(angle), 3) for angle in (limits.tilt_max, limits.gap_min))
-    furthest = reach(border_deg(tilt_max, gap_min), target.pitch, target.roll) - WITHIN_DEG
+    limits = pace(world)
+    border = border_deg(limits.tilt_max, limits.gap_min)
+    furthest = region.reach(border, target.pitch, target.roll) - WITHIN_DEG
     shrink = min(1.0, furthest / max(math.hypot(target.pitch, target.roll), 1e-9))
     return target.pitch * shrink, target.roll * shrink
 

@@ -10,33 +10,11 @@ from gui_links import Linked, look, short
 from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.contract._generated.messages import Reason
 from gui.console.state.actions import Play, Send, SendStop
-from gui.console.texts import Texts
 
 BOTH = ("sim", "hw")
 
 
 # -- choreographies -------------------------------------------------------------------------------
-
-
-PATH = "t_s,yaw_deg,pitch_deg,roll_deg\n"
-
-
-WRONG = (
-    ("0,1,2,3\n", "bend.csv hat nur einen Punkt"),
-    ("0,0,0,0\n1,5,0,0\n1,8,0,0\n", "Zeile 4 von bend.csv passt nicht"),
-    ("0,0,0,0\n4000,5,0,0\n", "höchstens 3600 s"),
-    ("0,0,0\n", "Zeile 2 von bend.csv passt nicht"),
-)
-
-
-def test_a_path_that_cannot_be_played_is_explained_in_german(linked: Linked, tmp_path: Path) -> None:
-    file = tmp_path / "bend.csv"
-    for row, (lines, sentence) in enumerate(WRONG):
-        file.write_text(PATH + lines)
-        linked.do(Play(row, ("sim",), file=file))
-        outcome = linked.end_of(row, "sim")
-        assert outcome.reason is Reason.BAD_VALUE
-        assert sentence in Texts("de")(outcome.key, **outcome.slots)
 
 
 def turns(speed: float, *yaws: float) -> tuple[ArmPose, ...]:
