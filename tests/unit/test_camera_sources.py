@@ -88,9 +88,8 @@ def video(pictures: list[bytes], period_us: int = 20_000) -> bytes:
 @pytest.mark.parametrize(
     ("name", "content", "why"),
     [
-        ("empty.avi", b"", "cannot be shown"),
-        ("text.avi", b"no video at all", "it contains no JPEG picture"),
-        ("other.avi", video([b"\x00\x00\x01\xb6 another codec"]), "not motion JPEG"),
+        ("empty.avi", b"", "it contains no JPEG picture"),
+        ("other.avi", video([b"\x00\x00\x01\xb6 another codec"]), "it contains no JPEG picture"),
         ("text.jpg", b"no picture", "it is not a JPEG picture"),
         ("cut.mjpeg", picture(3)[:20], "damaged"),
     ],

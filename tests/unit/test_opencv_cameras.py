@@ -30,7 +30,6 @@ def camera(module: FakeOpenCv) -> Iterator[OpenCvCamera]:
     camera = OpenCvCamera(1, module)
     yield camera
     module.goes_on.set()
-    module.opens_at_once.set()
     camera.close()
     until(lambda: not opencv_threads(), "its thread has ended")
 
