@@ -16,7 +16,7 @@ from __future__ import annotations
 import re
 import subprocess
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Self
@@ -162,8 +162,6 @@ class Attempt:
             found = reply["missing"]
             names = ", ".join(map(str, found)) if isinstance(found, list) and found else phrase("none")
             raise Unmet("function", function=function, names=names)
-        if "limit" in reply:
-            raise Unmet("ends", what=own, limit=CALL_S)
         if "error" in reply:
             failed, where = _error(reply), self._where(reply)
             if failed.reason is Reason.NO_ROUTER:
@@ -195,8 +193,6 @@ class Attempt:
                 reply = child.reply(PATIENCE * IMPORT_S)
             except NoReply as error:
                 raise _without_reply(error, began_s, IMPORT_S, what) from None
-            if "limit" in reply:
-                raise Unmet("ends", what=what, limit=IMPORT_S)
             if "error" in reply:
                 failed = _error(reply)
                 figure = _failure(failed, "import" if failed.reason is Reason.NO_ROUTER else "runs")
@@ -252,17 +248,15 @@ class Attempt:
         *,
         target: tuple[float, float, float] | None = None,
         path: str = "still",
-        robots: Sequence[str] = (ROBOT,),
         seconds: float | None = None,
-        during: Callable[[Stage], None] | None = None,
+        during: Callable[[Stage], None] = lambda _: None,
         robot_file: Path | None = None,
     ) -> Seen:
-        """Run the program against simulations of its own, and return what the (first) robot did.
+        """Run the program against a simulation of its own, and return what the robot did.
 
         Args:
             target: place of the person (m); None: its usual place.
             path: `still`, `sway` or `circle`: the path of the person.
-            robots: names of the simulations; BEATRIX_ROBOT is the first.
             seconds: end the program after this time (s), as Ctrl-C does; None: it must end by itself.
             during: is called once the program runs, with the stage: it may read and move the robots as another seat,
                 and wait; its exceptions end the check.
@@ -273,54 +267,56 @@ class Attempt:
                 no robot was moved, or what `during` raises.
             NotMeasurable: this computer was too busy.
         """
-        seen = self.observe_all(
-            target=target, path=path, robots=robots, seconds=seconds, during=during, robot_file=robot_file
-        )
+        with ExitStack() as running:
+            stage = self._stage(running, (ROBOT,), path, robot_file)
+            if target is not None:
+                stage.watches[ROBOT].robot.move_target(*target)
+            seen = self._observed(running, stage, during, seconds=seconds)
         if seconds is None:
             slips.motions(seen.values())
-        return seen[robots[0]]
+        return seen[ROBOT]
 
     def observe_all(
-        self,
-        *,
-        target: tuple[float, float, float] | None = None,
-        path: str = "still",
-        robots: Sequence[str] = (ROBOT,),
-        seconds: float | None = None,
-        during: Callable[[Stage], None] | None = None,
-        within_s: float | None = None,
-        robot_file: Path | None = None,
+        self, *, robots: tuple[str, ...], during: Callable[[Stage], None], within_s: float
     ) -> dict[str, Seen]:
-        """As `observe`; return what each robot did, by name.
+        """As `observe`, with several robots; return what each did, by name. BEATRIX_ROBOT is the first.
 
-        With `within_s` the program must end so soon (s) after `during`, whatever time it has had before.
+        The program must end `within_s` (s) after `during`, whatever time it has had before.
         """
-        self.doubt = None
         with ExitStack() as running:
-            stage = self._stage(running, tuple(robots), path, robot_file)
-            if target is not None:
-                for watch in stage.watches.values():
-                    watch.robot.move_target(*target)
-            if self._keep is not None:
-                running.enter_context(stage.recorded(self._keep))
-            for watch in stage.watches.values():
-                watch.begin()
-            environment = {
-                "BEATRIX_CONNECT": stage.endpoint,
-                "BEATRIX_ROBOT": robots[0],
-                "BEATRIX_WHO": PUPIL,
-                tracebacks.VARIABLE: tracebacks.DATA,
-            }
-            run = Run(self._file, self._program, self._sandbox, environment)
-            running.callback(self._close, run)
-            limit_s = self._limit_s if seconds is None else seconds
-            self._tell(phrase("watches", seconds=limit_s))
-            if during is not None:
-                self._let(during, run, stage)
-            if within_s is not None:
-                limit_s = run.seconds + within_s
-            self._finish(run, stage, limit_s, ends=seconds is None)
-            return self._judge(stage, run)
+            stage = self._stage(running, robots, "still", None)
+            return self._observed(running, stage, during, within_s=within_s)
+
+    def _observed(
+        self,
+        running: ExitStack,
+        stage: Stage,
+        during: Callable[[Stage], None],
+        *,
+        seconds: float | None = None,
+        within_s: float | None = None,
+    ) -> dict[str, Seen]:
+        """Run the program on a stage, and return what each robot did."""
+        self.doubt = None
+        if self._keep is not None:
+            running.enter_context(stage.recorded(self._keep))
+        for watch in stage.watches.values():
+            watch.begin()
+        environment = {
+            "BEATRIX_CONNECT": stage.endpoint,
+            "BEATRIX_ROBOT": stage.names[0],
+            "BEATRIX_WHO": PUPIL,
+            tracebacks.VARIABLE: tracebacks.DATA,
+        }
+        run = Run(self._file, self._program, self._sandbox, environment)
+        running.callback(self._close, run)
+        limit_s = self._limit_s if seconds is None else seconds
+        self._tell(phrase("watches", seconds=limit_s))
+        self._let(during, run, stage)
+        if within_s is not None:
+            limit_s = run.seconds + within_s
+        self._finish(run, stage, limit_s, ends=seconds is None)
+        return self._judge(stage, run)
 
     def _stage(
         self, running: ExitStack, robots: tuple[str, ...], path: str, robot_file: Path | None

@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from pathlib import Path
-from typing import ClassVar, cast
+from typing import cast
 
-import msgspec
 import numpy as np
 import pytest
 
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, Phase, PoseQuery, Reason
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Phase, Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lesson_files import find
-from beatrix_zenoh.lessons import attempt, bench
+from beatrix_zenoh.lessons import bench
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Unmet
 from beatrix_zenoh.lessons.checking import check_of
 from beatrix_zenoh.lessons.guarded import LineChild, NoReply
-from beatrix_zenoh.lessons.phrases import NotMeasurable, busy, phrase
-from beatrix_zenoh.lessons.program import Program
-from beatrix_zenoh.lessons.stage import ROBOT, SEAT, Stage
+from beatrix_zenoh.lessons.phrases import NotMeasurable
+from beatrix_zenoh.lessons.stage import SEAT
 
 PERIOD_S, MOTION_S = 0.02, 0.4
 NODS = [(0.0, pitch, 0.0) for pitch in (15, -5, 15, -5, 0)]
 SHAKE = [25.0, -25.0]
-SLOW = phrase("slow", factor=0.52)
 
 
 def drawn(poses: Sequence[tuple[float, float, float]], *events: Event) -> Seen:
@@ -66,52 +61,6 @@ def figure(number: int, seen: Seen) -> str:
     return ""
 
 
-class EndlessRun:
-    """A program that does not end."""
-
-    running, seconds, began_ns, cores = True, 99.0, 0, 0.0
-    output: ClassVar[list[str]] = []
-
-    def __init__(self, *_arguments: object) -> None: ...
-    def close(self) -> None: ...
-
-
-class FakeStage:
-    """A stage whose only robot publishes nothing new; `seen` is what it has shown, None: the computer was too busy."""
-
-    names, path, robot_file = (ROBOT,), "still", None
-    endpoint = ""
-
-    def __init__(self, seen: Seen | None) -> None:
-        self._seen, self.watches = seen, {ROBOT: self}
-
-    def tidy(self) -> None: ...
-    def begin(self) -> None: ...
-
-    def end(self, *_arguments: object) -> Seen:
-        if self._seen is None:
-            raise busy(SLOW)
-        return self._seen
-
-
-@pytest.mark.parametrize(
-    ("seen", "error"),
-    [
-        (drawn([]), Unmet),
-        (replace(drawn([]), doubt=SLOW), Unmet),
-        (None, NotMeasurable),
-    ],
-)
-def test_a_program_that_does_not_end_is_excused_only_by_a_computer_that_stood_still(
-    seen: Seen | None, error: type[Exception], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setattr(attempt, "Run", EndlessRun)
-    tried = Attempt(Program(tmp_path / "start.py", ""), limit_s=40, stage=cast("Stage", FakeStage(seen)))
-    with pytest.raises(error), tried:
-        tried.observe()
-    assert not tried.doubt
-
-
 @pytest.mark.parametrize(
     ("yaws", "unmet"),
     [
@@ -141,14 +90,6 @@ def test_only_whole_shakes_to_both_sides_count(yaws: list[float], unmet: str) ->
 )
 def test_a_refusal_of_any_seat_of_the_program_counts(one: Event, unmet: str) -> None:
     assert figure(1, drawn([*NODS, *((yaw, 0.0, 0.0) for yaw in SHAKE * 2)], one)) == unmet
-
-
-def test_shakes_that_a_refusal_has_skipped_are_told_from_small_ones() -> None:
-    small = event(reason=Reason.OK)
-    small = msgspec.structs.replace(small, pose_query=PoseQuery(yaw=0.005))
-    assert figure(1, drawn(NODS, event())) == "skipped"
-    assert figure(1, drawn(NODS)) == "shakes"
-    assert figure(1, drawn([*NODS, (0.3, 0.0, 0.0)], small, event())) == "shakes"
 
 
 @pytest.mark.parametrize(

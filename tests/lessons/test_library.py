@@ -100,12 +100,3 @@ def test_every_phrase_is_used_and_has_the_same_values_in_both_languages() -> Non
             {field for _, field, _, _ in Formatter().parse(texts[one])} for one in ("en", "de")
         )
         assert english == german, texts
-
-
-def test_a_file_of_a_lesson_is_named_as_the_pupil_has_it() -> None:
-    lesson = Lesson(LIBRARY / "09-follow-the-face")
-    file = lesson.folder / "files/07.jpg"
-    assert file.is_file(), "`lesson start` copies it"
-    said = verdict(lesson, Unmet("missed", file=file, bearing=14.4))
-    assert said.asked == "14.4 deg for 07.jpg"
-    assert str(LIBRARY) not in str(said.values)

@@ -2,22 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
 
 from beatrix_zenoh.lessons import program, progress
 from beatrix_zenoh.lessons.checking import Result, Verdict, count
-
-
-def test_lines_of_python_that_look_like_magic_stay_as_they_are() -> None:
-    def cells(text: str) -> str:
-        return program.cells(json.dumps({"cells": [{"cell_type": "code", "source": [text]}]}))
-
-    text = 'rest = (7\n   % 3)\nsaid = """\n%d\n!"""\n'
-    assert text in cells(text)
-    assert "pass  # matplotlib inline\n" + text in cells("%matplotlib inline\n" + text)
 
 
 @pytest.mark.parametrize(

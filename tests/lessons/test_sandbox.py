@@ -46,12 +46,10 @@ def leave(port):
                 time.sleep(600)
             os._exit(0)
         os.read(there, 1)
+leave(int(os.environ["PORT"]))
+os._exit(0)
 """
 FORKED = 20
-LEAVES = {
-    "function": FORKS,
-    "program that ends Python": FORKS + "\nleave(int(os.environ['PORT']))\nos._exit(0)",
-}
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no fork and no groups")
 
@@ -98,20 +96,13 @@ def test_a_program_has_no_account_and_behind_bubblewrap_sees_no_file_of_the_user
     assert found == [False, "", None, "home", "" if fence else "private"]
 
 
-@pytest.mark.parametrize("kind", LEAVES)
 def test_processes_that_a_program_leaves_in_other_sessions_end_with_the_check(
-    fence: bool, tmp_path: Path, kind: str
+    fence: bool, tmp_path: Path
 ) -> None:
     with ExitStack() as open_until_end, socket.create_server(("127.0.0.1", 0), backlog=FORKED) as server:
         server.settimeout(EVENT_S)
-        port = server.getsockname()[1]
-        if kind == "function":
-            with Attempt(written(tmp_path, LEAVES[kind]), limit_s=5) as tried:
-                tried.value("leave", port)
-                left = [open_until_end.enter_context(server.accept()[0]) for _ in range(FORKED)]
-        else:
-            with running(tmp_path, LEAVES[kind], PORT=str(port)):
-                left = [open_until_end.enter_context(server.accept()[0]) for _ in range(FORKED)]
+        with running(tmp_path, FORKS, PORT=str(server.getsockname()[1])):
+            left = [open_until_end.enter_context(server.accept()[0]) for _ in range(FORKED)]
         for connection in left:
             connection.settimeout(PATIENCE_S)
             assert connection.recv(1) == b"", "its process has ended"
