@@ -20,7 +20,7 @@ from beatrix_zenoh.lessons.measures import Curve, HeadCurves
 from beatrix_zenoh.lessons.phrases import ErrorData, Still, Tell, Unmet, busy, phrase, shown
 
 TICK_S = 0.02
-"""Time between two calls of the function (s): TICK_MS of sim_node/bench.py."""
+"""Time between two calls of the function (s): CHUNK_MS of sim_node/virtual_time.py."""
 ANSWER_S = 60.0
 """Longest time of an answer of the bench (s), its start included."""
 

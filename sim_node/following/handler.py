@@ -12,7 +12,6 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, FollowQuery, FollowState, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.motion.robot_file import fingerprint
 from beatrix_zenoh.node import Component, StatusFields
 from beatrix_zenoh.node.access import Operation
 from beatrix_zenoh.node.callers import Caller
@@ -24,9 +23,6 @@ from sim_node.following.robots import HardwareMessages, OwnArms, follows
 
 CHECK_S: Final = 0.1
 """Period (s) of the check whether the simulation may still follow, and whether the hardware is silent."""
-FILES_DIFFER: Final = (
-    "Hardware and simulation were started with different robot files: start both with the same --robot-file."
-)
 FOLLOWS: Final = (
     "The simulation follows the hardware and takes no motions of its own until `beatrix follow off` or STOP."
 )
@@ -49,7 +45,7 @@ class FollowHandler(Component):
         self._follower: Follower | None = None
         self._arms = OwnArms(controller, snapshot)
         self._sample: HardwareSample | None = None
-        self._was_ready = self._file_known = self._files_differ = self._holds = False
+        self._was_ready = self._holds = False
         self._state = FollowState.OFF
         self._warnings: list[str] = []
 
@@ -95,20 +91,8 @@ class FollowHandler(Component):
 
     def _hear_status(self, status: Status) -> None:
         def hear() -> None:
-            if self._follower is not None and self._sessions is not None:
+            if self._follower is not None:
                 self._follower.hear_status(status)
-                if not self._file_known:  # ask with each status: a node publishes before it answers
-                    self._messages.ask_file(self._sessions, self._hear_file)
-
-        self._queue.post_event(hear)
-
-    def _hear_file(self, file: str) -> None:
-        def hear() -> None:
-            self._file_known = True
-            differ = file not in ("", fingerprint(self._controller.planner.robot))
-            if differ and not self._files_differ:
-                self._events.add(EventKind.WARNING, message=FILES_DIFFER)
-            self._files_differ = differ
 
         self._queue.post_event(hear)
 
@@ -154,8 +138,7 @@ class FollowHandler(Component):
 
     def _begin(self, sessions: Sessions) -> None:
         self._follower, self._arms = Follower(time.monotonic()), OwnArms(self._controller, self._snapshot)
-        self._sample, self._was_ready = None, False
-        self._file_known = self._files_differ = self._holds = False
+        self._sample, self._was_ready, self._holds = None, False, False
         self._state, self._warnings = FollowState.WAITING, []
         self._messages.open(sessions)
         self._check(self._follower)
@@ -220,8 +203,7 @@ class FollowHandler(Component):
         follower, sample = self._follower, self._sample
         if follower is None or sample is None or not self._was_ready:
             return
-        if follower.hear(sample):
-            self._file_known = False
+        follower.hear(sample)
         now_s = time.monotonic()
         own = None if self._hold_if_waiting(follower, now_s) else self._arms.set_point(now_s)
         step = None if own is None else follower.step(now_s, own, self._arms.limits())
@@ -242,7 +224,7 @@ class FollowHandler(Component):
         if state is FollowState.FOLLOWING and changed:
             self._events.add(EventKind.WARNING, message="The simulation follows the hardware.")
         elif (state is FollowState.PARTED and changed) or (
-            state is FollowState.WAITING and warnings != self._warnings[:1] and warnings != [NO_STATUS]
+            state is FollowState.WAITING and warnings not in (self._warnings, [NO_STATUS])
         ):
             self._events.add(EventKind.WARNING, message=warnings[0])
-        self._state, self._warnings = state, [*warnings, *([FILES_DIFFER] if self._files_differ else [])]
+        self._state, self._warnings = state, warnings
