@@ -26,9 +26,7 @@ from sim_node.rays import RayPainter
 from sim_node.renderer import HEIGHT, WIDTH, Renderer
 
 GL_FAILURES: Final = 3
-"""After this many failures of OpenGL in short succession the pictures are drawn by ray casting."""
-SOON_S: Final = 60.0
-"""Failures further apart than this are not counted together; a start that hangs fails sooner, and so is counted."""
+"""After this many failures of OpenGL the pictures are drawn by ray casting."""
 ACTIVE_S: Final = 3.0
 """Time (s) after a picture in which its robot counts as drawn; longer than the longest time between two pictures."""
 _log = logging.getLogger(__name__)
@@ -57,7 +55,7 @@ class Drawing:
         self._users: dict[object, float] = {}
         """The robots that are watched, each with the time of its last picture (s)."""
         self._renderer: Renderer | None = None
-        self._gl_failures, self._gl_failed_s = 0, float("-inf")
+        self._gl_failures = 0
 
     @property
     def steady(self) -> bool:
@@ -129,20 +127,12 @@ class Drawing:
         """Close a process that has failed or hangs, and count the failures of OpenGL."""
         with self._lock:
             self._close()
-            if user not in self._users:
+            if user not in self._users or self.source == RayPainter.source:
                 return
-        if self.source == RayPainter.source:
-            return
-        now_s = time.monotonic()
-        soon = now_s - self._gl_failed_s < SOON_S
-        self._gl_failures, self._gl_failed_s = self._gl_failures + 1 if soon else 1, now_s
-        if self.steady:
-            then = "the drawing process is restarted"
-        else:
-            then = (
-                "OpenGL fails repeatedly, so pictures are drawn by ray casting from now on, coarse and slow"
-            )
-        _log.warning("Drawing with OpenGL has failed (%s): %s.", error, then)
+        self._gl_failures += 1
+        _log.warning(
+            "Drawing with OpenGL has failed (%s). %s", error, NO_RENDERER if self.steady else UNSTEADY
+        )
 
 
 SHARE: Final = 0.5

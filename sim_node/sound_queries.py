@@ -20,7 +20,7 @@ from beatrix_zenoh.node import QueryThread
 from beatrix_zenoh.node.sensors import FULL_SCALE, RATE
 from sim_node.hearing import GENERATORS, PlayingSound, Samples, generated
 from sim_node.shapes import Point
-from sim_node.target import BOUNDS
+from sim_node.target import BOUNDS, check_room, told
 
 SILENCE, SAMPLES = "silence", "samples"
 NAMES: Final = (*GENERATORS, SAMPLES, SILENCE)
@@ -112,40 +112,35 @@ class SoundSource:
         playing = source.playing
         left_s = 0.0 if playing is None else playing.left_s(now_s)
         x, y, z = self.place(self._person())
+        reason, message, detail = told(refusal)
         return SoundReply(
             result=refusal is None,
-            reason=Reason.OK if refusal is None else refusal.reason,
-            message="" if refusal is None else refusal.message,
+            reason=reason,
+            message=message,
             play=playing.name if playing is not None and left_s > 0 else SILENCE,
             seconds=left_s,
             x=x,
             y=y,
             z=z,
             mouth=source.place is None,
-            detail=None if refusal is None else refusal.detail,
+            detail=detail,
         )
 
 
 def place_of(query: SoundQuery) -> Point | None:
     """Return the place (m) in a query, None if there is none; raises Refused (BAD_VALUE)."""
-    given = {"x": query.x, "y": query.y, "z": query.z}
-    found = {name: value for name, value in given.items() if value is not None}
-    if not found:
+    x, y, z = query.x, query.y, query.z
+    if (x, y, z) == (None, None, None):
         return None
     if query.mouth:
         raise bad_field(
             "mouth", "The source is either at x, y, z or in the person's mouth: give one of both."
         )
-    for name, (low, high) in BOUNDS.items():
-        if name not in found:
-            raise bad_field(name, f"A place needs x, y and z; {name} is missing.", tuple(given))
-        if not low <= found[name] <= high:
-            raise Refused(
-                Reason.BAD_VALUE,
-                f"The sound cannot come from {name} = {found[name]:.2f} m; the room allows {low:.1f} to {high:.1f} m.",
-                Detail(field=name, value=found[name], low=low, high=high, unit="m"),
-            )
-    place = found["x"], found["y"], found["z"]
+    if x is None or y is None or z is None:
+        missing = next(name for name in BOUNDS if getattr(query, name) is None)
+        raise bad_field(missing, f"A place needs x, y and z; {missing} is missing.", tuple(BOUNDS))
+    place = x, y, z
+    check_room(place, "The sound cannot come from")
     away = math.hypot(*place)
     if away < NEAREST:
         raise Refused(
