@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import threading
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -35,17 +33,8 @@ MOUTH_BELOW_EYES: Final = 0.079
 """Height (m) of the person's eyes above the mouth, as in the model of the room."""
 
 
-@dataclass(frozen=True)
-class PlacedSound:
-    """What is heard, and from where."""
-
-    place: Point | None = None
-    """m; None: from the mouth of the person"""
-    playing: PlayingSound | None = None
-
-
 class SoundSource:
-    """The source of sound of a room; any thread may read and change it."""
+    """The source of sound of a room; any thread may read it, and one changes it."""
 
     def __init__(self, person: Callable[[], Point], clock_s: Callable[[], float]) -> None:
         """Store the arguments.
@@ -55,20 +44,20 @@ class SoundSource:
             clock_s: the monotonic clock (s).
         """
         self._person, self._clock_s = person, clock_s
-        self._lock = threading.Lock()
-        self._source = PlacedSound()
+        self._place: Point | None = None
+        """m; None: the mouth of the person"""
+        self._playing: PlayingSound | None = None
 
     def place(self, eyes: Point) -> Point:
         """Return the place (m) of the source while the person's eyes are at `eyes`."""
-        placed = self._source.place
-        return (eyes[0], eyes[1], eyes[2] - MOUTH_BELOW_EYES) if placed is None else placed
+        return self._place or (eyes[0], eyes[1], eyes[2] - MOUTH_BELOW_EYES)
 
     def playing(self) -> PlayingSound | None:
         """Return the sound that plays; None: silence.
 
         A sound that has ended stays for a short time, because it is still on its way to the ears.
         """
-        playing = self._source.playing
+        playing = self._playing
         heard = playing is not None and self._clock_s() < playing.began_s + playing.seconds + 0.1
         return playing if heard else None
 
@@ -78,13 +67,11 @@ class SoundSource:
         Raises:
             Refused: BAD_VALUE.
         """
-        with self._lock:
-            source = self._source
-            if (place := place_of(query)) is not None or query.mouth:
-                source = replace(source, place=place)
-            if query.play or query.seconds:
-                source = replace(source, playing=self._play(query, samples))
-            self._source = source
+        place = place_of(query)
+        if query.play or query.seconds:
+            self._playing = self._play(query, samples)
+        if place is not None or query.mouth:
+            self._place = place
 
     def _play(self, query: SoundQuery, samples: Samples | None) -> PlayingSound | None:
         if query.play not in NAMES:
@@ -108,9 +95,8 @@ class SoundSource:
 
     def reply(self, refusal: BeatrixError | None) -> SoundReply:
         """Return what plays where, and the refusal if there is one."""
-        now_s, source = self._clock_s(), self._source
-        playing = source.playing
-        left_s = 0.0 if playing is None else playing.left_s(now_s)
+        playing = self._playing
+        left_s = 0.0 if playing is None else playing.left_s(self._clock_s())
         x, y, z = self.place(self._person())
         reason, message, detail = told(refusal)
         return SoundReply(
@@ -122,7 +108,7 @@ class SoundSource:
             x=x,
             y=y,
             z=z,
-            mouth=source.place is None,
+            mouth=self._place is None,
             detail=detail,
         )
 

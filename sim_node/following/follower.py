@@ -17,6 +17,7 @@ from typing import Final, NamedTuple
 from beatrix_zenoh.contract._generated.messages import FollowState, Positions, Status
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.node.planner import tuple3
 
 GAIN: Final = 10.0
@@ -68,13 +69,7 @@ def distance(one: Arms, other: Arms) -> float:
 
 
 def course_to(
-    hardware: SetPoint,
-    before: Arms,
-    own: SetPoint,
-    *,
-    acceleration: float,
-    speed_max: float,
-    ahead_s: float = AHEAD_S,
+    hardware: SetPoint, before: Arms, own: SetPoint, limits: MotionLimits, ahead_s: float = AHEAD_S
 ) -> Course:
     """Return the motion that keeps the simulation at the hardware.
 
@@ -82,10 +77,10 @@ def course_to(
         hardware: its set points now.
         before: its velocities (rad/s) in the previous sample.
         own: set points of the simulation now.
-        acceleration: of an arm (rad/s2).
-        speed_max: largest speed of an arm (rad/s).
+        limits: those of the simulation's arms.
         ahead_s: time by which targets are ahead (s).
     """
+    acceleration, speed_max = limits.acceleration, limits.speed_max
     rest = resting_place(hardware, acceleration)
     behind = advanced(hardware, -LAG_S).place
     target, speed = [], []
@@ -225,15 +220,6 @@ class HardwareSample(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Limits:
-    """Limits (rad/s, rad/s2) of the simulation's arms."""
-
-    speed_default: float
-    speed_max: float
-    acceleration: float
-
-
-@dataclass(frozen=True)
 class Step:
     """The next motion; `straight`: along a path that must be checked."""
 
@@ -299,7 +285,7 @@ class Follower:
         """Return the sentences for the status."""
         return [text for text in (self.waits_for(now_s) or self._refusal or self._parting.text,) if text]
 
-    def step(self, now_s: float, own: SetPoint, limits: Limits) -> Step | None:
+    def step(self, now_s: float, own: SetPoint, limits: MotionLimits) -> Step | None:
         """Return the next motion, None to continue the last one; `own`: set points of the simulation now."""
         sample = self._sample
         if sample is None or self.waits_for(now_s):
@@ -309,22 +295,14 @@ class Follower:
         if away < (FAR if self._reached else NEAR):
             self._reached, self._planned, self._refusal = True, None, ""
             ahead, careful = (
-                course_to(
-                    hardware,
-                    self._before,
-                    own,
-                    acceleration=limits.acceleration,
-                    speed_max=limits.speed_max,
-                    ahead_s=ahead_s,
-                )
-                for ahead_s in (AHEAD_S, 0.0)
+                course_to(hardware, self._before, own, limits, ahead_s) for ahead_s in (AHEAD_S, 0.0)
             )
             return Step(ahead, straight=False, careful=careful)
         self._reached = False
         self._parting.reset()
         return self._path(now_s, hardware, limits)
 
-    def _path(self, now_s: float, hardware: SetPoint, limits: Limits) -> Step | None:
+    def _path(self, now_s: float, hardware: SetPoint, limits: MotionLimits) -> Step | None:
         """Return a path to the place at which the hardware would rest, if the last path does not lead there."""
         target = resting_place(hardware, limits.acceleration)
         if now_s < self._plan_due_s or (
@@ -332,7 +310,7 @@ class Follower:
         ):
             return None
         self._planned, self._plan_due_s = target, now_s + PATH_S
-        speed = min(limits.speed_max, limits.speed_default + max(map(abs, hardware.velocity)))
+        speed = min(limits.speed_max, limits.default_speed + max(map(abs, hardware.velocity)))
         return Step(Course(target, (speed, speed, speed)), straight=True)
 
     def accepted(self) -> None:

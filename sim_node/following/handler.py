@@ -206,7 +206,7 @@ class FollowHandler(Component):
         follower.hear(sample)
         now_s = time.monotonic()
         own = None if self._hold_if_waiting(follower, now_s) else self._arms.set_point(now_s)
-        step = None if own is None else follower.step(now_s, own, self._arms.limits())
+        step = None if own is None else follower.step(now_s, own, self._controller.planner.limits)
         if step is not None:
             try:
                 self._arms.move(step)

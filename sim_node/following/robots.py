@@ -15,7 +15,7 @@ from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.planner import tuple3
 from beatrix_zenoh.node.snapshot import Snapshot
-from sim_node.following.follower import HardwareSample, Limits, Places, SetPoint, Step, advanced
+from sim_node.following.follower import HardwareSample, Places, SetPoint, Step, advanced
 
 
 class HardwareMessages:
@@ -78,11 +78,6 @@ class OwnArms:
         telemetry = sample.telemetry
         point = SetPoint(gear.to_rad(telemetry.position), gear.to_rad(telemetry.velocity))
         return advanced(point, now_s - sample.t_mono_ns / 1e9)
-
-    def limits(self) -> Limits:
-        """Return the limits of the arms; the teacher may change them at any time."""
-        limits = self._planner.limits
-        return Limits(limits.default_speed, limits.speed_max, limits.acceleration)
 
     def measured(self) -> tuple[float, Places]:
         """Return a time (monotonic clock, s), and the measured places of arms and head then."""

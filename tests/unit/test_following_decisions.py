@@ -9,7 +9,9 @@ from msgspec.structs import replace
 from statuses import AT_HOME, BOARD, READY
 
 from beatrix_zenoh.contract._generated.messages import FollowState, Head, Status
+from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.node.planner import vector
 from sim_node.following.follower import (
     LASTS_S,
@@ -19,13 +21,12 @@ from sim_node.following.follower import (
     SILENT_S,
     Follower,
     HardwareSample,
-    Limits,
     Parting,
     Places,
     SetPoint,
 )
 
-LIMITS = Limits(math.radians(30), math.radians(90), math.radians(180))
+LIMITS = MotionLimits(ROBOT)
 REST: Arms = (0.0, 0.0, 0.0)
 
 
@@ -118,7 +119,7 @@ def test_a_jump_of_the_set_point_is_reached_on_a_checked_path_at_the_default_spe
     assert step is not None
     assert step.straight
     assert step.course.target == pytest.approx(deg(40, 40, 40))
-    assert step.course.speed == pytest.approx((LIMITS.speed_default,) * 3)
+    assert step.course.speed == pytest.approx((LIMITS.default_speed,) * 3)
     follower.accepted()
     follower.hear(sample(10.12, 40.0))
     assert follower.step(10.12, SetPoint(deg(1, 1, 1), REST), LIMITS) is None, "the path still leads there"

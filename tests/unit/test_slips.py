@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-import inspect
-import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -54,16 +51,3 @@ def test_the_error_of_a_slip_names_what_was_meant(slip: str, meant: str, names: 
     with pytest.raises((AttributeError, TypeError)) as error:
         eval(slip, names.copy())
     assert str(error.value).startswith(meant)
-
-
-def test_a_value_method_behaves_as_a_method(names: dict[str, Any]) -> None:
-    robot = names["robot"]
-    assert repr(robot.positions) == "<method positions: write positions()>"
-    assert (robot.positions.__name__, robot.positions.__doc__) == ("positions", Robot.positions.__doc__)
-    assert list(inspect.signature(robot.camera).parameters) == ["eye", "timeout_s"]
-    assert Robot.status(robot).robot == asyncio.run(asyncio.to_thread(robot.status)).robot == "bea1"
-    thread = threading.Thread(target=robot.positions)
-    thread.start()
-    thread.join(10)
-    assert not hasattr(robot, "_missing")
-    assert not hasattr(robot, "__missing__")
