@@ -192,15 +192,16 @@ class DeviceMicrophones:
 
     def trouble(self) -> str:
         """Return why the device cannot be used, else an empty text; looks for devices that were plugged in."""
-        try:
-            self._number()
-        except NoAnswer:
-            self._list_anew()
+        trouble = ""
+        for _ in range(2):
             try:
                 self._number()
             except NoAnswer as error:
-                return error.message
-        return ""
+                trouble = error.message
+                self._list_anew()
+            else:
+                return ""
+        return trouble
 
     def _list_anew(self) -> None:
         """Let PortAudio list the devices again; it does so only when it is initialized."""
@@ -217,7 +218,7 @@ class DeviceMicrophones:
         listed = "; ".join(f"{number} {device['name']}" for number, device in inputs.items())
         have = (
             f"Devices with two channels: {listed}."
-            if inputs
+            if listed
             else "No device with two channels is plugged in."
         )
         word = self._word.lower()

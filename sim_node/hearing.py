@@ -54,16 +54,10 @@ class PlayingSound:
 
     def emitted(self, first: int, count: int) -> Samples:
         """Return `count` samples from number `first` on; zeros before the sound begins and after its end."""
-        total, begin = round(self.seconds * RATE), first % len(self.samples)
-        if begin + count <= len(self.samples):
-            samples = self.samples[begin : begin + count]
-        else:
-            samples = self.samples.take(np.arange(begin, begin + count), mode="wrap")
-        if first >= FADE and first + count <= total - FADE:
-            return samples
+        total = round(self.seconds * RATE)
         numbers = np.arange(first, first + count)
         fade: Samples = np.clip(np.minimum(numbers + 1, total - numbers) / FADE, 0.0, 1.0).astype(np.float32)
-        return samples * fade
+        return self.samples.take(numbers, mode="wrap") * fade
 
 
 def _noise(length: int, low_hz: float, high_hz: float, seed: int = SEED) -> Vector:

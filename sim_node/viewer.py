@@ -27,7 +27,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node import Component
 from sim_node.model import scene_spec
 from sim_node.painter import PosedModel, SceneState
-from sim_node.piped_process import NICE, PipedProcess
+from sim_node.piped_process import NICE, READY, PipedProcess
 from sim_node.shapes import Vector
 from sim_node.visuals import COLLISION, MATERIALS, add_meshes
 
@@ -39,8 +39,6 @@ KEYS: Final = (
     f"In the window, key {MECHANISM} shows the mechanism inside the robot, key {COLLISION} the simple shapes with mass "
     "that can touch each other."
 )
-READY: Final = "ready"
-"""Printed by the subprocess when the window is open."""
 PERIOD_S: Final = 1 / 30
 
 
@@ -50,7 +48,7 @@ class SceneViewer:
     def __init__(self, robot: RobotData) -> None:
         """Open the window; raises Refused if that fails, usually because there is no display."""
         self._process = PipedProcess("sim_node.viewer", robot)
-        if self._process.first_line() != READY:
+        if not self._process.ready():
             self.close()
             raise Refused(
                 Reason.BAD_VALUE,
@@ -147,7 +145,7 @@ def main(words: list[str]) -> int:
         posed.model, posed.data, show_left_ui=False, show_right_ui=False
     ) as viewer:
         viewer.cam.lookat, viewer.cam.distance, viewer.cam.azimuth, viewer.cam.elevation = _CAMERA
-        os.write(STDOUT, f"{READY}\n".encode())
+        os.write(STDOUT, READY)
         while viewer.is_running() and not states.ended:
             state = states.newest
             with viewer.lock():

@@ -349,45 +349,32 @@ class Attempt:
             raise
 
     def _finish(self, run: Run, stage: Stage, limit_s: float, *, ends: bool) -> None:
-        """As `_wait`, and judge first whether this computer was fast enough for its errors."""
-        try:
-            self._wait(run, stage, limit_s, ends=ends)
-        except Unmet as unmet:
-            if unmet.figure == "ends":
-                unmet.values |= pace(self._judge_endless(stage, run))
-                self.doubt = None  # short gaps do not make a program endless
-            elif unmet.figure in ("runs", "uncaught", "other_robot") and not OWN_ERROR.match(
-                str(unmet.values["error"])
-            ):
-                self._judge(stage, run)  # the robot may have stopped because this computer was busy
-            raise
-
-    def _close(self, run: Run) -> None:
-        run.close()
-        self.cores = run.cores
-
-    def _judge_endless(self, stage: Stage, run: Run) -> dict[str, Seen]:
-        """As `_judge`, for a program that did not end."""
-        try:
-            return self._judge(stage, run)
-        except NotMeasurable as why:
-            raise NotMeasurable(phrase("endless", why=why.why, seconds=self._limit_s)) from None
-
-    def _wait(self, run: Run, stage: Stage, limit_s: float, *, ends: bool) -> None:
         """Wait for the end of the program, and keep what the robots publish meanwhile.
 
-        Raises Unmet, `ends`, if the program must end (`ends`) and still runs `limit_s` (s) after its start.
+        Raises Unmet, `ends`, if the program must end (`ends`) and still runs `limit_s` (s) after its start, and its
+        errors; raises NotMeasurable instead if this computer may be the cause.
         """
         still = Still(self._tell, "still_runs", limit_s - run.seconds)
         while run.running and run.seconds < limit_s:
             _watch(stage, POLL_S)
             still.look()
+        if run.running and ends:
+            asked = pace(self._judge(stage, run))
+            self.doubt = None  # short gaps do not make a program endless
+            raise Unmet("ends", what=phrase("program"), limit=limit_s, **asked)
         if run.running:
-            if ends:
-                raise Unmet("ends", what=phrase("program"), limit=limit_s)
-        else:
+            return
+        try:
             run.check()
-            _watch(stage, TAIL_S)
+        except Unmet as unmet:
+            if unmet.figure != "keyboard" and not OWN_ERROR.match(str(unmet.values["error"])):
+                self._judge(stage, run)  # the robot may have stopped because this computer was busy
+            raise
+        _watch(stage, TAIL_S)
+
+    def _close(self, run: Run) -> None:
+        run.close()
+        self.cores = run.cores
 
 
 def _watch(stage: Stage, seconds: float) -> None:

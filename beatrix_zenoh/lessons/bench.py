@@ -122,11 +122,9 @@ def run(
         if course is None:
             target = drive.target(t)
         else:
-            back = (
-                tick - late
-            )  # states[back - 1] is the state at this time; before the start the head was home
-            yaw = states[back - 1]["head"][0] if back > 0 else 0.0
-            target = drive.target(course(max(0, back) * TICK_S) - yaw, TICK_S)
+            back = max(0, tick - late)  # before the start the head was home
+            yaw = states[back - 1]["head"][0] if back else 0.0
+            target = drive.target(course(back * TICK_S) - yaw, TICK_S)
         states.append(_tick(plant, target, t))
         asked.append(target)
     t_end = np.array([(tick + 1) * TICK_S for tick in range(ticks)])
@@ -134,10 +132,7 @@ def run(
         t_end,
         asked=np.array(asked),
         course=np.array([0.0 if course is None else course(t) for t in t_end.tolist()]),
-        **{
-            name: np.array([state[name] for state in states])
-            for name in ("head", "arms", "speed", "commanded")
-        },
+        **{name: np.array([state[name] for state in states]) for name in states[0]},
     )
 
 

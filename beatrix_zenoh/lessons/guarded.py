@@ -226,7 +226,10 @@ class Run:
             raise Unmet("keyboard", where=self._where())
         error = self._error(lines)
         figure = "uncaught" if str(error).startswith(REFUSED) else "runs"
-        raise Unmet("other_robot" if _names_other_robot(error) else figure, error=error, where=self._where())
+        if isinstance(error, ErrorData) and error.reason in (Reason.NO_ANSWER, Reason.NO_SUCH_ROBOT):
+            absent = error.detail is not None and error.detail.field not in ("", *error.detail.known)
+            figure = "other_robot" if absent else figure
+        raise Unmet(figure, error=error, where=self._where())
 
     def _error(self, lines: list[str]) -> ErrorData | Phrase:
         """Return the error of the traceback, or how the program has ended without one."""
@@ -257,14 +260,5 @@ class Run:
         if not self.cores:
             self.cores = self._sandbox.used_s() / self.seconds
         self._reader.join(END_S)
-        if (
-            self._process.stdout is not None and not self._reader.is_alive()
-        ):  # else closing would wait for the reader
+        if self._process.stdout is not None and not self._reader.is_alive():  # else closing would wait for it
             self._process.stdout.close()
-
-
-def _names_other_robot(error: ErrorData | Phrase) -> bool:
-    """Return whether this is the error of a program that names a robot which is not online."""
-    if not isinstance(error, ErrorData) or error.reason not in (Reason.NO_ANSWER, Reason.NO_SUCH_ROBOT):
-        return False
-    return error.detail is not None and error.detail.field not in ("", *error.detail.known)

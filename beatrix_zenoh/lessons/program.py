@@ -77,13 +77,11 @@ class Program:
 
     def place(self, line: int) -> Phrase:
         """Return where a line of the program is, for the pupil: `line 12`, or `cell 3, line 2`."""
-        if self.path.suffix != ".ipynb":
-            return phrase("line", line=line)
-        before = self.text.splitlines()[:line]
+        before = self.text.splitlines()[:line] if self.path.suffix == ".ipynb" else []
         starts = [number for number, written in enumerate(before, start=1) if written == CELL]
-        if not starts:
-            return phrase("line", line=line)
-        return phrase("cell", cell=len(starts), line=line - starts[-1])
+        return (
+            phrase("cell", cell=len(starts), line=line - starts[-1]) if starts else phrase("line", line=line)
+        )
 
 
 def read(path: Path) -> Program:

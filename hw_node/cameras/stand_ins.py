@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from abc import abstractmethod
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
@@ -33,58 +34,55 @@ BARS: Final = np.array([(k & 2, k & 4, k & 1) for k in (7, 6, 5, 4, 3, 2, 1)], b
 """Colours of the bars above, from white to blue; the right eye has them in reverse order."""
 
 
-class FrameTimer:
-    """Absolute deadlines of pictures at a constant rate."""
+class TimedPictures:
+    """A source that makes pictures at a constant rate."""
 
-    def __init__(self, hz: float = HZ) -> None:
-        self._period_s = 1 / hz
+    name: str
+    _due_s, _period_s = 0.0, 1 / HZ
+
+    def trouble(self) -> str:
+        """Return an empty text: the pictures are always there."""
+        return ""
+
+    def open(self) -> None:
+        """Begin with the first picture now."""
         self._due_s = time.monotonic()
 
-    def wait(self, timeout_s: float) -> bool:
-        """Wait for the next deadline; return False after `timeout_s` if it is later."""
+    def next(self, timeout_s: float) -> CameraFrame | None:
+        """Wait for the next picture and return it; None if it is due after `timeout_s`."""
         left_s = self._due_s - time.monotonic()
+        time.sleep(max(0.0, min(left_s, timeout_s)))
         if left_s > timeout_s:
-            time.sleep(timeout_s)
-            return False
-        if left_s > 0:
-            time.sleep(left_s)
+            return None
         # Missed deadlines are skipped, so that no burst of late pictures follows a delay.
         self._due_s = max(self._due_s + self._period_s, time.monotonic())
-        return True
+        return self.picture(time.monotonic_ns())
+
+    @abstractmethod
+    def picture(self, t_mono_ns: int) -> CameraFrame:
+        """Return the picture of this time; raises NoAnswer if there is none."""
+
+    def close(self) -> None:
+        """Free what the pictures need."""
 
 
-class Pattern:
+class Pattern(TimedPictures):
     """Test pictures at 30 Hz with their number since the start, the wall-clock time, and the monotonic time in ms."""
 
-    name: Final = "pattern"
+    name = "pattern"
 
     def __init__(self, eye: str) -> None:
         self._eye, self._number = eye, 0
         self._image = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
         bars = BARS if eye == "left" else BARS[::-1]
         self._image[:BARS_HEIGHT] = bars.repeat(-(-WIDTH // len(bars)), axis=0)[:WIDTH]
-        self._timer = FrameTimer(HZ)
 
-    def trouble(self) -> str:
-        """Return an empty text: the test picture is always available."""
-        return ""
-
-    def open(self) -> None:
-        """Restart the timer."""
-        self._timer = FrameTimer(HZ)
-
-    def next(self, timeout_s: float) -> CameraFrame | None:
-        """Wait for the next picture and return it; None if it is due after `timeout_s`."""
-        if not self._timer.wait(timeout_s):
-            return None
+    def picture(self, t_mono_ns: int) -> CameraFrame:
+        """Draw the next picture."""
         self._number += 1
-        t_mono_ns = time.monotonic_ns()
         self._draw(t_mono_ns)
         jpeg = simplejpeg.encode_jpeg(self._image, quality=QUALITY, colorspace="RGB", colorsubsampling="420")
         return CameraFrame(jpeg, WIDTH, HEIGHT, t_mono_ns, self.name)
-
-    def close(self) -> None:
-        """Do nothing: there are no resources to free."""
 
     def _draw(self, t_mono_ns: int) -> None:
         """Draw the parts that change; the rest of the picture is constant."""
@@ -123,51 +121,47 @@ PERIOD: Final = slice(32, 36)
 """Where an AVI file has the time (microseconds) between two pictures."""
 
 
-class PictureFiles:
+class PictureFiles(TimedPictures):
     """The pictures of a folder in the order of their names, or those of a video, or one picture.
 
     They are repeated, and not encoded again. The rate is 30 pictures a second, or that of an AVI video, at most HZ_MAX.
     """
 
-    name: Final = "file"
+    name = "file"
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._pictures: Sequence[Path | bytes] = ()
         self._next = 0
-        self._timer = FrameTimer()
 
     def trouble(self) -> str:
         """Return an error message if the path does not exist, else an empty text."""
         return "" if self._path.exists() else f"{self._path} does not exist. Name {KINDS}."
 
     def open(self) -> None:
-        """Find the pictures and start their timer."""
+        """Find the pictures, and begin with the first one now."""
         try:
-            hz = self._open()
+            self._find()
         except (OSError, ValueError) as error:
             raise self._unreadable(str(error)) from error
         if not self._pictures:
             raise self._unreadable("it contains no JPEG picture")
-        self._timer = FrameTimer(hz)
+        super().open()
 
-    def _open(self) -> float:
-        """Find the pictures, and return their rate (Hz)."""
+    def _find(self) -> None:
+        """Find the pictures, and their rate."""
         if self._path.is_dir():
             self._pictures = sorted(p for p in self._path.iterdir() if p.suffix.lower() in PICTURES)
-            return HZ
-        if self._path.suffix.lower() in PICTURES:
+        elif self._path.suffix.lower() in PICTURES:
             self._pictures = [self._path]
-            return HZ
-        video = self._path.read_bytes()
-        self._pictures = [video[begin:end] for begin, end in jpeg.split(video)]
-        period_us = int.from_bytes(video[PERIOD], "little") if video.startswith(b"RIFF") else 0
-        return min(HZ_MAX, 1e6 / period_us) if period_us else HZ
+        else:
+            video = self._path.read_bytes()
+            self._pictures = [video[begin:end] for begin, end in jpeg.split(video)]
+            if video.startswith(b"RIFF"):
+                self._period_s = max(1 / HZ_MAX, int.from_bytes(video[PERIOD], "little") / 1e6)
 
-    def next(self, timeout_s: float) -> CameraFrame | None:
-        """Wait for the next picture and return it; None if it is due after `timeout_s`."""
-        if not self._timer.wait(timeout_s):
-            return None
+    def picture(self, t_mono_ns: int) -> CameraFrame:
+        """Return the next picture."""
         one = self._pictures[self._next % len(self._pictures)]
         self._next += 1
         try:
@@ -175,7 +169,7 @@ class PictureFiles:
             width, height = jpeg.size(picture)
         except (OSError, ValueError) as error:
             raise self._unreadable(f"{one if isinstance(one, Path) else 'a picture'}: {error}") from error
-        return CameraFrame(picture, width, height, time.monotonic_ns(), self.name)
+        return CameraFrame(picture, width, height, t_mono_ns, self.name)
 
     def _unreadable(self, why: str) -> NoAnswer:
         return NoAnswer(Reason.BAD_VALUE, f"{self._path} cannot be shown: {why}. Name {KINDS}.")

@@ -7,10 +7,10 @@ import time
 from collections.abc import Iterator
 
 import pytest
-from robots import Stage, until, wait_status
+from robots import Stage, wait_status
 
 from beatrix_zenoh import NoAnswer, Robot
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason, Status
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import SoundBlock, sensors
 from hw_node.body import VirtualHardware
@@ -81,18 +81,6 @@ def test_events_show_when_the_microphones_are_on_and_off(robot: Robot, device: F
     assert (first.action, first.message) == ("on", "The microphones are on: a client listens.")
     assert (second.action, second.message) == ("off", "The microphones are off.")
     assert device.opened == device.closed == 1
-
-
-def test_a_lost_device_is_reported_and_listened_to_again(robot: Robot, device: FakeDevice) -> None:
-    with robot.microphones() as sound:
-        sound.next()
-        device.feed.put(NoAnswer(Reason.NO_ANSWER, "The microphones are unplugged: plug them in."))
-        until(lambda: len(told(robot)) >= 5, "lost, off, and on again")
-        sound.next()
-    kinds = [(event.action, event.reason) for event in told(robot)[:5]]
-    assert kinds[0] == ("on", Reason.OK)
-    assert sorted(kinds[1:3]) == [("", Reason.FAULT), ("off", Reason.OK)]
-    assert sorted(kinds[3:5]) == [("", Reason.OK), ("on", Reason.OK)]
 
 
 def test_a_robot_without_microphones_says_what_to_do(router: Stage) -> None:
