@@ -118,13 +118,8 @@ def _add_chain(spec: mujoco.MjSpec, robot: RobotData, name: str, chain: Chain) -
     hinge.frictionloss = size.arm_friction
     hinge.solref_friction, hinge.solimp_friction = _SOLREF, _SOLIMP
     ring = SIZES.ring_heights[ARMS.index(name)]
-    _add_solid(
-        arm,
-        "ring",
-        mujoco.mjtGeom.mjGEOM_CYLINDER,
-        [SIZES.ring_radius, SIZES.ring_thickness / 2, 0.0],
-        size.arm_mass / 2,
-    ).pos = [0.0, 0.0, ring]
+    disc = [SIZES.ring_radius, SIZES.ring_thickness / 2, 0.0]
+    _add_solid(arm, "ring", mujoco.mjtGeom.mjGEOM_CYLINDER, disc, size.arm_mass / 2).pos = [0.0, 0.0, ring]
     elbow = np.array(chain.elbow) * size.arm_length
     base = direction(chain.azimuth, SIZES.post_radius, ring)
     _add_link(arm, base, elbow * 1.2, size.arm_mass / 2)

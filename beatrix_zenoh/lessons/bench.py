@@ -70,8 +70,8 @@ class TargetFunction:
 
 def start(speed: float | None) -> LineChild:
     """Start the process of the bench; raises Refused if it ends at once, NotMeasurable if it does not answer."""
-    found = [entry for entry in metadata.entry_points(group="beatrix.processes") if entry.name == "bench"]
-    module = found[0].module if found else "sim_node.bench"
+    found = metadata.entry_points(group="beatrix.processes", name="bench")
+    module = next((entry.module for entry in found), "sim_node.bench")
     process = subprocess.Popen(
         [sys.executable, "-P", "-m", module],
         stdin=subprocess.PIPE,

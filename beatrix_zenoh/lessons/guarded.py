@@ -92,14 +92,19 @@ class Guarded:
 
     def end(self) -> None:
         """Kill the program and all that it has started."""
-        for pipe in (self.requests, self.process.stdin):
-            if pipe is not None:
-                with contextlib.suppress(OSError):  # what was not yet written has no reader
-                    pipe.close()
+        close(self.requests, self.process.stdin)
         with contextlib.suppress(subprocess.TimeoutExpired):
             self.process.wait(GUARD_S)
         kill_group(self.process)  # if the program has killed or suspended its guard
         self.process.wait()
+
+
+def close(*pipes: IO[bytes] | None) -> None:
+    """Close pipes; what was not yet written has no reader."""
+    for pipe in pipes:
+        if pipe is not None:
+            with contextlib.suppress(OSError):
+                pipe.close()
 
 
 def kill_group(process: subprocess.Popen[bytes]) -> None:
@@ -170,10 +175,7 @@ class LineChild:
         """End the child, which holds nothing that it would have to save."""
         self._end()
         self._reader.join()
-        for pipe in (self._requests, self._process.stdout):
-            if pipe is not None:
-                with contextlib.suppress(OSError):  # what was not yet written has no reader
-                    pipe.close()
+        close(self._requests, self._process.stdout)
 
 
 class Run:

@@ -41,7 +41,6 @@ class CameraSensor(Sensor[CameraFrame]):
 
 
 PATTERN, FILE = "pattern", "file:"
-OTHERS: Final = "left=pattern (a test picture), or left=file:PATH (pictures or a video)"
 
 
 @dataclass(frozen=True)
@@ -107,7 +106,10 @@ def on_linux() -> bool:
 
 def examples() -> str:
     """Return examples of values of --camera on this system."""
-    return f"left={'/dev/v4l/by-path/…' if on_linux() else '0'} (a USB camera), {OTHERS}"
+    usb = "/dev/v4l/by-path/…" if on_linux() else "0"
+    return (
+        f"left={usb} (a USB camera), left=pattern (a test picture), or left=file:PATH (pictures or a video)"
+    )
 
 
 def choices(words: Sequence[str]) -> list[CameraChoice]:

@@ -45,7 +45,6 @@ class V4l2Camera:
         self._path = path
         self._device: v4l2.Device | None = None
         self._capture: v4l2.VideoCapture | None = None
-        self._damaged = 0
 
     def trouble(self) -> str:
         """Return an error message if the path does not exist, else an empty text."""
@@ -96,9 +95,7 @@ class V4l2Camera:
         try:
             return to_frame(one)
         except ValueError as error:  # cameras send damaged pictures after their start and on bad cables
-            self._damaged += 1
-            if self._damaged & (self._damaged - 1) == 0:  # log the 1st, 2nd, 4th, 8th … picture only
-                log.warning("%s: damaged picture skipped (%s), %d so far.", self._path, error, self._damaged)
+            log.debug("%s: damaged picture skipped (%s).", self._path, error)
             return None
 
     def close(self) -> None:

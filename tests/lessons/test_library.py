@@ -2,36 +2,21 @@
 
 from __future__ import annotations
 
-import math
 import re
 from string import Formatter
 
 import pytest
 from lesson_checks import checked, of_lesson
 
-from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Limit, Reason, Vector3
-from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lesson_files import LIBRARY, Lesson, lessons
 from beatrix_zenoh.lessons.checking import Result, Verdict, verdict
-from beatrix_zenoh.lessons.phrases import Unmet, error_data, phrase, phrases
+from beatrix_zenoh.lessons.phrases import Unmet, phrase, phrases
 from beatrix_zenoh.lessons.stage import Stage
 
 LESSONS = lessons()
 CHECKED = [of_lesson(lesson, lesson.name, lesson.name) for lesson in LESSONS]
 
 pytestmark = pytest.mark.timeout(400)  # a check may take two minutes, and is tried twice
-SLOW = math.radians(9.5)
-LEANS = Refused(
-    Reason.OUT_OF_REACH,
-    detail=Detail(
-        limit=Limit.TILT,
-        value=math.radians(40),
-        high=math.radians(35),
-        unit="rad",
-        at_goal=True,
-        alternative=Alternative(speed=Vector3(SLOW, SLOW, SLOW)),
-    ),
-)
 FIGURE = re.compile(r'(?:require\(|Unmet\()\s*"([\w-]+)"')
 
 
@@ -68,17 +53,6 @@ def test_texts_are_complete(lesson: Lesson, language: str) -> None:
         (
             Unmet("ends", what=phrase("function", name="double"), limit=2.0),
             "Deine Funktion double war nach 2 s noch nicht fertig",
-        ),
-        (
-            Unmet(
-                "uncaught",
-                error=error_data(LEANS),
-                where=phrase("where", place=phrase("cell", cell=2, line=4)),
-            ),
-            (
-                "Refused: Der Kopf stünde 40,0° schräg; höchstens 35,0° sind erlaubt. "
-                "Versuche es mit der Geschwindigkeit 9,5°/s. (Zelle 2, Zeile 4)"
-            ),
         ),
         (
             Unmet("keyboard", where=phrase("where", place=phrase("line", line=12))),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import queue
 import time
 from collections.abc import Iterator
 
@@ -18,26 +17,22 @@ from hw_node.microphones import MicrophoneSensor
 
 
 class FakeDevice:
-    """Microphones that the test controls: blocks come every 20 ms unless the test has put an error into `feed`."""
+    """Microphones whose blocks come every 20 ms."""
 
     name = "device"
 
     def __init__(self) -> None:
-        self.missing = ""
         self.opened = self.closed = 0
-        self.feed: queue.SimpleQueue[Exception] = queue.SimpleQueue()
 
     def trouble(self) -> str:
-        return self.missing
+        return ""
 
     def open(self) -> None:
         self.opened += 1
 
     def next(self, timeout_s: float) -> SoundBlock | None:
-        try:
-            raise self.feed.get(timeout=min(timeout_s, 0.02))
-        except queue.Empty:
-            return SoundBlock(bytes(3840), time.monotonic_ns(), self.name)
+        time.sleep(min(timeout_s, 0.02))
+        return SoundBlock(bytes(3840), time.monotonic_ns(), self.name)
 
     def close(self) -> None:
         self.closed += 1

@@ -1,57 +1,14 @@
-"""The two robots of a simulation that follows: messages of the hardware, and its own arms."""
+"""The arms of a simulation that follows."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-
-from beatrix_zenoh.bus import Received, Sessions
-from beatrix_zenoh.contract import codec
-from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Positions, Status
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.planner import tuple3
 from beatrix_zenoh.node.snapshot import Snapshot
-from sim_node.following.follower import HardwareSample, Places, SetPoint, Step, advanced
-
-
-class HardwareMessages:
-    """Receives positions and status of the hardware of one name; the callbacks run on Zenoh's thread."""
-
-    def __init__(
-        self, name: str, on_sample: Callable[[HardwareSample], None], on_status: Callable[[Status], None]
-    ) -> None:
-        self._name, self._on_sample, self._on_status = name, on_sample, on_status
-        self._ends: list[Callable[[], None]] = []
-
-    def open(self, sessions: Sessions) -> None:
-        """Subscribe."""
-        self._ends += [
-            sessions.subscribe(keys.positions(self._name, "hw"), self._positions),
-            sessions.subscribe(keys.status(self._name, "hw"), self._status),
-        ]
-
-    def close(self) -> None:
-        """End the subscriptions."""
-        for end in self._ends:
-            end()
-        self._ends = []
-
-    def _positions(self, received: Received) -> None:
-        try:
-            positions = codec.decode(received.payload, Positions)
-        except BeatrixError:  # it does not come from a node of this version
-            return
-        self._on_sample(HardwareSample.of(positions, time.monotonic()))
-
-    def _status(self, received: Received) -> None:
-        try:
-            self._on_status(codec.decode(received.payload, Status))
-        except BeatrixError:
-            return
+from sim_node.following.follower import Places, SetPoint, Step, advanced
 
 
 def follows(access: Access) -> bool:
