@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterator
 
@@ -31,7 +32,7 @@ class FakeDevice:
         self.opened += 1
 
     def next(self, timeout_s: float) -> SoundBlock | None:
-        time.sleep(min(timeout_s, 0.02))
+        threading.Event().wait(min(timeout_s, 0.02))
         return SoundBlock(bytes(3840), time.monotonic_ns(), self.name)
 
     def close(self) -> None:
