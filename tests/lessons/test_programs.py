@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from beatrix_zenoh.lessons import program, progress
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lessons import bench, program, progress
 from beatrix_zenoh.lessons.checking import Result, Verdict, count
+from beatrix_zenoh.lessons.guarded import LineChild, NoReply
+from beatrix_zenoh.lessons.phrases import NotMeasurable
 
 
 @pytest.mark.parametrize(
@@ -24,3 +27,18 @@ def test_a_seat_is_stuck_while_checks_find_nothing_new(tmp_path: Path, figures: 
         verdict = Verdict(Result.PASSED) if passed else Verdict(Result.NOT_YET, figure)
         count(record, verdict, checked_program.sha256)
     assert (record.tries, record.stuck) == (len(figures), stuck)
+
+
+@pytest.mark.parametrize(
+    ("code", "error", "words"),
+    [(None, NotMeasurable, "too busy"), (1, Refused, "exit code 1"), (-9, Refused, "SIGKILL")],
+)
+def test_a_bench_without_an_answer_is_not_called_missing(
+    code: int | None, error: type[Exception], words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def ask(*_arguments: object) -> None:
+        raise NoReply(code)
+
+    monkeypatch.setattr(LineChild, "ask", ask)
+    with pytest.raises(error, match=words):
+        bench.start(None)

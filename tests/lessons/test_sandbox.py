@@ -13,6 +13,7 @@ import pytest
 from robots import EVENT_S, PATIENCE_S, until
 
 from beatrix_zenoh import account
+from beatrix_zenoh.contract import tracebacks
 from beatrix_zenoh.lesson_files import find
 from beatrix_zenoh.lessons import attempt, checking, program, sandbox
 from beatrix_zenoh.lessons.attempt import Attempt, Unmet
@@ -163,3 +164,40 @@ def test_a_pause_of_the_simulation_hides_no_motion(
     arms = np.column_stack([commanded] * 3)
     assert hidden_s(np.array(t), np.array(seq), arms) == pytest.approx(hidden)
     assert PAUSE_S == STALL_S
+
+
+DATA = {tracebacks.VARIABLE: tracebacks.DATA}
+ABSENT = """
+from beatrix_zenoh import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Detail, Reason
+raise NoAnswer(Reason.NO_ANSWER, detail=Detail(field='ada (sim)', known=['bea1 (sim)']))
+"""
+LEANS = """
+from beatrix_zenoh import Refused
+from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
+def lean():
+    raise Refused(Reason.OUT_OF_REACH, detail=Detail(limit=Limit.TILT, value=0.7, high=0.6, unit="rad", at_goal=True))
+if __name__ == "__main__":
+    lean()
+"""
+
+
+def test_a_program_for_another_robot_is_told_to_name_none(tmp_path: Path) -> None:
+    with running(tmp_path, ABSENT, **DATA) as run:
+        until(lambda: not run.running, "its end")
+        with pytest.raises(Unmet) as unmet:
+            run.check()
+    assert unmet.value.figure == "other_robot"
+
+
+def test_a_refusal_reaches_a_german_check_as_data(tmp_path: Path) -> None:
+    with running(tmp_path, LEANS, **DATA) as run:
+        until(lambda: not run.running, "its end")
+        with pytest.raises(Unmet) as of_program:
+            run.check()
+    with Attempt(written(tmp_path, LEANS), limit_s=5) as tried, pytest.raises(Unmet) as called:
+        tried.value("lean")
+    german_text = "Refused: Der Kopf stünde 40,1° schräg; höchstens 34,3° sind erlaubt."
+    german = find(1, "de")
+    assert checking.verdict(german, of_program.value).found == f"{german_text} (Zeile 5)"
+    assert checking.verdict(german, called.value).found == f"{german_text} in lean() (Zeile 5)"

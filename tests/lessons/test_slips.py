@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import cast
 
@@ -13,7 +13,6 @@ import numpy.typing as npt
 import pytest
 from robots import until
 
-from beatrix_zenoh.contract import tracebacks
 from beatrix_zenoh.contract._generated.messages import (
     Event,
     EventKind,
@@ -177,45 +176,3 @@ def test_a_program_finds_its_files_as_by_hand(
     with contextlib.closing(Run(folder / "start.py", made, Sandbox.of(made, tmp_path), {})) as run:
         until(lambda: not run.running, "the program has ended")
         run.check()
-
-
-ABSENT = """
-from beatrix_zenoh import NoAnswer
-from beatrix_zenoh.contract._generated.messages import Detail, Reason
-raise NoAnswer(Reason.NO_ANSWER, detail=Detail(field='ada (sim)', known=['bea1 (sim)']))
-"""
-LEANS = """
-from beatrix_zenoh import Refused
-from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
-def lean():
-    raise Refused(Reason.OUT_OF_REACH, detail=Detail(limit=Limit.TILT, value=0.7, high=0.6, unit="rad", at_goal=True))
-if __name__ == "__main__":
-    lean()
-"""
-
-
-@contextlib.contextmanager
-def ended(folder: Path, text: str) -> Iterator[Run]:
-    """Run a program as a check does, until it has ended."""
-    path = folder / "start.py"
-    path.write_text(text)
-    made, data = Program(path, text), {tracebacks.VARIABLE: tracebacks.DATA}
-    with contextlib.closing(Run(path, made, Sandbox.of(made, folder), data)) as run:
-        until(lambda: not run.running, "the program has ended")
-        yield run
-
-
-def test_a_program_for_another_robot_is_told_to_name_none(tmp_path: Path) -> None:
-    with ended(tmp_path, ABSENT) as run:
-        assert figure_of(run.check) == "other_robot"
-
-
-def test_a_refusal_reaches_a_german_check_as_data(tmp_path: Path) -> None:
-    with ended(tmp_path, LEANS) as run, pytest.raises(Unmet) as of_program:
-        run.check()
-    with Attempt(Program(tmp_path / "start.py", LEANS), limit_s=5) as tried, pytest.raises(Unmet) as called:
-        tried.value("lean")
-    said = "Refused: Der Kopf stünde 40,1° schräg; höchstens 34,3° sind erlaubt."
-    german = find(1, "de")
-    assert verdict(german, of_program.value).found == f"{said} (Zeile 5)"
-    assert verdict(german, called.value).found == f"{said} in lean() (Zeile 5)"

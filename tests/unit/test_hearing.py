@@ -10,13 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
-from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Rotation
 from beatrix_zenoh.node.sensors import BLOCK, RATE
 from sim_node.hearing import (
     GENERATORS,
     LOUDNESS,
-    SHADOW,
     SOUND,
     Ears,
     Hearing,
@@ -29,7 +27,6 @@ from sim_node.shapes import Point, Vector
 
 REST = (0.0, 0.0, 0.0)
 HEIGHT = ROBOT.head.centre_height
-NECK = Neck(ROBOT.geometry)
 LONG_S = 60.0
 
 
@@ -79,17 +76,6 @@ def bearing_deg(sound: Vector) -> float:
 
 
 # -- delay, level, shadow --------------------------------------------------------------------------
-
-
-@given(st.tuples(*(st.floats(-0.3, 0.3),) * 3), st.floats(-180, 180))
-def test_no_head_hears_a_difference_larger_than_the_distance_of_its_ears(
-    arms: tuple[float, float, float], bearing: float
-) -> None:
-    scene = hearing(NECK.rotation(arms), arms, at(bearing))
-    left, right = scene.distances()
-    assert math.dist(*scene.ears) == pytest.approx(SIZES.ear_baseline)
-    assert abs(left - right) <= SIZES.ear_baseline + 1e-9
-    assert all(0 <= shadow <= SHADOW for shadow in scene.shadows())
 
 
 @given(st.floats(0.3, 3.0), st.floats(0.0, 1.0))
