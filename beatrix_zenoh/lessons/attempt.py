@@ -13,6 +13,7 @@ figures of every lesson; `slips` recognises some of them.
 
 from __future__ import annotations
 
+import math
 import re
 import subprocess
 import time
@@ -44,6 +45,8 @@ CALL_S = 2.0
 """Longest processor time (s) of one call of a pupil's function."""
 IMPORT_S = 10.0
 """Longest processor time (s) of the import of a pupil's file."""
+LARGEST = 1e300
+"""A number of a function beyond it is a mistake; Python has integers of any size."""
 PATIENCE = 15.0
 """After this many times its limit without an answer, it is the computer that is slow."""
 OWN_ERROR = re.compile(r"(\w*Error|WrongUsage)\b")
@@ -126,25 +129,21 @@ class Attempt:
         value = self.value(function, *arguments)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise Unmet("returns", function=function, value=shown(value), wanted=phrase("number"))
-        try:
-            return float(value)
-        except OverflowError:  # an integer of more than 308 digits
-            raise Unmet("returns", function=function, value=phrase("huge"), wanted=phrase("number")) from None
+        if abs(value) > LARGEST:
+            raise Unmet("returns", function=function, value=phrase("huge"), wanted=phrase("number"))
+        return float(value)
 
     def call_array(
-        self, function: str, *arguments: object, shape: tuple[int, ...] = (-1,)
+        self, function: str, *arguments: object, shape: tuple[int, ...]
     ) -> npt.NDArray[np.float64]:
-        """As `call`, for a function that returns a list, tuple or array of numbers; -1 is any length."""
+        """As `call`, for a function that returns a list, tuple or array of numbers of this shape."""
         value = self.value(function, *arguments)
         try:
             found = np.array(value, dtype=float)
         except (TypeError, ValueError, OverflowError):
             found = np.array(None, dtype=float)
-        fits = found.ndim == len(shape) and all(
-            want in (-1, have) for want, have in zip(shape, found.shape, strict=True)
-        )
-        if not fits or isinstance(value, str):
-            wanted = phrase("list") if shape == (-1,) else phrase("array", shape=" x ".join(map(str, shape)))
+        if found.shape != shape or isinstance(value, str):
+            wanted = phrase("array", shape=" x ".join(map(str, shape)))
             raise Unmet("returns", function=function, value=shown(value), wanted=wanted)
         return found
 
@@ -226,18 +225,22 @@ class Attempt:
             seconds: duration (s).
             course: yaw (deg) to follow at the time t (s).
             delay_s: age (s) of the error.
-            result: what the function returns: `angle`, the yaw to look at, or (yaw, pitch, roll); `turn`, a yaw to add
-                to the last one (deg); `rate`, a speed of yaw (deg/s).
+            result: what the function returns: `angle`, the yaw to look at (deg); `rate`, a speed of yaw (deg/s).
             speed: of the motions (deg/s); by default that of `look`.
 
         Raises Unmet as `call`, and `refused` for a target that the robot refuses.
         """
         plant = bench.start(speed)
-        try:
-            drive = bench.TargetFunction(
-                lambda *arguments: self.value(function, *arguments), function, result
+
+        def call(*arguments: float) -> float:
+            value = self.call(function, *arguments)
+            self.require(
+                "returns", math.isfinite(value), function=function, value=value, wanted=phrase("number")
             )
-            return bench.run(plant, drive, seconds, course, delay_s, self._tell)
+            return value
+
+        try:
+            return bench.run(plant, call, result, seconds, course, delay_s, self._tell)
         finally:
             plant.close()
 
@@ -332,7 +335,7 @@ class Attempt:
 
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
         """Return what the robots did, and set `doubt`; raises NotMeasurable."""
-        found = {name: watch.end(run.began_ns, run.output) for name, watch in stage.watches.items()}
+        found = {name: watch.end(run.began_ns) for name, watch in stage.watches.items()}
         self.doubt = next((seen.doubt for seen in found.values() if seen.doubt), None)
         return found
 
