@@ -46,11 +46,13 @@ def main(words: list[str]) -> int:
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)  # `input()` fails at once, and takes no request
     path = Path(words[0])
     sys.path.insert(0, str(path.parent))
-    with limited(float(words[1])):
-        module, failure = load(path)
-    write(answers, failure or {"value": None})
-    if module is None:
+    try:
+        with limited(float(words[1])):
+            module = load(path)
+    except BaseException as error:  # noqa: BLE001 - the pupil's code may raise any, SystemExit included
+        write(answers, failed(error, path))
         return 1
+    write(answers, {"value": None})
     for line in requests:
         request = json.loads(line)
         with limited(request["limit_s"]):
@@ -59,18 +61,15 @@ def main(words: list[str]) -> int:
     return 0
 
 
-def load(path: Path) -> tuple[ModuleType | None, Reply | None]:
-    """Import the file; return the module, or the error as an answer."""
+def load(path: Path) -> ModuleType:
+    """Import the file."""
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # dataclasses look for their module there
-    try:
-        spec.loader.exec_module(module)
-    except BaseException as error:  # noqa: BLE001 - the pupil's code may raise any, SystemExit included
-        return None, failed(error, path)
-    return module, None
+    spec.loader.exec_module(module)
+    return module
 
 
 def call(module: ModuleType, path: Path, name: str, arguments: list[object]) -> Reply:
@@ -84,7 +83,7 @@ def call(module: ModuleType, path: Path, name: str, arguments: list[object]) -> 
     began_s = time.process_time()
     try:
         value = function(*arguments)
-    except BaseException as error:  # noqa: BLE001 - as in `load`
+    except BaseException as error:  # noqa: BLE001 - as in `main`
         return failed(error, path)
     used_s = time.process_time() - began_s
     try:

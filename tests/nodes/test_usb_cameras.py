@@ -15,7 +15,7 @@ from robots import Stage, ready, until, wait_status
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import Subscription
 from beatrix_zenoh.client.subscription import CameraImage
-from beatrix_zenoh.contract._generated.messages import CameraStatus, Event, EventKind, Reason
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux has V4L2")
 
@@ -57,10 +57,6 @@ def robot(stage: Stage) -> Iterator[Robot]:
 def left(cameras: dict[str, FakeCamera]) -> FakeCamera:
     until(lambda: not any(camera.asked for camera in cameras.values()), "no camera is in use")
     return cameras["left"]
-
-
-def eye(robot: Robot) -> CameraStatus:
-    return robot.status().cameras[0]
 
 
 def streams(camera: FakeCamera, images: Subscription[CameraImage], picture: bytes = PICTURE) -> CameraImage:
@@ -111,7 +107,7 @@ def test_an_unplugged_camera_does_not_stop_the_robot_and_returns(left: FakeCamer
         assert streams(left, images).jpeg == PICTURE
         found = camera_event(events)
         assert (found.action, found.reason) == ("left", Reason.OK)
-    camera = eye(robot)
+    camera = robot.status().cameras[0]
     assert (camera.connected, camera.trouble) == (True, "")
 
 
@@ -121,7 +117,7 @@ def test_a_camera_in_use_by_another_program_is_tried_again(left: FakeCamera, rob
         wait_status(robot, lambda status: "another program" in status.cameras[0].trouble, "busy is reported")
         left.refuse(0)
         streams(left, images)
-    assert eye(robot).trouble == ""
+    assert robot.status().cameras[0].trouble == ""
 
 
 def test_without_usb_bandwidth_a_camera_streams_at_half_the_rate(left: FakeCamera, robot: Robot) -> None:
