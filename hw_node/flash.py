@@ -5,11 +5,10 @@ from __future__ import annotations
 import codecs
 from binascii import unhexlify
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from importlib import resources
-from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -37,64 +36,37 @@ LONGEST_FILE = 4 << 20
 """Largest size of a file (bytes): more than an image of the whole flash with one byte in each line."""
 
 
-class Piece(NamedTuple):
-    """The data of one line."""
-
-    at: int
-    data: bytes
-    line: int
-
-
 def read_hex(path: Path) -> bytes:
     """Return the image from address 0 on, 1 to FLASH bytes; gaps are BLANK.
 
     Raises:
         WrongUsage: BAD_VALUE, the file is missing, or not an image for this board. The message names the invalid line.
     """
-    found = sorted(piece for piece in pieces(path) if piece.data)
-    if not found:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path} contains no data.")
-    if found[0].at:
-        raise wrong(
-            path,
-            found[0].line,
-            f"has the lowest address, {found[0].at:#x}; the image must begin at address 0",
-        )
-    for before, after in pairwise(found):
-        if before.at + len(before.data) > after.at:
-            first, again = sorted((before.line, after.line))
-            raise wrong(path, again, f"overlaps line {first}")
-    image = bytearray()
-    for at, data, _ in found:
-        image += bytes([BLANK]) * (at - len(image)) + data
-    return bytes(image)
-
-
-def pieces(path: Path) -> list[Piece]:
-    """Return the data of all lines, in file order; raises the errors of `read`."""
-    found = []
-    base = number = 0
-    ended = False
+    image, base, ended = bytearray(), 0, False
     for number, line in enumerate(map(bytes.strip, content(path).splitlines()), start=1):
         if not line:
             continue
         if ended:
             raise wrong(path, number, "comes after the end record")
         kind, at, data = record(path, number, line)
-        if kind == DATA and base + at + len(data) > FLASH:
-            raise wrong(path, number, f"ends at {base + at + len(data):#x}; the flash ends at {FLASH:#x}")
-        if kind == DATA:
-            found.append(Piece(base + at, data, number))
+        if kind == DATA and data:
+            begin, end = base + at, base + at + len(data)
+            if begin < len(image) or end > FLASH or (begin and not image):
+                must = f"the addresses of an image begin at 0, rise, and end at {FLASH:#x} or before"
+                raise wrong(path, number, f"has the addresses {begin:#x} to {end:#x}; {must}")
+            image += bytes([BLANK]) * (begin - len(image)) + data
         elif kind in (SEGMENT, HIGH):
             base = int.from_bytes(data, "big") << (4 if kind == SEGMENT else 16)
         ended = kind == END
-    if not ended:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path} has no end record after line {number}: it is incomplete.")
-    return found
+    if not ended or not image:
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"{path} has no {'data' if ended else 'end record'}: it is incomplete."
+        )
+    return bytes(image)
 
 
 def content(path: Path) -> bytes:
-    """Return the whole file without a byte order mark; raises the errors of `read`."""
+    """Return the whole file without a byte order mark; raises the errors of `read_hex`."""
     try:
         held = files.content(path, LONGEST_FILE, "Intel HEX")
     except OSError as error:
@@ -103,7 +75,7 @@ def content(path: Path) -> bytes:
 
 
 def record(path: Path, number: int, line: bytes) -> tuple[int, int, bytes]:
-    """Return kind, address and data of one line; raises the errors of `read`."""
+    """Return kind, address and data of one line; raises the errors of `read_hex`."""
     try:
         record = unhexlify(line.removeprefix(b":"))
     except ValueError:
@@ -252,32 +224,17 @@ def flash(
 
 @contextmanager
 def progress() -> Iterator[Progress]:
-    """Yield a function that shows progress on stderr: a bar on a terminal, otherwise a line for each step."""
+    """Yield a function that shows progress on stderr, if that is a terminal."""
     console = Console(stderr=True)
-    if not console.is_terminal:
-        begun: set[str] = set()
+    with Bar(console=console, disable=not console.is_terminal) as bar:
+        tasks: dict[str, TaskID] = {}
 
-        def line(what: str, _done: int, size: int) -> None:
-            if what not in begun:
-                begun.add(what)
-                with suppress(OSError):  # a closed stderr must not interrupt the writing
-                    note(f"{what} {size} bytes.")
+        def draw(what: str, done: int, size: int) -> None:
+            if what not in tasks:
+                tasks[what] = bar.add_task(what, total=size)
+            bar.update(tasks[what], completed=done)
 
-        yield line
-        return
-    bar = Bar(console=console)
-    tasks: dict[str, TaskID] = {}
-
-    def draw(what: str, done: int, size: int) -> None:
-        if what not in tasks:
-            bar.start()
-            tasks[what] = bar.add_task(what, total=size)
-        bar.update(tasks[what], completed=done)
-
-    try:
         yield draw
-    finally:
-        bar.stop()
 
 
 def main(words: list[str] | None = None) -> int:

@@ -10,8 +10,9 @@ import queue
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 from typing import Final, Protocol, cast
 
 import numpy as np
@@ -41,6 +42,8 @@ LOUDNESS: Final = 0.25
 TONE, FILE, OFF = "tone", "file:", "off"
 SILENCE: Final = f"The microphones are plugged in but have delivered no sound for {SILENT_S:g} s. Unplug them, and plug them in again."
 SoundSource = SensorSource[SoundBlock]
+Frames = npt.NDArray[np.int16]
+"""Shape (frames, 2): left, right."""
 
 
 class MicrophoneSensor(Sensor[SoundBlock]):
@@ -68,11 +71,10 @@ def choose(word: str) -> SoundSource | None:
     if word in ("", OFF):
         return None
     if word == TONE:
-        return Tone()
+        return RepeatedSound(TONE, tone)
     if word.startswith(FILE):
-        source = SoundFile(Path(word.removeprefix(FILE)))
-        if trouble := source.trouble():
-            raise wrong(word, trouble)
+        path = Path(word.removeprefix(FILE))
+        source = RepeatedSound("file", lambda: read(path))
         try:
             source.open()
         except NoAnswer as error:
@@ -91,22 +93,47 @@ def wrong(word: str, text: str) -> WrongUsage:
     return WrongUsage(Reason.BAD_VALUE, f"--microphones {quoted(word)}: {text}")
 
 
-class Tone:
-    """A test tone of 500 Hz in the left and of 1000 Hz in the right ear."""
+def tone() -> Frames:
+    """Return a block with a tone of 500 Hz in the left and of 1000 Hz in the right ear."""
+    t_s = np.arange(BLOCK)[:, None] / RATE
+    pcm = to_pcm(LOUDNESS * np.sin(2 * np.pi * np.array(TONES_HZ) * t_s))
+    return np.frombuffer(pcm, "<i2").reshape(BLOCK, 2)
 
-    name: Final = "tone"
 
-    def __init__(self) -> None:
-        self._clock = BlockClock()
-        t_s = np.arange(BLOCK)[:, None] / RATE
-        self._block = to_pcm(LOUDNESS * np.sin(2 * np.pi * np.array(TONES_HZ) * t_s))
+def read(path: Path) -> Frames:
+    """Return the frames of a WAV file at 48 kHz; one channel is heard by both ears. Raises NoAnswer."""
+    try:
+        samples, rate = wav.read(path)
+    except (OSError, ValueError) as error:
+        raise unplayable(path, getattr(error, "strerror", None) or error) from error
+    channels = samples.shape[1]
+    if channels > 2 or rate != RATE:
+        raise unplayable(path, f"it has {rate} Hz and {channels} channels")
+    return np.broadcast_to(samples, (len(samples), 2))
+
+
+def unplayable(path: Path, why: object) -> NoAnswer:
+    """Return the error for a WAV file."""
+    what = f"Give a WAV file at {RATE} Hz, mono or stereo, of {wav.READABLE}."
+    return NoAnswer(Reason.BAD_VALUE, f"{path} cannot be played: {why}. {what}")
+
+
+class RepeatedSound:
+    """Sound that is repeated without end: the test tone, or a WAV file."""
+
+    def __init__(self, name: str, load: Callable[[], Frames]) -> None:
+        """`load` returns the frames; `open` calls it, and raises what it raises."""
+        self.name, self._load = name, load
+        self._clock, self._frames = BlockClock(), np.zeros((1, 2), "<i2")
+        self._at = 0
 
     def trouble(self) -> str:
-        """Return an empty text: the tone is always available."""
+        """Return an empty text: `open` finds out whether the sound can be read."""
         return ""
 
     def open(self) -> None:
-        """Restart the clock."""
+        """Begin with the first block now."""
+        self._frames, self._at = self._load(), 0
         self._clock.restart()
 
     def next(self, timeout_s: float) -> SoundBlock | None:
@@ -114,57 +141,12 @@ class Tone:
         begin_ns = self._clock.wait(timeout_s)
         if begin_ns is None:
             return None
-        return SoundBlock(self._block, begin_ns, self.name, self._clock.dropped)
+        rows = (self._at + np.arange(BLOCK)) % len(self._frames)
+        self._at += BLOCK
+        return SoundBlock(self._frames[rows].tobytes(), begin_ns, self.name, self._clock.dropped)
 
     def close(self) -> None:
         """Do nothing: there are no resources to free."""
-
-
-class SoundFile:
-    """A WAV file at 48 kHz, repeated; one channel is heard by both ears."""
-
-    name: Final = "file"
-
-    def __init__(self, path: Path) -> None:
-        self._path, self._clock = path, BlockClock()
-        self._samples = np.zeros((0, 2), "<i2")
-        self._at = 0
-
-    def trouble(self) -> str:
-        """Return an error message if the file does not exist, else an empty text."""
-        return "" if self._path.is_file() else f"{self._path} does not exist. Name a WAV file."
-
-    def open(self) -> None:
-        """Read the file, and begin with its first block."""
-        try:
-            self._samples = read(self._path)
-        except (OSError, ValueError) as error:
-            text = f"{self._path} cannot be played: {error}. Give a WAV file at {RATE} Hz, mono or stereo, of {wav.READABLE}."
-            raise NoAnswer(Reason.BAD_VALUE, text) from error
-        self._at = 0
-        self._clock.restart()
-
-    def next(self, timeout_s: float) -> SoundBlock | None:
-        """Wait for the next block and return it; None if it is complete after `timeout_s`."""
-        begin_ns = self._clock.wait(timeout_s)
-        if begin_ns is None:
-            return None
-        rows = (self._at + np.arange(BLOCK)) % len(self._samples)
-        self._at = int(rows[-1] + 1) % len(self._samples)
-        return SoundBlock(self._samples[rows].tobytes(), begin_ns, self.name, self._clock.dropped)
-
-    def close(self) -> None:
-        """Forget the samples."""
-        self._samples = np.zeros((0, 2), "<i2")
-
-
-def read(path: Path) -> npt.NDArray[np.int16]:
-    """Return the frames of a WAV file, shape (frames, 2); raises OSError or ValueError."""
-    samples, rate = wav.read(path)
-    channels = samples.shape[1]
-    if channels > 2 or rate != RATE:
-        raise ValueError(f"it has {rate} Hz and {channels} channel{'s' * (channels != 1)}")
-    return np.broadcast_to(samples, (len(samples), 2))
 
 
 CHANNELS: Final = 2
@@ -172,8 +154,6 @@ JUMP_NS: Final = BLOCK_NS // 2
 """A block whose time differs more than this from the expected one follows a gap."""
 STEADY: Final = 0.02
 """Part of a smaller difference by which the expected time is corrected: the clock of a device is not this computer's."""
-
-Device = Mapping[str, object]
 
 
 class CallbackTime(Protocol):
@@ -183,43 +163,7 @@ class CallbackTime(Protocol):
     currentTime: float  # noqa: N815 - PortAudio's name
 
 
-class CallbackFlags(Protocol):
-    """What has gone wrong before a block."""
-
-    input_overflow: bool
-
-
-Callback = Callable[[object, int, CallbackTime, CallbackFlags], None]
-
-
-class Stream(Protocol):
-    """The part of `sounddevice.RawInputStream` that is used here."""
-
-    def start(self) -> None: ...
-    def close(self) -> None: ...
-
-
-class SoundDevice(Protocol):
-    """The part of the module `sounddevice` that is used here."""
-
-    PortAudioError: type[Exception]
-
-    def query_devices(self) -> Sequence[Device]: ...
-    def RawInputStream(  # noqa: N802 - sounddevice's name
-        self,
-        samplerate: float,
-        blocksize: int,
-        device: int,
-        channels: int,
-        dtype: str,
-        *,
-        callback: Callback,
-    ) -> Stream: ...
-    def _terminate(self) -> None: ...
-    def _initialize(self) -> None: ...
-
-
-def library() -> SoundDevice:
+def library() -> ModuleType:
     """Import sounddevice; raises WrongUsage with what to install if it or PortAudio is missing."""
     try:
         import sounddevice  # noqa: PLC0415 - an extra; its import loads PortAudio
@@ -230,7 +174,7 @@ def library() -> SoundDevice:
         how = "sudo apt install libportaudio2" if sys.platform.startswith("linux") else "install PortAudio"
         text = f"The system library PortAudio is missing: {how}."
         raise WrongUsage(Reason.BAD_VALUE, text) from error
-    return cast("SoundDevice", sounddevice)
+    return cast("ModuleType", sounddevice)
 
 
 class DeviceMicrophones:
@@ -238,24 +182,26 @@ class DeviceMicrophones:
 
     name: Final = "device"
 
-    def __init__(self, word: str, sound: SoundDevice) -> None:
+    def __init__(self, word: str, sound: ModuleType) -> None:
+        """`sound` is the module `sounddevice`."""
         self._word, self._sound = word, sound
         self._blocks: queue.SimpleQueue[SoundBlock] = queue.SimpleQueue()
-        self._stream: Stream | None = None
+        self._stop: Callable[[], None] = lambda: None
         self._due_ns = 0
         self._dropped = 0
 
     def trouble(self) -> str:
         """Return why the device cannot be used, else an empty text; looks for devices that were plugged in."""
-        try:
-            self._number()
-        except NoAnswer:
-            self._list_anew()
+        trouble = ""
+        for _ in range(2):
             try:
                 self._number()
             except NoAnswer as error:
-                return error.message
-        return ""
+                trouble = error.message
+                self._list_anew()
+            else:
+                return ""
+        return trouble
 
     def _list_anew(self) -> None:
         """Let PortAudio list the devices again; it does so only when it is initialized."""
@@ -267,22 +213,20 @@ class DeviceMicrophones:
         inputs = {
             number: device
             for number, device in enumerate(self._sound.query_devices())
-            if _channels(device) >= CHANNELS
+            if device["max_input_channels"] >= CHANNELS
         }
         listed = "; ".join(f"{number} {device['name']}" for number, device in inputs.items())
         have = (
             f"Devices with two channels: {listed}."
-            if inputs
+            if listed
             else "No device with two channels is plugged in."
         )
-        if self._word.isdecimal():
-            found = [number for number in inputs if number == int(self._word)]
-        else:
-            found = [
-                number for number, one in inputs.items() if self._word.lower() in str(one["name"]).lower()
-            ]
-            exact = [number for number in found if str(inputs[number]["name"]).lower() == self._word.lower()]
-            found = exact[:1] or found
+        word = self._word.lower()
+        called = {number: str(device["name"]).lower() for number, device in inputs.items()}
+        found = [
+            number for number, name in called.items() if word == (str(number) if word.isdecimal() else name)
+        ][:1]
+        found = found or [number for number, name in called.items() if word in name and not word.isdecimal()]
         if len(found) == 1:
             return found[0]
         what = "is the name of several microphones" if found else "is no microphone"
@@ -293,10 +237,11 @@ class DeviceMicrophones:
         number = self._number()
         self._blocks, self._due_ns = queue.SimpleQueue(), 0
         try:
-            self._stream = self._sound.RawInputStream(
+            stream = self._sound.RawInputStream(
                 RATE, BLOCK, number, CHANNELS, "int16", callback=self._receive
             )
-            self._stream.start()
+            self._stop = stream.close
+            stream.start()
         except (self._sound.PortAudioError, ValueError) as error:
             self.close()
             self._list_anew()
@@ -304,17 +249,17 @@ class DeviceMicrophones:
             text = f"The microphones cannot be opened with two channels at {RATE} Hz: {error}. End other programs that use them."
             raise NoAnswer(Reason.FAULT, text) from error
 
-    def _receive(self, data: object, frames: int, times: CallbackTime, flags: CallbackFlags) -> None:
-        """Enqueue a block; called on the thread of PortAudio, and must return at once."""
+    def _receive(self, data: bytes, frames: int, times: CallbackTime, faults: object) -> None:
+        """Enqueue a block, on the thread of PortAudio; `faults` is true if frames before it were lost."""
         now_ns = time.monotonic_ns()
         age_s = times.currentTime - times.inputBufferAdcTime
         # Some drivers report no times; a block that has just arrived began as long ago as it lasts.
         age_ns = round(age_s * 1e9) if times.inputBufferAdcTime > 0 and 0 < age_s < 1 else BLOCK_NS
-        begin_ns = self._steady(now_ns - age_ns, overflow=flags.input_overflow)
+        begin_ns = self._steady(now_ns - age_ns, overflow=bool(faults))
         while self._blocks.qsize() > BEHIND:
             self._blocks.get_nowait()
             self._dropped += BLOCK
-        self._blocks.put(SoundBlock(bytes(cast("bytes", data)), begin_ns, self.name, self._dropped))
+        self._blocks.put(SoundBlock(bytes(data), begin_ns, self.name, self._dropped))
         self._due_ns = begin_ns + frames * 1_000_000_000 // RATE
 
     def _steady(self, begin_ns: int, *, overflow: bool) -> int:
@@ -335,11 +280,5 @@ class DeviceMicrophones:
 
     def close(self) -> None:
         """Stop listening."""
-        stream, self._stream = self._stream, None
-        if stream is not None:
-            stream.close()
-
-
-def _channels(device: Device) -> int:
-    channels = device["max_input_channels"]
-    return channels if isinstance(channels, int) else 0
+        self._stop()
+        self._stop = lambda: None

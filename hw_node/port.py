@@ -26,8 +26,18 @@ MEGA_USB_IDS = {(0x2341, 0x0042), (0x2341, 0x0010), (0x2A03, 0x0042), (0x2A03, 0
 """USB vendor and product of Arduino Mega 2560 boards and of the CH340 of their clones."""
 VIRTUAL = "virtual:"
 """Port name of the virtual board."""
-NO_PORT = (errno.ENOTTY, errno.ENOTDIR, errno.EISDIR, errno.ENXIO, errno.ENODEV, errno.ELOOP)
-"""Errno values for a device that is not a serial port."""
+NO_PORT: Final = "is not a serial port: name another port with --port"
+IN_USE: Final = "is used by another program, for example another `beatrix hw`: end that program first"
+WHY_NOT: Final[dict[int | None, str]] = {
+    errno.ENOENT: "is not there: plug the board in, or name its port with --port",
+    errno.EACCES: "cannot be opened by this user: on Linux type `sudo usermod -aG dialout $USER`, then log out and in again",
+    errno.EAGAIN: IN_USE,
+    errno.EBUSY: IN_USE,
+    **dict.fromkeys(
+        (errno.ENOTTY, errno.ENOTDIR, errno.EISDIR, errno.ENXIO, errno.ENODEV, errno.ELOOP), NO_PORT
+    ),
+}
+"""Why a port cannot be opened, and what to do, by errno value."""
 NO_LINE = (errno.ENOTTY, errno.EINVAL)
 """Errno values for a terminal without modem control lines."""
 WRITE_S = 0.5
@@ -115,19 +125,9 @@ def as_os_error() -> Iterator[None]:
 
 def why_not(error: Exception) -> str:
     """Return the end of a sentence: why the port cannot be opened, and what to do."""
-    number = getattr(error, "errno", None)
-    if number == errno.ENOENT:
-        return "is not there: plug the board in, or name its port with --port"
-    if number == errno.EACCES:
-        return (
-            "cannot be opened by this user: on Linux type `sudo usermod -aG dialout $USER`, "
-            "then log out and in again"
-        )
-    if number in (errno.EAGAIN, errno.EBUSY):
-        return "is used by another program, for example another `beatrix hw`: end that program first"
-    if number in NO_PORT or "configure port" in str(error):
-        return "is not a serial port: name another port with --port"
-    return f"cannot be opened ({error})"
+    if "configure port" in str(error):
+        return NO_PORT
+    return WHY_NOT.get(getattr(error, "errno", None), f"cannot be opened ({error})")
 
 
 def listed() -> list[str]:

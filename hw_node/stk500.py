@@ -22,16 +22,9 @@ FLASH: Final = 0x3E000
 SIGNATURE: Final = b"\x1e\x98\x01"
 """ATmega2560."""
 LOADER: Final = b"AVRISP_2"
-SIGN_ON, LOAD_ADDRESS, ENTER, LEAVE, ERASE, PROGRAM, READ, SPI = (
-    0x01,
-    0x06,
-    0x10,
-    0x11,
-    0x12,
-    0x13,
-    0x14,
-    0x1D,
-)
+SIGN_ON, LOAD_ADDRESS = 0x01, 0x06
+ENTER, LEAVE, ERASE, PROGRAM, READ = range(0x10, 0x15)
+SPI: Final = 0x1D
 STATUS_OK: Final = 0
 PARKED: Final = b"\xff\xcf".ljust(PAGE, b"\xff")
 """A first page with an endless loop, `rjmp .-2`: the pins keep their reset state."""
@@ -83,10 +76,8 @@ class Programmer:
         self._command(bytes([ENTER, 200, 100, 25, 32, 0, 0x53, 3, 0xAC, 0x53, 0, 0]))
         found = bytes(self._command(bytes([SPI, 4, 4, 0, 0x30, 0, index, 0]))[5] for index in range(3))
         if found != SIGNATURE:
-            raise NoAnswer(
-                Reason.BOARD_LOST,
-                f"The chip is {found.hex()}, not the ATmega2560 ({SIGNATURE.hex()}).",
-            )
+            text = f"The chip is {found.hex()}, not the ATmega2560 ({SIGNATURE.hex()})."
+            raise NoAnswer(Reason.BOARD_LOST, text)
 
     def write(self, at: int, page: bytes) -> None:
         """Write one page of PAGE bytes. The boot loader erases it first, so it is blank for some milliseconds."""

@@ -11,43 +11,33 @@ import math
 import sys
 from collections.abc import Mapping
 
-from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.messages import PoseQuery
 from beatrix_zenoh.contract._generated.robot import ROBOT
-from beatrix_zenoh.contract._generated.serial import (
-    HEARTBEAT_PERIOD,
-    TELEMETRY_PERIOD,
-    Enable,
-    FrameType,
-    Telemetry,
-)
+from beatrix_zenoh.contract._generated.serial import Enable, FrameType
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.node.planner import Goal, Planner
-from sim_node.model import TIMESTEP_MS
 from sim_node.plant import Plant
+from sim_node.virtual_time import VirtualTime
 
-TICK_MS = 20
-"""Virtual time between two targets, as between two positions of a robot."""
 BUSIEST_MOTION = 1000
 """Motions are numbered from 1 to this number, and again."""
 
 Answer = dict[str, object]
 
 
-class VirtualTimeRobot:
+class VirtualTimeRobot(VirtualTime):
     """A calibrated robot in virtual time; `speed` (deg/s) of its motions, None: the default."""
 
     def __init__(self, speed: float | None = None) -> None:
-        self._plant, self._firmware, self._planner = Plant(), Firmware(), Planner(ROBOT)
+        super().__init__(Plant(), Firmware())
+        self._planner = Planner(ROBOT)
         self._speed = None if speed is None else math.radians(speed)
-        self._decoder = Decoder()
-        self._telemetry: Telemetry | None = None
         self._last: Goal | None = None
-        self._now_ms, self._motion = 0, 0
+        self._motion = 0
         for kind, payload in ((FrameType.ENABLE, Enable(1).pack()), (FrameType.CALIBRATE, b"")):
-            self._firmware.receive(encode(kind, 0, payload))
-            self._pass(2 * TELEMETRY_PERIOD)
+            self.send(kind, payload)
+            self.advance()
 
     def tick(self, target: list[float] | None) -> Answer:
         """Start to turn to a target (yaw, pitch, roll; deg), let a tick pass, and return the state, or the refusal."""
@@ -56,35 +46,23 @@ class VirtualTimeRobot:
                 self._begin([math.radians(angle) for angle in target])
             except BeatrixError as error:
                 return {"refused": error.data}
-        self._pass(TICK_MS)
-        commanded = self._planner.gear.to_rad(self._firmware.set_points())
-        plant = self._plant
+        self.advance()
+        plant = self.plant
         return {
             "arms": _degrees(plant.arms()),
             "head": _degrees(plant.head()),
             "speed": _degrees(plant.velocities()),
-            "commanded": _degrees(commanded),
+            "commanded": _degrees(self._planner.gear.to_rad(self.firmware.set_points())),
         }
 
     def _begin(self, target: list[float]) -> None:
-        assert self._telemetry is not None
+        assert self.telemetry is not None
         query = PoseQuery(yaw=target[0], pitch=target[1], roll=target[2], speed=self._speed)
-        goal = self._planner.goal(query, self._telemetry, self._last)
+        goal = self._planner.goal(query, self.telemetry, self._last)
         self._motion = self._motion % BUSIEST_MOTION + 1
         frame = goal.frame(self._motion)
-        self._firmware.receive(encode(frame.kind, 1, frame.pack()))
+        self.send(frame.kind, frame.pack())
         self._last = goal
-
-    def _pass(self, ms: int) -> None:
-        for _ in range(ms // TIMESTEP_MS):
-            if self._now_ms % HEARTBEAT_PERIOD == 0:
-                self._firmware.receive(encode(FrameType.PING, 2, b""))
-            self._firmware.tick(TIMESTEP_MS)
-            self._plant.step(self._firmware.pulses(), drivers_on=self._firmware.drivers_on())
-            self._now_ms += TIMESTEP_MS
-        for frame in self._decoder.feed(self._firmware.transmit()):
-            if frame.type == FrameType.TELEMETRY:
-                self._telemetry = Telemetry.unpack(frame.payload)
 
 
 def _degrees(angles: tuple[float, float, float]) -> list[float]:

@@ -22,7 +22,7 @@ from sim_node.plant import Plant
 from sim_node.preview import PreviewHandler, simulate_motion
 from sim_node.sound_queries import SoundSource, sound_queries
 from sim_node.target import PersonTarget, TargetPath, target_queries
-from sim_node.viewer import SceneViewer, ViewerFeed
+from sim_node.viewer import SceneViewer
 
 PERIOD_S = 1 / keys.POSITIONS_HZ
 """Period (s) of the turns, which make the steps that are due: that of the publications, which follow in the same pass."""
@@ -215,7 +215,8 @@ class Simulation:
         if self._eyes_hz > 0:
             parts.append(Eyes(node, self._drawing, self._eyes_hz, self.scene_state, lambda: self._clock.late))
         if self._viewer is not None:
-            parts.append(ViewerFeed(self._viewer, self.scene_state))
+            self._viewer.scene_state = self.scene_state
+            parts.append(self._viewer)
         return parts
 
     def scene_state(self) -> SceneState:

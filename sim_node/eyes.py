@@ -26,11 +26,7 @@ from sim_node.rays import RayPainter
 from sim_node.renderer import HEIGHT, WIDTH, Renderer
 
 GL_FAILURES: Final = 3
-"""After this many failures of OpenGL in short succession the pictures are drawn by ray casting."""
-SOON_S: Final = 60.0
-"""Failures further apart than this are not counted together; a start that hangs fails sooner, and so is counted."""
-ACTIVE_S: Final = 3.0
-"""Time (s) after a picture in which its robot counts as drawn; longer than the longest time between two pictures."""
+"""After this many failures of OpenGL the pictures are drawn by ray casting."""
 _log = logging.getLogger(__name__)
 
 
@@ -41,7 +37,7 @@ class Drawn:
     begin_s: float
     end_s: float
     robots: int
-    """number of robots that are drawn at present"""
+    """number of robots that are watched at present"""
 
 
 class Drawing:
@@ -54,10 +50,10 @@ class Drawing:
         """Store the values of the robots; the first picture starts the process."""
         self._robot = robot
         self._turn, self._lock = threading.Lock(), threading.Lock()
-        self._users: dict[object, float] = {}
-        """The robots that are watched, each with the time of its last picture (s)."""
+        self._users: set[object] = set()
+        """The robots that are watched."""
         self._renderer: Renderer | None = None
-        self._gl_failures, self._gl_failed_s = 0, float("-inf")
+        self._gl_failures = 0
 
     @property
     def steady(self) -> bool:
@@ -90,24 +86,17 @@ class Drawing:
             except OSError as error:
                 self._fail(user, error)
                 raise
-            return Drawn(begin_s, time.monotonic(), self._drawn_robots(user))
-
-    def _drawn_robots(self, user: object) -> int:
-        now_s = time.monotonic()
-        with self._lock:
-            if user in self._users:
-                self._users[user] = now_s
-            return max(1, sum(now_s - drawn_s < ACTIVE_S for drawn_s in self._users.values()))
+            return Drawn(begin_s, time.monotonic(), max(1, len(self._users)))
 
     def begin(self, user: object) -> None:
         """Keep the process for a robot that is watched."""
         with self._lock:
-            self._users.setdefault(user, float("-inf"))
+            self._users.add(user)
 
     def end(self, user: object) -> None:
         """End the process, even if it hangs, unless another robot is watched; may be called twice."""
         with self._lock:
-            self._users.pop(user, None)
+            self._users.discard(user)
             if not self._users:
                 self._close()
 
@@ -129,20 +118,12 @@ class Drawing:
         """Close a process that has failed or hangs, and count the failures of OpenGL."""
         with self._lock:
             self._close()
-            if user not in self._users:
+            if user not in self._users or self.source == RayPainter.source:
                 return
-        if self.source == RayPainter.source:
-            return
-        now_s = time.monotonic()
-        soon = now_s - self._gl_failed_s < SOON_S
-        self._gl_failures, self._gl_failed_s = self._gl_failures + 1 if soon else 1, now_s
-        if self.steady:
-            then = "the drawing process is restarted"
-        else:
-            then = (
-                "OpenGL fails repeatedly, so pictures are drawn by ray casting from now on, coarse and slow"
-            )
-        _log.warning("Drawing with OpenGL has failed (%s): %s.", error, then)
+        self._gl_failures += 1
+        _log.warning(
+            "Drawing with OpenGL has failed (%s). %s", error, NO_RENDERER if self.steady else UNSTEADY
+        )
 
 
 SHARE: Final = 0.5
@@ -153,8 +134,6 @@ SLOWER: Final = 1.5
 """Factor for the period after a picture during which physics steps were late."""
 FASTER: Final = 0.97
 """Factor for the period after a picture during which no physics step was late."""
-MEMORY: Final = 0.8
-"""Weight of the past in the mean time that a picture takes."""
 
 
 class FrameRate:
@@ -162,15 +141,13 @@ class FrameRate:
 
     def __init__(self, requested_hz: float) -> None:
         self._requested_s = 1.0 / requested_hz
-        self._due_s = float("-inf")
-        self._cost_s, self._robots = 0.0, 1
-        self._held_back = 1.0
+        self.reset()
 
-    @property
-    def period_s(self) -> float:
-        """The present time between two pictures."""
-        wanted = max(self._requested_s, self._cost_s * self._robots / SHARE) * self._held_back
-        return max(self._requested_s, min(wanted, SLOWEST_S))
+    def reset(self) -> None:
+        """Reset after the last subscriber has gone: the next picture is due at once."""
+        self._due_s, self._held_back = float("-inf"), 1.0
+        self.period_s = self._requested_s
+        """the present time between two pictures"""
 
     @property
     def slowed(self) -> bool:
@@ -186,17 +163,13 @@ class FrameRate:
 
         `late`: whether physics steps were late meanwhile; `robots`: number of robots that share the time for drawing.
         """
-        cost_s, self._robots = end_s - begin_s, robots
-        self._cost_s = MEMORY * self._cost_s + (1 - MEMORY) * cost_s if self._cost_s else cost_s
         self._held_back = self._held_back * SLOWER if late else max(1.0, self._held_back * FASTER)
         self._held_back = min(self._held_back, SLOWEST_S / self._requested_s)
+        wanted = max(self._requested_s, (end_s - begin_s) * robots / SHARE) * self._held_back
+        self.period_s = max(self._requested_s, min(wanted, SLOWEST_S))
         # Count from the deadline, so that the mean rate is the requested one. Missed pictures are not drawn later.
         missed = self._due_s + self.period_s < begin_s
         self._due_s = (begin_s if missed else self._due_s) + self.period_s
-
-    def reset(self) -> None:
-        """Reset after the last subscriber has gone: the next picture is due at once."""
-        self._due_s, self._cost_s, self._held_back = float("-inf"), 0.0, 1.0
 
 
 IDLE_S: Final = 10.0
@@ -298,20 +271,14 @@ class Eyes(Component):
                 views,
                 lambda view, frame: self._publishers[view].publish(frame),
             )
-        except OSError:
-            self._fail()
+        except OSError:  # the next picture starts a new process
+            if not self._closed.is_set():
+                self._report(NO_RENDERER)
+                self._closed.wait(RETRY_S if self._drawing.source == RayPainter.source else 0.0)
         else:
             self._report("")
             late = self._late_steps() > late_before
             self._rate.drawn(drawn.begin_s, drawn.end_s, late=late, robots=drawn.robots)
-
-    def _fail(self) -> None:
-        """Report a failure. The next picture starts a new process; if it would use ray casting, wait for RETRY_S now."""
-        if self._closed.is_set():
-            return
-        self._report(NO_RENDERER)
-        if self._drawing.source == RayPainter.source:
-            self._closed.wait(RETRY_S)
 
     def _report(self, trouble: str) -> None:
         for eye in names.EYES:

@@ -12,9 +12,8 @@ from typing import Final
 import mujoco
 import numpy as np
 
-from sim_node.painter import Image, PosedModel
+from sim_node.painter import Image, Painter
 from sim_node.piped_process import environment
-from sim_node.shapes import Point, Vector
 
 _BACKENDS: Final = {"linux": ("egl", "osmesa"), "darwin": ("cgl",), "win32": ("glfw",)}
 _OFF: Final = {"off", "disable", "disabled", "false", "0"}
@@ -61,8 +60,8 @@ def _works(name: str) -> bool:
     return probe.returncode == 0
 
 
-class GlPainter:
-    """Draws with OpenGL; a `Painter`."""
+class GlPainter(Painter):
+    """Draws with OpenGL."""
 
     def __init__(
         self, spec: mujoco.MjSpec, width: int, height: int, *, name: str, shadows: bool, samples: int
@@ -71,8 +70,8 @@ class GlPainter:
         # Mesa's software driver would use all cores, and physics needs one.
         os.environ.setdefault("LP_NUM_THREADS", "0")
         model = spec.compile()
+        super().__init__(model)
         self.source = name
-        self._posed = PosedModel(model)
         self._context = importlib.import_module(f"mujoco.{name}").GLContext(width, height)
         self._context.make_current()
         model.vis.global_.offwidth, model.vis.global_.offheight = width, height
@@ -90,18 +89,15 @@ class GlPainter:
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
         self._size = mujoco.MjrRect(0, 0, width, height)
 
-    def pose(self, posture: Vector, target: Point | None = None) -> None:
-        """Set the posture and the person's place as `PosedModel.pose` does."""
-        self._posed.pose(posture, target)
-
     def paint(self, camera: str) -> Image:
         """Draw the picture from the camera of this name."""
-        model, data = self._posed.model, self._posed.data
         self._context.make_current()
-        self._camera.fixedcamid = model.camera(camera).id
-        model.geom_group[:] = self._posed.groups_seen_from(camera)
+        self._camera.fixedcamid = self.model.camera(camera).id
+        self.model.geom_group[:] = self.groups_seen_from(camera)
         everything = mujoco.mjtCatBit.mjCAT_ALL
-        mujoco.mjv_updateScene(model, data, self._option, None, self._camera, everything, self._scene)
+        mujoco.mjv_updateScene(
+            self.model, self.data, self._option, None, self._camera, everything, self._scene
+        )
         mujoco.mjr_render(self._size, self._scene, self._render)
         image = np.empty((self._size.height, self._size.width, 3), dtype=np.uint8)
         mujoco.mjr_readPixels(image, None, self._size, self._render)

@@ -13,7 +13,7 @@ import math
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cache, lru_cache
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -54,16 +54,10 @@ class PlayingSound:
 
     def emitted(self, first: int, count: int) -> Samples:
         """Return `count` samples from number `first` on; zeros before the sound begins and after its end."""
-        total, begin = round(self.seconds * RATE), first % len(self.samples)
-        if begin + count <= len(self.samples):
-            samples = self.samples[begin : begin + count]
-        else:
-            samples = self.samples.take(np.arange(begin, begin + count), mode="wrap")
-        if first >= FADE and first + count <= total - FADE:
-            return samples
+        total = round(self.seconds * RATE)
         numbers = np.arange(first, first + count)
         fade: Samples = np.clip(np.minimum(numbers + 1, total - numbers) / FADE, 0.0, 1.0).astype(np.float32)
-        return samples * fade
+        return self.samples.take(numbers, mode="wrap") * fade
 
 
 def _noise(length: int, low_hz: float, high_hz: float, seed: int = SEED) -> Vector:
@@ -159,8 +153,6 @@ TAPS: Final = 16
 PHASES: Final = 512
 BEFORE: Final = TAPS // 2 - 1
 """Samples of the kernel before the frame that it computes."""
-STILL_M: Final = 1e-6
-"""Change of a distance (m), or of a shadow, within a block that counts as rest; 1e-6 m are 3 ns."""
 _REACH: Final = 20
 """Frames over which the kernel of the head shadow extends to either side."""
 
@@ -192,49 +184,41 @@ def _stepper() -> Vector:
 
 
 NUMBERS: Final = np.arange(BLOCK, dtype=np.float64)
-STEPS: Final = NUMBERS / BLOCK
 SINCS: Final = _sincs()
 STEPPER: Final = _stepper()
 SHADE: Final = _shadow()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Hearing:
     """Ears, source and arms at one time."""
 
-    ears: tuple[Point, Point]
-    """places (m) of the left and the right ear"""
-    axis: Point
+    ears: Vector
+    """places (m) of the left and the right ear, shape (2, 3)"""
+    axis: Vector
     """direction from the right to the left ear, length 1"""
     source: Point
     """place (m) of the source"""
     arms: Arms
     """angles (rad)"""
 
-    def distances(self) -> tuple[float, float]:
+    def distances(self) -> Vector:
         """Return the distances (m) of the source from the left and the right ear."""
-        left, right = (math.dist(ear, self.source) for ear in self.ears)
-        return left, right
+        away: Vector = np.linalg.norm(self.source - self.ears, axis=1)
+        return away
 
-    def shadows(self) -> tuple[float, float]:
+    def shadows(self) -> Vector:
         """Return the strength of the head shadow for both ears: 0 for a source on their side, SHADOW for the other."""
-        towards = []
-        for side, ear in zip((1, -1), self.ears, strict=True):
-            way = [one - other for one, other in zip(self.source, ear, strict=True)]
-            cosine = (
-                side * sum(a * b for a, b in zip(way, self.axis, strict=True)) / (math.hypot(*way) or 1.0)
-            )
-            towards.append(SHADOW * ((1 - cosine) / 2) ** 2)
-        return towards[0], towards[1]
+        along = (self.source - self.ears) @ self.axis * (1.0, -1.0)
+        shadows: Vector = SHADOW * ((1 - along / np.maximum(self.distances(), 1e-9)) / 2) ** 2
+        return shadows
 
 
 def hearing(head: Rotation, arms: Arms, source: Point, robot: RobotData = ROBOT) -> Hearing:
     """Return ears, source and arms for a head of this orientation (rows of its matrix)."""
-    half, up = SIZES.ear_baseline / 2, robot.head.centre_height
-    x, y, z = head
-    left = x[1] * half + x[2] * up, y[1] * half + y[2] * up, z[1] * half + z[2] * up
-    right = x[2] * up - x[1] * half, y[2] * up - y[1] * half, z[2] * up - z[1] * half
-    return Hearing((left, right), (x[1], y[1], z[1]), source, arms)
+    _, axis, up = np.array(head).T
+    middle, half = up * robot.head.centre_height, axis * SIZES.ear_baseline / 2
+    return Hearing(np.array((middle + half, middle - half)), axis, source, arms)
 
 
 class Ears:
@@ -268,10 +252,9 @@ class Ears:
         heard = self._random.standard_normal((2, BLOCK), dtype=np.float32)
         heard *= self._noise
         if signal is not None:
-            distances, shadows = (last.distances(), now.distances()), (last.shadows(), now.shadows())
-            for ear in (0, 1):
-                far = distances[0][ear], distances[1][ear]
-                heard[ear] += heard_by(signal, began, far, (shadows[0][ear], shadows[1][ear]))
+            ways = zip(last.distances(), now.distances(), last.shadows(), now.shadows(), strict=True)
+            for ear, (far, away, shade, shadow) in enumerate(ways):
+                heard[ear] += heard_by(signal, began, (far, away), (shade, shadow))
         before, self._rates = self._rates, self._step_rates(last.arms, now.arms)
         if before != SILENT or self._rates != SILENT:
             heard += self._motors(np.array(before), np.array(self._rates))
@@ -286,7 +269,8 @@ class Ears:
     def _motors(self, before: Vector, after: Vector) -> Samples:
         """Return the sound of the motors: a tone with the frequency of each motor's steps, and the rattle of gears."""
         at = (NUMBERS + 1) / BLOCK
-        loud = MOTOR * np.sqrt(ramp(before, after, at) / MOTOR_HZ)
+        rates = before + (after - before) * at[:, None]
+        loud = MOTOR * np.sqrt(rates / MOTOR_HZ)
         turns = self._phases + after * (at * (BLOCK / RATE))[:, None]
         self._phases = turns[-1] % 1.0
         tones = STEPPER.take((turns * len(STEPPER)).astype(np.int64), mode="wrap")
@@ -295,19 +279,11 @@ class Ears:
         return motors
 
 
-def ramp(before: Vector, after: Vector, at: Vector) -> Vector:
-    """Return the values between two points at the times `at` (0 to 1), shape (times, values)."""
-    between: Vector = before + (after - before) * at[:, None]
-    return between
-
-
 def heard_by(
     signal: Signal, began: float, distances: tuple[float, float], shadows: tuple[float, float]
 ) -> Samples:
     """Return what one ear hears in a block; distances (m) and shadows are those at its begin and its end."""
-    if abs(distances[1] - distances[0]) < STILL_M and abs(shadows[1] - shadows[0]) < STILL_M:
-        return _heard_at_rest(signal, began, distances[1], shadows[1])
-    away = distances[0] + (distances[1] - distances[0]) * STEPS
+    away = distances[0] + (distances[1] - distances[0]) * NUMBERS / BLOCK
     places = began + NUMBERS - away * (RATE / SOUND)
     floor = np.floor(places)
     whole = floor.astype(np.int64)
@@ -321,24 +297,6 @@ def heard_by(
     kernels = SINCS.take(((places - floor) * PHASES + 0.5).astype(np.int64), axis=0)
     heard: Samples = (np.einsum("ij,ij->i", rows, kernels) / np.maximum(away, NEAREST)).astype(np.float32)
     return heard
-
-
-def _heard_at_rest(signal: Signal, began: float, away: float, shadow: float) -> Samples:
-    """Return what one ear hears in a block while nothing moves: one kernel serves all frames."""
-    place = began - away * (RATE / SOUND)
-    whole = math.floor(place)
-    kernel = _kernel(round((place - whole) * PHASES), round(away, 5), round(shadow, 4))
-    heard: Samples = np.correlate(signal(whole - BEFORE - _REACH, BLOCK + len(kernel) - 1), kernel, "valid")
-    return heard
-
-
-@lru_cache(maxsize=16)
-def _kernel(phase: int, away: float, shadow: float) -> Samples:
-    """Return delay, head shadow and distance as one kernel."""
-    shade = shadow * SHADE
-    shade[_REACH] += 1 - shadow
-    kernel: Samples = (np.convolve(SINCS[phase], shade) / max(away, NEAREST)).astype(np.float32)
-    return kernel
 
 
 class SimulatedSound:

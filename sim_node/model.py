@@ -118,13 +118,8 @@ def _add_chain(spec: mujoco.MjSpec, robot: RobotData, name: str, chain: Chain) -
     hinge.frictionloss = size.arm_friction
     hinge.solref_friction, hinge.solimp_friction = _SOLREF, _SOLIMP
     ring = SIZES.ring_heights[ARMS.index(name)]
-    _add_solid(
-        arm,
-        "ring",
-        mujoco.mjtGeom.mjGEOM_CYLINDER,
-        [SIZES.ring_radius, SIZES.ring_thickness / 2, 0.0],
-        size.arm_mass / 2,
-    ).pos = [0.0, 0.0, ring]
+    disc = [SIZES.ring_radius, SIZES.ring_thickness / 2, 0.0]
+    _add_solid(arm, "ring", mujoco.mjtGeom.mjGEOM_CYLINDER, disc, size.arm_mass / 2).pos = [0.0, 0.0, ring]
     elbow = np.array(chain.elbow) * size.arm_length
     base = direction(chain.azimuth, SIZES.post_radius, ring)
     _add_link(arm, base, elbow * 1.2, size.arm_mass / 2)
@@ -178,10 +173,9 @@ OUTSIDE: Final = ((0.655, 0.235, 0.13), (0.0, 0.0, 0.058), 32.0)
 def scene_spec(robot: RobotData = ROBOT) -> mujoco.MjSpec:
     """Return the editable model of robot, room and person; its joints, and so its qpos, are those of `build_spec`."""
     spec = build_spec(robot)
-    for part in (spec.geom("floor"), *spec.lights):
-        spec.delete(part)
     room = mujoco.MjSpec.from_file(str(ROOM))
-    spec.visual.headlight = room.visual.headlight
+    spec.visual.headlight, spec.visual.map = room.visual.headlight, room.visual.map
+    spec.visual.quality, spec.stat = room.visual.quality, room.stat
     spec.attach(room, prefix=PREFIX, frame=spec.worldbody.add_frame(pos=[0.0, 0.0, SIZES.floor]))
     add_camera(spec.worldbody, names.OUTSIDE, *OUTSIDE)
     return spec
@@ -194,5 +188,5 @@ def eye_scene(robot: RobotData = ROBOT) -> mujoco.MjSpec:
     # All light is directional, so one quad for each wall is enough.
     quality.numquads = 1
     quality.numslices, quality.numstacks = 16, 10
-    spec.delete(spec.texture("sky"))
+    spec.delete(spec.texture(f"{PREFIX}sky"))
     return spec

@@ -1,10 +1,11 @@
-"""Drawing the scene: its state, the model without physics, and the protocol of painters."""
+"""Drawing the scene: its state, the model without physics, and what all painters have."""
 
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 import mujoco
 import numpy as np
@@ -60,16 +61,13 @@ class PosedModel:
         return groups
 
 
-class Painter(Protocol):
+class Painter(PosedModel):
     """Draws a model from its cameras; created, used and closed in one thread."""
 
-    @property
-    def source(self) -> str:
-        """The method of drawing: `egl`, `osmesa`, `cgl`, `glfw` or `rays`."""
+    source: str
+    """the method of drawing: `egl`, `osmesa`, `cgl`, `glfw` or `rays`"""
 
-    def pose(self, posture: Vector, target: Point | None = None) -> None:
-        """Set the posture and the person's place as `PosedModel.pose` does."""
-
+    @abstractmethod
     def paint(self, camera: str) -> Image:
         """Draw the picture from the camera of this name."""
 

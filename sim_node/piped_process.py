@@ -21,8 +21,10 @@ from beatrix_zenoh.contract._generated.robot import RobotData
 
 NICE: Final = 5
 """Added to the niceness of a drawing process (POSIX): on a busy computer physics has priority."""
+READY: Final = b"ready\n"
+"""What a process writes first, when it can do its work."""
 OPENING_S: Final = 30.0
-"""Longest time until a process prints its first line."""
+"""Longest time until then."""
 ENDING_S: Final = 2.0
 """Longest wait for the end of a killed process; a process that hangs in a kernel driver does not end."""
 _CHUNK: Final = 65536
@@ -39,7 +41,7 @@ class PipedProcess:
     """A running program of this package. One thread writes and reads; any thread may call `close`."""
 
     def __init__(self, module: str, robot: RobotData, *words: str) -> None:
-        """Start `python -m module ROBOT *words`, with the robot as JSON; `first_line` waits until it is ready."""
+        """Start `python -m module ROBOT *words`, with the robot as JSON; `ready` waits until it can do its work."""
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", module, msgspec.json.encode(robot).decode(), *words],
             stdin=subprocess.PIPE,
@@ -61,16 +63,12 @@ class PipedProcess:
                 self._chunks.put(chunk)
         self._chunks.put(b"")
 
-    def first_line(self) -> str:
-        """Wait for the first line of output and return it; empty if the process ends without one or takes too long."""
-        deadline_s = time.monotonic() + OPENING_S
+    def ready(self) -> bool:
+        """Wait until the process has written READY; return False if it ends before, or takes too long."""
         try:
-            while b"\n" not in self._received:
-                self._receive(deadline_s)
+            return self.read(len(READY), OPENING_S) == READY
         except OSError:
-            return ""
-        line, _, self._received = self._received.partition(b"\n")
-        return line.decode().strip()
+            return False
 
     def write(self, data: bytes) -> None:
         """Write to the process; raises OSError if it has ended. Blocks while the process hangs, until `close`."""

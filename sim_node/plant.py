@@ -37,29 +37,15 @@ class StepperDrive:
         self._gear = Gear(drive)
         # The electrical cycle as an angle of an arm (rad). It is positive, because Gear applies the direction of a motor.
         self._cycle = math.tau / (drive.full_steps * drive.gear_ring / drive.gear_pinion / CYCLE_FULL_STEPS)
-        self._half_cycle = self._cycle / 2
         self._signs = drive.sign
         self._pulses: Counts = (0, 0, 0)
         self._home: Counts = (0, 0, 0)
         self._cycles = [0, 0, 0]
         self._lost = [0, 0, 0]
-        self._on = False
-        self._set_points: Arms = (0.0, 0.0, 0.0)
-
-    @property
-    def cycle(self) -> float:
-        """Arm angle of an electrical cycle (rad)."""
-        return self._cycle
-
-    @property
-    def on(self) -> bool:
-        """Whether the motors are switched on and so hold the arms."""
-        return self._on
-
-    @property
-    def set_points(self) -> Arms:
-        """Angles that the coils pull the arms to (rad from home)."""
-        return self._set_points
+        self.on = False
+        """whether the motors are switched on and so hold the arms"""
+        self.set_points: Arms = (0.0, 0.0, 0.0)
+        """angles that the coils pull the arms to (rad from home)"""
 
     @property
     def slipped(self) -> Counts:
@@ -74,19 +60,19 @@ class StepperDrive:
 
         `pulses` are microsteps since the board's start, `arms` the measured angles (rad).
         """
-        changed = on != self._on
+        changed = on != self.on
         if pulses != self._pulses:
             self._pulses = pulses
             self._update_set_points()
             changed = True
         if on:
-            half = self._half_cycle
-            (x, y, z), (a, b, c) = self._set_points, arms
+            half = self._cycle / 2
+            (x, y, z), (a, b, c) = self.set_points, arms
             if not (-half < a - x < half and -half < b - y < half and -half < c - z < half):
                 # Motors that have just been switched on lock to the nearest position, which is not a slip.
-                self._lock(arms, slip=self._on)
+                self._lock(arms, slip=self.on)
                 changed = True
-        self._on = on
+        self.on = on
         return changed
 
     def set_home(self) -> None:
@@ -97,7 +83,7 @@ class StepperDrive:
         self._update_set_points()
 
     def _lock(self, arms: Sequence[float], *, slip: bool) -> None:
-        for i, (arm, set_point) in enumerate(zip(arms, self._set_points, strict=True)):
+        for i, (arm, set_point) in enumerate(zip(arms, self.set_points, strict=True)):
             if not math.isfinite(arm):
                 continue
             cycles = round((arm - set_point) / self._cycle)
@@ -110,7 +96,7 @@ class StepperDrive:
         (i, j, k), (h, m, n) = self._pulses, self._home
         x, y, z = self._gear.to_rad((i - h, j - m, k - n))
         (a, b, c), cycle = self._cycles, self._cycle
-        self._set_points = x + a * cycle, y + b * cycle, z + c * cycle
+        self.set_points = x + a * cycle, y + b * cycle, z + c * cycle
 
 
 _log = logging.getLogger(__name__)
@@ -258,11 +244,9 @@ class Plant:
         """Reassemble the neck at its set points, or upright if the head cannot be assembled with those."""
         self.re_placed += 1
         try:
-            self._neck.rotation(self._drive.set_points)
+            self.place(self._drive.set_points)
         except BeatrixError:
             self.place(_UPRIGHT)
-        else:
-            self.place(self._drive.set_points)
 
     def copy(self) -> Plant:
         """Return an independent plant in the same state."""

@@ -26,7 +26,7 @@ from beatrix_zenoh.lettering import cells
 from sim_node.gl import GlPainter
 from sim_node.model import eye_scene
 from sim_node.painter import Image, Painter, SceneState
-from sim_node.piped_process import NICE, OPENING_S, PipedProcess
+from sim_node.piped_process import NICE, OPENING_S, READY, PipedProcess
 from sim_node.rays import RayPainter
 
 WIDTH: Final = 640
@@ -37,7 +37,6 @@ CELL: Final = 4
 """Side (px) of the squares of a picture without OpenGL; both eyes get ten pictures a second, and three with
 1 px."""
 BADGE: Final = "NO OPENGL"
-READY: Final = "ready"
 PICTURE_S: Final = 5.0
 """Longest wait for a picture after the first: a hundred times what a slow computer needs."""
 
@@ -57,7 +56,7 @@ class Renderer:
 
     def open(self) -> None:
         """Wait until the process is ready; raises OSError if it cannot draw on this computer, or is closed."""
-        if self._process.first_line() != READY:
+        if not self._process.ready():
             self.close()
             raise OSError(f"{self.source} cannot draw on this computer")
 
@@ -110,7 +109,7 @@ def main(words: Sequence[str]) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the node handles Ctrl-C and ends this process
     painter = open_painter(msgspec.json.decode(words[0], type=RobotData), words[1])
     requests, pictures = sys.stdin.buffer, sys.stdout.buffer
-    pictures.write(f"{READY}\n".encode())
+    pictures.write(READY)
     pictures.flush()
     lowered = False
     while len(request := requests.read(_REQUEST.size)) == _REQUEST.size:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import threading
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -20,7 +18,7 @@ from beatrix_zenoh.node import QueryThread
 from beatrix_zenoh.node.sensors import FULL_SCALE, RATE
 from sim_node.hearing import GENERATORS, PlayingSound, Samples, generated
 from sim_node.shapes import Point
-from sim_node.target import BOUNDS
+from sim_node.target import BOUNDS, check_room, told
 
 SILENCE, SAMPLES = "silence", "samples"
 NAMES: Final = (*GENERATORS, SAMPLES, SILENCE)
@@ -35,17 +33,8 @@ MOUTH_BELOW_EYES: Final = 0.079
 """Height (m) of the person's eyes above the mouth, as in the model of the room."""
 
 
-@dataclass(frozen=True)
-class PlacedSound:
-    """What is heard, and from where."""
-
-    place: Point | None = None
-    """m; None: from the mouth of the person"""
-    playing: PlayingSound | None = None
-
-
 class SoundSource:
-    """The source of sound of a room; any thread may read and change it."""
+    """The source of sound of a room; any thread may read it, and one changes it."""
 
     def __init__(self, person: Callable[[], Point], clock_s: Callable[[], float]) -> None:
         """Store the arguments.
@@ -55,20 +44,20 @@ class SoundSource:
             clock_s: the monotonic clock (s).
         """
         self._person, self._clock_s = person, clock_s
-        self._lock = threading.Lock()
-        self._source = PlacedSound()
+        self._place: Point | None = None
+        """m; None: the mouth of the person"""
+        self._playing: PlayingSound | None = None
 
     def place(self, eyes: Point) -> Point:
         """Return the place (m) of the source while the person's eyes are at `eyes`."""
-        placed = self._source.place
-        return (eyes[0], eyes[1], eyes[2] - MOUTH_BELOW_EYES) if placed is None else placed
+        return self._place or (eyes[0], eyes[1], eyes[2] - MOUTH_BELOW_EYES)
 
     def playing(self) -> PlayingSound | None:
         """Return the sound that plays; None: silence.
 
         A sound that has ended stays for a short time, because it is still on its way to the ears.
         """
-        playing = self._source.playing
+        playing = self._playing
         heard = playing is not None and self._clock_s() < playing.began_s + playing.seconds + 0.1
         return playing if heard else None
 
@@ -78,13 +67,11 @@ class SoundSource:
         Raises:
             Refused: BAD_VALUE.
         """
-        with self._lock:
-            source = self._source
-            if (place := place_of(query)) is not None or query.mouth:
-                source = replace(source, place=place)
-            if query.play or query.seconds:
-                source = replace(source, playing=self._play(query, samples))
-            self._source = source
+        place = place_of(query)
+        if query.play or query.seconds:
+            self._playing = self._play(query, samples)
+        if place is not None or query.mouth:
+            self._place = place
 
     def _play(self, query: SoundQuery, samples: Samples | None) -> PlayingSound | None:
         if query.play not in NAMES:
@@ -108,44 +95,38 @@ class SoundSource:
 
     def reply(self, refusal: BeatrixError | None) -> SoundReply:
         """Return what plays where, and the refusal if there is one."""
-        now_s, source = self._clock_s(), self._source
-        playing = source.playing
-        left_s = 0.0 if playing is None else playing.left_s(now_s)
+        playing = self._playing
+        left_s = 0.0 if playing is None else playing.left_s(self._clock_s())
         x, y, z = self.place(self._person())
+        reason, message, detail = told(refusal)
         return SoundReply(
             result=refusal is None,
-            reason=Reason.OK if refusal is None else refusal.reason,
-            message="" if refusal is None else refusal.message,
+            reason=reason,
+            message=message,
             play=playing.name if playing is not None and left_s > 0 else SILENCE,
             seconds=left_s,
             x=x,
             y=y,
             z=z,
-            mouth=source.place is None,
-            detail=None if refusal is None else refusal.detail,
+            mouth=self._place is None,
+            detail=detail,
         )
 
 
 def place_of(query: SoundQuery) -> Point | None:
     """Return the place (m) in a query, None if there is none; raises Refused (BAD_VALUE)."""
-    given = {"x": query.x, "y": query.y, "z": query.z}
-    found = {name: value for name, value in given.items() if value is not None}
-    if not found:
+    x, y, z = query.x, query.y, query.z
+    if (x, y, z) == (None, None, None):
         return None
     if query.mouth:
         raise bad_field(
             "mouth", "The source is either at x, y, z or in the person's mouth: give one of both."
         )
-    for name, (low, high) in BOUNDS.items():
-        if name not in found:
-            raise bad_field(name, f"A place needs x, y and z; {name} is missing.", tuple(given))
-        if not low <= found[name] <= high:
-            raise Refused(
-                Reason.BAD_VALUE,
-                f"The sound cannot come from {name} = {found[name]:.2f} m; the room allows {low:.1f} to {high:.1f} m.",
-                Detail(field=name, value=found[name], low=low, high=high, unit="m"),
-            )
-    place = found["x"], found["y"], found["z"]
+    if x is None or y is None or z is None:
+        missing = next(name for name in BOUNDS if getattr(query, name) is None)
+        raise bad_field(missing, f"A place needs x, y and z; {missing} is missing.", tuple(BOUNDS))
+    place = x, y, z
+    check_room(place, "The sound cannot come from")
     away = math.hypot(*place)
     if away < NEAREST:
         raise Refused(

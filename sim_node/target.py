@@ -12,6 +12,7 @@ from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetQuery, TargetReply
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, quoted
+from beatrix_zenoh.contract.refusals import bad_field
 from beatrix_zenoh.node import QueryThread
 from sim_node.shapes import Point
 
@@ -51,15 +52,20 @@ def on_path(path: TargetPath, t_s: float, period_s: float = PERIOD_S) -> Point:
             return HOME
 
 
-def check(place: Point) -> None:
-    """Raise Refused (BAD_VALUE) for a place outside the room or inside the robot."""
+def check_room(place: Point, what: str) -> None:
+    """Raise Refused (BAD_VALUE) for a place outside the room; `what` begins the sentence."""
     for (field, (low, high)), value in zip(BOUNDS.items(), place, strict=True):
         if not low <= value <= high:
             raise Refused(
                 Reason.BAD_VALUE,
-                f"The person cannot be at {field} = {value:.2f} m; the room allows {low:.1f} to {high:.1f} m.",
+                f"{what} {field} = {value:.2f} m; the room allows {low:.1f} to {high:.1f} m.",
                 Detail(field=field, value=value, low=low, high=high, unit="m"),
             )
+
+
+def check(place: Point) -> None:
+    """Raise Refused (BAD_VALUE) for a place of the person outside the room or inside the robot."""
+    check_room(place, "The person cannot be at")
     away = math.hypot(place[0], place[1])
     if away < NEAREST:
         raise Refused(
@@ -90,12 +96,8 @@ class PersonTarget:
     def walk(self, path: str, period_s: float, start_s: float) -> None:
         """Begin a path at this time (s); raises Refused (BAD_VALUE) for an unknown path, or a period outside PERIODS_S."""
         if path not in list(TargetPath):
-            known = ", ".join(TargetPath)
-            raise Refused(
-                Reason.BAD_VALUE,
-                f"There is no path {quoted(path)} for the person. Choose {known}.",
-                Detail(field="path", known=list(TargetPath)),
-            )
+            text = f"There is no path {quoted(path)} for the person. Choose {', '.join(TargetPath)}."
+            raise bad_field("path", text, list(TargetPath))
         low, high = PERIODS_S
         if not low <= period_s <= high:
             raise Refused(
@@ -119,11 +121,8 @@ def change(target: PersonTarget, query: TargetQuery, now_s: float) -> None:
     if query.path and (x, y, z) == (None, None, None):
         target.walk(query.path, query.period_s, now_s)
     elif x is None or y is None or z is None or query.path:
-        raise Refused(
-            Reason.BAD_VALUE,
-            "Give x, y and z (m), or a path and its period.",
-            Detail(field="path" if query.path else "x", known=["x", "y", "z", "path"]),
-        )
+        field = "path" if query.path else "x"
+        raise bad_field(field, "Give x, y and z (m), or a path and its period.", ["x", "y", "z", "path"])
     else:
         target.move((x, y, z))
 
@@ -138,7 +137,10 @@ def reply(target: PersonTarget, raw: RawQuery, now_s: float) -> TargetReply:
         except BeatrixError as error:
             refusal = error
     x, y, z = target.place(now_s)
-    if refusal is None:
-        return TargetReply(result=True, reason=Reason.OK, message="", x=x, y=y, z=z)
-    reason, text = refusal.reason, refusal.message
-    return TargetReply(result=False, reason=reason, message=text, x=x, y=y, z=z, detail=refusal.detail)
+    reason, message, detail = told(refusal)
+    return TargetReply(result=refusal is None, reason=reason, message=message, x=x, y=y, z=z, detail=detail)
+
+
+def told(refusal: BeatrixError | None) -> tuple[Reason, str, Detail | None]:
+    """Return what a reply says about a refusal; None: there is none."""
+    return (Reason.OK, "", None) if refusal is None else (refusal.reason, refusal.message, refusal.detail)

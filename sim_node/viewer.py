@@ -27,7 +27,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node import Component
 from sim_node.model import scene_spec
 from sim_node.painter import PosedModel, SceneState
-from sim_node.piped_process import NICE, PipedProcess
+from sim_node.piped_process import NICE, READY, PipedProcess
 from sim_node.shapes import Vector
 from sim_node.visuals import COLLISION, MATERIALS, add_meshes
 
@@ -39,39 +39,24 @@ KEYS: Final = (
     f"In the window, key {MECHANISM} shows the mechanism inside the robot, key {COLLISION} the simple shapes with mass "
     "that can touch each other."
 )
-READY: Final = "ready"
-"""Printed by the subprocess when the window is open."""
 PERIOD_S: Final = 1 / 30
 
 
-class SceneViewer:
-    """A window that shows the scene until the user closes it."""
+class SceneViewer(Component):
+    """A window that shows the scene of one simulation until the user closes it; a thread sends the states."""
 
     def __init__(self, robot: RobotData) -> None:
         """Open the window; raises Refused if that fails, usually because there is no display."""
         self._process = PipedProcess("sim_node.viewer", robot)
-        if self._process.first_line() != READY:
-            self.close()
+        if not self._process.ready():
+            self._process.close()
             raise Refused(
                 Reason.BAD_VALUE,
                 "--view: no window can be opened, because there is no display or the display has no OpenGL. Omit "
                 "--view: the simulation and its eyes need no display.",
             )
-
-    def show(self, state: SceneState) -> None:
-        """Show a state; raises OSError if the window is closed. Blocks while the window hangs, until `close`."""
-        self._process.write(np.concatenate((state.posture, state.target)).tobytes())
-
-    def close(self) -> None:
-        """Close the window; may be called twice."""
-        self._process.close()
-
-
-class ViewerFeed(Component):
-    """Shows the simulation in a viewer, on its own thread, until the user closes the window."""
-
-    def __init__(self, viewer: SceneViewer, scene_state: Callable[[], SceneState]) -> None:
-        self._viewer, self._scene_state = viewer, scene_state
+        self.scene_state: Callable[[], SceneState] | None = None
+        """returns the scene; the simulation sets it before `start`"""
         self._closed = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -79,16 +64,17 @@ class ViewerFeed(Component):
         self._thread = threads.start(self._run, "viewer")
 
     def _run(self) -> None:
-        while not self._closed.wait(PERIOD_S):
+        while self.scene_state is not None and not self._closed.wait(PERIOD_S):
+            state = self.scene_state()
             try:
-                self._viewer.show(self._scene_state())
-            except OSError:
+                self._process.write(np.concatenate((state.posture, state.target)).tobytes())
+            except OSError:  # the user has closed the window
                 return
 
     def close(self) -> None:
         """Close the window, and end the thread."""
         self._closed.set()
-        self._viewer.close()
+        self._process.close()
         if self._thread is not None:
             self._thread.join(timeout=5.0)
 
@@ -147,7 +133,7 @@ def main(words: list[str]) -> int:
         posed.model, posed.data, show_left_ui=False, show_right_ui=False
     ) as viewer:
         viewer.cam.lookat, viewer.cam.distance, viewer.cam.azimuth, viewer.cam.elevation = _CAMERA
-        os.write(STDOUT, f"{READY}\n".encode())
+        os.write(STDOUT, READY)
         while viewer.is_running() and not states.ended:
             state = states.newest
             with viewer.lock():

@@ -1,4 +1,4 @@
-"""The appearance of the simulated robot: shapes without mass or contact, lights and the observer's camera.
+"""The appearance of the simulated robot: shapes without mass or contact.
 
 The shapes are those of `beatrix_zenoh.body`.
 """
@@ -14,7 +14,7 @@ import numpy as np
 from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.surface import Mesh
 from beatrix_zenoh.colours import Colour
-from beatrix_zenoh.contract._generated.robot import COLOURS, SIZES, RobotData
+from beatrix_zenoh.contract._generated.robot import COLOURS, RobotData
 
 VISUAL: Final = 2
 """Geom group of all visible geoms."""
@@ -22,10 +22,6 @@ COLLISION: Final = 3
 """Geom group of all geoms with mass; hidden."""
 
 SKY: Final = (0.93, 0.95, 0.97)
-TILES: Final = ((0.88, 0.885, 0.875), (0.845, 0.855, 0.85))
-TILE: Final = 0.1
-"""Side of the floor's tiles (m)."""
-
 MATERIALS: Final[dict[Colour, str]] = {
     getattr(COLOURS, name): name for name in COLOURS.__struct_fields__ if name not in ("yaw", "pitch", "roll")
 }
@@ -34,7 +30,7 @@ _GLOSSY: Final = {"visor", "white", "iris", "black"}
 
 
 def add_visuals(spec: mujoco.MjSpec, robot: RobotData) -> None:
-    """Add the visible geoms, lights and cameras to a model that has its bodies."""
+    """Add the visible geoms to a model that has its bodies."""
     for colour, name in MATERIALS.items():
         glossy = name in _GLOSSY
         spec.add_material(
@@ -43,7 +39,6 @@ def add_visuals(spec: mujoco.MjSpec, robot: RobotData) -> None:
             specular=0.8 if glossy else 0.25,
             shininess=0.9 if glossy else 0.4,
         )
-    _surroundings(spec)
     add_meshes(spec, meshes(Figure(robot.geometry, robot.head), fine=True), VISUAL)
 
 
@@ -71,54 +66,6 @@ def add_meshes(spec: mujoco.MjSpec, shape: Iterable[Mesh], group: int) -> None:
                 geom.material = MATERIALS[colour]
             else:
                 geom.rgba = opaque(colour)
-
-
-def _surroundings(spec: mujoco.MjSpec) -> None:
-    world = spec.worldbody
-    spec.add_texture(
-        name="sky",
-        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=[0.80, 0.86, 0.92],
-        rgb2=SKY,
-        width=256,
-        height=256 * 6,
-    )
-    spec.add_texture(
-        name="tiles",
-        type=mujoco.mjtTexture.mjTEXTURE_2D,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
-        rgb1=TILES[0],
-        rgb2=TILES[1],
-        width=256,
-        height=256,
-    )
-    floor = spec.add_material(name="floor", texrepeat=[0.5 / TILE, 0.5 / TILE], texuniform=True, specular=0.1)
-    floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
-    plane = world.add_geom(
-        name="floor",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        size=[0, 0, 0.1],
-        pos=[0, 0, SIZES.floor],
-        material="floor",
-        group=VISUAL,
-    )
-    plane.contype = plane.conaffinity = 0
-    sun = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
-    world.add_light(type=sun, pos=[0.6, -0.5, 1.2], dir=[-0.5, 0.55, -1.1], diffuse=[0.60, 0.59, 0.56])
-    fill = world.add_light(type=sun, pos=[1.0, -1.2, 0.6], dir=[-0.8, 1.0, -0.5], diffuse=[0.20, 0.21, 0.23])
-    fill.castshadow = False
-    add_camera(world, "observer", (0.80, -0.56, 0.20), (0.0, 0.0, 0.012), 28.0)
-    visual = spec.visual
-    visual.headlight.ambient = [0.30, 0.30, 0.32]
-    visual.headlight.diffuse = [0.20, 0.20, 0.20]
-    visual.headlight.specular = [0.1, 0.1, 0.1]
-    visual.quality.shadowsize = 4096
-    visual.map.znear = 0.02
-    visual.map.shadowclip = 0.8
-    visual.map.zfar = 12.0
-    visual.rgba.haze = [*SKY, 1.0]
-    spec.stat.center, spec.stat.extent = [0.0, 0.0, 0.0], 1.0
 
 
 def add_camera(

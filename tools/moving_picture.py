@@ -15,14 +15,13 @@ from typing import Final
 
 from bench_node import ROOT, Served
 from PIL import Image, ImageDraw, ImageFont
-from robot_pictures import CAMERA
+from studio import CAMERA, studio
 
 from beatrix_zenoh import Twin
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.motion.gear import Arms
 from sim_node import gl
 from sim_node.gl import GlPainter
-from sim_node.model import build_spec
 from sim_node.plant import Plant
 
 NAME: Final = "bea1"
@@ -72,9 +71,7 @@ def movement(endpoint: str) -> list[Moment]:
 def frames(moments: list[Moment]) -> list[Image.Image]:
     """Draw both robots side by side at each moment; needs OpenGL."""
     plant = Plant()
-    painter = GlPainter(
-        build_spec(), 2 * WIDTH, 2 * HEIGHT, name=gl.backend() or "egl", shadows=True, samples=4
-    )
+    painter = GlPainter(studio(), 2 * WIDTH, 2 * HEIGHT, name=gl.backend() or "egl", shadows=True, samples=4)
 
     @cache
     def drawn(arms: Arms) -> Image.Image:

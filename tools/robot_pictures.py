@@ -9,18 +9,17 @@ from typing import Final
 
 import mujoco
 import numpy as np
+from studio import CAMERA, studio
 
 from beatrix_zenoh.motion.gear import Arms
 from sim_node import gl
 from sim_node.gl import GlPainter
-from sim_node.model import build_spec
 from sim_node.painter import Image, Painter
 from sim_node.plant import Plant
 from sim_node.rays import RayPainter
 from sim_node.viewer import MECHANISM, SKIN_OPACITY, add_mechanism
 from sim_node.visuals import MATERIALS, VISUAL
 
-CAMERA: Final = "observer"
 _SAMPLES: Final = 4
 _OVERSAMPLING: Final = 2
 """Pictures are drawn larger by this factor, which smooths all edges, also with ray casting."""
@@ -33,7 +32,7 @@ def picture(arms: Arms, width: int, height: int, spec: mujoco.MjSpec | None = No
     """
     plant = Plant()
     plant.place(arms)
-    painter = _painter(spec or build_spec(), _OVERSAMPLING * width, _OVERSAMPLING * height)
+    painter = _painter(spec or studio(), _OVERSAMPLING * width, _OVERSAMPLING * height)
     try:
         painter.pose(plant.posture())
         return _shrunk(painter.paint(CAMERA))
@@ -73,7 +72,7 @@ def _shrunk(image: Image) -> Image:
 
 def write_mechanism(path: Path) -> None:
     """Write a picture of the mechanism inside the translucent robot, as a PNG file; raises OSError."""
-    spec = build_spec()
+    spec = studio()
     for name in MATERIALS.values():
         spec.material(name).rgba[3] = SKIN_OPACITY
     add_mechanism(spec)

@@ -143,17 +143,13 @@ def about(axis: Vector, angle: float) -> Quaternion:
 def quaternion(rotation: Rotation) -> Quaternion:
     """Return the quaternion of a rotation given by its rows."""
     (a, b, c), (d, e, f), (g, h, i) = rotation
-    squares = (1 + a - e - i, 1 - a + e - i, 1 - a - e + i, 1 + a + e + i)
-    largest = max(range(4), key=lambda index: squares[index])
-    if largest == 0:
-        parts = (squares[0], b + d, c + g, h - f)
-    elif largest == 1:
-        parts = (b + d, squares[1], f + h, c - g)
-    elif largest == 2:
-        parts = (c + g, f + h, squares[2], d - b)
-    else:
-        parts = (h - f, c - g, d - b, squares[3])
-    x, y, z, w = parts
+    rows = (  # each is a multiple of the quaternion; the one with the largest number on the diagonal is the most exact
+        (1 + a - e - i, b + d, c + g, h - f),
+        (b + d, 1 - a + e - i, f + h, c - g),
+        (c + g, f + h, 1 - a - e + i, d - b),
+        (h - f, c - g, d - b, 1 + a + e + i),
+    )
+    x, y, z, w = rows[max(range(4), key=lambda index: rows[index][index])]
     k = 1 / math.sqrt(x * x + y * y + z * z + w * w)
     return x * k, y * k, z * k, w * k
 

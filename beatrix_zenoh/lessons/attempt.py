@@ -13,10 +13,11 @@ figures of every lesson; `slips` recognises some of them.
 
 from __future__ import annotations
 
+import math
 import re
 import subprocess
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Self
@@ -44,6 +45,8 @@ CALL_S = 2.0
 """Longest processor time (s) of one call of a pupil's function."""
 IMPORT_S = 10.0
 """Longest processor time (s) of the import of a pupil's file."""
+LARGEST = 1e300
+"""A number of a function beyond it is a mistake; Python has integers of any size."""
 PATIENCE = 15.0
 """After this many times its limit without an answer, it is the computer that is slow."""
 OWN_ERROR = re.compile(r"(\w*Error|WrongUsage)\b")
@@ -126,25 +129,21 @@ class Attempt:
         value = self.value(function, *arguments)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise Unmet("returns", function=function, value=shown(value), wanted=phrase("number"))
-        try:
-            return float(value)
-        except OverflowError:  # an integer of more than 308 digits
-            raise Unmet("returns", function=function, value=phrase("huge"), wanted=phrase("number")) from None
+        if abs(value) > LARGEST:
+            raise Unmet("returns", function=function, value=phrase("huge"), wanted=phrase("number"))
+        return float(value)
 
     def call_array(
-        self, function: str, *arguments: object, shape: tuple[int, ...] = (-1,)
+        self, function: str, *arguments: object, shape: tuple[int, ...]
     ) -> npt.NDArray[np.float64]:
-        """As `call`, for a function that returns a list, tuple or array of numbers; -1 is any length."""
+        """As `call`, for a function that returns a list, tuple or array of numbers of this shape."""
         value = self.value(function, *arguments)
         try:
             found = np.array(value, dtype=float)
         except (TypeError, ValueError, OverflowError):
             found = np.array(None, dtype=float)
-        fits = found.ndim == len(shape) and all(
-            want in (-1, have) for want, have in zip(shape, found.shape, strict=True)
-        )
-        if not fits or isinstance(value, str):
-            wanted = phrase("list") if shape == (-1,) else phrase("array", shape=" x ".join(map(str, shape)))
+        if found.shape != shape or isinstance(value, str):
+            wanted = phrase("array", shape=" x ".join(map(str, shape)))
             raise Unmet("returns", function=function, value=shown(value), wanted=wanted)
         return found
 
@@ -162,8 +161,6 @@ class Attempt:
             found = reply["missing"]
             names = ", ".join(map(str, found)) if isinstance(found, list) and found else phrase("none")
             raise Unmet("function", function=function, names=names)
-        if "limit" in reply:
-            raise Unmet("ends", what=own, limit=CALL_S)
         if "error" in reply:
             failed, where = _error(reply), self._where(reply)
             if failed.reason is Reason.NO_ROUTER:
@@ -195,8 +192,6 @@ class Attempt:
                 reply = child.reply(PATIENCE * IMPORT_S)
             except NoReply as error:
                 raise _without_reply(error, began_s, IMPORT_S, what) from None
-            if "limit" in reply:
-                raise Unmet("ends", what=what, limit=IMPORT_S)
             if "error" in reply:
                 failed = _error(reply)
                 figure = _failure(failed, "import" if failed.reason is Reason.NO_ROUTER else "runs")
@@ -230,18 +225,22 @@ class Attempt:
             seconds: duration (s).
             course: yaw (deg) to follow at the time t (s).
             delay_s: age (s) of the error.
-            result: what the function returns: `angle`, the yaw to look at, or (yaw, pitch, roll); `turn`, a yaw to add
-                to the last one (deg); `rate`, a speed of yaw (deg/s).
+            result: what the function returns: `angle`, the yaw to look at (deg); `rate`, a speed of yaw (deg/s).
             speed: of the motions (deg/s); by default that of `look`.
 
         Raises Unmet as `call`, and `refused` for a target that the robot refuses.
         """
         plant = bench.start(speed)
-        try:
-            drive = bench.TargetFunction(
-                lambda *arguments: self.value(function, *arguments), function, result
+
+        def call(*arguments: float) -> float:
+            value = self.call(function, *arguments)
+            self.require(
+                "returns", math.isfinite(value), function=function, value=value, wanted=phrase("number")
             )
-            return bench.run(plant, drive, seconds, course, delay_s, self._tell)
+            return value
+
+        try:
+            return bench.run(plant, call, result, seconds, course, delay_s, self._tell)
         finally:
             plant.close()
 
@@ -252,17 +251,15 @@ class Attempt:
         *,
         target: tuple[float, float, float] | None = None,
         path: str = "still",
-        robots: Sequence[str] = (ROBOT,),
         seconds: float | None = None,
-        during: Callable[[Stage], None] | None = None,
+        during: Callable[[Stage], None] = lambda _: None,
         robot_file: Path | None = None,
     ) -> Seen:
-        """Run the program against simulations of its own, and return what the (first) robot did.
+        """Run the program against a simulation of its own, and return what the robot did.
 
         Args:
             target: place of the person (m); None: its usual place.
             path: `still`, `sway` or `circle`: the path of the person.
-            robots: names of the simulations; BEATRIX_ROBOT is the first.
             seconds: end the program after this time (s), as Ctrl-C does; None: it must end by itself.
             during: is called once the program runs, with the stage: it may read and move the robots as another seat,
                 and wait; its exceptions end the check.
@@ -273,54 +270,56 @@ class Attempt:
                 no robot was moved, or what `during` raises.
             NotMeasurable: this computer was too busy.
         """
-        seen = self.observe_all(
-            target=target, path=path, robots=robots, seconds=seconds, during=during, robot_file=robot_file
-        )
+        with ExitStack() as running:
+            stage = self._stage(running, (ROBOT,), path, robot_file)
+            if target is not None:
+                stage.watches[ROBOT].robot.move_target(*target)
+            seen = self._observed(running, stage, during, seconds=seconds)
         if seconds is None:
             slips.motions(seen.values())
-        return seen[robots[0]]
+        return seen[ROBOT]
 
     def observe_all(
-        self,
-        *,
-        target: tuple[float, float, float] | None = None,
-        path: str = "still",
-        robots: Sequence[str] = (ROBOT,),
-        seconds: float | None = None,
-        during: Callable[[Stage], None] | None = None,
-        within_s: float | None = None,
-        robot_file: Path | None = None,
+        self, *, robots: tuple[str, ...], during: Callable[[Stage], None], within_s: float
     ) -> dict[str, Seen]:
-        """As `observe`; return what each robot did, by name.
+        """As `observe`, with several robots; return what each did, by name. BEATRIX_ROBOT is the first.
 
-        With `within_s` the program must end so soon (s) after `during`, whatever time it has had before.
+        The program must end `within_s` (s) after `during`, whatever time it has had before.
         """
-        self.doubt = None
         with ExitStack() as running:
-            stage = self._stage(running, tuple(robots), path, robot_file)
-            if target is not None:
-                for watch in stage.watches.values():
-                    watch.robot.move_target(*target)
-            if self._keep is not None:
-                running.enter_context(stage.recorded(self._keep))
-            for watch in stage.watches.values():
-                watch.begin()
-            environment = {
-                "BEATRIX_CONNECT": stage.endpoint,
-                "BEATRIX_ROBOT": robots[0],
-                "BEATRIX_WHO": PUPIL,
-                tracebacks.VARIABLE: tracebacks.DATA,
-            }
-            run = Run(self._file, self._program, self._sandbox, environment)
-            running.callback(self._close, run)
-            limit_s = self._limit_s if seconds is None else seconds
-            self._tell(phrase("watches", seconds=limit_s))
-            if during is not None:
-                self._let(during, run, stage)
-            if within_s is not None:
-                limit_s = run.seconds + within_s
-            self._finish(run, stage, limit_s, ends=seconds is None)
-            return self._judge(stage, run)
+            stage = self._stage(running, robots, "still", None)
+            return self._observed(running, stage, during, within_s=within_s)
+
+    def _observed(
+        self,
+        running: ExitStack,
+        stage: Stage,
+        during: Callable[[Stage], None],
+        *,
+        seconds: float | None = None,
+        within_s: float | None = None,
+    ) -> dict[str, Seen]:
+        """Run the program on a stage, and return what each robot did."""
+        self.doubt = None
+        if self._keep is not None:
+            running.enter_context(stage.recorded(self._keep))
+        for watch in stage.watches.values():
+            watch.begin()
+        environment = {
+            "BEATRIX_CONNECT": stage.endpoint,
+            "BEATRIX_ROBOT": stage.names[0],
+            "BEATRIX_WHO": PUPIL,
+            tracebacks.VARIABLE: tracebacks.DATA,
+        }
+        run = Run(self._file, self._program, self._sandbox, environment)
+        running.callback(self._close, run)
+        limit_s = self._limit_s if seconds is None else seconds
+        self._tell(phrase("watches", seconds=limit_s))
+        self._let(during, run, stage)
+        if within_s is not None:
+            limit_s = run.seconds + within_s
+        self._finish(run, stage, limit_s, ends=seconds is None)
+        return self._judge(stage, run)
 
     def _stage(
         self, running: ExitStack, robots: tuple[str, ...], path: str, robot_file: Path | None
@@ -336,7 +335,7 @@ class Attempt:
 
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
         """Return what the robots did, and set `doubt`; raises NotMeasurable."""
-        found = {name: watch.end(run.began_ns, run.output) for name, watch in stage.watches.items()}
+        found = {name: watch.end(run.began_ns) for name, watch in stage.watches.items()}
         self.doubt = next((seen.doubt for seen in found.values() if seen.doubt), None)
         return found
 
@@ -353,45 +352,32 @@ class Attempt:
             raise
 
     def _finish(self, run: Run, stage: Stage, limit_s: float, *, ends: bool) -> None:
-        """As `_wait`, and judge first whether this computer was fast enough for its errors."""
-        try:
-            self._wait(run, stage, limit_s, ends=ends)
-        except Unmet as unmet:
-            if unmet.figure == "ends":
-                unmet.values |= pace(self._judge_endless(stage, run))
-                self.doubt = None  # short gaps do not make a program endless
-            elif unmet.figure in ("runs", "uncaught", "other_robot") and not OWN_ERROR.match(
-                str(unmet.values["error"])
-            ):
-                self._judge(stage, run)  # the robot may have stopped because this computer was busy
-            raise
-
-    def _close(self, run: Run) -> None:
-        run.close()
-        self.cores = run.cores
-
-    def _judge_endless(self, stage: Stage, run: Run) -> dict[str, Seen]:
-        """As `_judge`, for a program that did not end."""
-        try:
-            return self._judge(stage, run)
-        except NotMeasurable as why:
-            raise NotMeasurable(phrase("endless", why=why.why, seconds=self._limit_s)) from None
-
-    def _wait(self, run: Run, stage: Stage, limit_s: float, *, ends: bool) -> None:
         """Wait for the end of the program, and keep what the robots publish meanwhile.
 
-        Raises Unmet, `ends`, if the program must end (`ends`) and still runs `limit_s` (s) after its start.
+        Raises Unmet, `ends`, if the program must end (`ends`) and still runs `limit_s` (s) after its start, and its
+        errors; raises NotMeasurable instead if this computer may be the cause.
         """
         still = Still(self._tell, "still_runs", limit_s - run.seconds)
         while run.running and run.seconds < limit_s:
             _watch(stage, POLL_S)
             still.look()
+        if run.running and ends:
+            asked = pace(self._judge(stage, run))
+            self.doubt = None  # short gaps do not make a program endless
+            raise Unmet("ends", what=phrase("program"), limit=limit_s, **asked)
         if run.running:
-            if ends:
-                raise Unmet("ends", what=phrase("program"), limit=limit_s)
-        else:
+            return
+        try:
             run.check()
-            _watch(stage, TAIL_S)
+        except Unmet as unmet:
+            if unmet.figure != "keyboard" and not OWN_ERROR.match(str(unmet.values["error"])):
+                self._judge(stage, run)  # the robot may have stopped because this computer was busy
+            raise
+        _watch(stage, TAIL_S)
+
+    def _close(self, run: Run) -> None:
+        run.close()
+        self.cores = run.cores
 
 
 def _watch(stage: Stage, seconds: float) -> None:

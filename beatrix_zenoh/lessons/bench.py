@@ -17,15 +17,15 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons.guarded import LineChild, NoReply
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
-from beatrix_zenoh.lessons.phrases import ErrorData, Still, Tell, Unmet, busy, phrase, shown
+from beatrix_zenoh.lessons.phrases import ErrorData, Still, Tell, Unmet, busy, phrase
 
 TICK_S = 0.02
-"""Time between two calls of the function (s): TICK_MS of sim_node/bench.py."""
+"""Time between two calls of the function (s): CHUNK_MS of sim_node/virtual_time.py."""
 ANSWER_S = 60.0
 """Longest time of an answer of the bench (s), its start included."""
 
 Course = Callable[[float], float]
-Result = Literal["angle", "turn", "rate"]
+Result = Literal["angle", "rate"]
 
 
 @dataclass(frozen=True)
@@ -36,42 +36,14 @@ class Bench(HeadCurves):
     """of the arms, shape (n, 3)"""
     commanded: Curve
     """the firmware's set point of the arms, not rounded to microsteps, shape (n, 3)"""
-    asked: Curve
-    """the targets that the function gave, shape (n, 3): yaw, pitch, roll"""
     course: Curve
     """the yaw to follow at these times; zeros without a course"""
 
 
-class TargetFunction:
-    """Calls the pupil's function, and turns what it returns into the next target."""
-
-    def __init__(self, call: Callable[..., object], name: str, result: Result) -> None:
-        self._call, self._name, self._result = call, name, result
-        self._yaw = 0.0
-
-    def target(self, *arguments: float) -> list[float]:
-        """Return yaw, pitch, roll (deg); raises Unmet (`returns`) if the function returns anything else."""
-        value = self._call(*arguments)
-        try:
-            found = np.atleast_1d(np.array(value, dtype=float))
-        except (TypeError, ValueError):
-            found = np.array([])
-        fits = found.shape == (1,) or (found.shape == (3,) and self._result == "angle")
-        if isinstance(value, str) or not fits or not np.isfinite(found).all():
-            wanted = phrase("pose" if self._result == "angle" else "number")
-            raise Unmet("returns", function=self._name, value=shown(value), wanted=wanted)
-        numbers: list[float] = found.tolist()
-        if len(numbers) == 3:
-            return numbers
-        moves = {"angle": numbers[0] - self._yaw, "turn": numbers[0], "rate": numbers[0] * TICK_S}
-        self._yaw += moves[self._result]
-        return [self._yaw, 0.0, 0.0]
-
-
 def start(speed: float | None) -> LineChild:
     """Start the process of the bench; raises Refused if it ends at once, NotMeasurable if it does not answer."""
-    found = [entry for entry in metadata.entry_points(group="beatrix.processes") if entry.name == "bench"]
-    module = found[0].module if found else "sim_node.bench"
+    found = metadata.entry_points(group="beatrix.processes", name="bench")
+    module = next((entry.module for entry in found), "sim_node.bench")
     process = subprocess.Popen(
         [sys.executable, "-P", "-m", module],
         stdin=subprocess.PIPE,
@@ -105,39 +77,34 @@ def start(speed: float | None) -> LineChild:
 
 def run(
     plant: LineChild,
-    drive: TargetFunction,
+    call: Callable[..., float],
+    result: Result,
     seconds: float,
     course: Course | None,
     delay_s: float,
     tell: Tell,
 ) -> Bench:
-    """Drive the bench for some time (s); see `Attempt.bench`."""
+    """Drive the bench for some time (s) with the pupil's function; see `Attempt.bench`."""
     still = Still(tell, "bench_at", whole=seconds)
     ticks, late = round(seconds / TICK_S), round(delay_s / TICK_S)
     states: list[dict[str, list[float]]] = []
-    asked: list[list[float]] = []
+    target = 0.0
     for tick in range(ticks):
         t = tick * TICK_S
         still.look(t)
         if course is None:
-            target = drive.target(t)
+            value = call(t)
         else:
-            back = (
-                tick - late
-            )  # states[back - 1] is the state at this time; before the start the head was home
-            yaw = states[back - 1]["head"][0] if back > 0 else 0.0
-            target = drive.target(course(max(0, back) * TICK_S) - yaw, TICK_S)
-        states.append(_tick(plant, target, t))
-        asked.append(target)
+            back = max(0, tick - late)  # before the start the head was home
+            yaw = states[back - 1]["head"][0] if back else 0.0
+            value = call(course(back * TICK_S) - yaw, TICK_S)
+        target = value if result == "angle" else target + value * TICK_S
+        states.append(_tick(plant, [target, 0.0, 0.0], t))
     t_end = np.array([(tick + 1) * TICK_S for tick in range(ticks)])
     return Bench(
         t_end,
-        asked=np.array(asked),
         course=np.array([0.0 if course is None else course(t) for t in t_end.tolist()]),
-        **{
-            name: np.array([state[name] for state in states])
-            for name in ("head", "arms", "speed", "commanded")
-        },
+        **{name: np.array([state[name] for state in states]) for name in states[0]},
     )
 
 

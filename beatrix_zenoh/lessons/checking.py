@@ -135,15 +135,8 @@ def verdict(lesson: Lesson, unmet: Unmet) -> Verdict:
     """Return what to say about a figure that is not met."""
     figure = lesson.figure(unmet.figure)
     values = {name: said(_shown(value), lesson.language) for name, value in unmet.values.items()}
-    return Verdict(
-        Result.NOT_YET,
-        unmet.figure,
-        asked=figure.asked.format(**values),
-        found=figure.found.format(**values),
-        means=figure.means.format(**values),
-        hint=figure.hint,
-        values=values,
-    )
+    asked, found, means = (text.format(**values) for text in (figure.asked, figure.found, figure.means))
+    return Verdict(Result.NOT_YET, unmet.figure, asked, found, means, figure.hint, values)
 
 
 FURTHER = "Next: the last part of the page; how we did it: `beatrix lesson solution {number}`."
@@ -172,6 +165,7 @@ def filled(text: str, indent: str = "") -> str:
 
 def document(found: Lesson, verdict: Verdict, record: Record) -> dict[str, object]:
     """Return a verdict as JSON."""
+    plain = int | float | str | None
     return {
         "result": verdict.result is Result.PASSED,
         "lesson": found.name,
@@ -181,10 +175,7 @@ def document(found: Lesson, verdict: Verdict, record: Record) -> dict[str, objec
         "found": verdict.found,
         "message": verdict.means,
         "hint": verdict.hint,
-        "values": {
-            name: value if isinstance(value, int | float | str | None) else str(value)
-            for name, value in verdict.values.items()
-        },
+        "values": {name: one if isinstance(one, plain) else str(one) for name, one in verdict.values.items()},
         "tries": record.tries,
     }
 

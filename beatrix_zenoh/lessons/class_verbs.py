@@ -111,18 +111,14 @@ def _show(rows: list[Row], seats: list[str], shown: Callable[[str], str]) -> Non
     lines = [(shown(seat), *(cells.get((seat, lesson), "-") for lesson in lessons)) for seat in seats]
     say(columns(("seat", *lessons), lines))
     note("Each row is what the computer of the seat has reported itself.")
-    stuck = [row for row in rows if row.progress == reports.STUCK_AT]
-    for row in stuck:
-        say(
-            f"{shown(row.seat)} has been stuck in {row.lesson} for {row.state.stuck} checks (hints read: {row.state.hints}). "
-            f"The check asks: {asked(row.lesson, row.state.figure)}."
-        )
     for row in rows:
-        if row.progress == NOT_MEASURED:
+        if row.progress == reports.STUCK_AT:
+            say(
+                f"{shown(row.seat)} has been stuck in {row.lesson} for {row.state.stuck} checks (hints read: "
+                f"{row.state.hints}). The check asks: {asked(row.lesson, row.state.figure)}. `beatrix lesson hint N` on "
+                "the seat explains it; `beatrix lesson solution N --show` is for you."
+            )
+        elif row.progress == NOT_MEASURED:
             say(
                 f"The last check of {row.lesson} by {shown(row.seat)} could judge nothing: is the computer too busy?"
             )
-    if stuck:
-        note(
-            "`beatrix lesson hint N` on the seat explains it; `beatrix lesson solution N --show` is for you."
-        )

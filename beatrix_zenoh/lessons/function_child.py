@@ -12,7 +12,6 @@ import json
 import os
 import signal
 import sys
-import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator
@@ -26,11 +25,8 @@ from beatrix_zenoh.lessons.phrases import ErrorData, error_data
 
 SLOWER = 10.0
 """A call may take this many times its limit on a busy computer, as long as it does not use the processor."""
-LOOK_S = 0.05
-STUCK_S = 0.5
-"""Time (s) after a limit at which the system ends this process: a calculation in C may let no thread answer."""
 ALARM_CODE = -signal.SIGPROF if sys.platform != "win32" else None
-"""Exit code of a process that the system has ended so; Windows limits the time only, not that of the processor."""
+"""Exit code of a process that has used up its processor time; Windows limits the time only, not that of the processor."""
 STDERR = 2
 ODD = 60
 """Longest text of a value that an answer quotes."""
@@ -50,31 +46,30 @@ def main(words: list[str]) -> int:
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)  # `input()` fails at once, and takes no request
     path = Path(words[0])
     sys.path.insert(0, str(path.parent))
-    with limited(float(words[1]), answers):
-        module, failure = load(path)
-    write(answers, failure or {"value": None})
-    if module is None:
+    try:
+        with limited(float(words[1])):
+            module = load(path)
+    except BaseException as error:  # noqa: BLE001 - the pupil's code may raise any, SystemExit included
+        write(answers, failed(error, path))
         return 1
+    write(answers, {"value": None})
     for line in requests:
         request = json.loads(line)
-        with limited(request["limit_s"], answers):
+        with limited(request["limit_s"]):
             found = call(module, path, request["function"], request["arguments"])
         write(answers, found)
     return 0
 
 
-def load(path: Path) -> tuple[ModuleType | None, Reply | None]:
-    """Import the file; return the module, or the error as an answer."""
+def load(path: Path) -> ModuleType:
+    """Import the file."""
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # dataclasses look for their module there
-    try:
-        spec.loader.exec_module(module)
-    except BaseException as error:  # noqa: BLE001 - the pupil's code may raise any, SystemExit included
-        return None, failed(error, path)
-    return module, None
+    spec.loader.exec_module(module)
+    return module
 
 
 def call(module: ModuleType, path: Path, name: str, arguments: list[object]) -> Reply:
@@ -88,7 +83,7 @@ def call(module: ModuleType, path: Path, name: str, arguments: list[object]) -> 
     began_s = time.process_time()
     try:
         value = function(*arguments)
-    except BaseException as error:  # noqa: BLE001 - as in `load`
+    except BaseException as error:  # noqa: BLE001 - as in `main`
         return failed(error, path)
     used_s = time.process_time() - began_s
     try:
@@ -122,37 +117,22 @@ def failed(error: BaseException, path: Path) -> Reply:
 
 
 @contextlib.contextmanager
-def limited(limit_s: float, answers: IO[str]) -> Iterator[None]:
-    """End this process, after an answer, if the block uses the processor for longer than `limit_s` (s).
+def limited(limit_s: float) -> Iterator[None]:
+    """Let the system end this process if the block uses the processor for longer than `limit_s`, or lasts SLOWER times that.
 
-    A calculation such as `9**9**9` lets no thread of Python run, so that there is no answer: the system then ends the
-    process with ALARM_CODE, and `faulthandler` ends it after SLOWER times the limit.
+    Not a thread of Python: a calculation such as `9**9**9` lets none run.
     """
-    done = threading.Event()
-    began_s, began_cpu_s = time.monotonic(), time.process_time()
-
-    def watch() -> None:
-        while not done.wait(LOOK_S):
-            used_s = time.process_time() - began_cpu_s
-            if used_s > limit_s or time.monotonic() - began_s > SLOWER * limit_s:
-                write(answers, {"limit": limit_s})
-                os._exit(1)
-
-    watcher = threading.Thread(target=watch, daemon=True)
-    watcher.start()
-    alarm(limit_s + STUCK_S)
-    faulthandler.dump_traceback_later(SLOWER * limit_s + STUCK_S, exit=True, file=STDERR)
+    alarm(limit_s)
+    faulthandler.dump_traceback_later(SLOWER * limit_s, exit=True, file=STDERR)
     try:
         yield
     finally:
         alarm(0.0)
         faulthandler.cancel_dump_traceback_later()
-        done.set()
-        watcher.join()
 
 
 def alarm(seconds: float) -> None:
-    """End this process after this processor time; 0: never."""
+    """End this process, with ALARM_CODE, after this processor time; 0: never."""
     if sys.platform != "win32":
         signal.setitimer(signal.ITIMER_PROF, seconds)
 

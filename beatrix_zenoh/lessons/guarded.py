@@ -92,14 +92,19 @@ class Guarded:
 
     def end(self) -> None:
         """Kill the program and all that it has started."""
-        for pipe in (self.requests, self.process.stdin):
-            if pipe is not None:
-                with contextlib.suppress(OSError):  # what was not yet written has no reader
-                    pipe.close()
+        close(self.requests, self.process.stdin)
         with contextlib.suppress(subprocess.TimeoutExpired):
             self.process.wait(GUARD_S)
         kill_group(self.process)  # if the program has killed or suspended its guard
         self.process.wait()
+
+
+def close(*pipes: IO[bytes] | None) -> None:
+    """Close pipes; what was not yet written has no reader."""
+    for pipe in pipes:
+        if pipe is not None:
+            with contextlib.suppress(OSError):
+                pipe.close()
 
 
 def kill_group(process: subprocess.Popen[bytes]) -> None:
@@ -170,10 +175,7 @@ class LineChild:
         """End the child, which holds nothing that it would have to save."""
         self._end()
         self._reader.join()
-        for pipe in (self._requests, self._process.stdout):
-            if pipe is not None:
-                with contextlib.suppress(OSError):  # what was not yet written has no reader
-                    pipe.close()
+        close(self._requests, self._process.stdout)
 
 
 class Run:
@@ -226,7 +228,10 @@ class Run:
             raise Unmet("keyboard", where=self._where())
         error = self._error(lines)
         figure = "uncaught" if str(error).startswith(REFUSED) else "runs"
-        raise Unmet("other_robot" if _names_other_robot(error) else figure, error=error, where=self._where())
+        if isinstance(error, ErrorData) and error.reason in (Reason.NO_ANSWER, Reason.NO_SUCH_ROBOT):
+            absent = error.detail is not None and error.detail.field not in ("", *error.detail.known)
+            figure = "other_robot" if absent else figure
+        raise Unmet(figure, error=error, where=self._where())
 
     def _error(self, lines: list[str]) -> ErrorData | Phrase:
         """Return the error of the traceback, or how the program has ended without one."""
@@ -257,14 +262,5 @@ class Run:
         if not self.cores:
             self.cores = self._sandbox.used_s() / self.seconds
         self._reader.join(END_S)
-        if (
-            self._process.stdout is not None and not self._reader.is_alive()
-        ):  # else closing would wait for the reader
+        if self._process.stdout is not None and not self._reader.is_alive():  # else closing would wait for it
             self._process.stdout.close()
-
-
-def _names_other_robot(error: ErrorData | Phrase) -> bool:
-    """Return whether this is the error of a program that names a robot which is not online."""
-    if not isinstance(error, ErrorData) or error.reason not in (Reason.NO_ANSWER, Reason.NO_SUCH_ROBOT):
-        return False
-    return error.detail is not None and error.detail.field not in ("", *error.detail.known)

@@ -41,16 +41,6 @@ class HeadCurves:
         """Angle of the short arm (deg)."""
         return self.arms[:, 0]
 
-    @property
-    def middle(self) -> Curve:
-        """Angle of the middle arm (deg)."""
-        return self.arms[:, 1]
-
-    @property
-    def long(self) -> Curve:
-        """Angle of the long arm (deg)."""
-        return self.arms[:, 2]
-
 
 def swings(values: Curve, least: float) -> list[float]:
     """Return the sizes of the movements between turning points, in order, those below `least` left out.
@@ -93,14 +83,3 @@ def at(t: Curve, values: Curve, times: npt.ArrayLike) -> Curve:
 def rms(values: npt.ArrayLike) -> float:
     """Return the root of the mean square."""
     return float(np.sqrt(np.mean(np.square(np.asarray(values, dtype=float)))))
-
-
-def rests(t: Curve, values: Curve, *, speed: float = 1.0, longer_s: float = 0.3) -> list[tuple[float, float]]:
-    """Return begin and end (s) of each time in which the values change by less than `speed` per second.
-
-    Shorter ones than `longer_s` are left out.
-    """
-    slow = np.abs(rate(t, values)) < speed if len(t) > 1 else np.zeros(len(t), dtype=bool)
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], slow.astype(int), [0]))))
-    pairs = zip(edges[::2], edges[1::2] - 1, strict=True)
-    return [(float(t[i]), float(t[j])) for i, j in pairs if t[j] - t[i] >= longer_s]

@@ -22,7 +22,7 @@ KERNEL = {
 }
 LONGEST = 4_000_000
 """Largest file (bytes): a notebook contains its pictures."""
-MAGIC = re.compile(r"^(\s*)[%!?]")
+MAGIC = re.compile(r"^([ \t]*)[%!?]", re.MULTILINE)
 """Beginning of a line that only notebooks understand, for example `%matplotlib inline`."""
 CELL = "# %%"
 
@@ -77,13 +77,11 @@ class Program:
 
     def place(self, line: int) -> Phrase:
         """Return where a line of the program is, for the pupil: `line 12`, or `cell 3, line 2`."""
-        if self.path.suffix != ".ipynb":
-            return phrase("line", line=line)
-        before = self.text.splitlines()[:line]
+        before = self.text.splitlines()[:line] if self.path.suffix == ".ipynb" else []
         starts = [number for number, written in enumerate(before, start=1) if written == CELL]
-        if not starts:
-            return phrase("line", line=line)
-        return phrase("cell", cell=len(starts), line=line - starts[-1])
+        return (
+            phrase("cell", cell=len(starts), line=line - starts[-1]) if starts else phrase("line", line=line)
+        )
 
 
 def read(path: Path) -> Program:
@@ -109,18 +107,11 @@ def cells(notebook: str) -> str:
 
 def without_magic(cell: str) -> str:
     """Return a code cell in which lines that Python does not understand, and notebooks do, are comments."""
-    lines = cell.split("\n")
-    for _ in lines:
-        try:
-            compile("\n".join(lines), "cell", "exec", dont_inherit=True)
-        except SyntaxError as error:
-            number = (error.lineno or 0) - 1
-            if not 0 <= number < len(lines) or not MAGIC.match(lines[number]):
-                break
-            lines[number] = MAGIC.sub(r"\1pass  # ", lines[number])
-        else:
-            break
-    return "\n".join(lines)
+    try:
+        compile(cell, "cell", "exec", dont_inherit=True)
+    except SyntaxError:
+        return MAGIC.sub(r"\1pass  # ", cell)
+    return cell
 
 
 def notebook(program: str) -> str:

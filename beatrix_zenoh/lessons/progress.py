@@ -9,7 +9,7 @@ import msgspec
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract._generated.messages import LessonState, Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lesson_files import ENGLISH, NOT_MEASURED
 
 FOLDER, FILE = "lessons", "progress.json"
@@ -107,29 +107,14 @@ class Workspace:
 
 
 def workspace(folder: Path) -> Workspace:
-    """Return the folder `lessons` that belongs to a working folder: the one it is in, one inside it, or a new one.
+    """Return the folder `lessons` that belongs to a working folder: the one it is in, or the one inside it.
 
     A working folder is in it if it is that folder, or in the folder of a lesson there: a folder `lessons` further up may
-    be that of another pupil. A folder that was renamed is known by its progress.json. Raises Refused (BAD_VALUE) if
-    there are several of those.
+    be that of another pupil.
     """
     for place in (folder, *folder.parents):
-        if (place / FILE).is_file() and (place.name == FOLDER or _holds_progress(place)):
+        if place.name == FOLDER and (place / FILE).is_file():
             found = Workspace(place)
             if folder == place or folder.relative_to(place).parts[0] in found.progress.lessons:
                 return found
-    if (folder / FOLDER / FILE).is_file():
-        return Workspace(folder / FOLDER)
-    renamed = [path.parent for path in sorted(folder.glob(f"*/{FILE}")) if _holds_progress(path.parent)]
-    if len(renamed) > 1:
-        names = " and ".join(path.name for path in renamed)
-        raise Refused(Reason.BAD_VALUE, f"There are lessons in {names}: go into one of these folders first.")
-    return Workspace(renamed[0] if renamed else folder / FOLDER)
-
-
-def _holds_progress(folder: Path) -> bool:
-    """Return whether progress.json of a folder is that of lessons, and not of another program."""
-    try:
-        return bool(Workspace(folder).progress.lessons)
-    except BeatrixError:
-        return False
+    return Workspace(folder / FOLDER)

@@ -6,7 +6,7 @@ import socket
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -61,8 +61,6 @@ class Seen(HeadCurves):
     """requests and their outcomes, in their order"""
     event_times: Curve
     """of `events`"""
-    output: list[str] = field(default_factory=list)
-    """the last lines that the program has printed"""
     doubt: Phrase | None = None
     """why a figure that is not met may be the fault of this computer; None: it was fast enough"""
 
@@ -135,7 +133,7 @@ class RobotWatch:
         self.take()
         self._counts = False
 
-    def end(self, began_ns: int, output: list[str]) -> Seen:
+    def end(self, began_ns: int) -> Seen:
         """Return what was seen since `begin`; times count from `began_ns` (monotonic clock).
 
         Raises NotMeasurable if this computer was too busy for any figure to mean anything.
@@ -164,7 +162,6 @@ class RobotWatch:
             speed=np.array([one.velocity for one in readings]),
             events=happened,
             event_times=(np.array([event.t_mono_ns for event in happened], dtype=float) - began_ns) / 1e9,
-            output=output,
             doubt=doubt,
         )
 

@@ -11,9 +11,8 @@ from beatrix_zenoh.client.lease import Lease
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, LeaseAction, Reason, Status
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
-from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.lessons.guarded import Run
 from beatrix_zenoh.lessons.phrases import Unmet, said
 from beatrix_zenoh.lessons.program import Program
@@ -26,8 +25,6 @@ HOME_S: Final = 15.0
 """Part of the turn that is kept for the way home (s)."""
 FASTEST_DEG_S: Final = 40.0
 POLL_S: Final = 0.1
-ENDS: Final = (LeaseAction.GIVE_BACK, LeaseAction.TAKE, LeaseAction.MUTE)
-"""Requests of the teacher that end a lease."""
 TRACEBACK: Final = "Traceback (most recent call last):"
 
 
@@ -41,7 +38,7 @@ def take_turn(
 
     Raises:
         Refused: NOT_CALIBRATED, the robot is not ready; NOT_HOLDER, it was not free within `wait_s` (s), or the turn
-            has ended early, and the head is home unless another seat drives; STOPPED, a seat has pressed STOP, and the
+            has ended early, and the head stays; STOPPED, a seat has pressed STOP, and the
             head stays where it is; BAD_VALUE, the program did not end in time or has ended with an error, and the head
             is home.
         NoAnswer: the robot was lost; it stops by itself.
@@ -170,42 +167,29 @@ def _watch(
     running: Run, events: Subscription[Event], statuses: Subscription[Status], number: int, seat: str
 ) -> bool:
     """Return True when the program has ended, False when its time is over; raise the other errors of `take_turn`."""
-    end_s = time.monotonic() + LONGEST_S - HOME_S
-    heard_s, teacher = time.monotonic(), False
-    while True:
+    heard_s = time.monotonic()
+    end_s = heard_s + LONGEST_S - HOME_S
+    ended = False
+    while not ended and time.monotonic() < end_s:
         ended = not running.running
-        if ended:
-            time.sleep(POLL_S)  # the event of a STOP that has ended the program may still arrive
-        for event in events.take():
-            if event.kind is EventKind.STOP:
-                raise Refused(
-                    Reason.STOPPED,
-                    f"{event.seat or 'A seat'} has pressed STOP: your turn is over, and the head stays where it is. Look at "
-                    "the robot before you take another turn.",
-                )
-            teacher |= _by_teacher(event)
+        time.sleep(POLL_S)  # the event of a STOP that has ended the program may still arrive
+        stop = next((event for event in events.take() if event.kind is EventKind.STOP), None)
+        if stop is not None:
+            raise Refused(
+                Reason.STOPPED,
+                f"{stop.seat or 'A seat'} has pressed STOP: your turn is over, and the head stays where it is. Look at "
+                "the robot before you take another turn.",
+            )
         for status in statuses.take():
             heard_s = time.monotonic()
             if status.lease != number:
-                time.sleep(POLL_S)  # the event of the teacher's request may still arrive
-                teacher |= any(map(_by_teacher, events.take()))
-                raise Refused(Reason.NOT_HOLDER, _ended_early(status, seat, teacher=teacher))
-        if ended:
-            return True
-        now_s = time.monotonic()
-        if now_s - heard_s > LOST_S:
+                raise Refused(Reason.NOT_HOLDER, _ended_early(status.holder, seat))
+        if time.monotonic() - heard_s > LOST_S:
             raise NoAnswer(
                 Reason.TIMED_OUT,
                 f"The robot has said nothing for {LOST_S:.0f} s: it is lost, and stops by itself.",
             )
-        if now_s > end_s:
-            return False
-        time.sleep(POLL_S)
-
-
-def _by_teacher(event: Event) -> bool:
-    """Return whether the teacher has asked for something that ends a lease."""
-    return event.seat == TEACHER and event.kind is EventKind.LEASE and event.action in ENDS
+    return ended
 
 
 LOST_S: Final = 4.0
@@ -228,46 +212,32 @@ def _check(running: Run) -> None:
         raise Refused(Reason.BAD_VALUE, f"Your program has ended with an error: {error}{where}.") from unmet
 
 
-def _ended_early(status: Status, seat: str, *, teacher: bool) -> str:
-    """Return a sentence about a lease that is no longer that of the turn; `teacher`: the teacher has ended it."""
-    if teacher:
+def _ended_early(holder: str, seat: str) -> str:
+    """Return a sentence about a lease that is no longer that of the turn; `holder` has the robot now."""
+    if holder not in ("", seat):
         return (
-            "The teacher has ended your turn. Wait until the teacher lets you drive, then take another turn."
+            f"Your turn has ended; {holder} holds the robot now. Take another turn when it suits the class."
         )
-    if status.holder in ("", seat):
-        return (
-            "Your turn has ended early: your program has given the robot back, or you in another window. Take another turn "
-            "when it suits the class."
-        )
-    return f"Your turn has ended; {status.holder} holds the robot now. Take another turn when it suits the class."
+    return (
+        "Your turn has ended early: the teacher has ended it, or your program or another window of yours has given the "
+        "robot back. Wait until the teacher lets you drive, then take another turn."
+    )
 
 
 def _end(robot: Robot, lease: Lease, *, home: bool) -> bool:
     """Bring the head home, if that is wanted, and give the robot back; return whether the head is home."""
     try:
-        return home and _bring_home(robot, lease)
+        if home and robot.status().lease == lease.number:
+            _go_home(robot)
+            return True
+        if home:
+            note("The head is not home, because the robot is no longer yours.")
     except BeatrixError as error:
         note(f"The head is not home: {error.message}")
-        return False
     finally:
         with contextlib.suppress(BeatrixError):  # the lease ends with this session
             lease.close()
-
-
-def _bring_home(robot: Robot, lease: Lease) -> bool:
-    """Bring the head home and return True; False, with a note, if another seat has the robot since the turn."""
-    status, seat = robot.status(), robot.client.settings.who
-    if status.lease == lease.number:
-        _go_home(robot)
-        return True
-    if status.holder not in ("", seat):
-        note(f"The head is not home, because {status.holder} has the robot now.")
-        return False
-    robot.lease_number = 0  # the program has given the robot back, so the way home needs a lease of its own
-    with Lease(robot, 0.0, longest_s=HOME_S, speed=math.radians(FASTEST_DEG_S)):
-        _go_home(robot)
-    note("The head is home.")
-    return True
+    return False
 
 
 def _go_home(robot: Robot) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import shutil
 from collections.abc import Iterator
 from enum import StrEnum
@@ -26,8 +27,6 @@ START = {
     "de": ("Lektion {number}: {title} ({minutes} Minuten)", "Ordner", "lesen", "ändern", "prüfen"),
 }
 """What `start` prints: the head, and the labels of the lines below it."""
-FIELDS = ("number", "name", "title", "minutes", "level", "needs", "state")
-HEADS = ("lesson", "title", "minutes", "level", "needs", "state")
 LESSON = "`beatrix lesson"
 lesson = typer.Typer(
     name="lesson",
@@ -91,24 +90,23 @@ def list_lessons(as_json: Json = False) -> None:
     workspace = _workspace()
     found = lessons(workspace.progress.language)
     rows = [
-        (
-            *(one.number, one.name, one.title, one.about.minutes, one.about.level, one.about.needs),
-            _state(workspace.progress.lessons.get(one.name)),
-        )
+        {
+            "number": one.number,
+            "name": one.name,
+            "title": one.title,
+            "minutes": one.about.minutes,
+            "level": one.about.level,
+            "needs": one.about.needs,
+            "state": _state(workspace.progress.lessons.get(one.name)),
+        }
         for one in found
     ]
     if as_json:
-        print_json({"result": True, "lessons": [dict(zip(FIELDS, row, strict=True)) for row in rows]})
+        print_json({"result": True, "lessons": rows})
         return
-    say(
-        columns(
-            HEADS,
-            [
-                (str(number), title, str(minutes), level, ", ".join(needs) or "-", state)
-                for number, _, title, minutes, level, needs, state in rows
-            ],
-        )
-    )
+    shown = ("number", "title", "minutes", "level", "needs", "state")
+    texts = [row | {"needs": ", ".join(one.about.needs) or "-"} for row, one in zip(rows, found, strict=True)]
+    say(columns(("lesson", *shown[1:]), [tuple(str(row[name]) for name in shown) for row in texts]))
     note(f"Levels: S schools (from 14 years), U universities. Start one: {LESSON} start {found[0].number}`.")
 
 
@@ -267,11 +265,8 @@ def reset(number: Number) -> None:
     """Write a fresh start file; the old one becomes start-1.py, start-2.py and so on."""
     workspace = _workspace()
     found, path = _program(number, workspace)
-    kept = next(
-        place
-        for i in range(1, 1_000_000)
-        if not (place := path.with_name(f"{path.stem}-{i}{path.suffix}")).exists()
-    )
+    places = (path.with_name(f"{path.stem}-{i}{path.suffix}") for i in itertools.count(1))
+    kept = next(place for place in places if not place.exists())
     with _writing(path.parent):
         path.rename(kept)
         _write_program(found, path)

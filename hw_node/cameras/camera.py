@@ -41,9 +41,6 @@ class CameraSensor(Sensor[CameraFrame]):
 
 
 PATTERN, FILE = "pattern", "file:"
-OTHERS: Final = "left=pattern (a test picture), or left=file:PATH (pictures or a video)"
-LIBRARIES: Final = {"linuxpy": "linuxpy", "cv2": "opencv-python-headless"}
-"""Modules that read USB cameras, and the packages that contain them."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +70,27 @@ class CameraChoice:
         """Create the sensor of this eye."""
         return CameraSensor(node, self.eye, self.build())
 
+    @property
+    def device(self) -> Path | int | None:
+        """The USB camera, however its path or number is written; None: it is no USB camera."""
+        if self.source == PATTERN or self.source.startswith(FILE):
+            return None
+        return Path(self.source).resolve() if on_linux() else int(self.source)
+
+    def mistake(self) -> str:
+        """Return why the source can never work, else an empty text; a missing camera may be plugged in later."""
+        source = self.source
+        if source == PATTERN or source.startswith(FILE):
+            return self.build().trouble().rstrip(".")
+        if on_linux() and not source.startswith("/"):
+            return f"{quoted(source)} is not a path that begins with /. Choose {examples()}"
+        if not on_linux() and not (source.isascii() and source.isdigit()):
+            return f"{quoted(source)} is not a number, and USB cameras have numbers on this system. Choose {examples()}"
+        module, package = ("linuxpy", "linuxpy") if on_linux() else ("cv2", "opencv-python-headless")
+        if importlib.util.find_spec(module) is None:
+            return f'USB cameras need {package}: pip install ".[cameras]" in the folder of BEATRIX'
+        return ""
+
 
 TEST_EYES: Final = tuple(CameraChoice(eye, PATTERN).sensor for eye in names.EYES)
 """the sensors of two eyes that show a test picture"""
@@ -88,7 +106,10 @@ def on_linux() -> bool:
 
 def examples() -> str:
     """Return examples of values of --camera on this system."""
-    return f"left={'/dev/v4l/by-path/…' if on_linux() else '0'} (a USB camera), {OTHERS}"
+    usb = "/dev/v4l/by-path/…" if on_linux() else "0"
+    return (
+        f"left={usb} (a USB camera), left=pattern (a test picture), or left=file:PATH (pictures or a video)"
+    )
 
 
 def choices(words: Sequence[str]) -> list[CameraChoice]:
@@ -99,54 +120,23 @@ def choices(words: Sequence[str]) -> list[CameraChoice]:
     """
     found: dict[str, CameraChoice] = {}
     for word in words:
-        eye, equals, source = word.partition("=")
-        if eye not in names.EYES or not equals or not source:
+        eye, _, source = word.partition("=")
+        if eye not in names.EYES or not source:
             raise wrong(word, f"give an eye, left or right, and its source: {examples()}")
         if eye in found:
             raise wrong(word, f"the {eye} eye has a camera already. Name each eye only once")
-        found[eye] = CameraChoice(eye, source)
-        check(word, found[eye], [one for one in found.values() if one.eye != eye])
+        choice = CameraChoice(eye, source)
+        if mistake := choice.mistake():
+            raise wrong(word, mistake)
+        if choice.device is not None and any(one.device == choice.device for one in found.values()):
+            how = (
+                "`ls /dev/v4l/by-path` lists all cameras"
+                if on_linux()
+                else "The numbers of cameras begin at 0"
+            )
+            raise wrong(word, f"the other eye has this camera already. {how}")
+        found[eye] = choice
     return list(found.values())
-
-
-def check(word: str, choice: CameraChoice, others: Sequence[CameraChoice]) -> None:
-    """Raise WrongUsage for a source that can never work; a camera that is missing now may be plugged in later."""
-    source = choice.source
-    if source == PATTERN:
-        return
-    if source.startswith(FILE):
-        trouble = PictureFiles(Path(source.removeprefix(FILE))).trouble()
-        if trouble:
-            raise wrong(word, trouble.rstrip("."))
-        return
-    check_usb(word, source)
-    if any(same(other.source, source) for other in others):
-        how = "`ls /dev/v4l/by-path` lists all cameras" if on_linux() else "The numbers of cameras begin at 0"
-        raise wrong(word, f"the other eye has this camera already. {how}")
-
-
-def check_usb(word: str, source: str) -> None:
-    """Raise WrongUsage if the name is invalid on this system, or the library for USB cameras is missing."""
-    if on_linux() and not source.startswith("/"):
-        raise wrong(word, f"{quoted(source)} is not a path that begins with /. Choose {examples()}")
-    if not on_linux() and not (source.isascii() and source.isdigit()):
-        raise wrong(
-            word,
-            f"{quoted(source)} is not a number, and USB cameras have numbers on this system. Choose {examples()}",
-        )
-    module = "linuxpy" if on_linux() else "cv2"
-    if importlib.util.find_spec(module) is None:
-        raise wrong(
-            word,
-            f'USB cameras need {LIBRARIES[module]}: pip install ".[cameras]" in the folder of BEATRIX',
-        )
-
-
-def same(one: str, other: str) -> bool:
-    """Return whether two texts name the same USB camera: paths or numbers that may be written differently."""
-    if on_linux():
-        return Path(one).resolve() == Path(other).resolve()
-    return one.isdigit() and int(one) == int(other)
 
 
 def wrong(word: str, what: str) -> WrongUsage:

@@ -5,7 +5,6 @@ Segments (size, tables) and the pictures of a stream are read without decoding.
 
 from __future__ import annotations
 
-import mmap
 from collections.abc import Iterator
 from functools import cache
 from typing import Final, NamedTuple
@@ -16,6 +15,8 @@ import simplejpeg
 WIDTH, HEIGHT, HZ = 640, 480, 30
 """Format requested from cameras: pixels, and pictures a second."""
 SOI, EOI = b"\xff\xd8", b"\xff\xd9"
+START = SOI + b"\xff"
+"""Begin of a picture among other data, which may have the two bytes of SOI by chance."""
 DHT, SOS = 0xC4, 0xDA
 SIZES: Final = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}
 """Markers of the segments that contain the size (SOFn; ITU T.81, table B.1)."""
@@ -29,7 +30,7 @@ class Segment(NamedTuple):
     end: int
 
 
-def segments(picture: bytes | mmap.mmap, at: int = 0) -> Iterator[Segment]:
+def segments(picture: bytes, at: int = 0) -> Iterator[Segment]:
     """Yield the header segments of the picture at `at`, up to its data; raises ValueError if the header is invalid."""
     if picture[at : at + 2] != SOI:
         raise ValueError("it is not a JPEG picture")
@@ -76,13 +77,13 @@ def standard_tables() -> bytes:
     return b"".join(picture[begin:end] for marker, begin, end in segments(picture) if marker == DHT)
 
 
-def split(stream: bytes | mmap.mmap) -> Iterator[tuple[int, int]]:
-    """Yield begin and end of each picture of a stream (`.mjpeg`); raises ValueError if a header is damaged."""
-    at = stream.find(SOI)
+def split(stream: bytes) -> Iterator[tuple[int, int]]:
+    """Yield begin and end of each picture of a video in motion JPEG; raises ValueError if a header is damaged."""
+    at = stream.find(START)
     while at >= 0:
         *_, last = segments(stream, at)
         end = stream.find(EOI, last.end)
         if end < 0:
             return  # the last picture is incomplete
         yield at, end + len(EOI)
-        at = stream.find(SOI, end)
+        at = stream.find(START, end)

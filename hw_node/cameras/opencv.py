@@ -8,7 +8,9 @@ import queue
 import sys
 import threading
 import time
-from typing import Final, Protocol, cast
+from collections.abc import Callable
+from types import ModuleType
+from typing import Final, cast
 
 import numpy as np
 import simplejpeg
@@ -33,36 +35,12 @@ PAUSE_S: Final = 0.05
 """Pause (s) between attempts to read the first picture, if the driver fails at once instead of waiting."""
 
 
-class Capture(Protocol):
-    """The part of `cv2.VideoCapture` that is used here. Every call may block, and cannot be interrupted."""
-
-    def isOpened(self) -> bool: ...  # noqa: N802 - OpenCV's name
-    def set(self, property_id: int, value: float, /) -> bool: ...
-    def grab(self) -> bool: ...
-    def retrieve(self) -> tuple[bool, Pixels | None]: ...
-    def release(self) -> None: ...
-
-
-class OpenCv(Protocol):
-    """The part of the module `cv2` that is used here."""
-
-    CAP_ANY: int
-    CAP_DSHOW: int
-    CAP_AVFOUNDATION: int
-    CAP_PROP_FOURCC: int
-    CAP_PROP_FRAME_WIDTH: int
-    CAP_PROP_FRAME_HEIGHT: int
-    CAP_PROP_FPS: int
-
-    def VideoCapture(self, index: int, backend: int, /) -> Capture: ...  # noqa: N802 - OpenCV's name
-
-
-def library() -> OpenCv:
+def library() -> ModuleType:
     """Import OpenCV without log output, which it would print every second while a camera is missing."""
     os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
     import cv2  # noqa: PLC0415 - it reads the log level during its import
 
-    return cast("OpenCv", cv2)
+    return cast("ModuleType", cv2)
 
 
 class OpenCvCamera:
@@ -70,7 +48,7 @@ class OpenCvCamera:
 
     name: Final = "opencv"
 
-    def __init__(self, number: int, opencv: OpenCv) -> None:
+    def __init__(self, number: int, opencv: ModuleType) -> None:
         self._number, self._opencv = number, opencv
         self._reader: Reader | None = None
 
@@ -80,7 +58,7 @@ class OpenCvCamera:
 
     def open(self) -> None:
         """Start a thread that takes pictures, whose errors `next` raises; raises NoAnswer if the driver blocks."""
-        if self._reader is not None and self._reader.alive:
+        if self._reader is not None and self._reader.thread.is_alive():
             raise self._stuck()
         self._reader = Reader(self._number, self._opencv)
         if not self._reader.begun.wait(OPEN_S):
@@ -119,32 +97,37 @@ class OpenCvCamera:
 class Reader:
     """A camera and its thread, which opens, reads and releases it: Windows requires one thread for all three."""
 
-    def __init__(self, number: int, opencv: OpenCv) -> None:
+    def __init__(self, number: int, opencv: ModuleType) -> None:
         self._number, self._opencv = number, opencv
         self.pictures: queue.Queue[tuple[Pixels, int] | Exception] = queue.Queue(KEPT)
         """Pictures with their time (monotonic, ns); an exception is the last item."""
         self.begun = threading.Event()
         """Set when the camera has been opened, or has failed."""
         self._ended = threading.Event()
-        self._thread = threads.start(self._run, f"opencv-{number}")
-
-    @property
-    def alive(self) -> bool:
-        """Whether the thread still uses the camera."""
-        return self._thread.is_alive()
+        self.thread = threads.start(self._run, f"opencv-{number}")
 
     def end(self) -> bool:
         """End the thread; return False if a call of OpenCV blocks it."""
         self._ended.set()
-        self._thread.join(END_S)
-        return not self.alive
+        self.thread.join(END_S)
+        return not self.thread.is_alive()
 
     def _run(self) -> None:
         try:
-            capture = self._opencv.VideoCapture(self._number, backend(self._opencv))
+            cv = self._opencv
+            # These backends open cameras fast, and report when they are unplugged.
+            backend = {"win32": cv.CAP_DSHOW, "darwin": cv.CAP_AVFOUNDATION}.get(sys.platform, cv.CAP_ANY)
+            capture = cv.VideoCapture(self._number, backend)
             try:
-                self._begin(capture)
-                self._read(capture)
+                if not capture.isOpened():
+                    raise NoAnswer(Reason.FAULT, missing(self._number))
+                # Without motion JPEG a USB bus has no bandwidth for two cameras; a driver may ignore this.
+                capture.set(cv.CAP_PROP_FOURCC, int.from_bytes(b"MJPG", "little"))
+                capture.set(cv.CAP_PROP_FRAME_WIDTH, WIDTH)
+                capture.set(cv.CAP_PROP_FRAME_HEIGHT, HEIGHT)
+                capture.set(cv.CAP_PROP_FPS, HZ)
+                self.begun.set()
+                self._take(lambda: capture.read()[1])
             finally:
                 capture.release()
         except Exception as error:  # noqa: BLE001 - `next` raises it in the thread that calls it
@@ -152,29 +135,14 @@ class Reader:
         finally:
             self.begun.set()
 
-    def _begin(self, capture: Capture) -> None:
-        """Request motion JPEG, without which a USB bus has no bandwidth for two cameras; a driver may ignore this.
-
-        Raises NoAnswer if the camera could not be opened.
-        """
-        if not capture.isOpened():
-            raise NoAnswer(Reason.FAULT, missing(self._number))
-        cv = self._opencv
-        capture.set(cv.CAP_PROP_FOURCC, int.from_bytes(b"MJPG", "little"))
-        capture.set(cv.CAP_PROP_FRAME_WIDTH, WIDTH)
-        capture.set(cv.CAP_PROP_FRAME_HEIGHT, HEIGHT)
-        capture.set(cv.CAP_PROP_FPS, HZ)
-        self.begun.set()
-
-    def _read(self, capture: Capture) -> None:
-        """Read until `end` is called; raises NoAnswer if a camera stops delivering pictures."""
+    def _take(self, read: Callable[[], Pixels | None]) -> None:
+        """Take pictures until `end` is called; raises NoAnswer if the camera stops delivering them."""
         delivered = False
         while not self._ended.is_set():
-            grabbed, t_mono_ns = capture.grab(), time.monotonic_ns()
-            decoded, pixels = capture.retrieve() if grabbed else (False, None)
-            if decoded and pixels is not None:
+            pixels = read()
+            if pixels is not None:
                 delivered = True
-                self._put((pixels, t_mono_ns))
+                self._put((pixels, time.monotonic_ns()))
             elif delivered:
                 raise NoAnswer(Reason.FAULT, missing(self._number))
             else:  # some cameras need seconds for their first picture
@@ -185,12 +153,6 @@ class Reader:
             with contextlib.suppress(queue.Empty):  # `next` has taken the picture
                 self.pictures.get_nowait()
         self.pictures.put(one)  # does not wait, because only this thread puts
-
-
-def backend(opencv: OpenCv) -> int:
-    """Return the backend of this system that opens cameras fast and reports when they are unplugged."""
-    found = {"win32": opencv.CAP_DSHOW, "darwin": opencv.CAP_AVFOUNDATION}
-    return found.get(sys.platform, opencv.CAP_ANY)
 
 
 def missing(number: int) -> str:

@@ -22,6 +22,15 @@ RATES_HZ: Final = (HZ, 15)
 BUFFERS: Final = 4
 """Pictures that the kernel queues."""
 GONE: Final = (errno.ENODEV, errno.ENXIO, errno.EIO, errno.ENOENT, errno.EBADF, errno.EPROTO)
+NO_CAMERA: Final = " is not a camera: `ls /dev/v4l/by-path` lists the cameras"
+WHY: Final[dict[int | None, str]] = {
+    errno.EACCES: " cannot be opened by this user: type `sudo usermod -aG video $USER`, then log out and in again",
+    errno.EBUSY: " is used by another program: end that program first",
+    errno.ENOSPC: ": its USB bus has no bandwidth for another camera. Plug one into a port on the other side of the computer",
+    errno.ENOTTY: NO_CAMERA,
+    errno.EINVAL: NO_CAMERA,
+}
+"""The rest of the sentence about a path, by the errno value."""
 FORMATS: Final = (v4l2.PixelFormat.MJPEG, v4l2.PixelFormat.JPEG)
 
 log = logging.getLogger(__name__)
@@ -36,7 +45,6 @@ class V4l2Camera:
         self._path = path
         self._device: v4l2.Device | None = None
         self._capture: v4l2.VideoCapture | None = None
-        self._damaged = 0
 
     def trouble(self) -> str:
         """Return an error message if the path does not exist, else an empty text."""
@@ -54,12 +62,8 @@ class V4l2Camera:
                     continue
                 raise NoAnswer(Reason.FAULT, self._why_not(number, str(error))) from error
             if hz != HZ:
-                log.warning(
-                    "%s runs at %d pictures a second: its USB bus has no bandwidth for %d.",
-                    self._path,
-                    hz,
-                    HZ,
-                )
+                text = "%s runs at %d pictures a second: its USB bus has no bandwidth for %d."
+                log.warning(text, self._path, hz, HZ)
             return
 
     def _start(self, hz: int) -> None:
@@ -91,9 +95,7 @@ class V4l2Camera:
         try:
             return to_frame(one)
         except ValueError as error:  # cameras send damaged pictures after their start and on bad cables
-            self._damaged += 1
-            if self._damaged & (self._damaged - 1) == 0:  # log the 1st, 2nd, 4th, 8th … picture only
-                log.warning("%s: damaged picture skipped (%s), %d so far.", self._path, error, self._damaged)
+            log.debug("%s: damaged picture skipped (%s).", self._path, error)
             return None
 
     def close(self) -> None:
@@ -111,15 +113,7 @@ class V4l2Camera:
         """Return the reason why there are no pictures, and what to do."""
         if number in GONE:
             return f"{self._path} is not there: plug the camera in. The node finds it."
-        if number == errno.EACCES:
-            return f"{self._path} cannot be opened by this user: type `sudo usermod -aG video $USER`, then log out and in again."
-        if number == errno.EBUSY:
-            return f"{self._path} is used by another program: end that program first."
-        if number == errno.ENOSPC:
-            return f"{self._path}: its USB bus has no bandwidth for another camera. Plug one into a port on the other side of the computer."
-        if number in (errno.ENOTTY, errno.EINVAL):
-            return f"{self._path} is not a camera: `ls /dev/v4l/by-path` lists the cameras."
-        return f"{self._path} cannot be read ({said})."
+        return f"{self._path}{WHY.get(number, f' cannot be read ({said})')}."
 
 
 def to_frame(one: v4l2.Frame) -> CameraFrame:

@@ -17,6 +17,7 @@ from typing import Final, NamedTuple
 from beatrix_zenoh.contract._generated.messages import FollowState, Positions, Status
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.motion.gear import Arms
+from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.node.planner import tuple3
 
 GAIN: Final = 10.0
@@ -68,13 +69,7 @@ def distance(one: Arms, other: Arms) -> float:
 
 
 def course_to(
-    hardware: SetPoint,
-    before: Arms,
-    own: SetPoint,
-    *,
-    acceleration: float,
-    speed_max: float,
-    ahead_s: float = AHEAD_S,
+    hardware: SetPoint, before: Arms, own: SetPoint, limits: MotionLimits, ahead_s: float = AHEAD_S
 ) -> Course:
     """Return the motion that keeps the simulation at the hardware.
 
@@ -82,10 +77,10 @@ def course_to(
         hardware: its set points now.
         before: its velocities (rad/s) in the previous sample.
         own: set points of the simulation now.
-        acceleration: of an arm (rad/s2).
-        speed_max: largest speed of an arm (rad/s).
+        limits: those of the simulation's arms.
         ahead_s: time by which targets are ahead (s).
     """
+    acceleration, speed_max = limits.acceleration, limits.speed_max
     rest = resting_place(hardware, acceleration)
     behind = advanced(hardware, -LAG_S).place
     target, speed = [], []
@@ -114,10 +109,6 @@ LASTS_S: Final = 0.5
 """Time (s) for which the places must differ, or agree again."""
 SAID_S: Final = 1.0
 """Shortest time (s) between two sentences while the places differ, because each is published with the status."""
-TURNED: Final = math.radians(1.5)
-"""Turn (rad) since the places agreed, above which its direction is compared."""
-STANDS: Final = 0.2
-"""An arm that has made less than this share of the other's turn stands still."""
 ADVICE: Final = "Stop the hardware and look at it; then calibrate it."
 
 
@@ -140,20 +131,16 @@ class Parting:
     def __init__(self) -> None:
         self.text = ""
         """how the places differ, as a sentence; empty: they agree"""
-        self._agreed: tuple[Places, Places] | None = None
-        """the places of simulation and hardware when they last agreed"""
         self._changed_s: float | None = None
         self._said_s = float("-inf")
 
     def reset(self) -> None:
         """Forget everything, because the set points differ."""
-        self.text, self._agreed, self._changed_s = "", None, None
+        self.text, self._changed_s = "", None
 
     def compare(self, now_s: float, simulation: Places, hardware: Places) -> None:
         """Compare the places at `now_s` (s, of any clock)."""
-        different = describe(simulation, hardware, self._agreed)
-        if not different:
-            self._agreed = simulation, hardware
+        different = describe(simulation, hardware)
         if bool(different) == bool(self.text):
             self._changed_s = None
             if now_s - self._said_s >= SAID_S:
@@ -165,12 +152,16 @@ class Parting:
             self.text, self._said_s, self._changed_s = different, now_s, None
 
 
-def describe(simulation: Places, hardware: Places, agreed: tuple[Places, Places] | None) -> str:
+def describe(simulation: Places, hardware: Places) -> str:
     """Return how the places differ, as a sentence; empty if they agree."""
     fastest = max(map(abs, (*simulation.velocity, *hardware.velocity)))
     allowed = ARM_APART + LATE_S * fastest
     apart = [abs(one - other) for one, other in zip(simulation.arms, hardware.arms, strict=True)]
-    arms = [_arm(i, angle, simulation, hardware, agreed) for i, angle in enumerate(apart) if angle > allowed]
+    arms = [
+        f"the {name} arm of the hardware is {math.degrees(angle):.1f}° away"
+        for name, angle in zip(ARMS, apart, strict=True)
+        if angle > allowed
+    ]
     if arms:
         return f"Hardware and simulation have parted: {'; '.join(arms)}. {ADVICE}"
     heads = max(
@@ -185,25 +176,8 @@ def describe(simulation: Places, hardware: Places, agreed: tuple[Places, Places]
     return ""
 
 
-def _arm(
-    i: int, apart: float, simulation: Places, hardware: Places, agreed: tuple[Places, Places] | None
-) -> str:
-    """Return the words about one arm of the hardware."""
-    words = f"the {ARMS[i]} arm of the hardware"
-    angle = f"{math.degrees(apart):.1f}°"
-    if agreed is not None:
-        here, there = simulation.arms[i] - agreed[0].arms[i], hardware.arms[i] - agreed[1].arms[i]
-        if abs(here) > TURNED and abs(there) < STANDS * abs(here):
-            return f"{words} stands still, {angle} away"
-        if abs(here) > TURNED and here * there < 0:
-            return f"{words} turns the other way, {angle} away"
-    return f"{words} is {angle} away"
-
-
 SILENT_S: Final = 0.5
 """Time (s) without positions after which the hardware counts as lost."""
-UNKNOWN_S: Final = 1.5
-"""Time (s) without a status, which is published once a second, after which a robot without one is followed."""
 NEAR: Final = math.radians(3.0)
 """At this distance (rad) the simulation has reached the hardware."""
 FAR: Final = math.radians(12.0)
@@ -223,7 +197,6 @@ FASTEST: Final = math.radians(360.0)
 """No arm turns at this velocity (rad/s): such positions do not come from a robot."""
 
 TOO_FAST: Final = "The hardware publishes impossible velocities. The simulation holds its place and waits."
-CONTESTED: Final = "Two programs publish the positions of the hardware: end one of them. The simulation holds its place and waits."
 NO_SET_POINTS: Final = "The hardware publishes no positions. The simulation holds its place and waits."
 NO_STATUS: Final = "The state of the hardware is not known yet. The simulation holds its place and waits."
 
@@ -236,25 +209,14 @@ class HardwareSample(NamedTuple):
     """monotonic clock of the hardware's computer"""
     commanded: SetPoint
     places: Places
-    contested: bool = False
-    """two programs publish positions of the hardware, and these are of one of them"""
 
     @classmethod
-    def of(cls, positions: Positions, arrived_s: float, *, contested: bool = False) -> HardwareSample:
+    def of(cls, positions: Positions, arrived_s: float) -> HardwareSample:
         """Return the sample of a message."""
         head = positions.head_measured or positions.head
         commanded = SetPoint(tuple3(positions.commanded), tuple3(positions.velocity))
         places = Places(tuple3(positions.position), commanded.velocity, (head.yaw, head.pitch, head.roll))
-        return cls(arrived_s, positions.t_mono_ns / 1e9, commanded, places, contested)
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Limits (rad/s, rad/s2) of the simulation's arms."""
-
-    speed_default: float
-    speed_max: float
-    acceleration: float
+        return cls(arrived_s, positions.t_mono_ns / 1e9, commanded, places)
 
 
 @dataclass(frozen=True)
@@ -271,7 +233,7 @@ class Follower:
     """The state of one simulation that follows; all times are of this computer's monotonic clock (s)."""
 
     def __init__(self, now_s: float) -> None:
-        self._status_due_s = now_s + UNKNOWN_S
+        self._begun_s = now_s
         self._sample: HardwareSample | None = None
         self._before: Arms = (0.0, 0.0, 0.0)
         self._delays: deque[float] = deque(maxlen=SAMPLES)
@@ -285,19 +247,16 @@ class Follower:
 
     # -- what is received ---------------------------------------------------------------------------
 
-    def hear(self, sample: HardwareSample) -> bool:
-        """Record the newest positions of the hardware; return whether it was silent before."""
+    def hear(self, sample: HardwareSample) -> None:
+        """Record the newest positions of the hardware."""
         last = self._sample
-        silent = last is None or sample.arrived_s - last.arrived_s > SILENT_S
-        silent |= last is not None and last.contested and not sample.contested
-        if last is not None and silent:
+        if last is not None and sample.arrived_s - last.arrived_s > SILENT_S:
             # Another node may publish now, on another computer, and its home may be lost.
             self._delays.clear()
-            self._unready, self._status_due_s = NO_STATUS, sample.arrived_s + UNKNOWN_S
+            self._unready = NO_STATUS
         self._before = (0.0, 0.0, 0.0) if last is None else last.commanded.velocity
         self._sample = sample
         self._delays.append(sample.arrived_s - sample.t_s)
-        return silent
 
     def hear_status(self, status: Status) -> None:
         """Record whether the set points of the hardware are valid."""
@@ -308,16 +267,10 @@ class Follower:
     def waits_for(self, now_s: float) -> str:
         """Return why the simulation cannot follow now, as a sentence; empty if it can."""
         sample = self._sample
-        if sample is None and now_s <= self._status_due_s:
-            return NO_STATUS
         if sample is None or now_s - sample.arrived_s > SILENT_S:
-            return NO_SET_POINTS
-        if sample.contested:
-            return CONTESTED
+            return self._unready if sample is None and now_s < self._begun_s + SILENT_S else NO_SET_POINTS
         if max(map(abs, sample.commanded.velocity)) > FASTEST:
             return TOO_FAST
-        if self._unready == NO_STATUS and now_s > self._status_due_s:
-            return ""
         return self._unready
 
     def state(self, now_s: float) -> FollowState:
@@ -332,7 +285,7 @@ class Follower:
         """Return the sentences for the status."""
         return [text for text in (self.waits_for(now_s) or self._refusal or self._parting.text,) if text]
 
-    def step(self, now_s: float, own: SetPoint, limits: Limits) -> Step | None:
+    def step(self, now_s: float, own: SetPoint, limits: MotionLimits) -> Step | None:
         """Return the next motion, None to continue the last one; `own`: set points of the simulation now."""
         sample = self._sample
         if sample is None or self.waits_for(now_s):
@@ -342,22 +295,14 @@ class Follower:
         if away < (FAR if self._reached else NEAR):
             self._reached, self._planned, self._refusal = True, None, ""
             ahead, careful = (
-                course_to(
-                    hardware,
-                    self._before,
-                    own,
-                    acceleration=limits.acceleration,
-                    speed_max=limits.speed_max,
-                    ahead_s=ahead_s,
-                )
-                for ahead_s in (AHEAD_S, 0.0)
+                course_to(hardware, self._before, own, limits, ahead_s) for ahead_s in (AHEAD_S, 0.0)
             )
             return Step(ahead, straight=False, careful=careful)
         self._reached = False
         self._parting.reset()
         return self._path(now_s, hardware, limits)
 
-    def _path(self, now_s: float, hardware: SetPoint, limits: Limits) -> Step | None:
+    def _path(self, now_s: float, hardware: SetPoint, limits: MotionLimits) -> Step | None:
         """Return a path to the place at which the hardware would rest, if the last path does not lead there."""
         target = resting_place(hardware, limits.acceleration)
         if now_s < self._plan_due_s or (
@@ -365,7 +310,7 @@ class Follower:
         ):
             return None
         self._planned, self._plan_due_s = target, now_s + PATH_S
-        speed = min(limits.speed_max, limits.speed_default + max(map(abs, hardware.velocity)))
+        speed = min(limits.speed_max, limits.default_speed + max(map(abs, hardware.velocity)))
         return Step(Course(target, (speed, speed, speed)), straight=True)
 
     def accepted(self) -> None:

@@ -2,31 +2,36 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
+from collections.abc import Callable
 from typing import Final
 
 from msgspec.structs import replace
 
-from beatrix_zenoh.bus import Incoming, Sessions, query_forms
-from beatrix_zenoh.contract import names
+from beatrix_zenoh.bus import Incoming, Received, Sessions, query_forms
+from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import EventKind, FollowQuery, FollowState, Reason, Status
+from beatrix_zenoh.contract._generated.messages import (
+    EventKind,
+    FollowQuery,
+    FollowState,
+    Positions,
+    Reason,
+    Status,
+)
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.motion.robot_file import fingerprint
 from beatrix_zenoh.node import Component, StatusFields
 from beatrix_zenoh.node.access import Operation
 from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.controller import MotionController, StopCause
 from beatrix_zenoh.node.requests import RequestHandle, Requests, check_own_key, command_refusal, command_reply
 from beatrix_zenoh.node.snapshot import Snapshot
+from sim_node.following.arms import OwnArms, follows
 from sim_node.following.follower import NO_STATUS, Follower, HardwareSample
-from sim_node.following.robots import HardwareMessages, OwnArms, follows
 
 CHECK_S: Final = 0.1
 """Period (s) of the check whether the simulation may still follow, and whether the hardware is silent."""
-FILES_DIFFER: Final = (
-    "Hardware and simulation were started with different robot files: start both with the same --robot-file."
-)
 FOLLOWS: Final = (
     "The simulation follows the hardware and takes no motions of its own until `beatrix follow off` or STOP."
 )
@@ -44,12 +49,13 @@ class FollowHandler(Component):
         self._requests, self._queue, self._events = requests, requests.queue, requests.events
         self._access = controller.access
         self._key = keys.follow(requests.name, "*")
-        self._messages = HardwareMessages(requests.name, self._hear_sample, self._hear_status)
+        self._ends: list[Callable[[], None]] = []
+        """what ends the subscriptions"""
         self._sessions: Sessions | None = None
         self._follower: Follower | None = None
         self._arms = OwnArms(controller, snapshot)
         self._sample: HardwareSample | None = None
-        self._was_ready = self._file_known = self._files_differ = self._holds = False
+        self._was_ready = self._holds = False
         self._state = FollowState.OFF
         self._warnings: list[str] = []
 
@@ -70,7 +76,9 @@ class FollowHandler(Component):
 
     def close(self) -> None:
         """End the subscriptions."""
-        self._messages.close()
+        for end in self._ends:
+            end()
+        self._ends = []
 
     # -- on Zenoh's threads -------------------------------------------------------------------------
 
@@ -89,28 +97,20 @@ class FollowHandler(Component):
             return
         self._queue.post(lambda: self._run(query, handle), decline)
 
-    def _hear_sample(self, sample: HardwareSample) -> None:
-        self._sample = sample
-        self._queue.post_latest("follow", self._step)
+    def _hear_positions(self, received: Received) -> None:
+        with contextlib.suppress(BeatrixError):  # it does not come from a node of this version
+            positions = codec.decode(received.payload, Positions)
+            self._sample = HardwareSample.of(positions, time.monotonic())
+            self._queue.post_latest("follow", self._step)
 
-    def _hear_status(self, status: Status) -> None:
+    def _hear_status(self, received: Received) -> None:
         def hear() -> None:
-            if self._follower is not None and self._sessions is not None:
+            if self._follower is not None:
                 self._follower.hear_status(status)
-                if not self._file_known:  # ask with each status: a node publishes before it answers
-                    self._messages.ask_file(self._sessions, self._hear_file)
 
-        self._queue.post_event(hear)
-
-    def _hear_file(self, file: str) -> None:
-        def hear() -> None:
-            self._file_known = True
-            differ = file not in ("", fingerprint(self._controller.planner.robot))
-            if differ and not self._files_differ:
-                self._events.add(EventKind.WARNING, message=FILES_DIFFER)
-            self._files_differ = differ
-
-        self._queue.post_event(hear)
+        with contextlib.suppress(BeatrixError):
+            status = codec.decode(received.payload, Status)
+            self._queue.post_event(hear)
 
     # -- switching, on the controller's thread ------------------------------------------------------
 
@@ -154,10 +154,13 @@ class FollowHandler(Component):
 
     def _begin(self, sessions: Sessions) -> None:
         self._follower, self._arms = Follower(time.monotonic()), OwnArms(self._controller, self._snapshot)
-        self._sample, self._was_ready = None, False
-        self._file_known = self._files_differ = self._holds = False
+        self._sample, self._was_ready, self._holds = None, False, False
         self._state, self._warnings = FollowState.WAITING, []
-        self._messages.open(sessions)
+        name = self._requests.name
+        self._ends = [
+            sessions.subscribe(keys.positions(name, "hw"), self._hear_positions),
+            sessions.subscribe(keys.status(name, "hw"), self._hear_status),
+        ]
         self._check(self._follower)
 
     def _end(self, why: str) -> None:
@@ -166,7 +169,7 @@ class FollowHandler(Component):
             return
         controller = self._controller
         self._follower, self._access.following = None, False
-        self._messages.close()
+        self.close()
         self._brake()  # the next motion begins where the arms come to rest
         controller.follows = False
         if why:
@@ -220,11 +223,10 @@ class FollowHandler(Component):
         follower, sample = self._follower, self._sample
         if follower is None or sample is None or not self._was_ready:
             return
-        if follower.hear(sample):
-            self._file_known = False
+        follower.hear(sample)
         now_s = time.monotonic()
         own = None if self._hold_if_waiting(follower, now_s) else self._arms.set_point(now_s)
-        step = None if own is None else follower.step(now_s, own, self._arms.limits())
+        step = None if own is None else follower.step(now_s, own, self._controller.planner.limits)
         if step is not None:
             try:
                 self._arms.move(step)
@@ -238,11 +240,9 @@ class FollowHandler(Component):
     def _show(self, follower: Follower, now_s: float) -> None:
         """Set the state and the warnings of the status, and record their changes as events."""
         state, warnings = follower.state(now_s), follower.warnings(now_s)
-        changed = state is not self._state
-        if state is FollowState.FOLLOWING and changed:
-            self._events.add(EventKind.WARNING, message="The simulation follows the hardware.")
-        elif (state is FollowState.PARTED and changed) or (
-            state is FollowState.WAITING and warnings != self._warnings[:1] and warnings != [NO_STATUS]
-        ):
-            self._events.add(EventKind.WARNING, message=warnings[0])
-        self._state, self._warnings = state, [*warnings, *([FILES_DIFFER] if self._files_differ else [])]
+        following = ["The simulation follows the hardware."]
+        said = warnings if state in (FollowState.WAITING, FollowState.PARTED) else following
+        news = state is not self._state or (state is FollowState.WAITING and warnings != self._warnings)
+        if news and state is not FollowState.APPROACHING and said != [NO_STATUS]:
+            self._events.add(EventKind.WARNING, message=said[0])
+        self._state, self._warnings = state, warnings

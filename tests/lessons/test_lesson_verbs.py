@@ -18,7 +18,6 @@ from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import lesson_reports
 from beatrix_zenoh.contract._generated.messages import LessonState
 from beatrix_zenoh.lessons import program, progress, sandbox
-from beatrix_zenoh.lessons.program import notebook
 
 FILES = {
     "lesson.toml": 'title = "Double"\ntitle_de = "Doppelt"\nlevel = "S"\nminutes = 5\ngoal = "Double it."\nlimit_s = 5\n',
@@ -29,14 +28,6 @@ FILES = {
     "check.py": "def check(attempt):\n    found = attempt.call('double', 3)\n    attempt.require('six', found == 6, value=found)\n",
     "hints.toml": 'hints = ["One.", "Two.", "Three."]\n[figures.six]\nasked = "6 of 3"\nfound = "{value:g}"\nmeans = "Add it."\nhint = 2\n',
 }
-TYPED = """from __future__ import annotations
-from dataclasses import dataclass
-@dataclass
-class Gear:
-    teeth: int
-def double(x):
-    return Gear(7).teeth
-"""
 START, NOTEBOOK = Path("lessons/01-double/start.py"), Path("lessons/01-double/start.ipynb")
 
 
@@ -102,11 +93,6 @@ def test_a_start_is_never_overwritten(pupil: Path) -> None:
     assert (pupil / "lessons/01-double/start-1.py").read_text() == "mine"
 
 
-def test_the_solution_is_shown_before_a_pass_on_request_only() -> None:
-    assert "--show" in refused("solution", "1")
-    assert "2 * x" in good("solution", "1", "--show")
-
-
 def test_a_lesson_must_exist_and_be_started() -> None:
     for words in (("check",), ("check", "1"), ("reset", "1")):
         assert "lesson start 1" in refused(*words)
@@ -120,7 +106,7 @@ def test_german_is_chosen_once() -> None:
     assert checked("1").stdout.splitlines()[0] == "Noch nicht: Doppelt (Versuch 1)."
 
 
-def test_a_notebook_is_checked_like_a_program() -> None:
+def test_a_notebook_is_checked_like_a_program_and_an_error_names_its_cell() -> None:
     good("start", "1", "--notebook")
     made = json.loads(NOTEBOOK.read_text())
     assert [(cell["cell_type"], "".join(cell["source"])) for cell in made["cells"]] == [
@@ -128,37 +114,33 @@ def test_a_notebook_is_checked_like_a_program() -> None:
         ("markdown", "## Double"),
         ("code", "def double(x):\n    return x"),
     ]
-    made["cells"][-1]["source"] = ["%matplotlib inline\n", "def double(x):\n", "    return 2 * x\n"]
+    lines = ["%matplotlib inline\n", "def double(x):\n", "    return 2 * x\n"]
+    made["cells"][-1]["source"] = lines
     NOTEBOOK.write_text(json.dumps(made))
     assert checked("1").returncode == 0
-
-
-def test_an_error_in_a_notebook_names_its_cell() -> None:
-    good("start", "1", "--notebook")
-    made = json.loads(notebook("a = 1\n# %% Next\nb = 2\nc = undefined\n"))
+    made["cells"][-1]["source"] = [*lines, "undefined\n"]
     NOTEBOOK.write_text(json.dumps(made))
-    assert "NameError: name 'undefined' is not defined (cell 2, line 2)" in checked("1").stdout
+    assert "NameError: name 'undefined' is not defined (cell 1, line 4)" in checked("1").stdout
 
 
 @pytest.mark.parametrize(
     ("text", "figure"),
     [
         ("def double(x):\n    pass\n", "returns"),
+        ("def double(x):\n    return 10**400\n", "returns"),
         ("def twice(x):\n    return 2 * x\n", "function"),
-        ("def double(x)\n    return x\n", "runs"),
         ("def double(x):\n    return x / 0\n", "runs"),
         ("import os\ndef double(x):\n    os._exit(3)\n", "runs"),
         ("def double(x):\n    return int(input())\n", "keyboard"),
         ("from beatrix_zenoh import Robot\nRobot().home()\n", "import"),
-        (
-            "from beatrix_zenoh import Robot\ndef double(x):\n    return Robot().positions().head.yaw\n",
-            "calculates",
-        ),
-        ("def double(x):\n    return 10**400\n", "returns"),
-        (TYPED, "six"),
+        ("from beatrix_zenoh import Robot\ndef double(x):\n    Robot().home()\n", "calculates"),
+        ("def double(x):\n    return 9**9**9\n", "ends"),  # in C, where no thread of Python runs
     ],
 )
-def test_errors_of_a_function_are_figures_of_every_lesson(text: str, figure: str) -> None:
+def test_errors_of_a_function_are_figures_of_every_lesson(
+    text: str, figure: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("beatrix_zenoh.lessons.attempt.CALL_S", 0.3)
     good("start", "1")
     START.write_text(text)
     document = json.loads(checked("1", "--json").stdout)
@@ -183,6 +165,7 @@ def test_a_progress_file_written_by_hand_counts_for_nothing(
     assert json.loads(good("list", "--json"))["lessons"][0]["state"] == "started"
     assert "has not passed yet" in refused("turn", "1", "--name", "bea1")
     assert "--show" in refused("solution", "1")
+    assert "2 * x" in good("solution", "1", "--show")
     good("hint", "1")
     assert [state.passed for state in published] == [False]
 
@@ -201,24 +184,6 @@ def test_tries_at_one_figure_are_counted_and_a_renamed_figure_has_the_first_hint
     assert "Hint 1/3" in good("hint", "1")
 
 
-@pytest.mark.long("waits for a time limit")
-@pytest.mark.parametrize(
-    "function",
-    [
-        "    while True:\n        pass\n",
-        "    return 9**9**9\n",  # runs in C, where no thread of Python ends it
-    ],
-)
-def test_an_endless_function_ends_the_check(function: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("beatrix_zenoh.lessons.attempt.CALL_S", 0.2)
-    monkeypatch.setattr("beatrix_zenoh.lessons.attempt.PATIENCE", 200.0)
-    good("start", "1")
-    START.write_text(f"def double(x):\n{function}")
-    document = json.loads(checked("1", "--json").stdout)
-    assert (document["outcome"], document["figure"]) == ("not_yet", "ends")
-    assert "Your function double" in document["found"]
-
-
 def test_a_program_that_was_saved_during_its_check_is_neither_passed_nor_judged() -> None:
     good("start", "1")
     START.write_text("def double(x):\n    open(__file__, 'a').write('# mine')\n    return 2 * x\n")
@@ -226,17 +191,6 @@ def test_a_program_that_was_saved_during_its_check_is_neither_passed_nor_judged(
     assert (done.returncode, "start.py was saved while it was checked" in done.stdout) == (4, True)
     record = progress.workspace(Path.cwd()).record("01-double")
     assert (record.tries, record.passed) == (0, [])
-
-
-@pytest.mark.parametrize("inside", ["", "exercises/01-double"])
-def test_a_folder_that_was_renamed_is_found(inside: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    good("start", "1")
-    Path("lessons").rename("exercises")
-    Path("other").mkdir()
-    Path("other/progress.json").write_text('{"lessons": 7}')
-    monkeypatch.chdir(inside or ".")
-    assert checked("1").returncode == checked().returncode == 1
-    assert "started" not in good("list")
 
 
 def test_lessons_of_another_pupil_further_up_are_not_used(
@@ -249,17 +203,6 @@ def test_lessons_of_another_pupil_further_up_are_not_used(
         monkeypatch.chdir(pupil / own)
         assert f"{pupil / own}/lessons has no lesson yet" in refused("check")
         assert f"  folder   {pupil / own}/lessons/01-double\n" in good("start", "1")
-
-
-def test_a_progress_file_that_an_editor_has_saved_is_read() -> None:
-    good("start", "1")
-    path = Path("lessons/progress.json")
-    path.write_text(path.read_text(), encoding="utf-8-sig")
-    assert "started" in good("list")
-    path.write_text(path.read_text(encoding="utf-8-sig"), encoding="utf-16")
-    assert "save it again as JSON with the encoding UTF-8" in beatrix("lesson", "list").stderr
-    path.write_text("{")
-    assert "Delete it; your programs stay." in refused("list")
 
 
 @pytest.mark.parametrize(

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
 
-from beatrix_zenoh.lessons import program, progress
+from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lessons import bench, program, progress
 from beatrix_zenoh.lessons.checking import Result, Verdict, count
-
-
-def test_lines_of_python_that_look_like_magic_stay_as_they_are() -> None:
-    def cells(text: str) -> str:
-        return program.cells(json.dumps({"cells": [{"cell_type": "code", "source": [text]}]}))
-
-    text = 'rest = (7\n   % 3)\nsaid = """\n%d\n!"""\n'
-    assert text in cells(text)
-    assert "pass  # matplotlib inline\n" + text in cells("%matplotlib inline\n" + text)
+from beatrix_zenoh.lessons.guarded import LineChild, NoReply
+from beatrix_zenoh.lessons.phrases import NotMeasurable
 
 
 @pytest.mark.parametrize(
@@ -34,3 +27,18 @@ def test_a_seat_is_stuck_while_checks_find_nothing_new(tmp_path: Path, figures: 
         verdict = Verdict(Result.PASSED) if passed else Verdict(Result.NOT_YET, figure)
         count(record, verdict, checked_program.sha256)
     assert (record.tries, record.stuck) == (len(figures), stuck)
+
+
+@pytest.mark.parametrize(
+    ("code", "error", "words"),
+    [(None, NotMeasurable, "too busy"), (1, Refused, "exit code 1"), (-9, Refused, "SIGKILL")],
+)
+def test_a_bench_without_an_answer_is_not_called_missing(
+    code: int | None, error: type[Exception], words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def ask(*_arguments: object) -> None:
+        raise NoReply(code)
+
+    monkeypatch.setattr(LineChild, "ask", ask)
+    with pytest.raises(error, match=words):
+        bench.start(None)

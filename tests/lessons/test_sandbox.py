@@ -13,6 +13,7 @@ import pytest
 from robots import EVENT_S, PATIENCE_S, until
 
 from beatrix_zenoh import account
+from beatrix_zenoh.contract import tracebacks
 from beatrix_zenoh.lesson_files import find
 from beatrix_zenoh.lessons import attempt, checking, program, sandbox
 from beatrix_zenoh.lessons.attempt import Attempt, Unmet
@@ -46,12 +47,10 @@ def leave(port):
                 time.sleep(600)
             os._exit(0)
         os.read(there, 1)
+leave(int(os.environ["PORT"]))
+os._exit(0)
 """
 FORKED = 20
-LEAVES = {
-    "function": FORKS,
-    "program that ends Python": FORKS + "\nleave(int(os.environ['PORT']))\nos._exit(0)",
-}
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no fork and no groups")
 
@@ -98,20 +97,13 @@ def test_a_program_has_no_account_and_behind_bubblewrap_sees_no_file_of_the_user
     assert found == [False, "", None, "home", "" if fence else "private"]
 
 
-@pytest.mark.parametrize("kind", LEAVES)
 def test_processes_that_a_program_leaves_in_other_sessions_end_with_the_check(
-    fence: bool, tmp_path: Path, kind: str
+    fence: bool, tmp_path: Path
 ) -> None:
     with ExitStack() as open_until_end, socket.create_server(("127.0.0.1", 0), backlog=FORKED) as server:
         server.settimeout(EVENT_S)
-        port = server.getsockname()[1]
-        if kind == "function":
-            with Attempt(written(tmp_path, LEAVES[kind]), limit_s=5) as tried:
-                tried.value("leave", port)
-                left = [open_until_end.enter_context(server.accept()[0]) for _ in range(FORKED)]
-        else:
-            with running(tmp_path, LEAVES[kind], PORT=str(port)):
-                left = [open_until_end.enter_context(server.accept()[0]) for _ in range(FORKED)]
+        with running(tmp_path, FORKS, PORT=str(server.getsockname()[1])):
+            left = [open_until_end.enter_context(server.accept()[0]) for _ in range(FORKED)]
         for connection in left:
             connection.settimeout(PATIENCE_S)
             assert connection.recv(1) == b"", "its process has ended"
@@ -172,3 +164,40 @@ def test_a_pause_of_the_simulation_hides_no_motion(
     arms = np.column_stack([commanded] * 3)
     assert hidden_s(np.array(t), np.array(seq), arms) == pytest.approx(hidden)
     assert PAUSE_S == STALL_S
+
+
+DATA = {tracebacks.VARIABLE: tracebacks.DATA}
+ABSENT = """
+from beatrix_zenoh import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Detail, Reason
+raise NoAnswer(Reason.NO_ANSWER, detail=Detail(field='ada (sim)', known=['bea1 (sim)']))
+"""
+LEANS = """
+from beatrix_zenoh import Refused
+from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
+def lean():
+    raise Refused(Reason.OUT_OF_REACH, detail=Detail(limit=Limit.TILT, value=0.7, high=0.6, unit="rad", at_goal=True))
+if __name__ == "__main__":
+    lean()
+"""
+
+
+def test_a_program_for_another_robot_is_told_to_name_none(tmp_path: Path) -> None:
+    with running(tmp_path, ABSENT, **DATA) as run:
+        until(lambda: not run.running, "its end")
+        with pytest.raises(Unmet) as unmet:
+            run.check()
+    assert unmet.value.figure == "other_robot"
+
+
+def test_a_refusal_reaches_a_german_check_as_data(tmp_path: Path) -> None:
+    with running(tmp_path, LEANS, **DATA) as run:
+        until(lambda: not run.running, "its end")
+        with pytest.raises(Unmet) as of_program:
+            run.check()
+    with Attempt(written(tmp_path, LEANS), limit_s=5) as tried, pytest.raises(Unmet) as called:
+        tried.value("lean")
+    german_text = "Refused: Der Kopf stünde 40,1° schräg; höchstens 34,3° sind erlaubt."
+    german = find(1, "de")
+    assert checking.verdict(german, of_program.value).found == f"{german_text} (Zeile 5)"
+    assert checking.verdict(german, called.value).found == f"{german_text} in lean() (Zeile 5)"

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import cast
 
 import numpy as np
 import numpy.typing as npt
 import pytest
-from msgspec import structs
 from robots import until
 
-from beatrix_zenoh.contract import tracebacks
 from beatrix_zenoh.contract._generated.messages import (
     Event,
     EventKind,
@@ -41,7 +39,7 @@ class Called:
 
     require, used_s = staticmethod(Attempt.require), 0.0
 
-    def __init__(self, lesson: int, function: str, change: Change, seen: Seen | None = None) -> None:
+    def __init__(self, lesson: int, function: str, change: Change) -> None:
         self._module: dict[str, object] = {"__name__": "solution"}
         path = find(lesson).folder / "solution.py"
         exec(compile(path.read_text(encoding="utf-8"), path, "exec"), self._module)
@@ -51,7 +49,7 @@ class Called:
             value = right(*arguments)
             return None if value is None else change(np.array(value, dtype=float)).tolist()
 
-        self._module[function], self._seen = changed, seen
+        self._module[function] = changed
 
     def value(self, function: str, *arguments: object) -> object:
         return cast("Callable[..., object]", self._module[function])(*arguments)
@@ -62,10 +60,6 @@ class Called:
         self, function: str, *arguments: object, shape: tuple[int, ...]
     ) -> npt.NDArray[np.float64]:
         return np.array(self.value(function, *arguments), dtype=float).reshape(shape)
-
-    def observe(self, **_arguments: object) -> Seen:
-        assert self._seen is not None, "a robot would be started"
-        return self._seen
 
 
 def said(number: int, function: str, change: Change) -> Verdict:
@@ -168,51 +162,6 @@ def test_a_program_that_moved_nothing_is_told_why(events: list[Event], figure: s
     assert figure_of(lambda: slips.motions([seen])) == figure
 
 
-def same(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    return numbers
-
-
-def stepped(rest_s: float) -> Seen:
-    """Return what the short arm shows in lesson 2: it arrives, swings for a moment, and rests for this time (s)."""
-    step, t, events, begin = 360 / (1600 * 68 / 26), np.arange(0, 30, 0.02), [], 0.5
-    short = np.zeros_like(t)
-    goals = [round(asked / step) * step for asked in range(3, 31, 3)]
-    for number, goal in enumerate([*goals, goals[-1] + step, 0.0]):
-        done = begin + 0.4
-        events += [(begin, Phase.ACCEPTED), (done, Phase.DONE)]
-        swing = 0.02 * (-1) ** number * np.exp(-(np.maximum(t, done) - done) / 0.02)
-        short = np.where(t >= done, goal + swing, short)
-        begin = done + rest_s
-    head = np.zeros((len(t), 3))
-    arms = np.column_stack([short, short, short])
-    parts = [structs.replace(motion(0, 0, 0), phase=phase) for _, phase in events]
-    return Seen(t, head, arms, head, head, parts, np.array([at for at, _ in events]))
-
-
-@pytest.mark.parametrize(("rest_s", "figure"), [(0.3, ""), (0.12, ""), (0.01, "pause")])
-def test_an_arm_that_does_not_rest_is_told_from_a_wrong_step(rest_s: float, figure: str) -> None:
-    attempt = cast("Attempt", Called(2, "steps_for", same, stepped(rest_s)))
-    assert figure_of(lambda: check_of(find(2))(attempt), 2) == figure
-
-
-def sines(slow_s: float, size: float = 10.0) -> Seen:
-    """Return a head that follows sines of 0.25 Hz, for this time (s), and of 2 Hz, with a rest between them."""
-    t = np.arange(0, 25, 0.02)
-    slow, fast = (t > 2) & (t < 2 + slow_s), (t > 4 + slow_s) & (t < 9 + slow_s)
-    yaw = slow * size * np.sin(np.pi / 2 * (t - 2)) + fast * 1.8 * np.sin(4 * np.pi * (t - 4 - slow_s))
-    none = np.zeros((len(t), 3))
-    return Seen(t, np.column_stack([yaw, none[:, :2]]), none, none, none, [], np.zeros(0))
-
-
-@pytest.mark.parametrize(
-    ("seen", "figure"),
-    [(sines(11), ""), (sines(8), ""), (sines(4), "short"), (sines(6), "short"), (sines(11, 7.0), "slow")],
-)
-def test_a_sine_that_is_too_short_is_told_from_a_small_one(seen: Seen, figure: str) -> None:
-    attempt = cast("Attempt", Called(8, "alias", same, seen))
-    assert figure_of(lambda: check_of(find(8))(attempt), 8) == figure
-
-
 @pytest.mark.parametrize("name", ["start.py", "start.ipynb"])
 def test_a_program_finds_its_files_as_by_hand(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -227,45 +176,3 @@ def test_a_program_finds_its_files_as_by_hand(
     with contextlib.closing(Run(folder / "start.py", made, Sandbox.of(made, tmp_path), {})) as run:
         until(lambda: not run.running, "the program has ended")
         run.check()
-
-
-ABSENT = """
-from beatrix_zenoh import NoAnswer
-from beatrix_zenoh.contract._generated.messages import Detail, Reason
-raise NoAnswer(Reason.NO_ANSWER, detail=Detail(field='ada (sim)', known=['bea1 (sim)']))
-"""
-LEANS = """
-from beatrix_zenoh import Refused
-from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
-def lean():
-    raise Refused(Reason.OUT_OF_REACH, detail=Detail(limit=Limit.TILT, value=0.7, high=0.6, unit="rad", at_goal=True))
-if __name__ == "__main__":
-    lean()
-"""
-
-
-@contextlib.contextmanager
-def ended(folder: Path, text: str) -> Iterator[Run]:
-    """Run a program as a check does, until it has ended."""
-    path = folder / "start.py"
-    path.write_text(text)
-    made, data = Program(path, text), {tracebacks.VARIABLE: tracebacks.DATA}
-    with contextlib.closing(Run(path, made, Sandbox.of(made, folder), data)) as run:
-        until(lambda: not run.running, "the program has ended")
-        yield run
-
-
-def test_a_program_for_another_robot_is_told_to_name_none(tmp_path: Path) -> None:
-    with ended(tmp_path, ABSENT) as run:
-        assert figure_of(run.check) == "other_robot"
-
-
-def test_a_refusal_reaches_a_german_check_as_data(tmp_path: Path) -> None:
-    with ended(tmp_path, LEANS) as run, pytest.raises(Unmet) as of_program:
-        run.check()
-    with Attempt(Program(tmp_path / "start.py", LEANS), limit_s=5) as tried, pytest.raises(Unmet) as called:
-        tried.value("lean")
-    said = "Refused: Der Kopf stünde 40,1° schräg; höchstens 34,3° sind erlaubt."
-    german = find(1, "de")
-    assert verdict(german, of_program.value).found == f"{said} (Zeile 5)"
-    assert verdict(german, called.value).found == f"{said} in lean() (Zeile 5)"

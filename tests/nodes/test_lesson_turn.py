@@ -13,10 +13,8 @@ from robots import until
 from shell import CLI, NAME, Shell, wait_until_free
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.client import lease
-from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.lessons import program, progress, turns
 from beatrix_zenoh.settings import Settings
 
@@ -45,15 +43,6 @@ with Robot() as robot:
         robot.look(yaw=-30, speed=10)
 """
 FAST = "from beatrix_zenoh import Robot\nRobot().look(yaw=20, speed=80)\n"
-GIVES_BACK = """
-from beatrix_zenoh import Robot
-from beatrix_zenoh.client import lease
-from beatrix_zenoh.contract._generated.messages import LeaseAction
-with Robot() as robot:
-    lease.ask(robot, LeaseAction.GIVE_BACK)
-    robot.lease_number = 0
-    robot.look(yaw=60, speed=80)
-"""
 
 
 @pytest.fixture
@@ -92,18 +81,6 @@ def test_a_program_with_an_error_or_too_fast_ends_and_the_head_goes_home(free: S
     with free.robot("hw") as robot:
         assert home(robot)
         assert robot.status().lease == 0
-
-
-@pytest.mark.long("a turn in real time")
-def test_a_program_that_gives_the_robot_back_is_not_faster_and_the_head_goes_home(
-    free: Shell, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with free.robot("hw") as robot:
-        with pytest.raises(Refused, match=r"Your turn has ended early|at most 40"):
-            take(free, written(tmp_path, GIVES_BACK))
-        assert home(robot)
-        assert "The head is home." in capsys.readouterr().err
-        until(lambda: robot.status().holder == "", "the robot is free")
 
 
 @pytest.mark.long("a turn in real time")
@@ -147,22 +124,6 @@ def test_stop_of_another_seat_ends_the_turn_and_the_head_stays(free: Shell, tmp_
         assert robot.status().lease == 0
 
 
-@pytest.mark.long("a turn in real time")
-def test_a_turn_that_the_teacher_ends_tells_the_pupil_to_wait(free: Shell, tmp_path: Path) -> None:
-    with free.robot("hw") as robot, Robot(NAME, "hw", connect=free.endpoint, who=TEACHER) as teacher:
-
-        def end() -> None:
-            until(lambda: robot.status().moving, "the program moves the robot")
-            lease.ask(teacher, LeaseAction.GIVE_BACK)
-
-        ending = threading.Thread(target=end)
-        ending.start()
-        with pytest.raises(Refused, match="Wait until the teacher lets you drive"):
-            take(free, written(tmp_path, TURNS))
-        ending.join()
-        until(lambda: robot.status().holder == "", "the robot is free")
-
-
 def test_a_program_that_has_not_passed_gets_no_turn(free: Shell, tmp_path: Path) -> None:
     assert free.run("lesson", "start", "1", cwd=tmp_path).returncode == 0
     refused = free.run("lesson", "turn", "1", cwd=tmp_path)
@@ -171,17 +132,6 @@ def test_a_program_that_has_not_passed_gets_no_turn(free: Shell, tmp_path: Path)
     space.record("01-hello").passed = [progress.sealed("01-hello", "0" * 64)]
     space.save()
     assert "has changed since it passed" in free.run("lesson", "turn", "1", cwd=tmp_path).stderr
-
-
-def test_a_lesson_for_simulations_has_no_turn(free: Shell, tmp_path: Path) -> None:
-    refused = free.run("lesson", "turn", "4", cwd=tmp_path)
-    assert (
-        refused.returncode,
-        "has no turn on the robot: its program asks where the person is" in refused.stderr,
-    ) == (
-        1,
-        True,
-    )
 
 
 def test_a_turn_calibrates_no_robot(free: Shell, tmp_path: Path) -> None:

@@ -17,20 +17,8 @@ PIPE = 1 << 20
 def library(folder: Path) -> Path:
     """Build the library for LD_PRELOAD; return its path."""
     built = folder / "fake_camera.so"
-    command = [
-        "gcc",
-        "-std=c11",
-        "-Wall",
-        "-Wextra",
-        "-Werror",
-        "-O1",
-        "-shared",
-        "-fPIC",
-        "-o",
-        str(built),
-        str(SOURCE),
-    ]
-    subprocess.run([*command, "-ldl"], check=True)
+    options = ["-std=c11", "-Wall", "-Wextra", "-Werror", "-O1", "-shared", "-fPIC"]
+    subprocess.run(["gcc", *options, "-o", str(built), str(SOURCE), "-ldl"], check=True)
     return built
 
 

@@ -24,7 +24,7 @@ from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import ENDED_SESSIONS, Caller
 from beatrix_zenoh.node.lease_queries import take
-from sim_node.following.robots import follows
+from sim_node.following.arms import follows
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import struct
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -73,24 +74,20 @@ def test_the_pictures_of_a_folder_are_repeated_in_order(tmp_path: Path) -> None:
     assert shown(PictureFiles(tmp_path), 3) == [*pictures, pictures[0]]
 
 
-def chunk(kind: bytes, data: bytes) -> bytes:
-    return kind + struct.pack("<I", len(data)) + data + bytes(len(data) % 2)
-
-
-def video(pictures: list[bytes], period_us: int = 20_000) -> bytes:
-    """Return an AVI file as cameras and ffmpeg write it: a header, then pictures among other chunks."""
-    head = chunk(b"LIST", b"hdrl" + chunk(b"avih", struct.pack("<I", period_us) + bytes(52)))
-    sound = chunk(b"01wb", bytes(7))
-    frames = b"".join(chunk(b"00dc", one) + sound for one in pictures) + chunk(b"00dc", b"")
-    return chunk(b"RIFF", b"AVI " + head + chunk(b"LIST", b"movi" + frames) + chunk(b"idx1", bytes(32)))
+def test_the_pictures_of_a_video_are_repeated_at_its_rate(tmp_path: Path) -> None:
+    pictures = [picture(level) for level in (50, 60)]
+    head = b"RIFF".ljust(32, b"x") + struct.pack("<I", 20_000)
+    (tmp_path / "x.avi").write_bytes(head + pictures[0] + b"00dc    " + pictures[1] + b"idx1")
+    begin_s = time.monotonic()
+    assert shown(PictureFiles(tmp_path / "x.avi"), 3) == [*pictures, pictures[0]]
+    assert time.monotonic() - begin_s >= 0.04
 
 
 @pytest.mark.parametrize(
     ("name", "content", "why"),
     [
-        ("empty.avi", b"", "cannot be shown"),
-        ("text.avi", b"no video at all", "it contains no JPEG picture"),
-        ("other.avi", video([b"\x00\x00\x01\xb6 another codec"]), "not motion JPEG"),
+        ("empty.avi", b"", "it contains no JPEG picture"),
+        ("other.avi", b"RIFF another codec", "it contains no JPEG picture"),
         ("text.jpg", b"no picture", "it is not a JPEG picture"),
         ("cut.mjpeg", picture(3)[:20], "damaged"),
     ],

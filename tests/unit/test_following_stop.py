@@ -183,16 +183,6 @@ def test_a_refused_path_brakes(following: Following) -> None:
     same("following stop.a refused path brakes", following.status().warnings[0])
 
 
-def test_a_hardware_that_must_be_waited_for_brakes_even_before_the_telemetry_shows_the_motion(
-    following: Following,
-) -> None:
-    following.publish(keys.status("bea", "hw"), codec.encode(replace(READY, enabled=False)))
-    following.queue.run()
-    following.place(80.0)
-    following.place(80.0)
-    assert following.board.frames == [MOVE, STOP]
-
-
 @pytest.mark.parametrize("settled_first", [True, False])
 def test_a_stop_at_any_point_of_a_step_ends_with_a_stop(*, settled_first: bool) -> None:
     points = 0

@@ -10,13 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
-from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import Rotation
 from beatrix_zenoh.node.sensors import BLOCK, RATE
 from sim_node.hearing import (
     GENERATORS,
     LOUDNESS,
-    SHADOW,
     SOUND,
     Ears,
     Hearing,
@@ -29,7 +27,6 @@ from sim_node.shapes import Point, Vector
 
 REST = (0.0, 0.0, 0.0)
 HEIGHT = ROBOT.head.centre_height
-NECK = Neck(ROBOT.geometry)
 LONG_S = 60.0
 
 
@@ -81,26 +78,6 @@ def bearing_deg(sound: Vector) -> float:
 # -- delay, level, shadow --------------------------------------------------------------------------
 
 
-@given(st.floats(-180, 180), st.floats(-180, 180), st.floats(0.3, 3.0))
-def test_the_ears_turn_with_the_head(yaw: float, bearing: float, away: float) -> None:
-    """Head and source turned by the same angle: the distances are those of a head that looks forward."""
-    forward = hearing(turned(0), REST, at(bearing, away))
-    both = hearing(turned(yaw), REST, at(bearing + yaw, away))
-    assert both.distances() == pytest.approx(forward.distances())
-    assert both.shadows() == pytest.approx(forward.shadows())
-
-
-@given(st.tuples(*(st.floats(-0.3, 0.3),) * 3), st.floats(-180, 180))
-def test_no_head_hears_a_difference_larger_than_the_distance_of_its_ears(
-    arms: tuple[float, float, float], bearing: float
-) -> None:
-    scene = hearing(NECK.rotation(arms), arms, at(bearing))
-    left, right = scene.distances()
-    assert math.dist(*scene.ears) == pytest.approx(SIZES.ear_baseline)
-    assert abs(left - right) <= SIZES.ear_baseline + 1e-9
-    assert all(0 <= shadow <= SHADOW for shadow in scene.shadows())
-
-
 @given(st.floats(0.3, 3.0), st.floats(0.0, 1.0))
 def test_delay_and_level_are_those_of_the_distance(away: float, fraction: float) -> None:
     began = RATE + fraction
@@ -145,12 +122,6 @@ def test_a_turning_head_hears_no_click(begin: float, speed: float, bearing: floa
 # -- noise and motors ------------------------------------------------------------------------------
 
 
-def test_both_microphones_have_noise_of_their_own() -> None:
-    sound = listen(Ears(seed=1), [hearing(turned(0), REST, at(0))] * 50, None)
-    assert sound.std(axis=0) == pytest.approx([0.001, 0.001], rel=0.03)
-    assert abs((sound[:, 0] * sound[:, 1]).mean()) < 0.03 * 0.001**2
-
-
 @pytest.mark.parametrize("speed_deg", [30.0, 60.0, 90.0])
 def test_turning_arms_hum_with_the_frequency_of_their_steps_equally_in_both_ears(speed_deg: float) -> None:
     def scene(i: int) -> Hearing:
@@ -162,13 +133,6 @@ def test_turning_arms_hum_with_the_frequency_of_their_steps_equally_in_both_ears
     spectrum = np.abs(np.fft.rfft(sound[10 * BLOCK :, 0]))
     loudest_hz = spectrum.argmax() * RATE / (40 * BLOCK)
     assert loudest_hz == pytest.approx(speed_deg / 360 * 200 * 8 * 68 / 26, abs=2.0)
-
-
-def test_motors_fall_silent_within_a_block_after_their_last_step() -> None:
-    arms = [(0.01 * min(i, 3), 0.0, 0.0) for i in range(7)]
-    sound = listen(Ears(noise=0.0), [hearing(turned(0), one, at(0)) for one in arms], None)
-    assert sound[: 4 * BLOCK].any()
-    assert not sound[5 * BLOCK :].any()
 
 
 # -- directions ------------------------------------------------------------------------------------

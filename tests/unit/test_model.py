@@ -8,12 +8,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from beatrix_zenoh import colours
 from beatrix_zenoh.body.figure import chains
 from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData, RobotData
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
-from sim_node.model import build_spec, rod_range, scene_spec
+from sim_node.model import build_spec, scene_spec
 from sim_node.viewer import MECHANISM, add_mechanism
 from sim_node.visuals import COLLISION, VISUAL
 
@@ -37,13 +36,6 @@ def test_home_is_qpos0_with_a_closed_loop(geometry: GeometryData) -> None:
     mujoco.mj_forward(model, data)
     assert model.qpos0.tolist() == [1.0] + [0.0] * 9
     assert np.abs(data.efc_pos[: 3 * model.neq]).max() < 1e-12
-
-
-def test_visible_geoms_have_no_mass_and_no_contact(model: mujoco.MjModel) -> None:
-    seen = model.geom_group == VISUAL
-    assert seen.any()
-    assert not model.geom_contype[seen].any()
-    assert not model.geom_conaffinity[seen].any()
 
 
 def test_hidden_geoms_have_the_mass_of_the_robot(model: mujoco.MjModel) -> None:
@@ -70,25 +62,7 @@ def test_rod_angle_closes_the_loop_of_any_pose(geometry: GeometryData) -> None:
         assert np.abs(data.efc_pos[: 3 * model.neq]).max() < 1e-12
 
 
-def test_joint_stops_keep_the_rods_inside_the_home_assembly() -> None:
-    for chain in chains(ROBOT.geometry):
-        assert np.degrees(rod_range(chain)) == pytest.approx([-80.0, 80.0])
-
-
 # -- the mechanism inside the robot: MuJoCo hides it at first --------------------------------------
-
-
-def test_joints_are_where_the_model_has_them() -> None:
-    spec = build_spec()
-    add_mechanism(spec)
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    for name in colours.ARMS:  # the joint of a rod is the second of its solids
-        geoms = np.flatnonzero(
-            (model.geom_bodyid == model.body(f"rod_{name}").id) & (model.geom_group == MECHANISM)
-        )
-        np.testing.assert_allclose(data.geom_xpos[geoms[1]], data.site(f"mount_{name}").xpos, atol=1e-6)
 
 
 def test_the_mechanism_is_hidden_at_first_and_changes_neither_masses_nor_contacts() -> None:

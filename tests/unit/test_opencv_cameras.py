@@ -16,7 +16,6 @@ from robots import until
 from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.node import CameraFrame
 from hw_node.cameras import opencv
-from hw_node.cameras.camera import choices
 from hw_node.cameras.opencv import OpenCvCamera
 
 
@@ -30,7 +29,6 @@ def camera(module: FakeOpenCv) -> Iterator[OpenCvCamera]:
     camera = OpenCvCamera(1, module)
     yield camera
     module.goes_on.set()
-    module.opens_at_once.set()
     camera.close()
     until(lambda: not opencv_threads(), "its thread has ended")
 
@@ -99,17 +97,3 @@ def test_a_blocked_read_blocks_no_other_thread_and_the_camera_is_not_opened_twic
     until(lambda: not opencv_threads(), "the blocked thread ends")
     camera.open()
     picture(camera)
-
-
-def test_opencv_cameras_are_selected_by_number(module: FakeOpenCv, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "cv2", module)
-    monkeypatch.setattr("importlib.util.find_spec", lambda _: object())
-    monkeypatch.setattr(sys, "platform", "win32")
-    left, right = choices(["left=0", "right=1"])
-    source = right.build()
-    assert isinstance(source, OpenCvCamera)
-    assert source.trouble() == ""
-    source.open()
-    until(lambda: module.opened == [(1, module.CAP_DSHOW)], "the camera of that number is opened")
-    source.close()
-    assert left.source == "0"

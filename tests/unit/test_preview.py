@@ -65,16 +65,6 @@ def test_the_motion_is_the_same_as_its_preview() -> None:
         pass_time(plant, firmware, 20)
 
 
-def test_a_preview_starts_from_a_running_motion() -> None:
-    plant, firmware = ready()
-    firmware.receive(encode(FrameType.MOVE_STRAIGHT, 3, move_to(NODDED).pack()))
-    pass_time(plant, firmware, 300)
-    seen = simulate_motion(plant.copy(), copy_of(firmware), move_to((0.0, 0.0, 0.0)))
-    assert tuple3(seen.arms[0]) == plant.arms()
-    assert max(map(abs, tuple3(seen.arms[0]))) > 0.05
-    assert tuple3(seen.arms[-1]) == pytest.approx((0.0, 0.0, 0.0), abs=math.radians(0.25))
-
-
 def test_a_motion_that_the_firmware_refuses_has_no_preview() -> None:
     with pytest.raises(Refused) as refusal:
         simulate_motion(Plant(), Firmware(), move_to(NODDED))

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-
-import numpy as np
 import pytest
 import simplejpeg
 
@@ -46,32 +43,3 @@ def test_a_late_picture_raises_timeout_error(monkeypatch: pytest.MonkeyPatch) ->
     with pytest.raises(TimeoutError, match="hangs"):
         dict(renderer.draw(NOW, ["left"]))
     renderer.close()
-
-
-def test_a_posture_of_nan_does_not_end_the_process() -> None:
-    renderer = start_renderer("rays")
-    broken = SceneState(0, np.full_like(NOW.posture, np.nan), HOME)
-    dict(renderer.draw(broken, ["left"]))
-    assert dict(renderer.draw(NOW, ["left"]))
-    renderer.close()
-
-
-def assert_closing_interrupts_drawing(renderer: Renderer) -> None:
-    ended = threading.Event()
-
-    def draw() -> None:
-        try:
-            while True:
-                dict(renderer.draw(NOW, ["left", "right"]))
-        except OSError:
-            ended.set()
-
-    drawer = threading.Thread(target=draw)
-    drawer.start()
-    renderer.close()
-    assert ended.wait(5.0)
-    drawer.join()
-
-
-def test_closing_interrupts_drawing() -> None:
-    assert_closing_interrupts_drawing(start_renderer("rays"))

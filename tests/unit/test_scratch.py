@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
 
-from beatrix_zenoh.lessons.sandbox import FRESH_S, OLD_S, PREFIX, scratch
+from beatrix_zenoh.lessons.sandbox import OLD_S, PREFIX, scratch
 
 
 def test_folders_that_a_killed_check_has_left_are_removed(
@@ -35,26 +33,3 @@ def test_folders_that_a_killed_check_has_left_are_removed(
         f"{PREFIX}file",
     }
     assert (tmp_path / "another/program.py").exists()
-
-
-def test_the_folder_of_a_killed_turn_is_removed_by_the_next_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """It contains the home of a program; the folder of a turn that still runs stays, whatever its age."""
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    program = "from beatrix_zenoh.lessons.sandbox import scratch\nwith scratch() as path: print(path, flush=True); input()"
-    environment = os.environ | {"TMPDIR": str(tmp_path), "TEMP": str(tmp_path)}
-    with subprocess.Popen(
-        [sys.executable, "-c", program], env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE
-    ) as turn:
-        assert turn.stdout is not None
-        left = Path(turn.stdout.readline().decode().strip())
-        (left / "program.py").touch()
-        for seconds in (FRESH_S + 5, OLD_S + 60):
-            os.utime(left, (time.time() - seconds,) * 2)
-            with scratch():
-                assert left.exists(), "its process runs"
-        turn.kill()
-        turn.wait()
-        with scratch():
-            assert not left.exists()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Sequence
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from unittest.mock import Mock
 
 import numpy as np
@@ -15,19 +15,20 @@ from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import SoundBlock
 from beatrix_zenoh.node.sensors import BEHIND, BLOCK, BLOCK_NS
-from hw_node.microphones import Callback, Device, DeviceMicrophones, choose
+from hw_node.microphones import DeviceMicrophones, choose
 
 
 class FakeError(Exception):
     """In place of PortAudioError."""
 
 
-class FakeSound:
+class FakeSound(ModuleType):
     """A replacement for the module `sounddevice`, which lists devices only when it is initialized."""
 
     PortAudioError: type[Exception] = FakeError
 
     def __init__(self, *names: str) -> None:
+        super().__init__("sounddevice")
         self.plugged = [{"name": name, "max_input_channels": 2} for name in names]
         self.known: list[dict[str, object]] = []
         self.refuses = ""
@@ -42,7 +43,7 @@ class FakeSound:
     def _terminate(self) -> None:
         self.known = []
 
-    def query_devices(self) -> Sequence[Device]:
+    def query_devices(self) -> Sequence[dict[str, object]]:
         return self.known
 
     def RawInputStream(  # noqa: N802
@@ -53,7 +54,7 @@ class FakeSound:
         channels: int,
         dtype: str,
         *,
-        callback: Callback,
+        callback: object,
     ) -> Mock:
         self.asked = (samplerate, blocksize, device, channels, dtype)
         if self.refuses:
@@ -77,7 +78,7 @@ class Listening:
         self.now_ns = begin_ns + age_ns
         times = SimpleNamespace(inputBufferAdcTime=100.0 - age_ns / 1e9, currentTime=100.0)
         data = np.full((BLOCK, 2), 7, "<i2").tobytes()
-        self.sound.streams[-1].callback(data, BLOCK, times, SimpleNamespace(input_overflow=overflow))
+        self.sound.streams[-1].callback(data, BLOCK, times, overflow)
 
     def blocks(self) -> list[SoundBlock]:
         found = []

@@ -1,78 +1,14 @@
-"""The two robots of a simulation that follows: messages of the hardware, and its own arms."""
+"""The arms of a simulation that follows."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from typing import Final
-
-from beatrix_zenoh.bus import Received, Reply, Sessions
-from beatrix_zenoh.contract import codec
-from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Info, Positions, Status
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.contract.publishers import Publishers
+from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.planner import tuple3
 from beatrix_zenoh.node.snapshot import Snapshot
-from sim_node.following.follower import HardwareSample, Limits, Places, SetPoint, Step, advanced
-
-ANSWER_S: Final = 5.0
-"""Longest wait (s) for the robot file of the hardware."""
-
-
-class HardwareMessages:
-    """Receives positions and status of the hardware of one name; the callbacks run on Zenoh's thread."""
-
-    def __init__(
-        self, name: str, on_sample: Callable[[HardwareSample], None], on_status: Callable[[Status], None]
-    ) -> None:
-        self._name, self._on_sample, self._on_status = name, on_sample, on_status
-        self._ends: list[Callable[[], None]] = []
-        self._publishers = Publishers()
-
-    def open(self, sessions: Sessions) -> None:
-        """Subscribe."""
-        self._ends += [
-            sessions.subscribe(keys.positions(self._name, "hw"), self._positions),
-            sessions.subscribe(keys.status(self._name, "hw"), self._status),
-        ]
-
-    def ask_file(self, sessions: Sessions, handle: Callable[[str], None]) -> None:
-        """Pass the fingerprint of the hardware's robot file to `handle`, on Zenoh's thread; empty if it has none."""
-
-        def read(reply: Reply) -> None:
-            try:
-                handle(codec.decode(reply.payload, Info).fingerprint or "")
-            except BeatrixError:  # an error reply, or the reply of a foreign program
-                return
-
-        bus = sessions.session(keys.KEYS["info"].session)
-        query = bus.query(keys.info(self._name, "hw"), None, codec.MSGPACK, timeout_s=ANSWER_S)
-        self._ends.append(query.close)
-        query.hand_over(read)
-
-    def close(self) -> None:
-        """End the subscriptions and the queries."""
-        for end in self._ends:
-            end()
-        self._ends = []
-
-    def _positions(self, received: Received) -> None:
-        try:
-            positions = codec.decode(received.payload, Positions)
-        except BeatrixError:  # it does not come from a node of this version
-            return
-        contested = self._publishers.several(positions.seq)
-        self._on_sample(HardwareSample.of(positions, time.monotonic(), contested=contested))
-
-    def _status(self, received: Received) -> None:
-        try:
-            self._on_status(codec.decode(received.payload, Status))
-        except BeatrixError:
-            return
+from sim_node.following.follower import Places, SetPoint, Step, advanced
 
 
 def follows(access: Access) -> bool:
@@ -99,11 +35,6 @@ class OwnArms:
         telemetry = sample.telemetry
         point = SetPoint(gear.to_rad(telemetry.position), gear.to_rad(telemetry.velocity))
         return advanced(point, now_s - sample.t_mono_ns / 1e9)
-
-    def limits(self) -> Limits:
-        """Return the limits of the arms; the teacher may change them at any time."""
-        limits = self._planner.limits
-        return Limits(limits.default_speed, limits.speed_max, limits.acceleration)
 
     def measured(self) -> tuple[float, Places]:
         """Return a time (monotonic clock, s), and the measured places of arms and head then."""
