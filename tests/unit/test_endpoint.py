@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import pytest
 
 from beatrix_zenoh import bus as zbus
@@ -50,24 +48,3 @@ def test_an_invalid_endpoint_raises_wrong_usage(endpoint: str) -> None:
 )
 def test_a_valid_endpoint_is_parsed(endpoint: str, host: str) -> None:
     assert zbus.parse_endpoint(endpoint) == ("tcp", host, 7447)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "nonsense",
-        "",
-        "(rx: 3)",
-        "(rx: (worker_threads: 0))",
-        "(rx:(),rx:())",
-        "(cpu: ())",
-        "(rx: (worker_threads: -1))",
-    ],
-)
-def test_a_runtime_setting_that_zenoh_cannot_parse_raises_wrong_usage(
-    text: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("ZENOH_RUNTIME", text)
-    expected = f"ZENOH_RUNTIME is {re.escape(repr(text))}.*Unset it"
-    with pytest.raises(WrongUsage, match=expected):
-        zbus.open_router("tcp/127.0.0.1:0")
