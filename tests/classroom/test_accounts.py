@@ -198,10 +198,6 @@ key = ""
     [
         ("ana, please", "it is not written in TOML"),
         ('[project]\nname = "x"\n', "no account has a field 'project'"),
-        (
-            'name = "ana"\n',
-            "it lacks class and role and connect and expires and authority and certificate and key",
-        ),
         (FILE.replace("student", "boss"), "the value of role is not allowed"),
         (FILE.replace("tls/", "tcp/"), "its router must have endpoints that begin with tls/"),
         (
@@ -224,15 +220,3 @@ def test_the_account_of_a_class_is_not_used_for_another_router(joined: Account) 
     elsewhere = resolve("toy", "tcp/127.0.0.1:1", "zoe")
     assert (elsewhere.account, elsewhere.robot, elsewhere.who) == (None, "toy", "zoe")
     assert resolve(connect=joined.connect).account == joined
-
-
-def test_up_with_an_account_of_a_class_starts_no_router(router: ClassRouter, tmp_path: Path) -> None:
-    account = msgspec.structs.replace(router.account("ana"), connect="tls/127.0.0.1:1")
-    (tmp_path / "ana.toml").write_text(account.text())
-    assert "not usable now" in beatrix("join", str(tmp_path / "ana.toml")).stderr
-    try:
-        done = beatrix("up", "--no-sim", "--hw", "virtual:")
-    finally:
-        beatrix("join", "--leave")
-    assert done.returncode == 3
-    assert "the teacher starts it" in done.stderr

@@ -141,16 +141,6 @@ def test_a_turn_lends_the_program_a_session_and_no_account(
     assert printed[-3:] == ["reached 10 ana", "account None '' False", "files []"]
 
 
-def test_a_turn_with_the_account_of_the_teacher_is_refused(router: ClassRouter, tmp_path: Path) -> None:
-    path = tmp_path / "start.py"
-    path.write_text(LOOKS_FOR_ACCOUNT)
-    account = router.account("teacher")
-    with pytest.raises(Refused, match="as another user of this computer"):
-        turns.take_turn(
-            program.read(path), Settings("bea1", account.connect, "teacher", account=account), "hw", 0.0
-        )
-
-
 def robot_of(router: ClassRouter, name: str, seat: str) -> Robot:
     """Return the simulation of a name through a new session of a seat."""
     account = router.account(seat)
@@ -176,10 +166,3 @@ def test_the_teacher_simulates_all_seats_and_each_drives_only_its_own(
         of_another.client.close()
     finally:
         assert process.end() == 0
-
-
-def test_a_seat_may_not_simulate_the_robots_of_others(router: ClassRouter, tmp_path: Path) -> None:
-    use_account(tmp_path, router.path("ana"))
-    process = Process(*CLI, "sim", "--seats", str(router.class_file), folder=tmp_path, traced=False)
-    assert process.wait() == 2
-    assert any("accepts only a robot of the same name" in line for line in process.lines)

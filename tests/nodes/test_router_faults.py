@@ -7,7 +7,6 @@ import re
 import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 import zenoh
@@ -121,43 +120,6 @@ def test_the_error_for_a_suspended_router_explains_that_robots_stop(stage: Stage
         router.send(signal.SIGCONT)
         node.close()
         router.end()
-
-
-SUSPENDED = """
-import sys
-from beatrix_zenoh import BeatrixError, Robot
-with Robot("bea", "hw", connect=sys.argv[1], who="ana") as robot:
-    robot.make_ready()
-    motion = robot.look(yaw=100, speed=10, wait=False)
-    print("moving", flush=True)
-    try:
-        motion.wait()
-    except BeatrixError as error:
-        print("refused", type(error).__name__, error.reason, error.message, flush=True)
-"""
-
-
-def test_the_error_of_a_suspended_program_does_not_name_the_router(stage: Stage, tmp_path: Path) -> None:
-    node = stage.node("bea")
-    script = tmp_path / "suspended.py"
-    script.write_text(SUSPENDED, encoding="utf-8")
-    program = stage.script(script, stage.endpoint)
-    program.expect("moving")
-    until(lambda: node.snapshot.status().moving, "the arms turn")
-    program.send(signal.SIGSTOP)
-    until(lambda: not node.snapshot.status().moving, "its session is lost, so the robot stops")
-    program.send(signal.SIGCONT)
-    output = program.expect("refused")
-    assert "is lost, so" not in output
-    if (
-        "Interrupted" in output
-    ):  # the reply about the end of the motion took a session that was lost a little later
-        assert "router" not in output
-    else:
-        assert (
-            "was lost, and a router answers there again: it was restarted, this program was suspended"
-            in output
-        )
 
 
 @pytest.mark.long("waits until a session is replaced")
