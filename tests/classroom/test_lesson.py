@@ -11,7 +11,6 @@ from patient_connections import PATIENCE_S, patiently
 from robots import Process, ready, until
 from shell import beatrix
 from students import use_account
-from web_client import WebClient, serving
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import Client
@@ -70,34 +69,6 @@ def test_a_seat_drives_the_robots_of_the_class_and_its_own_and_no_other(clients:
         Robot("bea1", "hw", client=clients["ben"]).look(yaw=0)
     Robot("ana", "hw", client=clients["ben"]).stop()
     Robot("bea1", "hw", client=clients["teacher"]).look(yaw=0)
-
-
-@pytest.mark.long("starts the page twice")
-def test_only_one_page_of_a_seat_drives_at_a_time(router: ClassRouter, clients: dict[str, Client]) -> None:
-    """All pages act as one seat, because the router allows their server only the seat of its account."""
-    account = router.account("ben")
-    robot = Robot("bea1", "hw", client=clients["teacher"])
-    until(lambda: not robot.status().holder, "no seat drives")
-    with serving(account.connect, account=account) as port, WebClient(port) as browser:
-        browser.load()
-        first, second = browser.connect(), browser.connect()
-        for page in (first, second):
-            page.state(lambda view: view["robots"] == ["ana", "bea1"], "both robots")
-            page.send("ChooseRobot", name="bea1")
-        first.state(lambda view: view["robot"] == "bea1", "watches")
-        first.drive("mia")
-        assert robot.status().holder == "ben"
-        second.send("drive", name="noa")
-        second.state(
-            lambda view: "All pages of this server use the seat ben" in view["you"]["notice"], "refused"
-        )
-        second.send("ChooseRobot", name="ana")
-        second.state(lambda view: view["robot"] == "ana", "watches")
-        second.send("drive", name="noa")
-        refused = second.state(lambda view: view["commands"]["refusal"], "refused")["commands"]["refusal"]
-        assert "account ben" in refused["text"]
-        second.send("stop", robot="bea1", stop="1")
-        first.state(lambda view: view["history"][0]["what"] == "stop", "reported where the robot is shown")
 
 
 def test_an_emergency_stop_of_a_student_reaches_all_robots(
