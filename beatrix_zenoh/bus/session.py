@@ -179,7 +179,7 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
             check_listening()  # after a connection without a handshake, TLS accepts none for 0.1 s
         begin = time.monotonic()
         try:
-            return opened(settings, lambda: "", Reason.ACCOUNT_REFUSED)
+            return opened(settings, "", Reason.ACCOUNT_REFUSED)
         except NoAnswer as error:
             slow = time.monotonic() - begin > OPEN_MS / 1e3 * 0.9
             check_listening()  # a router that is absent or shuts down did not refuse the account

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import zenoh
 
@@ -54,14 +54,12 @@ COMMON = {
 """Settings of sessions and router."""
 
 
-def opened(
-    settings: Mapping[str, object], explain: Callable[[], str], reason: Reason = Reason.NO_ROUTER
-) -> zenoh.Session:
+def opened(settings: Mapping[str, object], trouble: str, reason: Reason = Reason.NO_ROUTER) -> zenoh.Session:
     """Open a session with Zenoh's defaults, except COMMON and `settings`.
 
     Raises:
         WrongUsage: BAD_VALUE, this process was forked from one that has opened a session.
-        NoAnswer: Zenoh cannot open the session. The error has `reason`; its message is the text of `explain`, followed
+        NoAnswer: Zenoh cannot open the session. The error has `reason`; its message is `trouble`, followed
             by Zenoh's own text without source locations.
     """
     config = zenoh.Config()
@@ -72,7 +70,7 @@ def opened(
         with OPEN.call():
             return zenoh.open(config)
     except zenoh.ZError as error:
-        raise NoAnswer(reason, f"{explain()} ({_cause(error)})") from error
+        raise NoAnswer(reason, f"{trouble} ({_cause(error)})") from error
 
 
 def closed(session: zenoh.Session) -> str:

@@ -9,10 +9,9 @@ import hostile
 import msgspec
 import pytest
 from cable import Cable
-from class_router import CLI, ClassRouter
+from class_router import CLI, ClassRouter, use_account
 from patient_connections import PATIENCE_S, patiently
 from robots import ROOT, Process, ready, until
-from students import use_account
 
 from beatrix_zenoh import Interrupted, NoAnswer, Robot
 from beatrix_zenoh.client import Client

@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from class_router import CLI, ClassRouter, start_node
+from class_router import CLI, ClassRouter, start_node, use_account
 from patient_connections import PATIENCE_S, patiently
 from robots import Process, ready, until
 from shell import beatrix
-from students import use_account
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import Client

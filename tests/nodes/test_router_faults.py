@@ -82,42 +82,24 @@ def test_a_suspended_router_counts_as_lost(stage: Stage) -> None:
     endpoint = free_endpoint()
     router = start_router(endpoint)
     node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea")).start()
+    sentence = r"does not answer: it hangs or is very busy\. Robots stop by themselves within 3 s"
     try:
         with Robot("bea", "hw", connect=endpoint, who="ana") as robot:
             ready(robot).look(yaw=150, speed=10, wait=False)
             until(lambda: node.controller.arms()[0] > 0.05, "moving")
             router.send(signal.SIGSTOP)
+            with ThreadPoolExecutor() as pool:
+                stop = pool.submit(failed, robot.stop)
+                opened = pool.submit(failed, lambda: Robot("bea", "hw", connect=endpoint, who="ben"))
+                done = Shell(endpoint).run("stop")
+            for text in (done.stderr, stop.result().message, opened.result().message):
+                assert re.search(sentence, text)
+            assert (done.returncode, stop.result().reason) == (3, Reason.NO_ROUTER)
             until(lambda: not node.snapshot.status().moving, "stopped after a silence of 2 s")
             assert 0 < node.controller.arms()[0] < math.radians(100), "not at its goal"
             router.send(signal.SIGCONT)
             until(lambda: not refused(robot), "all sessions are connected again")
     finally:
-        node.close()
-        router.end()
-
-
-def test_the_error_for_a_suspended_router_explains_that_robots_stop(stage: Stage) -> None:
-    endpoint = free_endpoint()
-    router = start_router(endpoint)
-    node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea")).start()
-    sentence = r"does not answer: it hangs or is very busy\. Robots stop by themselves within 3 s"
-    try:
-        with Robot("bea", "hw", connect=endpoint, who="ana") as robot:
-            robot.stop()
-            router.send(signal.SIGSTOP)
-            shell = Shell(endpoint)
-            with ThreadPoolExecutor() as pool:
-                stops = pool.submit(failed, robot.stop)
-                opens = pool.submit(failed, lambda: Robot("bea", "hw", connect=endpoint, who="ben"))
-                lists = pool.submit(failed, robot.client.robots)
-                for verb in ("stop", "ls"):
-                    done = shell.run(verb)
-                    assert (done.returncode, bool(re.search(sentence, done.stderr))) == (3, True), done.stderr
-                assert stops.result().reason is Reason.NO_ROUTER
-            for error in (stops.result(), opens.result(), lists.result()):
-                assert re.search(sentence, error.message)
-    finally:
-        router.send(signal.SIGCONT)
         node.close()
         router.end()
 
