@@ -43,11 +43,7 @@ class MessageSession(RenewableSession):
     @property
     def served(self) -> str:
         """A key that this session serves and its own account may query; empty: none."""
-        key = next(iter(self.declared(QUERYABLE)), "")
-        parts = keys.parse(key)
-        return (
-            key if parts is None else key.replace("*", parts.robot)
-        )  # the one seat under which it may query itself
+        return _own_seat(next(iter(self.declared(QUERYABLE)), ""))
 
     def asked(self) -> list[str]:
         """Return the keys of the queries and puts of the last LATELY_S seconds, sorted."""
@@ -177,3 +173,9 @@ class MessageSession(RenewableSession):
                 source_info=zenoh.SourceInfo(session.id, 0),
             )
         )
+
+
+def _own_seat(key: str) -> str:
+    """Return a key with the robot's name as the seat: the one seat under which a robot's account may query itself."""
+    parts = keys.parse(key)
+    return key if parts is None else key.replace("*", parts.robot)

@@ -66,6 +66,10 @@ class Authority:
         signed = _leaf(builder, usages).sign(self._key, hashes.SHA256())
         return Identity(self.certificate, _text(signed), _key_text(key))
 
+    def signed(self, certificate: str) -> bool:
+        """Return whether this authority has signed a certificate (PEM) that is valid for more than RENEW_DAYS."""
+        return _is_current(certificate, self._certificate)
+
 
 def account(
     common_name: str, authority: str, *, begin: dt.datetime = BEGIN, days: int = ACCOUNT_DAYS
@@ -77,13 +81,15 @@ def account(
     return Identity(authority, _text(builder.sign(key, hashes.SHA256())), _key_text(key))
 
 
-def is_current(certificate: str, authority: str | None = None) -> bool:
-    """Return whether a certificate (PEM) that `authority`, or it itself, has signed is valid for more than RENEW_DAYS."""
+def is_current(certificate: str) -> bool:
+    """Return whether the certificate (PEM) of an account has signed itself and is valid for more than RENEW_DAYS."""
+    return _is_current(certificate, None)
+
+
+def _is_current(certificate: str, issuer: x509.Certificate | None) -> bool:
     try:
-        read, issuer = (
-            x509.load_pem_x509_certificate(one.encode()) for one in (certificate, authority or certificate)
-        )
-        read.verify_directly_issued_by(issuer)
+        read = x509.load_pem_x509_certificate(certificate.encode())
+        read.verify_directly_issued_by(issuer or read)
     except Exception:  # noqa: BLE001  # cryptography raises many kinds of errors for foreign certificates
         return False
     return read.not_valid_after_utc > _in_days(RENEW_DAYS)

@@ -35,8 +35,10 @@ class Made:
     """accounts with a new secret, whose files must be handed out"""
     left: list[str]
     """files of accounts that the class no longer has"""
-    changed: list[str]
-    """other accounts whose files have changed, with the address of the router, seats, names of pupils or robots"""
+    moved: bool
+    """whether the address or port of the router has changed, so that all files must be handed out again"""
+    renamed: bool
+    """whether seats, names of pupils or robots have changed, which the account of the teacher contains"""
 
 
 def folder_of(role: str) -> str:
@@ -117,11 +119,7 @@ class _Signer:
         old = None
         with contextlib.suppress(WrongUsage):  # it is missing, or of an earlier version
             old = load(path)
-        if (
-            old is not None
-            and old.listen == classroom.listen
-            and self._certificates.is_current(old.certificate, self.authority.certificate)
-        ):
+        if old is not None and old.listen == classroom.listen and self.authority.signed(old.certificate):
             own = Identity(old.authority, old.certificate, old.key)
         else:
             own = self.authority.issue(ROUTER, classroom.addresses)
@@ -143,20 +141,23 @@ class _Signer:
 
 
 def _accounts(classroom: Classroom, folder: Path, signer: _Signer) -> Made:
-    """Make the accounts; the files of `folder` are still those of the class before."""
-    made = Made([], [], [], [])
+    made: list[Account] = []
+    new: list[str] = []
+    moved = renamed = False
     for name, role in classroom.accounts.items():
         path = folder / folder_of(role) / f"{name}.toml"
         old = account.load(path) if path.is_file() else None
-        new = signer.account(classroom, name, role, old)
-        made.accounts.append(new)
-        if old is None or old.key != new.key:
-            made.new.append(name)
-        elif old != new:
-            made.changed.append(name)
+        made.append(signer.account(classroom, name, role, old))
+        moved = moved or (old is not None and old.connect != made[-1].connect)
+        renamed = renamed or (
+            old is not None and (old.names, old.robots) != (made[-1].names, made[-1].robots)
+        )
+        if old is None or old.key != made[-1].key:
+            new.append(name)
     present = [path for role in ("seats", "robots") for path in sorted((folder / role).glob("*.toml"))]
-    made.left.extend(str(path) for path in present if path.stem not in classroom.accounts)
-    return made
+    return Made(
+        made, new, [str(path) for path in present if path.stem not in classroom.accounts], moved, renamed
+    )
 
 
 CONNECTIONS = """# Limits the new connections that each other computer opens to the routers of class {name} (Linux). Type as root:

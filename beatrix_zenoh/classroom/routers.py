@@ -63,7 +63,7 @@ class ChildRouter:
 
     def __init__(self, part: Part, file: RouterFile) -> None:
         """Start it; wait for it with `wait_ready`."""
-        self.part = part
+        self.part, self.file = part, file
         self.connected: list[str] = []
         """the accounts that are connected, sorted"""
         self._events: queue.SimpleQueue[list[object]] = queue.SimpleQueue()
@@ -76,17 +76,21 @@ class ChildRouter:
             creationflags=NEW_GROUP,
         )
         self._reader = threads.start(self._read, f"router-{part.value}")
-        self.answering = Answering(file.endpoint(part), file.account())
-        assert self._process.stdin is not None
-        self._input = self._process.stdin
-        with contextlib.suppress(OSError):  # the process has ended
-            self._input.write(msgspec.json.encode(file) + b"\n")
-            self._input.flush()
+        self._answering: Answering | None = None
+        self._write(file)
 
     def _read(self) -> None:
         for line in self._process.stdout or ():
             with contextlib.suppress(msgspec.DecodeError):  # another line than ours
                 self._events.put(msgspec.json.decode(line, type=list[object]))
+
+    def _write(self, message: object) -> None:
+        """Send a line to the process; one that has ended needs none."""
+        stdin = self._process.stdin
+        with contextlib.suppress(OSError):
+            if stdin is not None:
+                stdin.write(msgspec.json.encode(message) + b"\n")
+                stdin.flush()
 
     def wait_ready(self) -> None:
         """Wait until the router listens; raise the error of its process if it cannot."""
@@ -95,6 +99,7 @@ class ChildRouter:
             with contextlib.suppress(queue.Empty):
                 event, *data = self._events.get(timeout=POLL_S)
                 if event == "ready":
+                    self._answering = Answering(self.file.endpoint(self.part), self.file.account())
                     return
                 if event == "failed":
                     reason, message = cast("tuple[str, str]", data)
@@ -109,6 +114,16 @@ class ChildRouter:
     def code(self) -> int | None:
         """Exit code; None while it runs."""
         return self._process.poll()
+
+    @property
+    def failures(self) -> int:
+        """Number of queries through it without an answer, since the last answer."""
+        return 0 if self._answering is None else self._answering.failures
+
+    def forget_failures(self) -> None:
+        """Count anew the queries without an answer."""
+        if self._answering is not None:
+            self._answering.failures = 0
 
     def kill(self) -> None:
         """End the process at once."""
@@ -127,14 +142,16 @@ class ChildRouter:
 
     def close(self) -> None:
         """End the process."""
-        with contextlib.suppress(OSError):
-            self._input.close()
+        if self._process.stdin is not None:
+            with contextlib.suppress(OSError):
+                self._process.stdin.close()
         try:
             self._process.wait(END_S)
         except subprocess.TimeoutExpired:
             self.kill()
         self._reader.join(END_S)
-        self.answering.close()
+        if self._answering is not None:
+            self._answering.close()
 
 
 class ClassRouters:
@@ -156,17 +173,17 @@ class ClassRouters:
         self._again_s: dict[Part, float] = {}
         """when to start a router that does not run (monotonic clock, s)"""
         try:
-            self._start(Part.ROBOTS)
+            self._start(Part.ROBOTS, self.file)
             self._reports = zbus.connect(self.file.listen, account=self.file.account())
             self._reports.use(zbus.KeptReports(lessons).serve)
             PendingDecisions(self._reports, self._place.with_name("pending.json"), lambda: self.file.robots)
-            self._start(Part.SEATS)
+            self._start(Part.SEATS, self.file)
         except BeatrixError:
             self.close()
             raise
 
-    def _start(self, part: Part) -> None:
-        child = ChildRouter(part, self.file.without(self._out))
+    def _start(self, part: Part, file: RouterFile) -> None:
+        child = ChildRouter(part, file.without(self._out))
         self._children[part] = child
         child.wait_ready()
 
@@ -183,7 +200,7 @@ class ClassRouters:
             if child is not None:
                 self._check(part, child)
             elif time.monotonic() >= self._again_s[part]:
-                self._again(part)
+                self._again(part, self.file)
         found = self._changed()
         if found is not None:
             self._follow(found)
@@ -203,7 +220,7 @@ class ClassRouters:
             self._report_end(part, STUCK if stuck else in_words(code))
         else:
             return
-        self._again(part)
+        self._again(part, self.file)
 
     def _report_end(self, part: Part, cause: str) -> None:
         """Report the end of a router; keep the seats out for a while if they end the router of robots and teacher."""
@@ -220,25 +237,25 @@ class ClassRouters:
     def _stuck(self, part: Part, child: ChildRouter) -> bool:
         """Return whether a router does not answer; that of the seats is asked for answers of the other one."""
         robots = self._children.get(Part.ROBOTS)
-        blameless = part is Part.SEATS and (robots is None or robots.answering.failures > 0)
-        return child.answering.failures >= FAILURES and not blameless
+        blameless = part is Part.SEATS and (robots is None or robots.failures > 0)
+        return child.failures >= FAILURES and not blameless
 
     def _put_off(self, part: Part, wait_s: float) -> None:
         """Close a router; `tend` starts it again after a time (s)."""
         self._children.pop(part).close()
         self._again_s[part] = time.monotonic() + wait_s
 
-    def _again(self, part: Part) -> None:
+    def _again(self, part: Part, file: RouterFile) -> None:
         """Start a router that ran before."""
         try:
-            self._start(part)
+            self._start(part, file)
         except BeatrixError as error:
             note(f"The {part.called} cannot start. {error.message} It tries again in {AGAIN_S:.0f} s.")
             self._put_off(part, AGAIN_S)
         else:
             note(f"The {part.called} runs again.")
             if part is Part.ROBOTS and Part.SEATS in self._children:
-                self._children[Part.SEATS].answering.failures = 0
+                self._children[Part.SEATS].forget_failures()
 
     def _changed(self) -> RouterFile | None:
         """Return the file if it has changed since the last call; None if it has not or cannot be read."""
@@ -254,11 +271,21 @@ class ClassRouters:
     def _follow(self, found: RouterFile) -> None:
         """Use a new file: restart the routers for which something has changed."""
         former, self.file = self.file, found
-        for part, child in list(self._children.items()):
-            if not serves_alike(former, found, part):
-                note(f"The accounts have changed: the {part.called} restarts.")
-                child.close()
-                self._again(part)
+        try:
+            for part, child in self._children.items():
+                if not serves_alike(former, found, part):
+                    note(f"The accounts have changed: the {part.called} restarts.")
+                    child.close()
+                    self._start(part, found)
+        except BeatrixError as error:
+            note(
+                f"The routers continue with the former accounts, because they cannot use the new file. {error.message}"
+            )
+            self.file = former
+            for part, child in [*self._children.items()]:
+                if child.code is not None or not serves_alike(child.file, former.without(self._out), part):
+                    child.close()
+                    self._again(part, former)
         self.say_ready()
 
     def close(self) -> None:

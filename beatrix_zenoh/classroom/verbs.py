@@ -57,11 +57,13 @@ def classroom(
         f"  to each computer   copy its file from {folder / 'seats'} or {folder / 'robots'}; run there: beatrix join FILE"
     )
     say(f"  cards to print     {folder / 'cards.html'}")
-    if made.changed:
+    if made.moved:
         note(
-            "The address of the router, seats, names of pupils or robots have changed: copy these files again, and run "
-            f"beatrix join on their computers: {', '.join(made.changed)}."
+            "The address of the router has changed: copy every file again, and run beatrix join on each computer."
         )
+    if made.renamed:
+        join = typed("beatrix", "join", folder / "seats" / "teacher.toml")
+        note(f"Seats, names of pupils or robots have changed: run {join} again.")
     for path in made.left:
         note(
             f"{path}: the class has no such seat or robot, so the router refuses this account. You can delete the file."

@@ -79,7 +79,9 @@ def test_the_error_of_a_router_without_accounts_names_the_command_to_run(file: P
         ({'["ana", "ben"]': '["ana", "pose"]'}, "pose is a word of the keys"),
         ({'["ana", "ben"]': '["Zoë"]'}, 'below it zoe = "Zoë"'),
         ({'["ana", "ben"]': '["李"]'}, 'below it seat01 = "李"'),
+        ({'["ana", "ben"]': '["Ana"]'}, "'ana'"),
         ({'["ana", "ben"]': '["legacy"]'}, "legacy"),
+        ({'"127.0.0.1"': '"a b..c"'}, "is not an endpoint"),
         ({'["127.0.0.1"]': "[]"}, "addresses is empty"),
         ({'"127.0.0.1"': '"192.168.300.20"'}, "192.168.300.20 is not possible"),
         (
@@ -92,6 +94,7 @@ def test_the_error_of_a_router_without_accounts_names_the_command_to_run(file: P
         ),
         ({"7447": "70000"}, "is not an endpoint"),
         ({'"127.0.0.1"': '"::1"'}, "IPv4"),
+        ({"robots": "robot"}, "robot"),
         ({"teacher =": "teacher"}, "cannot be read"),
         ({"[router]": '[seats]\nZoë = "Zoë Müller"\n[router]'}, "left of =, may contain only a-z, 0-9 and -"),
         ({"robots =": "robot ="}, "'robot' is not a field"),
@@ -130,4 +133,4 @@ def test_pupils_may_have_names_in_any_alphabet_which_only_cards_and_the_teacher_
     others = {name: text for name, text in files(folder).items() if name != "teacher.toml"}
     assert not any("Müller" in text for text in (*others.values(), (folder / "router.toml").read_text()))
     path.write_text(path.read_text(encoding="utf-8").replace("Müller", "Maier"), encoding="utf-8")
-    assert "on their computers: teacher." in beatrix("classroom", "init", str(path)).stderr
+    assert "names of pupils or robots have changed" in beatrix("classroom", "init", str(path)).stderr

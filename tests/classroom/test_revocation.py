@@ -6,6 +6,7 @@ The router restarts by itself when `init` has changed its file.
 from __future__ import annotations
 
 import shutil
+import socket
 from pathlib import Path
 
 import pytest
@@ -105,3 +106,13 @@ def test_a_seat_that_is_removed_is_refused_and_robots_and_teacher_notice_nothing
                 done,
             )
         assert losses == []
+
+
+def test_a_router_that_cannot_use_the_new_file_continues_with_the_former_accounts(tmp_path: Path) -> None:
+    with ClassRouter(tmp_path) as router, socket.create_server(("127.0.0.1", 0)) as taken:
+        before = router.account("ana")
+        router.rewrite(f"port = {router.classroom.port}", f"port = {taken.getsockname()[1]}")
+        router.process.expect("The routers continue with the former accounts")
+        router.process.expect("ready")
+        with zbus.connect(before.connect, account=before) as session:
+            assert session.refusal() is None

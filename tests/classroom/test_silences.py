@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
@@ -16,6 +18,7 @@ from shell import beatrix
 
 from beatrix_zenoh import NoAnswer, Robot
 from beatrix_zenoh.account import Account
+from beatrix_zenoh.bus import Bus
 from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated import keys
@@ -26,90 +29,145 @@ from beatrix_zenoh.settings import Settings
 HW = "hw"
 
 
+class Lesson:
+    """A class with the robot bea1 online; other robots are started by the tests."""
+
+    def __init__(self, router: ClassRouter, folder: Path) -> None:
+        self.router, self.folder = router, folder
+
+    def file(self, account: Account) -> Path:
+        """Write an account file."""
+        path = self.folder / f"{account.name}.toml"
+        path.write_text(account.text())
+        return path
+
+
 @pytest.fixture(scope="module")
-def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    """A class with the robot bea1 online."""
-    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
-        node = start_node(tmp_path_factory.mktemp("bea1"), made.path("bea1"))
+def lesson(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lesson]:
+    with ClassRouter(tmp_path_factory.mktemp("class")) as router:
+        made = Lesson(router, tmp_path_factory.mktemp("lesson"))
+        node = start_node(tmp_path_factory.mktemp("bea1"), router.path("bea1"))
         yield made
         assert node.end() == 0
 
 
-def test_a_command_of_a_seat_without_its_simulation_goes_to_no_other_robot(
-    router: ClassRouter, monkeypatch: pytest.MonkeyPatch
+@dataclass
+class Case:
+    """A request that gets no answer: the account that sends it, and the robot."""
+
+    account: Account
+    name: str = "bea1"
+    side: str = HW
+
+
+@contextlib.contextmanager
+def no_router(lesson: Lesson) -> Iterator[Case]:
+    nowhere = free_endpoint().replace("tcp", "tls")
+    yield Case(msgspec.structs.replace(lesson.router.account("ana"), connect=nowhere))
+
+
+@contextlib.contextmanager
+def wrong_account(lesson: Lesson) -> Iterator[Case]:
+    yield Case(lesson.router.former("ana"))
+
+
+@contextlib.contextmanager
+def denied(lesson: Lesson) -> Iterator[Case]:
+    """A request to another seat's own robot, which the router refuses."""
+    with connected(lesson, "ana") as bus:
+        for key in (keys.clock("ana", HW), keys.command("ana", HW, "*")):
+            Answering(bus, key)
+        bus.declare_token(keys.alive("ana", HW))
+        lesson.router.settled(bus)
+        yield Case(lesson.router.account("ben"), "ana")
+
+
+@contextlib.contextmanager
+def absent(lesson: Lesson) -> Iterator[Case]:
+    """A request to the absent simulation of a robot whose hardware is online."""
+    yield Case(lesson.router.account("ana"), side="sim")
+
+
+@contextlib.contextmanager
+def unknown(lesson: Lesson) -> Iterator[Case]:
+    yield Case(lesson.router.account("ana"), "bea7")
+
+
+@contextlib.contextmanager
+def connected(lesson: Lesson, name: str) -> Iterator[Bus]:
+    """Open a session of an account; close it at the end of the block."""
+    with contextlib.closing(lesson.router.open(name)) as bus:
+        yield bus
+
+
+TABLE = [
+    (no_router, Reason.NO_ROUTER, "No router of class 8b at"),
+    (wrong_account, Reason.ACCOUNT_REFUSED, "refuses account ana of class 8b"),
+    (
+        denied,
+        Reason.ACCESS_DENIED,
+        "ana (hw) is online, but the router refuses this request: account ben",
+    ),
+    (
+        absent,
+        Reason.NO_ANSWER,
+        "bea1 (sim) is not online. Online: bea1 (hw). Account ana may not start it",
+    ),
+    (
+        unknown,
+        Reason.NO_SUCH_ROBOT,
+        "bea7 (hw) is not online, and no robot has this name. Online: bea1 (hw)",
+    ),
+]
+Provoke = Callable[[Lesson], "contextlib.AbstractContextManager[Case]"]
+
+
+def enable(case: Case, timeout_s: float) -> None:
+    """Send the request of a case with the SDK."""
+    account = case.account
+    with Client(Settings("", account.connect, account.name, account=account)) as client:
+        client.robots()  # a node counts as lost only if this client has seen it online before
+        Robot(case.name, case.side, client=client, timeout_s=timeout_s).enable()
+
+
+@pytest.mark.parametrize(("make", "reason", "sentence"), TABLE, ids=[row[0].__name__ for row in TABLE])
+def test_the_sdk_raises_the_reason_of_each_missing_answer(
+    lesson: Lesson, make: Provoke, reason: Reason, sentence: str
 ) -> None:
-    monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("ana")))
+    with make(lesson) as case, pytest.raises(NoAnswer) as caught:
+        enable(case, 0.5)
+    assert (caught.value.reason, sentence in caught.value.message) == (reason, True), caught.value.message
+
+
+def test_a_command_of_a_seat_without_its_simulation_goes_to_no_other_robot(
+    lesson: Lesson, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(lesson.folder)
+    monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(lesson.router.account("ana"))))
     done = beatrix("enable")
     assert done.returncode == exit_code(Reason.NO_SUCH_ROBOT), done.stderr
     assert "ana (sim) is not online" in done.stderr
     assert "Online: bea1 (hw)" in done.stderr
 
 
-def without_router(router: ClassRouter) -> Account:
-    return msgspec.structs.replace(router.account("ana"), connect=free_endpoint().replace("tcp", "tls"))
-
-
-def ana(router: ClassRouter) -> Account:
-    return router.account("ana")
-
-
-def ben(router: ClassRouter) -> Account:
-    """The account of ben, while ana's own robot is online, to which the router refuses his requests."""
-    bus = router.session("ana")
-    for key in (keys.clock("ana", HW), keys.command("ana", HW, "*")):
-        Answering(bus, key)
-    bus.declare_token(keys.alive("ana", HW))
-    router.settled(bus)
-    return router.account("ben")
-
-
-def former(router: ClassRouter) -> Account:
-    return router.former("ana")
-
-
-@pytest.mark.parametrize(
-    ("account", "name", "side", "reason", "sentence"),
-    [
-        (without_router, "bea1", HW, Reason.NO_ROUTER, "No router of class 8b at"),
-        (former, "bea1", HW, Reason.ACCOUNT_REFUSED, "refuses account ana of class 8b"),
-        (
-            ana,
-            "bea1",
-            "sim",
-            Reason.NO_ANSWER,
-            "bea1 (sim) is not online. Online: bea1 (hw). Account ana may not",
-        ),
-        (ana, "bea7", HW, Reason.NO_SUCH_ROBOT, "bea7 (hw) is not online, and no robot has this name."),
-        (ben, "ana", HW, Reason.ACCESS_DENIED, "online, but the router refuses this request: account ben"),
-    ],
-)
-def test_the_sdk_raises_the_reason_of_each_missing_answer(
-    router: ClassRouter,
-    account: Callable[[ClassRouter], Account],
-    name: str,
-    side: str,
-    reason: Reason,
-    sentence: str,
-) -> None:
-    own = account(router)
-    with (
-        pytest.raises(NoAnswer) as caught,
-        Client(Settings("", own.connect, own.name, account=own)) as client,
-    ):
-        Robot(name, side, client=client, timeout_s=0.5).enable()
-    assert (caught.value.reason, sentence in caught.value.message) == (reason, True), caught.value.message
-
-
-def test_doctor_ends_at_a_refused_account(
-    router: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "ana.toml").write_text(router.former("ana").text())
-    monkeypatch.setenv("BEATRIX_ACCOUNT", str(tmp_path / "ana.toml"))
+def doctor(lesson: Lesson, case: Case, monkeypatch: pytest.MonkeyPatch) -> dict[str, list[dict[str, str]]]:
+    """Return the findings of `beatrix doctor` about router, account and robots, by their subject."""
+    monkeypatch.chdir(lesson.folder)
+    monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(case.account)))
     monkeypatch.setenv("MUJOCO_GL", "off")  # skips the check of OpenGL, which is not needed here
     done = beatrix("doctor", "--json")
-    found = {row["what"]: row for row in json.loads(done.stdout)["findings"]}
-    assert (done.returncode, found["router"]["state"], found["account"]["state"]) == (1, "ok", "todo")
-    assert "beatrix join ana.toml" in found["account"]["todo"]
+    found: dict[str, list[dict[str, str]]] = {}
+    for row in json.loads(done.stdout)["findings"]:
+        found.setdefault(row["what"], []).append(row)
+    assert done.returncode == 1
+    return found
+
+
+def test_doctor_ends_at_a_refused_account(lesson: Lesson, monkeypatch: pytest.MonkeyPatch) -> None:
+    with wrong_account(lesson) as case:
+        found = doctor(lesson, case, monkeypatch)
+    assert [row["state"] for row in found["router"] + found["account"]] == ["ok", "todo"]
+    assert "beatrix join ana.toml" in found["account"][0]["todo"]
     assert "bea1 (hw)" not in found
 
 

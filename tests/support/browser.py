@@ -129,20 +129,21 @@ class Browser:
 
     def press(self, selector: str) -> None:
         """Press the mouse button on an element, and hold it."""
-        self._mouse(selector, "mousePressed")
+        self._mouse("mousePressed", selector)
 
     def release(self, selector: str) -> None:
         """Release the mouse button on an element."""
-        self._mouse(selector, "mouseReleased")
+        self._mouse("mouseReleased", selector)
 
     def click(self, selector: str) -> None:
         """Click an element where it is now, even if it moves meanwhile."""
-        self._mouse(selector, "mousePressed", "mouseReleased")
-
-    def _mouse(self, selector: str, *kinds: str) -> None:
         x, y = self._still(selector)
-        for kind in kinds:
+        for kind in ("mousePressed", "mouseReleased"):
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+
+    def _mouse(self, kind: str, selector: str) -> None:
+        x, y = self._still(selector)
+        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
     def _still(self, selector: str) -> tuple[float, float]:
         """Return the middle of an element (CSS pixels), once it keeps its place from one frame to the next."""

@@ -79,7 +79,10 @@ class ReceivedKeys:
 
     def so_far(self) -> list[str]:
         """Remove and return all keys that have arrived."""
-        return [self._queue.get() for _ in range(self._queue.qsize())]
+        found = []
+        while not self._queue.empty():
+            found.append(self._queue.get())
+        return found
 
     def close(self) -> None:
         self._end()
@@ -237,4 +240,11 @@ def end(router: ClassRouter, part: Part, how: signal.Signals = signal.SIGKILL) -
 
 def replies(bus: Bus, key: str) -> list[tuple[str, bytes]]:
     """Return key and payload of all replies to a query."""
-    return [(answer.key, answer.payload) for answer in bus.query(key, timeout_s=ANSWER_S).replies(ANSWER_S)]
+    query = bus.query(key, timeout_s=ANSWER_S)
+    found = []
+    try:
+        while (answer := query.next(ANSWER_S)) is not None:
+            found.append((answer.key, answer.payload))
+    finally:
+        query.close()
+    return found

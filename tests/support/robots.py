@@ -316,4 +316,12 @@ def ask_raw(
     timeout_s: float = 8.0,
 ) -> list[Reply]:
     """Return all replies to a query, as a foreign client receives them."""
-    return list(client.bus.query(selector, payload, encoding).replies(timeout_s))
+    query = client.bus.query(selector, payload, encoding)
+    deadline = time.monotonic() + timeout_s
+    answers = []
+    try:
+        while (answer := query.next(deadline - time.monotonic())) is not None:
+            answers.append(answer)
+    finally:
+        query.close()
+    return answers
