@@ -174,7 +174,7 @@ def rows(folder: Path, seconds: float) -> Iterator[list[str]]:
         for name in sys.argv[2:] or attacks.ATTACKS:
             before, lost = len(router.lines), sum(node.count("was lost") for node in nodes)
             users = Users(teacher, ana)
-            card = "dan" if name == "tokens" else "cem"  # it is out afterwards
+            card = "dan" if name == "tokens" else "cem"  # it is put out for a minute
             words = [name, str(seats / f"{card}.toml"), str(port), str(seconds)]
             attacker = subprocess.run(
                 [sys.executable, attacks.__file__, *words], capture_output=True, text=True, check=False

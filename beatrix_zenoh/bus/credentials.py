@@ -17,14 +17,32 @@ PROBE_S = 2.0
 BUFFERS = {"so_sndbuf": 256 * 1024, "so_rcvbuf": 32 * 1024}
 """Socket buffers (bytes). A small one for received data, as for TCP; a larger one for data to send, because Zenoh 1.10
 closes a TLS connection only after all data is written, so a buffer that is full would hide a lost computer."""
-CARD_REFUSED = (
-    "it does not know this certificate, which has been replaced by a newer one, removed from the class, put out or expired, "
-    "or is from another class; or a clock is wrong"
+_UNKNOWN = (
+    "it does not know this certificate, which has been replaced by a newer one, removed from the class, or is from another "
+    "class"
 )
-ROUTER_WRONG = (
-    "its own certificate is not valid here ({}). It is the router of another class, or the teacher corrects `addresses` in "
-    "class.toml and runs `beatrix classroom init`; or a clock is wrong"
+_WRONG_ADDRESS = (
+    "its certificate is for another address: the teacher corrects `addresses` in class.toml and runs `beatrix "
+    "classroom init`"
 )
+ALERTS = {
+    "UNKNOWN_CA": _UNKNOWN,
+    "DECRYPT_ERROR": _UNKNOWN,
+    "CERTIFICATE_EXPIRED": "this computer's certificate has expired, or a clock is wrong",
+    "CERTIFICATE_REQUIRED": "it accepts only computers with a certificate",
+}
+"""Causes by a part of OpenSSL's name for the alert that the router sends."""
+ROUTER_ERRORS = {
+    10: "its certificate has expired (the teacher runs `beatrix classroom init`), or this computer's clock is wrong",
+    62: _WRONG_ADDRESS,
+    64: _WRONG_ADDRESS,
+}
+"""Causes by OpenSSL's error code for the router's own certificate."""
+FOREIGN_ROUTER = (
+    "its certificate is not of this class: it is the router of another class, or all accounts were made again"
+)
+PUT_OUT = "the teacher has removed it from the class, or it is put out for a minute"
+"""Cause if the router accepts the certificate and closes the session, perhaps before it is open."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -85,11 +103,15 @@ def refusal(endpoint: str, account: Account | None) -> str:
     """Return the message about a router that refuses this client: the possible causes, and what to do."""
     if account is None:
         return (
-            f"The program at {endpoint} closes the connection: it is no router, one of another version of Zenoh, or one "
-            "of a class, which accepts only accounts. Check the address; in a class, run `beatrix join FILE` with the file of your seat."
+            f"The program at {endpoint} closes the connection: it is no router, or one of a class, which accepts only "
+            "accounts. Check the address; in a class, run `beatrix join FILE` with the file of your seat."
         )
-    faults = filter(None, (_router_fault(one, identity(account)) for one in endpoints(endpoint)))
-    cause = next(map(ROUTER_WRONG.format, faults), CARD_REFUSED)
+    causes = [_certificate_error(one, identity(account)) for one in endpoints(endpoint)]
+    return refused(endpoint, account, next(filter(None, causes), PUT_OUT))
+
+
+def refused(endpoint: str, account: Account, cause: str = PUT_OUT) -> str:
+    """Return the message about a router that refuses an account, by default by closing each of its sessions."""
     return (
         f"The router at {endpoint} refuses account {account.name} of class {account.class_name}: {cause}. Ask for a new "
         f"{account.name}.toml, then run `beatrix join {account.name}.toml`."
@@ -104,16 +126,23 @@ def client_context(own: Identity) -> ssl.SSLContext:
     return context
 
 
-def _router_fault(endpoint: str, own: Identity) -> str:
-    """Return what is wrong with the certificate of a router, in the words of OpenSSL; empty: nothing."""
+def _certificate_error(endpoint: str, own: Identity) -> str:
+    """Return the cause of a failed TLS handshake; empty if it succeeds or the cause is unknown."""
     _, host, port = parse_endpoint(endpoint)
     try:
+        context = client_context(own)
         with (
             socket.create_connection((host, port), PROBE_S) as connection,
-            client_context(own).wrap_socket(connection, server_hostname=host),
+            context.wrap_socket(connection, server_hostname=host) as wrapped,
         ):
-            return ""
+            wrapped.recv(1)  # in TLS 1.3 the router refuses a certificate only after the handshake
     except ssl.SSLCertVerificationError as error:
-        return error.verify_message
+        return ROUTER_ERRORS.get(error.verify_code, FOREIGN_ROUTER)
+    except ssl.SSLError as error:
+        reason = error.reason or ""
+        return next(
+            (text for name, text in ALERTS.items() if name in reason), f"the handshake fails ({reason})"
+        )
     except OSError:
         return ""
+    return ""

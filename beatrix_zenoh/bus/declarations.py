@@ -136,9 +136,9 @@ class RenewableSession(ProcessBound):
             _undeclare(made)
 
     def declared(self, kind: str) -> list[str]:
-        """Return the keys of all declarations of one kind, such as QUERYABLE."""
+        """Return the keys of all declarations of one kind (such as QUERYABLE), sorted, each once."""
         with self._lock:
-            return [declaration.key for declaration in self._made if declaration.kind == kind]
+            return sorted({declaration.key for declaration in self._made if declaration.kind == kind})
 
     def objects(self) -> object:
         """Return the session and its declarations, for the exit of a program that has no time to close them."""

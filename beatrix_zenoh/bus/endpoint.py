@@ -14,6 +14,10 @@ ROUTER_PROBE_S = 1.0
 PORT_MAX = 65535
 PROTOCOLS = ("tcp", "tls")
 """Supported protocols; with others Zenoh waits for ever if no process answers."""
+INIT = bytes.fromhex("1300 0109 f2") + bytes([1]) * 16
+"""First message of a client of Zenoh 1 on TCP: length, message `Init`, protocol version 9, client, an identity."""
+CLOSES = bytes.fromhex("0200 03")
+"""Beginning of the answer of a router with another protocol version, such as Zenoh 0.11: length, message `Close`."""
 RESET = struct.pack("ii", 1, 0)
 """Value of SO_LINGER with which `close` resets a connection."""
 
@@ -63,6 +67,17 @@ def _probe(endpoint: str) -> None:
             f"No router at {endpoint} ({error}). Start one with {start}; or name another with "
             "--connect or BEATRIX_CONNECT.",
         ) from error
+
+
+def speaks_another_zenoh(endpoint: str) -> bool:
+    """Return whether a router of another protocol version of Zenoh listens at this endpoint, or at the first of a list."""
+    _, host, port = parse_endpoint(endpoints(endpoint)[0])
+    try:
+        with socket.create_connection((host, port), timeout=ROUTER_PROBE_S) as connection:
+            connection.sendall(INIT)
+            return connection.recv(len(CLOSES)) == CLOSES
+    except OSError:
+        return False
 
 
 def is_listening(endpoint: str) -> bool:

@@ -43,7 +43,9 @@ class MessageSession(RenewableSession):
     @property
     def served(self) -> str:
         """A key that this session serves and its own account may query; empty: none."""
-        return _own_seat(next(iter(self.declared(QUERYABLE)), ""))
+        with self._lock:
+            first = next((made.key for made in self._made if made.kind == QUERYABLE), "")
+        return _own_seat(first)
 
     def asked(self) -> list[str]:
         """Return the keys of the queries and puts of the last LATELY_S seconds, sorted."""

@@ -10,7 +10,7 @@ import logging
 import os
 import socket
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -34,6 +34,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 
 LOG = logging.getLogger("beatrix_zenoh.bus")
+DESCRIPTORS = Path("/proc/self/fd" if sys.platform == "linux" else "/dev/fd")
 
 
 @dataclass(frozen=True)
@@ -159,9 +160,24 @@ def answer_checks(session: zenoh.Session, key: str) -> object:
     return session.declare_queryable(key, direct(answer))
 
 
+def close_connections(addresses: Container[str]) -> None:
+    """End the connections of this process to these addresses, such as `10.0.0.7:51002`; Zenoh cannot end a session.
+
+    Raises:
+        NotImplementedError: the system does not list the open files of a process.
+    """
+    if not DESCRIPTORS.exists():
+        raise NotImplementedError
+    for connection in _sockets():
+        with contextlib.suppress(OSError):  # it has no peer, or has ended meanwhile
+            host, port = connection.getpeername()[:2]
+            if f"{host}:{port}" in addresses:
+                connection.shutdown(socket.SHUT_RDWR)
+
+
 def _sockets() -> Iterator[socket.socket]:
     """Yield a copy of each socket of this process, which is closed after its use."""
-    for path in Path("/proc/self/fd").iterdir():
+    for path in DESCRIPTORS.iterdir():
         with contextlib.suppress(OSError):  # a descriptor that is no socket, or already closed
             copy = os.dup(int(path.name))
             try:

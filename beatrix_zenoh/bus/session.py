@@ -12,7 +12,7 @@ import zenoh
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import credentials, forks
 from beatrix_zenoh.bus.callbacks import direct
-from beatrix_zenoh.bus.endpoint import endpoints, is_listening, parse_endpoint, probe
+from beatrix_zenoh.bus.endpoint import endpoints, is_listening, parse_endpoint, probe, speaks_another_zenoh
 from beatrix_zenoh.bus.messages import TOKEN, WATCH, MessageSession
 from beatrix_zenoh.bus.transport import OPEN_MS, RETRY, opened
 from beatrix_zenoh.contract._generated import keys
@@ -27,6 +27,12 @@ OTHER_CAUSES = (
 AGAIN_S = 0.3
 """Time (s) after which a session is opened once more: a router that has just started may have begun to listen after the
 first attempt, and does not refuse the account."""
+STAYS_S = 0.3
+"""Time (s) after which a router has not closed the session of an account that it has put out."""
+OTHER_ZENOH = (
+    "The router at {} speaks another version of Zenoh's protocol, for example that of Zenoh 0.11; BEATRIX needs Zenoh 1. "
+    "End it and start `beatrix router`, or name another router with --connect or BEATRIX_CONNECT."
+)
 POLL_S = 0.02
 ROUTER_S = 1.0
 """A router that needs longer than this (s) for a query about tokens, or to connect a session again, counts as unresponsive."""
@@ -74,8 +80,13 @@ class Bus(MessageSession):
         return NoAnswer(Reason.NO_ROUTER, hanging_router(self.endpoint))
 
     def refusal(self) -> NoAnswer | None:
-        """Return the error if the router refuses the account; None if it accepts it, or cannot be reached."""
-        error = None if self._account is None else self.connection_error()
+        """Return the error if the router refuses the account; None if it accepts it, or cannot be reached.
+
+        A session of an account that was put out is open for a moment twice a second, so another session is tried.
+        """
+        if self._account is None:
+            return None
+        error = self.connection_error()
         return error if error is not None and error.reason is Reason.ACCOUNT_REFUSED else None
 
     def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> Callable[[], None]:
@@ -116,12 +127,22 @@ class Bus(MessageSession):
         return False
 
     def connection_error(self) -> NoAnswer | None:
-        """Try to open another session with the same account; return the error, or None if the router accepts it."""
+        """Try to open another session with the same account; return the error, or None if the router accepts it.
+
+        A router that has put an account out closes each of its sessions at once.
+        """
         try:
-            Bus(self._open_session, self.endpoint).close()
+            with Bus(self._open_session, self.endpoint) as second:
+                deadline_s = time.monotonic() + STAYS_S
+                while self._account is not None and second.connected:
+                    if time.monotonic() > deadline_s:
+                        return None
+                    time.sleep(POLL_S)
         except NoAnswer as error:
             return error
-        return None
+        if self._account is None:
+            return None
+        return NoAnswer(Reason.ACCOUNT_REFUSED, credentials.refused(self.endpoint, self._account))
 
     def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
         """Return name and side of every robot online."""
@@ -151,8 +172,8 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
 
     Raises:
         NoAnswer: NO_ROUTER or ACCOUNT_REFUSED, with what to do.
-        WrongUsage: BAD_VALUE, `endpoint` is invalid, the certificate of the account has expired, or this
-            process was forked from one that has connected.
+        WrongUsage: BAD_VALUE, `endpoint` is invalid, the certificate of the account has expired, or this process was
+            forked from one that has connected.
     """
     forks.check()
     for one in endpoints(endpoint):
@@ -190,6 +211,8 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
             if slow:
                 other = "" if account is None else OTHER_CAUSES
                 raise NoAnswer(Reason.NO_ROUTER, hanging_router(endpoint) + other) from error
+            if account is None and speaks_another_zenoh(endpoint):
+                raise NoAnswer(Reason.NO_ROUTER, OTHER_ZENOH.format(endpoint)) from error
             raise NoAnswer(error.reason, credentials.refusal(endpoint, account) + error.message) from error
 
     return Bus(open_session, endpoint, account)

@@ -1,4 +1,4 @@
-"""The Zenoh sessions of the nodes of a process, and the description of a program from its declarations.
+"""The Zenoh sessions of a process and of its nodes, and the description of a program from its declarations.
 
 Each traffic class has a session, so that a flood in one class does not delay the others. Several nodes of one process
 share the session of pictures and sound. A watchdog replaces sessions that the router has forgotten.
@@ -11,13 +11,14 @@ import sys
 import threading
 import weakref
 from collections.abc import Callable, Iterable
+from collections.abc import Set as AbstractSet
 from pathlib import Path
 from typing import NamedTuple
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus.declarations import Publication
 from beatrix_zenoh.bus.incoming import Incoming, Received
-from beatrix_zenoh.bus.messages import HEALTH, HEALTHY, PUBLISHER, QUERYABLE, SUBSCRIBER
+from beatrix_zenoh.bus.messages import HEALTH, HEALTHY, PUBLISHER, QUERYABLE, REST, SUBSCRIBER, TOKEN, WATCH
 from beatrix_zenoh.bus.session import Bus
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import ProgramInfo, Reason
@@ -28,23 +29,18 @@ MEDIA = "media"
 other: a seat may flood its robot with queries of any other class, and the router disconnects a session that is full."""
 
 
-class Sessions:
-    """The Zenoh sessions of a node by traffic class of keys.toml; Zenoh delivers all data of one session in order.
+class ProcessSessions:
+    """The sessions of a process by traffic class of keys.toml; Zenoh delivers all data of one session in order.
 
-    The session of a class is opened when the node first serves, subscribes to or publishes a key of the class.
+    The session of a class is opened when this process first serves, subscribes to or publishes a key of the class.
     """
 
-    def __init__(self, connect: Callable[[], Bus], shared: Sessions | None = None) -> None:
-        """Open the control session; raises the errors of `connect` (NoAnswer: no router).
-
-        `shared` are those of a process with several nodes, which then share the session of MEDIA and the watchdog.
-        """
-        self.connect, self._shared = connect, shared
+    def __init__(self, connect: Callable[[], Bus]) -> None:
+        """Open the control session; raises the errors of `connect` (NoAnswer: no router)."""
+        self.connect = connect
         self._lock, self._closing = threading.Lock(), threading.Lock()
         self._open: dict[str, Bus] = {CONTROL: connect()}
-        self._borrowed: dict[Callable[[], None], str] = {}
-        """The keys of this node's publications in a shared session, by the functions that end them."""
-        self.watchdog: SessionWatchdog = SessionWatchdog(self.opened) if shared is None else shared.watchdog
+        self.watchdog = SessionWatchdog(self.opened)
 
     @property
     def control(self) -> Bus:
@@ -53,62 +49,130 @@ class Sessions:
 
     def session(self, traffic: str) -> Bus:
         """Return the session of a traffic class, opened if necessary; raises the errors of `connect`."""
-        if self._shared is not None and traffic == MEDIA:
-            return self._shared.session(traffic)
         with self._lock:
             if traffic not in self._open:
                 self._open[traffic] = self.connect()
             return self._open[traffic]
 
     def opened(self) -> dict[str, Bus]:
-        """Return the open sessions of this node alone by traffic class, the control session first."""
+        """Return the open sessions by traffic class, the control session first."""
         with self._lock:
             return dict(self._open)
 
-    def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
-        """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve` does."""
-        self.session(_row(key).session).serve(key, handle)
-
-    def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
-        """Pass publications on `key` to `handle`, as `Bus.subscribe` does."""
-        return self.session(_row(key).session).subscribe(key, handle)
-
-    def subscribe_newest(
-        self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool]
-    ) -> None:
-        """Pass publications on `key` to `handle`, as `Bus.subscribe_newest` does."""
-        self.session(_row(key).session).subscribe_newest(key, handle, skips)
-
-    def publication(
-        self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None
-    ) -> Publication:
-        """Declare a publication, as `Bus.publication` does."""
-        traffic = _row(key).publish
-        publication, end = self.session(traffic).publication(key, encoding, on_subscribed)
-        if traffic not in self._open:
-            self._borrowed[end] = key
-        return publication
-
-    def watch(self, listener: SessionListener) -> Callable[[], None]:
-        """Let the watchdog of the sessions report to a listener; return a function that ends this, before `close`."""
-        return self.watchdog.add(listener, dict if self._shared is None else self.opened)
-
-    def describe(self, side: str) -> ProgramInfo:
-        """Return the description of the node that uses these sessions."""
-        return describe(self.opened().values(), side, self._borrowed.copy().values())
-
     def close(self) -> None:
-        """Close all sessions, the control session last, and end what is declared in a shared one.
-
-        May be called twice; the second call waits for the first.
-        """
+        """Close all sessions, the control session last. May be called twice; the second call waits for the first."""
         with self._closing:
             for traffic, bus in sorted(self.opened().items(), key=lambda entry: entry[0] == CONTROL):
                 bus.close()
                 if traffic != CONTROL:
                     del self._open[traffic]
-            while self._borrowed:
-                self._borrowed.popitem()[0]()
+
+
+class Sessions:
+    """The sessions as one node uses them, and what this node has declared in them."""
+
+    def __init__(
+        self, opened: Callable[[], Bus] | ProcessSessions, shared: ProcessSessions | None = None
+    ) -> None:
+        """Use these sessions, or open some with a function that connects; raises its errors.
+
+        `shared` are those of a process with several nodes, which then share the session of MEDIA and the watchdog.
+        """
+        self._own = opened if isinstance(opened, ProcessSessions) else ProcessSessions(opened)
+        self._shared = shared
+        self._lock = threading.Lock()
+        self._ends: dict[Callable[[], None], tuple[str, str]] = {}
+        """Kind and key of each declaration by the function that ends it, the oldest first."""
+
+    @property
+    def control(self) -> Bus:
+        """The control session."""
+        return self._own.control
+
+    def session(self, traffic: str) -> Bus:
+        """Return the session of a traffic class, opened if necessary; raises the errors of `connect`."""
+        shared = self._shared if traffic == MEDIA else None
+        return (shared or self._own).session(traffic)
+
+    def opened(self) -> dict[str, Bus]:
+        """Return the open sessions by traffic class, the control session first."""
+        shared = {} if self._shared is None else self._shared.opened()
+        return {**self._own.opened(), **{traffic: bus for traffic, bus in shared.items() if traffic == MEDIA}}
+
+    def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
+        """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve` does."""
+        self._declared(QUERYABLE, key, self.session(_row(key).session).serve(key, handle))
+
+    def serve_rest(
+        self, traffic: str, key: str, handle: Callable[[Incoming], None], skips: Callable[[str], bool]
+    ) -> None:
+        """Pass queries of a traffic class on `key`, which has wildcards, to `handle`, as `Bus.serve_rest` does."""
+        self._declared(REST, key, self.session(traffic).serve_rest(key, handle, skips))
+
+    def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
+        """Pass publications on `key` to `handle`, as `Bus.subscribe` does."""
+        return self._declared(SUBSCRIBER, key, self.session(_row(key).session).subscribe(key, handle))
+
+    def subscribe_newest(
+        self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool]
+    ) -> None:
+        """Pass publications on `key` to `handle`, as `Bus.subscribe_newest` does."""
+        bus = self.session(_row(key).session)
+        self._declared(SUBSCRIBER, key, bus.subscribe_newest(key, handle, skips))
+
+    def publication(
+        self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None
+    ) -> Publication:
+        """Declare a publication, as `Bus.publication` does."""
+        publication, end = self.session(_row(key).publish).publication(key, encoding, on_subscribed)
+        self._declared(PUBLISHER, key, end)
+        return publication
+
+    def declare_token(self, key: str) -> Callable[[], None]:
+        """Declare a token in the control session, as `Bus.declare_token` does."""
+        return self._declared(TOKEN, key, self.control.declare_token(key))
+
+    def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> None:
+        """Report tokens to `handle`, as `Bus.watch_tokens` does."""
+        self._declared(WATCH, key, self.control.watch_tokens(key, handle))
+
+    def watch_router(self, handle: Callable[[bool], None]) -> None:
+        """Report the connection to the router to `handle`, as `Bus.watch_router` does."""
+        self._declared(WATCH, "", self.control.watch_router(handle))
+
+    def watch_sessions(self, listener: SessionListener) -> Callable[[], None]:
+        """Let the watchdog of the sessions report to a listener; return a function that ends this, before `close`."""
+        if self._shared is None:
+            return self._own.watchdog.add(listener)
+        return self._shared.watchdog.add(listener, self._own.opened)
+
+    def _declared(self, kind: str, key: str, end: Callable[[], None]) -> Callable[[], None]:
+        """Record a declaration; return the function that ends it and its record."""
+
+        def end_recorded() -> None:
+            with self._lock:
+                self._ends.pop(end_recorded, None)
+            end()
+
+        with self._lock:
+            self._ends[end_recorded] = kind, key
+        return end_recorded
+
+    def describe(self, side: str) -> ProgramInfo:
+        """Return the description of the node that uses these sessions."""
+        with self._lock:
+            declared = set(self._ends.values())
+        return description(declared, self.opened().values(), side)
+
+    def close(self) -> None:
+        """Close the sessions of this node, and end its declarations in a shared one; may be called twice."""
+        self._own.close()
+        while True:
+            with self._lock:
+                end = next(reversed(self._ends), None)
+            if end is None:
+                return
+            end()
 
 
 def _row(key: str) -> keys.KeyRow:
@@ -122,26 +186,28 @@ COMMAND_LINES = ("beatrix", "beatrix.exe", "cli")
 """Names of programs whose first argument is a verb; `cli`: `python -m beatrix_zenoh.cli`."""
 
 
-def describe(sessions: Iterable[Bus], side: str = "", published: Iterable[str] = ()) -> ProgramInfo:
-    """Return the description of this program from the declarations of its sessions. Fast enough for Zenoh's threads.
-
-    Args:
-        sessions: the sessions of this program, or of one of its nodes.
-        side: that of the node.
-        published: what the node publishes in the sessions of others.
-    """
+def describe(sessions: Iterable[Bus]) -> ProgramInfo:
+    """Return the description of this program from the declarations of its sessions. Fast enough for Zenoh's threads."""
     buses = list(sessions)
+    kinds = (QUERYABLE, PUBLISHER, SUBSCRIBER)
+    return description({(kind, key) for bus in buses for kind in kinds for key in bus.declared(kind)}, buses)
 
-    def keys_of(kind: str) -> set[str]:
-        return {key for bus in buses for key in bus.declared(kind)}
+
+def description(
+    declared: AbstractSet[tuple[str, str]], sessions: Iterable[Bus], side: str = ""
+) -> ProgramInfo:
+    """Return the description of a program with these declarations (kind, key); `side` is that of a node."""
+
+    def keys_of(kind: str) -> list[str]:
+        return sorted(key for one, key in declared if one == kind)
 
     return ProgramInfo(
         program=program_name(sys.argv),
         side=side,
-        serves=sorted(key for key in keys_of(QUERYABLE) if not _is_description(key)),
-        publishes=sorted(keys_of(PUBLISHER).union(published)),
-        subscribes=sorted(keys_of(SUBSCRIBER)),
-        asks=sorted({key for bus in buses for key in bus.asked()}),
+        serves=[key for key in keys_of(QUERYABLE) if not _is_description(key)],
+        publishes=keys_of(PUBLISHER),
+        subscribes=keys_of(SUBSCRIBER),
+        asks=sorted({key for bus in sessions for key in bus.asked()}),
     )
 
 

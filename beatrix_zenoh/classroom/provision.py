@@ -50,7 +50,7 @@ def init(classroom: Classroom, folder: Path) -> Made:
     """Write all files of the class to `folder`; existing accounts keep their credentials.
 
     Raises:
-        Refused: BAD_VALUE, a package is missing, or a file cannot be written.
+        Refused: BAD_VALUE, a package is missing, or a file cannot be written; BUSY, another process writes the class.
         WrongUsage: BAD_VALUE, an existing file cannot be read.
     """
     try:
@@ -60,14 +60,15 @@ def init(classroom: Classroom, folder: Path) -> Made:
     try:
         for name in ("", "seats", "robots"):
             (folder / name).mkdir(mode=0o700, parents=True, exist_ok=True)
-        signer = _Signer(folder, classroom)
-        made = _accounts(classroom, folder, signer)
-        for one in made.accounts:
-            files.write_private(folder / folder_of(one.role) / f"{one.name}.toml", one.text())
-        router = signer.router(classroom, folder / "router.toml", made.accounts)
-        files.write_private(folder / "router.toml", router.text())
-        files.write_private(folder / "cards.html", cards(classroom, made.accounts))
-        files.write_private(folder / "connections.nft", connections(classroom))
+        with files.locked(folder / ".lock", f"Another `beatrix classroom init` is writing to {folder}"):
+            signer = _Signer(folder, classroom)
+            made = _accounts(classroom, folder, signer)
+            for one in made.accounts:
+                files.write_private(folder / folder_of(one.role) / f"{one.name}.toml", one.text())
+            router = signer.router(classroom, folder / "router.toml", made.accounts)
+            files.write_private(folder / "router.toml", router.text())
+            files.write_private(folder / "cards.html", cards(classroom, made.accounts))
+            files.write_private(folder / "connections.nft", connections(classroom))
     except OSError as error:
         raise Refused(Reason.BAD_VALUE, f"Cannot write the files of the class: {error}.") from error
     return made

@@ -31,8 +31,6 @@ ROUTER = "@router"
 """Common name in the certificate of both routers; no account can have it."""
 CHECK_KEY = keys.seats_router("robots")
 """Key on which the router of robots and teacher answers itself."""
-OF_CLASS = ("listen", "listen_seats", "seats", "robots", "pictures_hz")
-"""Fields that a router file has from the class file."""
 LONGEST = 256 * 1024
 """Largest size of a router file (bytes)."""
 
@@ -158,7 +156,14 @@ def load(path: Path) -> RouterFile:
     if not made.is_file():
         raise _wrong(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
     file = load(made)
-    if any(getattr(file, name) != getattr(classroom, name) for name in OF_CLASS):
+    known = (file.listen, file.listen_seats, file.seats, file.robots, file.pictures_hz)
+    if known != (
+        classroom.listen,
+        classroom.listen_seats,
+        classroom.seats,
+        classroom.robots,
+        classroom.pictures_hz,
+    ):
         raise _wrong(
             f"{path} has changed since the accounts were made. Run {init} again; it keeps existing accounts."
         )

@@ -1,18 +1,20 @@
 """One router of a class, in a process of its own: `python -m beatrix_zenoh.classroom.router_process PART`.
 
-The first line of standard input is the router file as JSON, so that its keys are in no second file. The process ends with
-its standard input, so also with its parent. It prints lines of JSON, each a list: what has happened, and its data.
+The first line of standard input is the router file as JSON, so that its keys are in no second file. Each later line is a
+JSON list of accounts whose sessions end, and may not come back. The process ends with its standard input, so also with
+its parent. It prints lines of JSON, each a list: what has happened, and its data.
 """
 
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import queue
 import sys
 import time
-from collections import deque
-from collections.abc import Callable
+from collections import Counter, deque
+from collections.abc import Callable, Collection
 from typing import Final
 
 import msgspec
@@ -28,6 +30,8 @@ TOKENS_MAX: Final = 1000
 """Largest number of liveliness tokens that an account may declare in WINDOW_S: a loop that opens a session each time
 declares 300. With 8 000 tokens one seat made the router disconnect the robots (measured)."""
 WINDOW_S: Final = 10.0
+OUT_S: Final = 60.0
+"""Time for which a seat with too many tokens is kept out."""
 LINK_S, POLL_S = 5.0, 0.01
 """Longest time (s) to wait for the other router, without which seats reach no robot, and period of looking for it."""
 CHECK_S: Final = 0.2
@@ -38,11 +42,47 @@ some thousand chunks takes Zenoh up to a gigabyte, which it keeps for ever."""
 Event = Callable[[], None]
 
 
-def floods(times: deque[float], now_s: float) -> bool:
-    """Count a token of an account whose newest ones came at these times; return whether it is one too many."""
-    too_many = len(times) == TOKENS_MAX and now_s - times[0] <= WINDOW_S
-    times.append(now_s)
-    return too_many
+class Guests:
+    """The accounts that are connected to a router, and those that are kept out of it. Times in s, monotonic clock."""
+
+    def __init__(self, accounts: Collection[str], end: Callable[[Collection[str]], None]) -> None:
+        """`end` closes the connections to some addresses."""
+        self._accounts, self._end = frozenset(accounts), end
+        self._connected: dict[str, str] = {}
+        """account by address"""
+        self._out_until: dict[str, float] = {}
+        self._tokens: dict[str, deque[float]] = {}
+
+    @property
+    def connected(self) -> Counter[str]:
+        """Number of connections of each account."""
+        return Counter(self._connected.values())
+
+    def link(self, account: str, address: str, now_s: float, *, opened: bool) -> None:
+        """Handle a connection that has begun or ended."""
+        if not opened:
+            self._connected.pop(address, None)
+        elif account in self._accounts:
+            self._connected[address] = account
+            if now_s < self._out_until.get(account, 0.0):
+                self._end({address})
+
+    def put_out(self, account: str, until_s: float) -> None:
+        """End all connections of an account, and each new one until a time."""
+        self._out_until[account] = until_s
+        self._end({address for address, name in self._connected.items() if name == account})
+
+    def token(self, account: str, now_s: float) -> bool:
+        """Count a token; return True, and put the account out, if it was one too many."""
+        if account not in self._accounts or now_s < self._out_until.get(account, 0.0):
+            return False
+        times = self._tokens.setdefault(account, deque(maxlen=TOKENS_MAX + 1))
+        times.append(now_s)
+        if len(times) <= TOKENS_MAX or now_s - times[0] > WINDOW_S:
+            return False
+        times.clear()
+        self.put_out(account, now_s + OUT_S)
+        return True
 
 
 class RouterProcess:
@@ -52,10 +92,7 @@ class RouterProcess:
         """Open the router; raises the errors of `open_router`."""
         self._session = zbus.open_router(file.endpoint(part), file.access(part))
         self._names = {file.accounts[name]: name for name in file.own(part)}
-        self._connected: dict[str, str] = {}
-        """account by address"""
-        self._tokens: dict[str, deque[float]] = {}
-        """times of the newest tokens of each account (monotonic clock, s)"""
+        self._guests = Guests(self._names.values(), zbus.close_connections)
         self._events: queue.SimpleQueue[Event | None] = queue.SimpleQueue()
         self._checks = None if part is Part.SEATS else zbus.answer_checks(self._session, CHECK_KEY)
         self._watched = zbus.watch_router(self._session, self._on_link, self._on_token)
@@ -82,11 +119,9 @@ class RouterProcess:
 
     def _on_link(self, common_name: str, address: str, opened: bool) -> None:  # noqa: FBT001
         def handle() -> None:
-            if opened and common_name in self._names:
-                self._connected[address] = self._names[common_name]
-            elif not opened:
-                self._connected.pop(address, None)
-            _print("connected", sorted({*self._connected.values()}))
+            account = self._names.get(common_name, "")
+            self._guests.link(account, address, time.monotonic(), opened=opened)
+            _print("connected", self._guests.connected)
 
         self._events.put(handle)
 
@@ -94,20 +129,23 @@ class RouterProcess:
         def handle() -> None:
             parts = keys.parse(key)
             account = "" if parts is None else parts.who or parts.robot
-            times = self._tokens.setdefault(account, deque(maxlen=TOKENS_MAX))
-            if account in self._names.values() and floods(times, time.monotonic()):
+            if self._guests.token(account, time.monotonic()):
                 _print("flood", account)
-                self._events.put(None)
 
         self._events.put(handle)
 
     def _read(self) -> None:
-        """Wait until the parent closes this process's input."""
-        sys.stdin.read()
+        """Read the accounts to put out, until the parent closes this process's input."""
+        for line in sys.stdin:
+            self._events.put(lambda line=line: self._put_out(line))  # type: ignore[misc]
         self._events.put(None)
 
+    def _put_out(self, line: str) -> None:
+        for account in msgspec.json.decode(line, type=list[str]):
+            self._guests.put_out(account, math.inf)
+
     def run(self) -> None:
-        """Handle events until the parent closes this process's input, or an account has declared too many tokens."""
+        """Handle events until the parent closes this process's input."""
         while (event := self._events.get()) is not None:
             event()
 

@@ -13,7 +13,8 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Collection
+from collections import Counter
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Final, cast
 
@@ -46,12 +47,7 @@ FAILURES: Final = 3
 """Queries without an answer, one after the other, after which a router counts as stuck. Two may also fail because the
 computer was asleep."""
 STUCK: Final = f"it did not answer {FAILURES} times, so it was ended"
-ENDED: Final = "The {} has ended ({}), {} x since the start. It is started again. Connected were: {}."
-"""The report on a router: which one, why, how often, and the accounts that were connected to it or through it."""
-FLOODED: Final = (
-    "{} announced more programs than any lesson needs, so it is out until you start `beatrix router` anew. To put it out for "
-    "good, take it out of class.toml and run `beatrix classroom init class.toml`."
-)
+PUT_OUT: Final = "take it out of class.toml and run `beatrix classroom init class.toml`."
 OFTEN, OFTEN_S = 3, 60.0
 """A router that has ended OFTEN times in OFTEN_S is probably ended on purpose."""
 CLOSED_S: Final = 60.0
@@ -64,8 +60,8 @@ class ChildRouter:
     def __init__(self, part: Part, file: RouterFile) -> None:
         """Start it; wait for it with `wait_ready`."""
         self.part, self.file = part, file
-        self.connected: list[str] = []
-        """the accounts that are connected, sorted"""
+        self.connected: Counter[str] = Counter()
+        """number of connections of each account"""
         self._events: queue.SimpleQueue[list[object]] = queue.SimpleQueue()
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "beatrix_zenoh.classroom.router_process", part.value],
@@ -129,16 +125,19 @@ class ChildRouter:
         """End the process at once."""
         end(self._process, 0.0)
 
-    def flooding(self) -> str:
-        """Handle what the process has printed; return the account for whose tokens it has ended, if any."""
-        found = ""
+    def floods(self) -> Iterator[str]:
+        """Handle what the process has printed; yield the accounts that it has put out for their tokens."""
         while not self._events.empty():
             event, *data = self._events.get()
             if event == "connected":
-                self.connected = cast("list[str]", data[0])
+                self.connected = Counter(cast("dict[str, int]", data[0]))
             elif event == "flood":
-                found = str(data[0])
-        return found
+                yield str(data[0])
+
+    def put_out(self, accounts: set[str], file: RouterFile) -> None:
+        """End the sessions of accounts, which are not in `file` any more; others notice nothing."""
+        self.file = file
+        self._write(sorted(accounts))
 
     def close(self) -> None:
         """End the process."""
@@ -166,10 +165,8 @@ class ClassRouters:
         self._of_class, self._place = of_class, router_file.place(of_class)
         self._written_ns = self._place.stat().st_mtime_ns
         self._children: dict[Part, ChildRouter] = {}
-        self._ends: dict[Part, list[float]] = {part: [] for part in Part}
-        """when each router has ended (monotonic clock, s)"""
-        self._out: set[str] = set()
-        """the accounts that have declared too many tokens"""
+        self._ends: dict[Part, list[tuple[float, frozenset[str]]]] = {part: [] for part in Part}
+        """when each router has ended (monotonic clock, s), with the accounts that were connected to it or through it"""
         self._again_s: dict[Part, float] = {}
         """when to start a router that does not run (monotonic clock, s)"""
         try:
@@ -183,7 +180,7 @@ class ClassRouters:
             raise
 
     def _start(self, part: Part, file: RouterFile) -> None:
-        child = ChildRouter(part, file.without(self._out))
+        child = ChildRouter(part, file)
         self._children[part] = child
         child.wait_ready()
 
@@ -206,33 +203,28 @@ class ClassRouters:
             self._follow(found)
 
     def _check(self, part: Part, child: ChildRouter) -> None:
-        """Report what a router has printed; start it again if it has ended or is stuck."""
+        """Report what a router has printed; start it again if it has ended or is stuck.
+
+        Keep the seats out for a while if they end the router of robots and teacher.
+        """
         if stuck := self._stuck(part, child):
             child.kill()
         if (code := child.code) is not None:
             child.close()
-        flooding = child.flooding()  # after the end also what it has printed last
-        if flooding:
-            child.close()
-            self._out.add(flooding)
-            note(FLOODED.format(flooding))
-        elif code is not None:
-            self._report_end(part, STUCK if stuck else in_words(code))
-        else:
+        for account in child.floods():  # after the end also what it has printed last
+            note(flooded(account))
+        if code is None:
             return
-        self._again(part, self.file)
-
-    def _report_end(self, part: Part, cause: str) -> None:
-        """Report the end of a router; keep the seats out for a while if they end the router of robots and teacher."""
-        suspects = self._children.values() if part is Part.ROBOTS else (self._children[part],)
-        connected = sorted({name for one in suspects for name in one.connected})
-        ends = self._ends[part]
-        ends.append(time.monotonic())
-        note(ENDED.format(part.called, cause, len(ends), ", ".join(connected) or "none"))
-        often = len(ends) >= OFTEN and ends[-1] - ends[-OFTEN] < OFTEN_S
-        if often and part is Part.ROBOTS and Part.SEATS in self._children:
+        suspects = self._children.values() if part is Part.ROBOTS else (child,)
+        connected = frozenset(name for one in suspects for name in one.connected)
+        ends = [*self._ends[part], (time.monotonic(), connected)]
+        self._ends[part] = ends
+        recent = [who for at_s, who in ends if at_s > ends[-1][0] - OFTEN_S]
+        note(ended(part, STUCK if stuck else in_words(code), connected, len(ends), recent))
+        if part is Part.ROBOTS and len(recent) >= OFTEN and Part.SEATS in self._children:
             self._put_off(Part.SEATS, CLOSED_S)
             note(f"The seats are out for {CLOSED_S:.0f} s. Robots and teacher work meanwhile.")
+        self._again(part, self.file)
 
     def _stuck(self, part: Part, child: ChildRouter) -> bool:
         """Return whether a router does not answer; that of the seats is asked for answers of the other one."""
@@ -269,11 +261,17 @@ class ClassRouters:
         return None if found == self.file else found
 
     def _follow(self, found: RouterFile) -> None:
-        """Use a new file: restart the routers for which something has changed."""
+        """Use a new file: put removed accounts out, or restart the routers for which more has changed."""
         former, self.file = self.file, found
         try:
             for part, child in self._children.items():
-                if not serves_alike(former, found, part):
+                gone = set(former.own(part)) - set(found.own(part))
+                if serves_alike(former, found, part):
+                    child.file = found
+                elif gone and serves_alike(former.without(gone), found, part):
+                    child.put_out(gone, found)
+                    note(f"Put out: {', '.join(sorted(gone))}.")
+                else:
                     note(f"The accounts have changed: the {part.called} restarts.")
                     child.close()
                     self._start(part, found)
@@ -283,7 +281,7 @@ class ClassRouters:
             )
             self.file = former
             for part, child in [*self._children.items()]:
-                if child.code is not None or not serves_alike(child.file, former.without(self._out), part):
+                if child.file != former or child.code is not None:
                     child.close()
                     self._again(part, former)
         self.say_ready()
@@ -299,6 +297,30 @@ class ClassRouters:
 def serves_alike(one: RouterFile, other: RouterFile, part: Part) -> bool:
     """Return whether one of the routers is the same with both files."""
     return (one.endpoint(part), one.access(part)) == (other.endpoint(part), other.access(part))
+
+
+def ended(part: Part, cause: str, connected: frozenset[str], count: int, recent: list[frozenset[str]]) -> str:
+    """Return the report that a router has ended for the `count`th time.
+
+    `recent`: the accounts that were connected at each of its ends within OFTEN_S.
+    """
+    names = ", ".join(sorted(connected)) or "none that it reported in time"
+    text = f"The {part.called} has ended ({cause}), {count} x since the start. It is started again. Connected were: {names}."
+    if len(recent) < OFTEN:
+        return text
+    suspects = ", ".join(sorted(frozenset.intersection(*recent))) or "no account was"
+    return (
+        f"{text}\nIt has ended {len(recent)} x within a minute, so a program may do it on purpose. Connected each time: "
+        f"{suspects}. To put an account out, {PUT_OUT}"
+    )
+
+
+def flooded(account: str) -> str:
+    """Return the report that an account was put out for its tokens."""
+    return (
+        f"{account} announced more programs than any lesson needs, so it is put out for a minute. To put it out for good, "
+        f"{PUT_OUT}"
+    )
 
 
 def run(of_class: Path, lessons: Collection[str], shutdown: Shutdown) -> None:

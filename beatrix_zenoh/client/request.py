@@ -121,7 +121,7 @@ class Unanswered(msgspec.Struct, frozen=True):
             if time.monotonic() > deadline_s:
                 return self._not_back()
             time.sleep(POLL_S)
-        return NoAnswer(
+        return bus.refusal() or NoAnswer(
             Reason.NO_ROUTER,
             f"The connection to the router at {bus.endpoint} was lost, and a router answers there again: it was restarted, "
             "this program was suspended or very busy, or the network was interrupted. Robots stop the motions of a lost "

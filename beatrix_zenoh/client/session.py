@@ -121,7 +121,7 @@ class Client(ProcessBound):
         """Return name and side of every robot online.
 
         Raises:
-            NoAnswer: there seems to be none because the router refuses this account (ACCOUNT_REFUSED) or is stuck
+            NoAnswer: there seems to be none because the router has put this account out (ACCOUNT_REFUSED) or is stuck
                 (NO_ROUTER).
         """
         present = self.bus.robots()

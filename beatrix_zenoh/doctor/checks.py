@@ -81,6 +81,9 @@ def accepted(client: Client) -> CheckResult:
     account = client.settings.account
     if account is None:
         return CheckResult("account", "none: this router is open to every program")
+    refused = client.bus.connection_error()
+    if refused is not None:
+        return CheckResult("account", "is refused", refused.message)
     found = f"{account.name} of class {account.class_name}, accepted, valid until {account.expires}"
     return CheckResult("account", found, advice=account.renewal(today()))
 

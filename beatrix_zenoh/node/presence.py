@@ -38,11 +38,11 @@ class ClientWatch(Component):
 
     def start(self, sessions: Sessions) -> None:
         self._control = sessions.control
-        self._control.watch_tokens(keys.seat("*", "*"), self._seat)
-        self._control.watch_tokens(keys.seats_router("*"), self._seats_router)
-        self._control.watch_router(self._router)
-        self._control.declare_token(self._alive_key)
-        self._end_reports = sessions.watch(SessionListener(self._renewed, self._refused))
+        sessions.watch_tokens(keys.seat("*", "*"), self._seat)
+        sessions.watch_tokens(keys.seats_router("*"), self._seats_router)
+        sessions.watch_router(self._router)
+        sessions.declare_token(self._alive_key)
+        self._end_reports = sessions.watch_sessions(SessionListener(self._renewed, self._refused))
 
     def _seat(self, key: str, alive: bool) -> None:  # noqa: FBT001
         """Handle a client's session that has begun or ended, on Zenoh's thread."""
@@ -137,7 +137,7 @@ def claim_name(sessions: Sessions, name: str, side: str) -> None:
     alive, own = keys.alive(name, side), keys.claim(name, side, bus.session_id)
     if bus.tokens(alive):
         raise taken(bus, name, side)
-    withdraw = bus.declare_token(own)
+    withdraw = sessions.declare_token(own)
     deadline = time.monotonic() + WAIT_S
     while others := [other for other in bus.tokens(keys.claim(name, side, "*")) if other != own]:
         if min(others) < own or bus.tokens(alive) or time.monotonic() > deadline:

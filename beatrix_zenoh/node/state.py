@@ -357,7 +357,8 @@ class StateQueries(QueryThread):
         super().start(sessions)
         for traffic, expressions in REST.items():
             for expression in expressions:
-                sessions.session(traffic).serve_rest(
+                sessions.serve_rest(
+                    traffic,
                     f"{self._unknown.base}{expression}",
                     lambda incoming: self.post(lambda: self._refuse(incoming)),
                     self._unknown.has,

@@ -8,11 +8,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+import zenoh
 from class_router import Answering, ClassRouter, ReceivedKeys
 
-from beatrix_zenoh.bus import is_listening
+from beatrix_zenoh.bus import credentials, is_listening
 from beatrix_zenoh.bus.router import LARGEST_REQUEST
-from beatrix_zenoh.bus.transport import LARGEST_MESSAGE
+from beatrix_zenoh.bus.transport import LARGEST_MESSAGE, opened
 from beatrix_zenoh.contract._generated import keys
 
 PICTURES = 50
@@ -53,6 +54,28 @@ def test_an_oversize_message_is_dropped(router: ClassRouter) -> None:
         robot.put(key, bytes(size), "text/plain", priority="data")
     assert large not in received.until(marker)
     received.close()
+
+
+def resident(pid: int) -> int:
+    """Return the largest memory (kB) that a process has had."""
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    return int(next(line for line in lines if line.startswith("VmHWM")).split()[1])
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads the memory of a process in /proc")
+def test_a_huge_message_does_not_fill_the_memory_of_the_router(router: ClassRouter) -> None:
+    account, ana = router.account("ana"), router.session("ana")
+    before = resident(router.process.pid)
+    settings = {"mode": "client", "connect/endpoints": [account.connect], **credentials.settings(account)}
+    hostile = opened(settings, lambda: "")
+    try:
+        hostile.put(
+            keys.positions("ana", "sim"), bytes(HUGE), congestion_control=zenoh.CongestionControl.BLOCK
+        )
+    finally:
+        hostile.close()
+    router.settled(ana)
+    assert (resident(router.process.pid) - before) * 1024 < HUGE / 4
 
 
 @pytest.mark.skipif(shutil.which("prlimit") is None, reason="needs a program that lowers a limit")

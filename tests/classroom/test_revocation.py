@@ -5,19 +5,21 @@ The router restarts by itself when `init` has changed its file.
 
 from __future__ import annotations
 
+import queue
 import shutil
 import socket
 from pathlib import Path
 
 import pytest
-from class_router import Answering, ClassRouter, replies, start_node
+from class_router import ANSWER_S, Answering, ClassRouter, end, replies, start_node
 from gui_links import Linked
-from present import present
 from robots import until
 from shell import beatrix
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
+from beatrix_zenoh.bus import credentials
+from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
@@ -37,6 +39,16 @@ def has_rights(account: Account) -> bool:
         if error.reason not in (Reason.ACCOUNT_REFUSED, Reason.NO_ROUTER):
             raise
         return False
+
+
+COMMANDS = (
+    ("ls",),
+    ("top", "--once"),
+    ("graph",),
+    ("stop",),
+    ("enable",),
+    ("record", "x.rrd", "--seconds", "1"),
+)
 
 
 @pytest.mark.long("restarts a class; test_access_rules.py has the rules")
@@ -68,44 +80,53 @@ def test_the_router_refuses_cards_that_were_replaced_and_accepts_the_new_ones(
         finally:
             assert node.end() == 0
         beatrix("join", str(tmp_path / "old-ana.toml"))
-        for words in (("top", "--once"), ("graph",), ("stop",), ("record", "x.rrd", "--seconds", "1")):
+        for words in COMMANDS:
             done = beatrix(*words)
-            refused = done.returncode == exit_code(Reason.ACCOUNT_REFUSED)
-            assert refused, (words, done)
-            assert "refuses account ana of class 8b" in done.stderr
+            assert (done.returncode, "refuses account ana of class 8b" in done.stderr) == (
+                exit_code(Reason.ACCOUNT_REFUSED),
+                True,
+            ), (words, done)
         beatrix("join", str(router.path("ana")))
-        assert beatrix("ls").returncode == 0, "no robot is no refusal"
+        assert [beatrix(*words).returncode for words in COMMANDS[:3]] == [0, 0, 0], "no robot is no refusal"
 
 
-def test_a_seat_that_is_removed_is_refused_and_robots_and_teacher_notice_nothing(
+def test_a_seat_that_is_removed_is_put_out_at_once_and_others_notice_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with ClassRouter(tmp_path) as router:
         robot = router.session("bea2")
         Answering(robot, STOP.format("*"))
         router.settled(robot)
-        removed = router.account("ben")
-        assert has_rights(removed)
-        losses: list[str] = []
-        for name in ("teacher", "bea2"):
-            session = router.session(name)
-            session.watch_router(lambda online, name=name: None if online else losses.append(name))  # type: ignore[misc]
+        ana, ben, removed = router.session("ana"), router.session("ben"), router.account("ben")
+        losses: queue.SimpleQueue[str] = queue.SimpleQueue()
+        for name, session in (("ana", ana), ("ben", ben), ("bea2", robot)):
+            session.watch_router(lambda present, name=name: None if present else losses.put(name))  # type: ignore[misc]
         router.rewrite('["ana", "ben"]', '["ana"]')
-        router.process.expect("The accounts have changed: the router of the seats restarts.")
-        until(lambda: has_rights(router.account("ana")), "the seats are connected again")
-        assert not has_rights(removed)
+        router.process.expect("Put out: ben.")
+        assert losses.get(timeout=ANSWER_S) == "ben"
+        until(lambda: ben.connection_error() is not None, "each new session ends, too")
+        said = credentials.refusal(removed.connect, removed)
+        assert "the teacher has removed it" in said, "also if the session ends before it is open"
         with Linked(removed.connect, who="ben", account=removed) as linked:
-            refused = linked.until(lambda world: world.phase is LinkPhase.REFUSED, "refused")
-            assert "the teacher has removed it" in present(State().view(refused).banner).text
-        (tmp_path / "ben.toml").write_text(removed.text())
-        monkeypatch.setenv("BEATRIX_ACCOUNT", str(tmp_path / "ben.toml"))
-        for words in (("ls",), ("enable", "--name", "bea2", "--on", "hw")):
-            done = beatrix(*words)
-            assert "refuses account ben of class 8b: it does not know this certificate" in done.stderr, (
-                words,
-                done,
+            banner = (
+                State().view(linked.until(lambda world: world.phase is LinkPhase.REFUSED, "refused")).banner
             )
-        assert losses == []
+            assert banner is not None
+            assert "the teacher has removed it" in banner.text
+        monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+        file = tmp_path / "ben.toml"
+        file.write_text(removed.text())
+        assert "the teacher has removed it from the class" in beatrix("join", str(file)).stderr
+        for words in (("ls",), ("info", "--name", "bea2"), ("enable", "--name", "bea2", "--on", "hw")):
+            done = beatrix(*words)
+            assert "refuses account ben of class 8b" in done.stderr, (words, done)
+        assert has_rights(router.account("ana"))
+        end(router, Part.SEATS)
+        router.process.expect("The router of the seats has ended (SIGKILL)")
+        until(lambda: has_rights(router.account("ana")), "the seats are connected again")
+        assert not has_rights(removed), "TLS refuses it now"
+        names = {losses.get_nowait() for _ in range(losses.qsize())}
+        assert names <= {"ana", "ben"}, "the robot stayed connected"
 
 
 def test_a_router_that_cannot_use_the_new_file_continues_with_the_former_accounts(tmp_path: Path) -> None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import signal
+import threading
 import time
-from collections import deque
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Collection, Iterator
 from pathlib import Path
+from typing import Self
 
 import pytest
 from class_router import CLI, ClassRouter, end, start_node
@@ -17,8 +17,8 @@ from robots import Process, ready, until
 from beatrix_zenoh import Robot
 from beatrix_zenoh.bus.router import DEPTH, below
 from beatrix_zenoh.classroom.router_file import Part
-from beatrix_zenoh.classroom.router_process import TOKENS_MAX, WINDOW_S, floods
-from beatrix_zenoh.classroom.routers import OFTEN, STUCK
+from beatrix_zenoh.classroom.router_process import OUT_S, TOKENS_MAX, WINDOW_S, Guests
+from beatrix_zenoh.classroom.routers import OFTEN, STUCK, ended
 from beatrix_zenoh.client import Client, lease, lesson_reports
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -68,6 +68,29 @@ def teacher(router: ClassRouter, tmp_path_factory: pytest.TempPathFactory) -> It
     assert node.end() == 0
 
 
+class Stops:
+    """Presses STOP again and again in a thread; `waits_s` are the times until each answer."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.waits_s: list[float] = []
+        self._robot, self._ended = robot, threading.Event()
+        self._thread = threading.Thread(target=self._run)
+
+    def _run(self) -> None:
+        while not self._ended.wait(0.02):
+            begin_s = time.monotonic()
+            assert self._robot.stop().result
+            self.waits_s.append(time.monotonic() - begin_s)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self._ended.set()
+        self._thread.join(PATIENCE_S)
+
+
 MORE = pytest.mark.long("two more attacks of the same kind")
 
 
@@ -91,15 +114,9 @@ def test_what_a_seat_declares_reaches_neither_robots_nor_teacher(
 ) -> None:
     losses = teacher.client.losses
     events = len(teacher.past_events())
-    waits_s: list[float] = []
-    with ThreadPoolExecutor() as pool:
-        attacking = pool.submit(attack, router, kind, number)
-        while not attacking.done():
-            begin_s = time.monotonic()
-            assert teacher.stop().result
-            waits_s.append(time.monotonic() - begin_s)
-        attacking.result()
-    assert max(waits_s) < PATIENCE_S
+    with Stops(teacher) as stops:
+        attack(router, kind, number)
+    assert max(stops.waits_s) < PATIENCE_S
     assert teacher.client.losses == losses, "the teacher stayed connected"
     assert "router" not in "".join(event.message for event in teacher.past_events()[events:])
     if report:
@@ -176,11 +193,40 @@ def test_seats_are_out_for_a_while_when_the_router_of_the_robots_ends_again_and_
 # -- decisions, without a network ---------------------------------------------------------------------
 
 
-def test_a_flood_of_tokens_is_told_from_a_loop_that_opens_sessions() -> None:
-    times: deque[float] = deque(maxlen=TOKENS_MAX)
-    assert not any(floods(times, i * WINDOW_S / TOKENS_MAX * 1.01) for i in range(3 * TOKENS_MAX))
-    times.clear()
-    assert [floods(times, 0.0) for _ in range(TOKENS_MAX + 1)] == [False] * TOKENS_MAX + [True]
+class Ended:
+    """The addresses whose connections were ended."""
+
+    def __init__(self) -> None:
+        self.addresses: set[str] = set()
+
+    def __call__(self, addresses: Collection[str]) -> None:
+        self.addresses |= set(addresses)
+
+
+def test_an_account_with_too_many_tokens_is_put_out_for_a_while_and_no_other() -> None:
+    ended = Ended()
+    guests = Guests(["ana", "ben"], ended)
+    guests.link("ana", "1:1", 0.0, opened=True)
+    guests.link("ben", "2:1", 0.0, opened=True)
+    assert not any(guests.token("ana", i * WINDOW_S / TOKENS_MAX * 1.01) for i in range(3 * TOKENS_MAX))
+    assert not any(guests.token("ben", 0.0) for _ in range(TOKENS_MAX))
+    assert not guests.token("a robot of the other router", 0.0)
+    assert guests.token("ben", WINDOW_S)
+    assert ended.addresses == {"2:1"}
+    guests.link("ben", "2:1", 0.0, opened=False)
+    guests.link("ben", "2:2", WINDOW_S + OUT_S - 1, opened=True)
+    guests.link("ben", "2:3", WINDOW_S + OUT_S, opened=True)
+    assert ended.addresses == {"2:1", "2:2"}
+    assert guests.connected == {"ana": 1, "ben": 2}
+
+
+def test_after_three_ends_the_report_names_the_accounts_that_were_always_connected() -> None:
+    connected = [frozenset({"ana", "cem"}), frozenset({"ben", "cem"}), frozenset({"cem"})]
+    first = ended(Part.SEATS, "SIGSEGV", connected[0], 1, connected[:1])
+    assert "SIGSEGV" in first
+    assert first.endswith("Connected were: ana, cem.")
+    third = ended(Part.SEATS, "SIGSEGV", connected[2], OFTEN, connected)
+    assert "Connected each time: cem. To put an account out" in third
 
 
 def test_no_rule_for_declarations_includes_keys_of_any_length() -> None:

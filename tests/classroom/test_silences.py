@@ -13,12 +13,12 @@ from pathlib import Path
 import msgspec
 import pytest
 from class_router import Answering, ClassRouter, end, process_of, start_node
-from robots import free_endpoint, until
+from robots import PATIENCE_S, Process, free_endpoint, until
 from shell import beatrix
 
 from beatrix_zenoh import NoAnswer, Robot
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.bus import Bus
+from beatrix_zenoh.bus import Bus, Incoming
 from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated import keys
@@ -93,6 +93,57 @@ def unknown(lesson: Lesson) -> Iterator[Case]:
     yield Case(lesson.router.account("ana"), "bea7")
 
 
+NODE = """
+import sys, threading
+from pathlib import Path
+from beatrix_zenoh import account, bus
+from beatrix_zenoh.bus import transport
+from beatrix_zenoh.contract._generated import keys
+transport.COMMON["transport/link/tx/lease"] = 60_000  # the router must not drop it if the computer stands still
+own, kept = account.load(Path(sys.argv[1])), []
+session = bus.connect(own.connect, account=own)
+session.serve(keys.command("bea2", "hw", "*"), kept.append)
+session.declare_token(keys.alive("bea2", "hw"))
+session.tokens(keys.alive("bea2", "hw"))
+print("ready", flush=True)
+threading.Event().wait()
+"""
+
+
+@contextlib.contextmanager
+def node_of_its_own(lesson: Lesson) -> Iterator[Process]:
+    """A node of bea2 in a process of its own, which replies to no query."""
+    script = lesson.folder / "node.py"
+    script.write_text(NODE)
+    node = Process(str(script), str(lesson.router.path("bea2")), traced=False)
+    try:
+        node.expect("ready")
+        yield node
+    finally:
+        node.end(signal.SIGKILL)
+
+
+@contextlib.contextmanager
+def crashed(lesson: Lesson) -> Iterator[Case]:
+    """A node that is killed after it has received the request and before it replies."""
+    with connected(lesson, "bea2") as spy, node_of_its_own(lesson) as node:
+
+        def kill(incoming: Incoming) -> None:
+            os.kill(node.pid, signal.SIGKILL)
+            incoming.finish()
+
+        spy.serve(keys.command("bea2", HW, "*"), kill)
+        lesson.router.settled(spy)
+        yield Case(lesson.router.account("ana"), "bea2")
+
+
+@contextlib.contextmanager
+def hangs(lesson: Lesson) -> Iterator[Case]:
+    """A node whose Python hangs, while Zenoh's threads keep its token; its process does not wait for this one."""
+    with node_of_its_own(lesson):
+        yield Case(lesson.router.account("ana"), "bea2")
+
+
 @contextlib.contextmanager
 def connected(lesson: Lesson, name: str) -> Iterator[Bus]:
     """Open a session of an account; close it at the end of the block."""
@@ -118,6 +169,8 @@ TABLE = [
         Reason.NO_SUCH_ROBOT,
         "bea7 (hw) is not online, and no robot has this name. Online: bea1 (hw)",
     ),
+    (crashed, Reason.NODE_LOST, "bea2 (hw) is no longer online: its node has crashed"),
+    (hangs, Reason.NODE_HANGS, "bea2 (hw) is online but did not answer within"),
 ]
 Provoke = Callable[[Lesson], "contextlib.AbstractContextManager[Case]"]
 
@@ -135,7 +188,7 @@ def test_the_sdk_raises_the_reason_of_each_missing_answer(
     lesson: Lesson, make: Provoke, reason: Reason, sentence: str
 ) -> None:
     with make(lesson) as case, pytest.raises(NoAnswer) as caught:
-        enable(case, 0.5)
+        enable(case, PATIENCE_S if reason is Reason.NODE_LOST else 0.5)
     assert (caught.value.reason, sentence in caught.value.message) == (reason, True), caught.value.message
 
 

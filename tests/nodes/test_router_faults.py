@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 import signal
+import socket
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 
@@ -136,6 +139,45 @@ def test_a_session_whose_declarations_the_router_has_lost_is_replaced(stage: Sta
     assert robot.status().warnings
     assert stream.take(2.0)
     assert robot.client.bus.robots() == [("bea", "hw")]
+
+
+def accepted(server: socket.socket) -> socket.socket | None:
+    """Return the next connection; None after `shutdown`."""
+    try:
+        return server.accept()[0]
+    except OSError:
+        return None
+
+
+@pytest.mark.parametrize(
+    ("answer", "reason", "named"),
+    [
+        (
+            b"\x02\x00\x03\x02",
+            Reason.NO_ROUTER,
+            "another version of Zenoh",
+        ),  # recorded from eclipse-zenoh 0.11.0
+        (b"SSH-2.0\r\n", Reason.ACCOUNT_REFUSED, "it is no router"),
+    ],
+)
+def test_a_router_of_another_protocol_version_is_named_as_such(
+    answer: bytes, reason: Reason, named: str
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve() -> None:
+            while (connection := accepted(server)) is not None:
+                with connection, contextlib.suppress(OSError):  # a probe resets the connection
+                    if connection.recv(4096):
+                        connection.sendall(answer)
+
+        serving = threading.Thread(target=serve, name="other-router")
+        serving.start()
+        with pytest.raises(NoAnswer) as refused:
+            zbus.connect(f"tcp/127.0.0.1:{server.getsockname()[1]}")
+        server.shutdown(socket.SHUT_RDWR)
+        serving.join()
+    assert (refused.value.reason, named in refused.value.message) == (reason, True)
 
 
 def test_a_router_that_begins_to_listen_after_the_first_attempt_refuses_no_one(

@@ -109,10 +109,10 @@ def own_account(account: Account) -> OwnAccount:
 def _refusal(settings: Settings) -> BeatrixError | None:
     """Return why a router does not accept these settings; None if it does."""
     try:
-        zbus.connect(settings.connect, label=settings.who, account=settings.account).close()
+        with zbus.connect(settings.connect, label=settings.who, account=settings.account) as bus:
+            return bus.refusal()
     except BeatrixError as error:
         return error
-    return None
 
 
 def _trouble(error: BeatrixError, settings: Settings) -> Trouble:
