@@ -10,7 +10,7 @@ from collections.abc import Callable
 import zenoh
 
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.bus import credentials, forks
+from beatrix_zenoh.bus import credentials
 from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.bus.endpoint import endpoints, is_listening, parse_endpoint, probe, speaks_another_zenoh
 from beatrix_zenoh.bus.messages import TOKEN, WATCH, MessageSession
@@ -175,7 +175,6 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
         WrongUsage: BAD_VALUE, `endpoint` is invalid, the certificate of the account has expired, or this process was
             forked from one that has connected.
     """
-    forks.check()
     for one in endpoints(endpoint):
         parse_endpoint(one)
     if account is not None:

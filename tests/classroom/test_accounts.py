@@ -85,14 +85,7 @@ def test_doctor_and_top_announce_that_an_account_expires(
 
 @pytest.mark.parametrize(
     ("days", "when"),
-    [
-        (400, ""),
-        (60, ""),
-        (59, "expire on 2027-01-01, in 59 days."),
-        (1, "in 1 day."),
-        (0, "in 0 days."),
-        (-1, "expired on 2027-01-01."),
-    ],
+    [(60, ""), (59, "expire on 2027-01-01, in 59 days."), (1, "in 1 day."), (-1, "expired on 2027-01-01.")],
 )
 def test_accounts_are_announced_as_soon_as_init_would_renew_them(days: int, when: str) -> None:
     expires = dt.date(2027, 1, 1)

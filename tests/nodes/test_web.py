@@ -171,19 +171,6 @@ def test_the_teacher_takes_the_robot_from_a_page(driver: WebSocket, stage: Stage
         assert refusal["alternative"]["intent"]["do"] == "TakeAlternative"  # waits for the robot
 
 
-def test_two_browsers_drive_two_robots(driver: WebSocket, browser: WebClient, stage: Stage) -> None:
-    other = browser.connect()
-    other.state(lambda view: view["robots"] == ["bea1", "bea2"], "both robots")
-    other.send("ChooseRobot", name="bea2")
-    other.state(lambda view: view["robot"] == "bea2" and online(view), "the second robot")
-    other.drive("cleo")
-    other.send("MakeReady", side="hw")
-    other.state(resting, "ready")
-    jog(other, "yaw", 2.0)
-    assert stage.robot("bea1", "hw").status().holder.startswith("web-mia")
-    other.close()
-
-
 def test_the_class_is_a_table_of_all_robots_and_a_projector_shows_whose_turn_it_is(
     browser: WebClient, driver: WebSocket
 ) -> None:

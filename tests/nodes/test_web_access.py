@@ -67,13 +67,6 @@ def test_web_sockets_of_foreign_pages_are_refused(
     assert (code, sentence.endswith(".")) == (403, True)
 
 
-def test_a_request_with_a_rebound_host_name_gets_no_page(browser: WebClient) -> None:
-    response = browser.fetch("/", Host=f"evil.example:{browser.port}")
-    assert response.code == 403
-    assert "beatrix web" in response.body.decode()
-    assert "Set-Cookie" not in response.headers
-
-
 @pytest.mark.parametrize(
     "headers", [{"Origin": "http://evil.example"}, {"Origin": ""}, {"X-XSRFToken": ""}, {"Cookie": ""}]
 )

@@ -316,12 +316,4 @@ def ask_raw(
     timeout_s: float = 8.0,
 ) -> list[Reply]:
     """Return all replies to a query, as a foreign client receives them."""
-    query = client.bus.query(selector, payload, encoding)
-    deadline = time.monotonic() + timeout_s
-    answers = []
-    try:
-        while (answer := query.next(deadline - time.monotonic())) is not None:
-            answers.append(answer)
-    finally:
-        query.close()
-    return answers
+    return list(client.bus.query(selector, payload, encoding).replies(timeout_s))

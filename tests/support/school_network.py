@@ -7,7 +7,6 @@ other route and no multicast.
 from __future__ import annotations
 
 import functools
-import signal
 import subprocess
 from pathlib import Path
 from typing import Final, Self
@@ -63,21 +62,6 @@ class School:
         )
         self._network(host, f"addr add {own} peer {ROUTER} dev eth0", "link set eth0 multicast off up")
         return host
-
-    def unplug(self, host: Host) -> None:
-        """Pull the cable of a computer; without namespaces suspend its processes, which looks the same to others."""
-        self._connect(host, "down", signal.SIGSTOP)
-
-    def plug(self, host: Host) -> None:
-        """Plug the cable in again."""
-        self._connect(host, "up", signal.SIGCONT)
-
-    def _connect(self, host: Host, state: str, number: signal.Signals) -> None:
-        if self.isolated:
-            self._network(self.router, f"link set cable{host.number} {state}")
-        else:
-            for process in host.processes:
-                process.send(number)
 
     def _host(self, name: str) -> Host:
         folder = self._folder / name

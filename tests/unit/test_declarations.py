@@ -11,7 +11,6 @@ from typing import cast
 import pytest
 import zenoh
 
-from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Bus
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
@@ -29,8 +28,6 @@ class FakeSession:
     def __init__(self) -> None:
         self.live: set[FakeDeclaration] = set()
         self.closed = False
-        self.hangs = False
-        """whether the router does not let it close in time"""
         self.while_undeclaring: Callable[[], None] = lambda: None
 
     def zid(self) -> str:
@@ -51,8 +48,6 @@ class FakeSession:
 
     def close(self) -> None:
         self.closed = True
-        if self.hangs:
-            raise zenoh.ZError("close operation timed out! at /home/zenoh/session.rs:1.")
         self.live.clear()
 
 
@@ -124,18 +119,6 @@ def in_threads(*work: Callable[[], object]) -> None:
     assert not any(thread.is_alive() for thread in threads), "a thread waits for ever"
     if errors:
         raise errors[0]
-
-
-def test_a_router_that_does_not_let_its_session_close_is_one_warning(
-    caplog: pytest.LogCaptureFixture,
-) -> None:
-    """The error of Zenoh ended `beatrix router` with a traceback, also while it restarted for new accounts."""
-    session = FakeSession()
-    session.hangs = True
-    zbus.close_router(cast("zenoh.Session", session))
-    (record,) = caplog.records
-    assert record.levelname == "WARNING"
-    assert record.getMessage().startswith("The router did not close in time (close operation timed out!)")
 
 
 def until_closed(work: Callable[[], object]) -> None:
