@@ -15,7 +15,6 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 from late_tests import Excuses
-from quick_waits import check_quick_waits
 from robots import IDLE, IDLE_THREAD, Stage, end_idle_routers
 from stall_monitor import Witness
 from xdist.remote import Producer  # type: ignore[import-untyped]
@@ -143,13 +142,6 @@ def bea() -> Iterator[Stage]:
         made.simulation("bea")
         made.hardware("bea")
         yield made
-
-
-@pytest.fixture(scope="module", autouse=True)
-def quick_waits_of_file() -> Iterator[None]:
-    """Fail the last test of a file if the waits that are normally quick were slow."""
-    yield
-    check_quick_waits()
 
 
 @pytest.fixture(autouse=True)

@@ -16,7 +16,6 @@ import os
 import threading
 import time
 import weakref
-from collections.abc import Iterator
 from typing import Final, Protocol
 
 from beatrix_zenoh import threads
@@ -55,7 +54,6 @@ class OpenSessions:
         self._changed = threading.Condition(self._lock)
         self._call = _Call(self)
         self._calls = 0
-        self._receivers = 0
         self._closed_s = -CALLBACK_S
         self._ended = False
 
@@ -69,7 +67,9 @@ class OpenSessions:
         self._closed_s = time.monotonic()
 
     def call(self) -> contextlib.AbstractContextManager[None]:
-        """Surround a call of Zenoh. At the exit no call begins: threads of this package wait for the end of the process.
+        """Surround a call of Zenoh, or a thread that receives until its session is closed.
+
+        At the exit no call begins: threads of this package wait for the end of the process.
 
         Calls may be nested, because Zenoh may run a callback in the calling thread.
 
@@ -95,18 +95,6 @@ class OpenSessions:
             if self._ended:
                 self._changed.notify_all()
 
-    @contextlib.contextmanager
-    def receiver(self) -> Iterator[None]:
-        """Surround a thread that waits inside Zenoh for publications until its session is closed."""
-        with self._changed:
-            self._receivers += 1
-        try:
-            yield
-        finally:
-            with self._changed:
-                self._receivers -= 1
-                self._changed.notify_all()
-
     def close(self) -> None:
         """Close all open sessions and wait until no thread is inside Zenoh; for use at the exit."""
         deadline_s = time.monotonic() + CLOSE_S
@@ -119,9 +107,7 @@ class OpenSessions:
             else:
                 keep(session.objects())
         with self._changed:
-            self._changed.wait_for(
-                lambda: not (self._calls or self._receivers), max(0.0, deadline_s - time.monotonic())
-            )
+            self._changed.wait_for(lambda: not self._calls, max(0.0, deadline_s - time.monotonic()))
         time.sleep(max(0.0, self._closed_s + CALLBACK_S - time.monotonic()))
 
     def forget(self) -> None:

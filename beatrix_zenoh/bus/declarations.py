@@ -14,7 +14,7 @@ import zenoh
 from beatrix_zenoh.bus.at_exit import OPEN
 from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.bus.forks import ProcessBound
-from beatrix_zenoh.bus.query import PRIORITIES
+from beatrix_zenoh.bus.query import priority_of
 from beatrix_zenoh.bus.transport import closed
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -187,7 +187,7 @@ class Publication:
         self._publisher = session.declare_publisher(
             self._key,
             encoding=self._encoding,
-            priority=PRIORITIES["data" if row is None else row.priority],
+            priority=priority_of(self._key),
             congestion_control=CONGESTION["drop" if row is None else row.congestion],
         )
         # The listener ends with its publisher. Zenoh does not call a new one if the key has no subscribers, so call

@@ -98,22 +98,14 @@ def parse_endpoint(endpoint: str) -> tuple[str, str, int]:
     protocol, _, address = endpoint.partition("/")
     host, _, port = address.partition("#")[0].rpartition(":")
     number = int(port) if port.isascii() and port.isdigit() else PORT_MAX + 1
-    if protocol not in PROTOCOLS or not _resolvable(host) or number > PORT_MAX:
+    resolvable = all(0 < len(label) < 64 for label in host.split(".")) and host.isprintable()
+    if protocol not in PROTOCOLS or not resolvable or number > PORT_MAX:
         raise WrongUsage(
             Reason.BAD_VALUE,
             f"{quoted(endpoint)} is not an endpoint. Write protocol/host:port, for example tcp/127.0.0.1:7447; "
             f"the protocol is {' or '.join(PROTOCOLS)}.",
         )
     return protocol, host.strip("[]"), number
-
-
-def _resolvable(host: str) -> bool:
-    """Return whether the resolver accepts a host name or address; for `lab..local` it would raise UnicodeError."""
-    try:
-        host.encode("idna")
-    except UnicodeError:  # an empty label, a label of more than 63 letters, or bytes that are not text
-        return False
-    return bool(host) and host.isprintable()
 
 
 def is_local(text: str) -> bool:

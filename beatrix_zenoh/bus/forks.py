@@ -25,19 +25,17 @@ class _Opened:
     pid = 0
 
 
-def check() -> None:
-    """Raise WrongUsage (BAD_VALUE) in a process that was forked after its parent had opened a session."""
+def opening() -> None:
+    """Remember that this process opens a session.
+
+    Raises WrongUsage (BAD_VALUE) in a process that was forked after its parent had opened one.
+    """
     if _Opened.pid not in (0, os.getpid()):
         raise WrongUsage(
             Reason.BAD_VALUE,
             f"This process cannot connect, because process {_Opened.pid}, from which it was forked, has connected "
             f"before. {CURE}",
         )
-
-
-def opening() -> None:
-    """Remember that this process opens a session; raises the error of `check`."""
-    check()
     _Opened.pid = os.getpid()
 
 
@@ -87,17 +85,13 @@ class Inherited(ProcessBound):
     def close(self) -> None:
         """Do nothing: the parent closes its own object."""
 
-    def __enter__(self) -> NoReturn:
-        self._refuse()
-
     def __exit__(self, *exc: object) -> None:
         pass
 
-    def __iter__(self) -> NoReturn:
-        self._refuse()
-
     def __repr__(self) -> str:
         return f"<{self._class} of process {_Opened.pid}>"
+
+    __enter__ = __iter__ = _refuse
 
 
 def _inherit() -> None:

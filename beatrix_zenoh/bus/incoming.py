@@ -105,20 +105,14 @@ def subscribe_newest(
     ring = subscriber.handler
 
     def receive() -> None:
-        while True:
-            try:
+        with OPEN.call(), contextlib.suppress(zenoh.ZError):  # the subscription has ended
+            while True:
                 sample = ring.recv()
-            except zenoh.ZError:
-                return
-            try:
-                if not skips(str(sample.key_expr)):
-                    handle(Received.of(sample))
-            except Exception as error:  # noqa: BLE001 # the next publication must still arrive
-                threads.show_error(error)
+                try:
+                    if not skips(str(sample.key_expr)):
+                        handle(Received.of(sample))
+                except Exception as error:  # noqa: BLE001 # the next publication must still arrive
+                    threads.show_error(error)
 
-    def run() -> None:
-        with OPEN.receiver():
-            receive()
-
-    threads.start(run, "newest")
+    threads.start(receive, "newest")
     return subscriber

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import re
 from typing import Final, TypeVar
 from urllib.parse import unquote
@@ -33,13 +32,22 @@ SWITCH = {"on": "true", "off": "false"}
 AXES: Final = ("x", "y", "z")
 ANGLES: Final = ("yaw", "pitch", "roll")
 SPEEDS: Final = tuple(f"speed_{axis}" for axis in AXES)
-OTHER_FORMS: Final[dict[type[msgspec.Struct], str]] = {
+USAGES: Final[dict[type[msgspec.Struct], str]] = {
+    MotionQuery: "Send parameters `?x=0.1;y=0;z=0;speed=0.5;absolute=true` (or `speed_x=0.5;speed_y=0.4;speed_z=0.3`), JSON "
+    '{"position":{"x":0.1,"y":0,"z":0}} or msgpack; rad and rad/s (10 degrees = 0.1745 rad).',
+    PoseQuery: 'Send parameters `?yaw=0.3;pitch=-0.1;speed=0.5;absolute=true`, JSON {"yaw":0.3} or msgpack; rad and rad/s '
+    "(10 degrees = 0.1745 rad).",
+    CommandQuery: "Send parameters `?command=enable` or `?command=1;value=off`, or JSON "
+    '{"command":1,"value":true}. Commands: '
+    f"{', '.join(f'{command.value} {command.name.lower()}' for command in Command)}.",
+    LeaseQuery: 'Send parameters `?action=take` or JSON {"action":"take"}; `?action=limit;speed=0.5` limits the speed, '
+    f"rad/s. Actions: {', '.join(action.value for action in LeaseAction)}.",
     FollowQuery: 'Send parameters `?follow=on`, JSON {"follow":true} or msgpack.',
     NoteQuery: 'Send parameters `?text=trial%203`, JSON {"text":"trial 3"} or msgpack.',
     SoundQuery: 'Send parameters `?play=noise;seconds=3;x=1.0;y=0.5;z=0.1`, JSON {"play":"noise"} or msgpack; m, s.',
     TargetQuery: 'Send parameters `?x=1.1;y=0.3;z=0.2` or `?path=sway;period_s=12`, JSON {"x":1.1,"y":0.3,"z":0.2} or msgpack; m.',
 }
-"""Forms of requests that name no angle of the arms or the head."""
+"""The forms of requests, by their kinds."""
 LENGTH_MAX: Final = 4096
 """Longest payload (bytes) and longest parameters (characters); requests have about two hundred."""
 _NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -52,11 +60,6 @@ class RawQuery(msgspec.Struct, frozen=True):
     payload: bytes
     encoding: str
     parameters: str
-
-    def __post_init__(self) -> None:
-        """Remove the byte order mark, with which PowerShell and editors of Windows begin a text."""
-        if not self.binary:
-            msgspec.structs.force_setattr(self, "payload", self.payload.removeprefix(codecs.BOM_UTF8))
 
     @property
     def binary(self) -> bool:
@@ -118,30 +121,7 @@ def _check_length(raw: RawQuery) -> None:
 
 def usage(kind: type[msgspec.Struct]) -> str:
     """Return a sentence that explains the forms of a request of this kind."""
-    if kind is MotionQuery:
-        return (
-            "Send parameters `?x=0.1;y=0;z=0;speed=0.5;absolute=true` (or "
-            '`speed_x=0.5;speed_y=0.4;speed_z=0.3`), JSON {"position":{"x":0.1,"y":0,"z":0}} or msgpack; rad and rad/s '
-            "(10 degrees = 0.1745 rad)."
-        )
-    if kind is PoseQuery:
-        return (
-            "Send parameters `?yaw=0.3;pitch=-0.1;speed=0.5;absolute=true`, "
-            'JSON {"yaw":0.3} or msgpack; rad and rad/s (10 degrees = 0.1745 rad).'
-        )
-    if kind is CommandQuery:
-        names = ", ".join(f"{command.value} {command.name.lower()}" for command in Command)
-        forms = (
-            'Send parameters `?command=enable` or `?command=1;value=off`, or JSON {"command":1,"value":true}.'
-        )
-        return f"{forms} Commands: {names}."
-    if kind is LeaseQuery:
-        actions = ", ".join(action.value for action in LeaseAction)
-        return (
-            'Send parameters `?action=take` or JSON {"action":"take"}; `?action=limit;speed=0.5` limits the speed, rad/s. '
-            f"Actions: {actions}."
-        )
-    return OTHER_FORMS.get(kind) or f"Its fields: {codec.outline(kind)}."
+    return USAGES.get(kind) or f"Its fields: {codec.outline(kind)}."
 
 
 def _with_angle(message: M, raw: RawQuery) -> M:

@@ -96,7 +96,7 @@ def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Sessio
             "connect/exit_on_failure": False,
             "connect/retry": RETRY,
         }
-    session = opened(settings, lambda: trouble)
+    session = opened(settings, trouble)
     _set_up_listening()
     return session
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import zenoh
 
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.bus import credentials, forks
+from beatrix_zenoh.bus import credentials
 from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.bus.endpoint import endpoints, is_listening, parse_endpoint, probe, speaks_another_zenoh
 from beatrix_zenoh.bus.messages import TOKEN, WATCH, MessageSession
@@ -172,10 +172,9 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
 
     Raises:
         NoAnswer: NO_ROUTER or ACCOUNT_REFUSED, with what to do.
-        WrongUsage: BAD_VALUE, `endpoint` or ZENOH_RUNTIME is invalid, the certificate of the account has expired, or this
-            process was forked from one that has connected.
+        WrongUsage: BAD_VALUE, `endpoint` is invalid, the certificate of the account has expired, or this process was
+            forked from one that has connected.
     """
-    forks.check()
     for one in endpoints(endpoint):
         parse_endpoint(one)
     if account is not None:
@@ -201,7 +200,7 @@ def connect(endpoint: str, *, label: str = "", account: Account | None = None) -
             check_listening()  # after a connection without a handshake, TLS accepts none for 0.1 s
         begin = time.monotonic()
         try:
-            return opened(settings, lambda: "", Reason.ACCOUNT_REFUSED)
+            return opened(settings, "", Reason.ACCOUNT_REFUSED)
         except NoAnswer as error:
             slow = time.monotonic() - begin > OPEN_MS / 1e3 * 0.9
             check_listening()  # a router that is absent or shuts down did not refuse the account

@@ -314,10 +314,8 @@ class SessionWatchdog:
         del self._failures[checked]
         try:
             checked.renew()
-        except NoAnswer:
-            return  # the router has just been lost; the old session remains
-        except WrongUsage:
-            return  # the node closes
+        except (NoAnswer, WrongUsage):
+            return  # the router has just been lost, and the old session remains; or the node closes
         for listener in listeners:
             listener.renewed(traffic)
 

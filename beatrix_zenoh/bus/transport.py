@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import zenoh
 
 from beatrix_zenoh.bus import forks
 from beatrix_zenoh.bus.at_exit import OPEN
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
+from beatrix_zenoh.contract.errors import NoAnswer
 
 LEASE_MS = 2000
 """Time after which an unresponsive session or router counts as lost; the default, 10 s, is too long for moving arms."""
@@ -30,12 +28,6 @@ does not read delays all clients of the same thread: with the default of three t
 for seconds (measured). With the default of one accepting thread (acc), STOP waited up to 0.6 s while 150 half-open
 connections timed out; with 16 threads it waited 0.03 s (measured). Zenoh reads the variable once, at the first
 session."""
-_FIELD = r"(?:worker_threads|max_blocking_threads)\s*:\s*0*[1-9]\d{0,3}|handover\s*:\s*(?:app|acc|tx|rx|net)"
-_POOL = rf"(?:app|acc|tx|rx|net)\s*:\s*\(\s*(?:(?:{_FIELD})\s*(?:,\s*|(?=\))))*\)"
-RUNTIME_FORM = re.compile(
-    rf"(?!.*\b(app|acc|tx|rx|net)\s*:.*\b\1\s*:)\s*\(\s*(?:{_POOL}\s*(?:,\s*|(?=\))))*\)\s*"
-)
-"""Values of ZENOH_RUNTIME that Zenoh can parse; other values end the calling thread with a Rust panic."""
 LARGEST_MESSAGE = 1024 * 1024
 """Largest message (bytes) that sessions and router assemble from fragments, and that a router of a class passes on; the
 default of 1 GiB lets one client fill the memory of the receiver. The largest of ours are pictures and lists of events."""
@@ -62,25 +54,14 @@ COMMON = {
 """Settings of sessions and router."""
 
 
-def opened(
-    settings: Mapping[str, object], explain: Callable[[], str], reason: Reason = Reason.NO_ROUTER
-) -> zenoh.Session:
+def opened(settings: Mapping[str, object], trouble: str, reason: Reason = Reason.NO_ROUTER) -> zenoh.Session:
     """Open a session with Zenoh's defaults, except COMMON and `settings`.
 
     Raises:
-        WrongUsage: BAD_VALUE, the environment variable ZENOH_RUNTIME cannot be parsed.
         WrongUsage: BAD_VALUE, this process was forked from one that has opened a session.
-        NoAnswer: Zenoh cannot open the session. The error has `reason`; its message is the text of `explain`, followed
+        NoAnswer: Zenoh cannot open the session. The error has `reason`; its message is `trouble`, followed
             by Zenoh's own text without source locations.
     """
-    name, example = RUNTIME
-    given = os.environ.get(name, example)
-    if not RUNTIME_FORM.fullmatch(given):
-        raise WrongUsage(
-            Reason.BAD_VALUE,
-            f"The environment variable {name} is {quoted(given)}, which Zenoh cannot parse. Unset it, or write for "
-            f"example {example}.",
-        )
     config = zenoh.Config()
     for key, value in {**COMMON, **settings}.items():
         config.insert_json5(key, json.dumps(value))
@@ -89,7 +70,7 @@ def opened(
         with OPEN.call():
             return zenoh.open(config)
     except zenoh.ZError as error:
-        raise NoAnswer(reason, f"{explain()} ({_cause(error)})") from error
+        raise NoAnswer(reason, f"{trouble} ({_cause(error)})") from error
 
 
 def closed(session: zenoh.Session) -> str:

@@ -72,20 +72,8 @@ class Tunnel:
         if not first:
             return  # a probe: TLS accepts no session for 0.1 s after a connection without a handshake
         far_reader, far_writer = await self._open()
-        try:
-            far_writer.write(first)
-            ways = [
-                asyncio.create_task(_copy(reader, far_writer)),
-                asyncio.create_task(_copy(far_reader, writer)),
-            ]
-            try:
-                await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
-            finally:
-                for way in ways:
-                    way.cancel()
-                await asyncio.gather(*ways, return_exceptions=True)
-        finally:
-            far_writer.transport.abort()
+        far_writer.write(first)
+        await asyncio.gather(_copy(reader, far_writer), _copy(far_reader, writer), return_exceptions=True)
 
     async def _open(self) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
         """Connect to the router; raises OSError."""
@@ -97,6 +85,10 @@ class Tunnel:
 
 
 async def _copy(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-    while data := await reader.read(CHUNK):
-        writer.write(data)
-        await writer.drain()
+    """Copy until one end is closed, then close the other."""
+    try:
+        while data := await reader.read(CHUNK):
+            writer.write(data)
+            await writer.drain()
+    finally:
+        writer.transport.abort()

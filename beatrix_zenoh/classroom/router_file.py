@@ -85,7 +85,7 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         own = self.own(part)
         trusted = self.authority + "".join(self.certificates[name] for name in own)
         return RouterAccess(
-            [*(self._grant(name) for name in own), Grant(ROUTER, *(EVERYTHING,) * 6)],
+            [*(self._grant(name) for name in own), every_grant(ROUTER)],
             {**{name: self.accounts[name] for name in own}, ROUTER: ROUTER},
             Identity(trusted, self.certificate, self.key),
             self.listen.partition(",")[0] if part is Part.SEATS else "",
@@ -111,7 +111,7 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def _grant(self, name: str) -> Grant:
         if name == names.TEACHER:
-            return teacher_grant()
+            return every_grant(name)
         return student_grant(name, self.robots) if name in self.seats else account_grant(name)
 
     def without(self, gone: Collection[str]) -> RouterFile:
@@ -120,8 +120,6 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             self,
             seats=tuple(seat for seat in self.seats if seat not in gone),
             robots=tuple(robot for robot in self.robots if robot not in gone),
-            accounts={name: value for name, value in self.accounts.items() if name not in gone},
-            certificates={name: value for name, value in self.certificates.items() if name not in gone},
         )
 
 
@@ -224,9 +222,9 @@ def student_grant(seat: str, robots: tuple[str, ...]) -> Grant:
     return replace(own, serves=(*own.serves, keys.note(ANY, ANY)), puts=(*own.puts, keys.lesson(seat, ANY)))
 
 
-def teacher_grant() -> Grant:
-    """Return the grant of the teacher: all keys."""
-    return Grant(names.TEACHER, *(EVERYTHING,) * 6)
+def every_grant(name: str) -> Grant:
+    """Return the grant of all keys."""
+    return Grant(name, *(EVERYTHING,) * 6)
 
 
 def _commands(robot: str, seat: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 from typing import Annotated
 
@@ -59,7 +60,7 @@ def web(
 
     shutdown = Shutdown()
     shutdown.handle_signals()
-    serve(settings, port, only=name, pin=pin, ready=ready, shutdown=shutdown)
+    asyncio.run(serve(settings, port, only=name, pin=pin, ready=ready, shutdown=shutdown))
 
 
 def own_address() -> str:

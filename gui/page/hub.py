@@ -5,11 +5,11 @@ The methods of `Hub` run on the thread of the server's loop.
 
 from __future__ import annotations
 
-import itertools
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Final, Protocol
 
 from beatrix_zenoh import threads
@@ -24,7 +24,7 @@ from gui.console.link import Link
 from gui.console.link.governing import ClassStates
 from gui.console.link.pictures import CameraStream, Level, LevelStream
 from gui.console.link.stopping import send_stop
-from gui.console.state.actions import Outcome, SendStop
+from gui.console.state.actions import SendStop
 from gui.page.face import Driver, Face
 from gui.page.protection import Visitor
 
@@ -59,7 +59,7 @@ class PictureSocket(Protocol):
 class Hub:
     """Gives pages the states of robots, and links with which they drive."""
 
-    def __init__(self, settings: Settings, only: str | None, call: Callable[..., object]) -> None:
+    def __init__(self, settings: Settings, only: str | None, call: Callable[..., None]) -> None:
         """Begin to watch the robots.
 
         Args:
@@ -82,10 +82,6 @@ class Hub:
         self._eyes: dict[Camera, tuple[CameraStream, set[PictureSocket]]] = {}
         self._newest: dict[Camera, CameraImage] = {}
         self._levels: dict[Place, LevelStream] = {}
-
-    def drivers(self) -> Iterable[Driver]:
-        """Return the drivers of all pages that drive or wait."""
-        return [page.face.driver for page in self.pages if page.face.driver is not None]
 
     # -- views ---------------------------------------------------------------------------------------
 
@@ -159,35 +155,20 @@ class Hub:
         face, session, account = page.face, self._link.session, self.settings.account
         if face.driver is not None or session is None:
             return
-        seat = self.settings.who if account is not None else self._seat(page, name)
-        if any((driver.robot, driver.seat) == (face.robot, seat) for driver in self.drivers()):
+        given = f"web-{names.tidy(name, page.visitor_of_page.name)}"[:32].strip("-")
+        seat = given if account is None else self.settings.who
+        drivers = (page.face.driver for page in self.pages if page.face.driver is not None)
+        if any((driver.robot, driver.seat) == (face.robot, seat) for driver in drivers):
             key = "page.name_in_use" if account is None else "page.seat_in_use"
             face.notify(key, robot=face.robot, seat=seat)
             return
-        report, settings = (
-            self._reporter(face),
-            Settings(face.robot, self.settings.connect, seat, account=account),
+        settings = Settings(face.robot, self.settings.connect, seat, account=account)
+        link = Link(
+            settings, partial(self._call, face.report), lambda _, __: None, source=Source.PAGE, shared=session
         )
-        link = Link(settings, report, lambda _, __: None, source=Source.PAGE, shared=session)
         link.start()
         face.notify("")
         face.driver = Driver(link, face.robot, seat, time.monotonic())
-
-    def _reporter(self, face: Face) -> Callable[[Outcome], None]:
-        """Return a function that reports outcomes to a page; any thread may call it."""
-
-        def report(outcome: Outcome) -> None:
-            self._call(face.report, outcome)
-
-        return report
-
-    def _seat(self, page: OpenPage, name: str) -> str:
-        """Return a seat made of the typed name, or of a guest name if that has neither letters a-z nor digits."""
-        used = {driver.seat for driver in self.drivers()}
-        guest = page.visitor_of_page.name
-        guests = itertools.chain([guest], (f"{guest}-{number}" for number in itertools.count(2)))
-        free = next(guest for guest in guests if f"web-{guest}" not in used)
-        return f"web-{names.tidy(name, free)}"[:32].strip("-")
 
     def end_driver(self, face: Face, key: str = "") -> None:
         """Close the link of a page, so that its robot stops and is free; the page shows the text `key` as the reason."""
@@ -219,7 +200,7 @@ class Hub:
         session = self._link.session
         if session is not None:
             session = replace(session, twin=Twin(face.robot, client=session.client))
-            send_stop(self._stop_sender, session, action, self._reporter(face))
+            send_stop(self._stop_sender, session, action, partial(self._call, face.report))
 
     def stop(self, visitor: Visitor, robot: str, stop: str, page: OpenPage | None = None) -> None:
         """Send STOP to simulation and hardware of a name, for any page; ignore it if its number `stop` came before.

@@ -17,9 +17,7 @@ PIN_MIN, PIN_MAX = 6, 64
 WINDOW_S: Final = 60.0
 """Time for which a wrong PIN counts."""
 WRONG_MAX: Final = 5
-"""Largest number of wrong PINs of one address within WINDOW_S."""
-WRONG_TOTAL: Final = 60
-"""Largest number of wrong PINs of all addresses within WINDOW_S: trying all PINs of six digits takes eleven days."""
+"""Largest number of wrong PINs of one address within WINDOW_S: for all PINs of six digits it needs four months."""
 VISITORS_MAX: Final = 256
 STOPS_KEPT: Final = 32
 
@@ -79,37 +77,14 @@ def headers(host: str) -> dict[str, str]:
     }
 
 
-class Attempts:
-    """Counts wrong PINs; times are monotonic (s)."""
-
-    def __init__(self) -> None:
-        self._wrong: deque[tuple[float, str]] = deque(maxlen=WRONG_TOTAL)
-
-    def wait_s(self, address: str, now_s: float) -> float:
-        """Return the time until this address may try again (s); 0: now."""
-        while self._wrong and now_s - self._wrong[0][0] >= WINDOW_S:
-            self._wrong.popleft()
-        own = [moment for moment, sender in self._wrong if sender == address]
-        first = (
-            self._wrong[0][0]
-            if len(self._wrong) >= WRONG_TOTAL
-            else own[0]
-            if len(own) >= WRONG_MAX
-            else None
-        )
-        return 0.0 if first is None else first + WINDOW_S - now_s
-
-    def failed(self, address: str, now_s: float) -> None:
-        """Record a wrong PIN."""
-        self._wrong.append((now_s, address))
-
-
 class Login:
     """Checks PINs; returns sentences for the user."""
 
     def __init__(self, pin: str | None) -> None:
         """Set the PIN; None: every browser that reaches the server may use the page."""
-        self._pin, self._attempts = pin, Attempts()
+        self._pin = pin
+        self._wrong: dict[str, deque[float]] = {}
+        """times of the newest wrong PINs of each address (monotonic clock, s)"""
 
     @property
     def needed(self) -> bool:
@@ -120,12 +95,12 @@ class Login:
         """Return the reason why this PIN is refused, and count a wrong one; empty if it is accepted."""
         if self._pin is None:
             return ""
-        wait_s = self._attempts.wait_s(address, now_s)
-        if wait_s > 0:
+        wrong = self._wrong.setdefault(address, deque(maxlen=WRONG_MAX))
+        if len(wrong) == WRONG_MAX and (wait_s := wrong[0] + WINDOW_S - now_s) > 0:
             return WAIT.format(seconds=max(1.0, wait_s))
         if hmac.compare_digest(typed.strip().encode(), self._pin.encode()):
             return ""
-        self._attempts.failed(address, now_s)
+        wrong.append(now_s)
         return WRONG_PIN
 
 

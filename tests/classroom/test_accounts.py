@@ -85,14 +85,7 @@ def test_doctor_and_top_announce_that_an_account_expires(
 
 @pytest.mark.parametrize(
     ("days", "when"),
-    [
-        (400, ""),
-        (60, ""),
-        (59, "expire on 2027-01-01, in 59 days."),
-        (1, "in 1 day."),
-        (0, "in 0 days."),
-        (-1, "expired on 2027-01-01."),
-    ],
+    [(60, ""), (59, "expire on 2027-01-01, in 59 days."), (1, "in 1 day."), (-1, "expired on 2027-01-01.")],
 )
 def test_accounts_are_announced_as_soon_as_init_would_renew_them(days: int, when: str) -> None:
     expires = dt.date(2027, 1, 1)
@@ -200,10 +193,6 @@ key = ""
     [
         ("ana, please", "it is not written in TOML"),
         ('[project]\nname = "x"\n', "no account has a field 'project'"),
-        (
-            'name = "ana"\n',
-            "it lacks class and role and connect and expires and authority and certificate and key",
-        ),
         (FILE.replace("student", "boss"), "the value of role is not allowed"),
         (FILE.replace("tls/", "tcp/"), "its router must have endpoints that begin with tls/"),
         (
@@ -226,15 +215,3 @@ def test_the_account_of_a_class_is_not_used_for_another_router(joined: Account) 
     elsewhere = resolve("toy", "tcp/127.0.0.1:1", "zoe")
     assert (elsewhere.account, elsewhere.robot, elsewhere.who) == (None, "toy", "zoe")
     assert resolve(connect=joined.connect).account == joined
-
-
-def test_up_with_an_account_of_a_class_starts_no_router(router: ClassRouter, tmp_path: Path) -> None:
-    account = msgspec.structs.replace(router.account("ana"), connect="tls/127.0.0.1:1")
-    (tmp_path / "ana.toml").write_text(account.text())
-    assert "not usable now" in beatrix("join", str(tmp_path / "ana.toml")).stderr
-    try:
-        done = beatrix("up", "--no-sim", "--hw", "virtual:")
-    finally:
-        beatrix("join", "--leave")
-    assert done.returncode == 3
-    assert "the teacher starts it" in done.stderr

@@ -11,10 +11,9 @@ import hostile
 import msgspec
 import pytest
 from cable import Cable
-from class_router import CLI, Answering, ClassRouter, replies
+from class_router import CLI, Answering, ClassRouter, replies, use_account
 from patient_connections import PATIENCE_S, patiently
 from robots import ROOT, Process, ready, until
-from students import use_account
 
 from beatrix_zenoh import Interrupted, NoAnswer, Robot
 from beatrix_zenoh import bus as zbus

@@ -6,12 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from class_router import CLI, ClassRouter, start_node
+from class_router import CLI, ClassRouter, start_node, use_account
 from patient_connections import PATIENCE_S, patiently
 from robots import Process, ready, until
 from shell import beatrix
-from students import use_account
-from web_client import WebClient, serving
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client import Client
@@ -72,34 +70,6 @@ def test_a_seat_drives_the_robots_of_the_class_and_its_own_and_no_other(clients:
     Robot("bea1", "hw", client=clients["teacher"]).look(yaw=0)
 
 
-@pytest.mark.long("starts the page twice")
-def test_only_one_page_of_a_seat_drives_at_a_time(router: ClassRouter, clients: dict[str, Client]) -> None:
-    """All pages act as one seat, because the router allows their server only the seat of its account."""
-    account = router.account("ben")
-    robot = Robot("bea1", "hw", client=clients["teacher"])
-    until(lambda: not robot.status().holder, "no seat drives")
-    with serving(account.connect, account=account) as port, WebClient(port) as browser:
-        browser.load()
-        first, second = browser.connect(), browser.connect()
-        for page in (first, second):
-            page.state(lambda view: view["robots"] == ["ana", "bea1"], "both robots")
-            page.send("ChooseRobot", name="bea1")
-        first.state(lambda view: view["robot"] == "bea1", "watches")
-        first.drive("mia")
-        assert robot.status().holder == "ben"
-        second.send("drive", name="noa")
-        second.state(
-            lambda view: "All pages of this server use the seat ben" in view["you"]["notice"], "refused"
-        )
-        second.send("ChooseRobot", name="ana")
-        second.state(lambda view: view["robot"] == "ana", "watches")
-        second.send("drive", name="noa")
-        refused = second.state(lambda view: view["commands"]["refusal"], "refused")["commands"]["refusal"]
-        assert "account ben" in refused["text"]
-        second.send("stop", robot="bea1", stop="1")
-        first.state(lambda view: view["history"][0]["what"] == "stop", "reported where the robot is shown")
-
-
 def test_an_emergency_stop_of_a_student_reaches_all_robots(
     router: ClassRouter, clients: dict[str, Client], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -141,16 +111,6 @@ def test_a_turn_lends_the_program_a_session_and_no_account(
     assert printed[-3:] == ["reached 10 ana", "account None '' False", "files []"]
 
 
-def test_a_turn_with_the_account_of_the_teacher_is_refused(router: ClassRouter, tmp_path: Path) -> None:
-    path = tmp_path / "start.py"
-    path.write_text(LOOKS_FOR_ACCOUNT)
-    account = router.account("teacher")
-    with pytest.raises(Refused, match="as another user of this computer"):
-        turns.take_turn(
-            program.read(path), Settings("bea1", account.connect, "teacher", account=account), "hw", 0.0
-        )
-
-
 def robot_of(router: ClassRouter, name: str, seat: str) -> Robot:
     """Return the simulation of a name through a new session of a seat."""
     account = router.account(seat)
@@ -176,10 +136,3 @@ def test_the_teacher_simulates_all_seats_and_each_drives_only_its_own(
         of_another.client.close()
     finally:
         assert process.end() == 0
-
-
-def test_a_seat_may_not_simulate_the_robots_of_others(router: ClassRouter, tmp_path: Path) -> None:
-    use_account(tmp_path, router.path("ana"))
-    process = Process(*CLI, "sim", "--seats", str(router.class_file), folder=tmp_path, traced=False)
-    assert process.wait() == 2
-    assert any("accepts only a robot of the same name" in line for line in process.lines)

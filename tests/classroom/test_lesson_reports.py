@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from class_router import ClassRouter, replies
+from class_router import ClassRouter, replies, use_account
 from patient_connections import patiently
 from robots import until
 from shell import beatrix
-from students import use_account
 
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client import lesson_reports as reports

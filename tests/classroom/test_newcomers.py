@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from class_router import ClassRouter
-from school_network import School, permits_namespaces
+from school_network import ROUTER, School, permits_namespaces
 
 pytestmark = [
     pytest.mark.long("several computers in network namespaces"),
@@ -52,11 +52,11 @@ print("connected", time.monotonic() - begin_s, flush=True)
 def test_a_stranger_keeps_no_newcomer_out(tmp_path: Path) -> None:
     with School(tmp_path) as school:
         stranger, ana, bea1 = (school.host(name) for name in ("stranger", "ana", "bea1"))
-        with ClassRouter(tmp_path, inside=school.router.inside, address=school.address) as router:
+        with ClassRouter(tmp_path, inside=school.router.inside, address=ROUTER) as router:
             rules = router.folder / "connections.nft"
             for _ in range(2):  # a second time they replace themselves
                 subprocess.run([*school.router.inside, "nft", "-f", str(rules)], check=True, timeout=10)
-            flood = stranger.start("-c", STRANGER, school.address, str(router.classroom.port), "20")
+            flood = stranger.start("-c", STRANGER, ROUTER, str(router.classroom.port), "20")
             flood.expect("flood")  # it has used up what the rules let through at first
             for host, name in ((ana, "ana"), (bea1, "bea1")):
                 newcomer = host.start("-c", NEWCOMER, str(router.path(name)))

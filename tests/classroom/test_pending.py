@@ -26,19 +26,17 @@ from beatrix_zenoh.settings import Settings
 BEA2 = keys.pending("bea2", "hw")
 MUTE, UNMUTE = (LeaseQuery(action=action, seat="cem") for action in (LeaseAction.MUTE, LeaseAction.UNMUTE))
 LIMIT = LeaseQuery(action=LeaseAction.LIMIT, speed=math.radians(20))
-NO_LIMIT = LeaseQuery(action=LeaseAction.LIMIT)
 
 
 @pytest.mark.parametrize(
     ("decisions", "kept"),
     [
-        ([MUTE, LIMIT], ["mute cem", "limit 20"]),
         ([MUTE, LIMIT, UNMUTE], ["limit 20", "unmute cem"]),
-        ([LIMIT, NO_LIMIT], ["limit off"]),
         ([MUTE, LeaseQuery(action=LeaseAction.MUTE, seat="ben")], ["mute cem", "mute ben"]),
         ([LeaseQuery(action=LeaseAction.FREEZE), LeaseQuery(action=LeaseAction.UNFREEZE)], ["unfreeze"]),
         ([LeaseQuery(action=LeaseAction.TURN, longest_s=60)], ["limit --turn 60"]),
         ([LIMIT, LeaseQuery(action=LeaseAction.TURN)], ["limit 20", "limit --turn off"]),
+        ([LIMIT, LeaseQuery(action=LeaseAction.LIMIT)], ["limit off"]),
     ],
 )
 def test_of_each_kind_the_newest_decision_is_kept(decisions: list[LeaseQuery], kept: list[str]) -> None:

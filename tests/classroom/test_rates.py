@@ -67,7 +67,7 @@ def test_a_huge_message_does_not_fill_the_memory_of_the_router(router: ClassRout
     account, ana = router.account("ana"), router.session("ana")
     before = resident(router.process.pid)
     settings = {"mode": "client", "connect/endpoints": [account.connect], **credentials.settings(account)}
-    hostile = opened(settings, lambda: "")
+    hostile = opened(settings, "")
     try:
         hostile.put(
             keys.positions("ana", "sim"), bytes(HUGE), congestion_control=zenoh.CongestionControl.BLOCK

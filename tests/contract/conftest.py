@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 import pytest
 from bodies import Body, run_on_bodies
-from quick_waits import quick
 from robots import Stage, ready
 
 from beatrix_zenoh import Robot
@@ -48,8 +47,7 @@ def body(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 def robot(body: Body) -> Iterator[Robot]:
     """A client of the seat ana; the robot is at home, enabled and calibrated. All clients close after the test."""
     robot = body.robot()
-    with quick("reply to STOP"):
-        robot.stop()
+    robot.stop()
     robot.disable()
     ready(robot)
     yield robot

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import pytest
 from bodies import run_on_bodies
 from old_programs import Place
-from quick_waits import quick
 from robots import Stage
 from shell import Shell, both, wait_until_free
 
@@ -29,11 +28,10 @@ def stage(bea: Stage) -> Iterator[Stage]:
 def twin(stage: Stage) -> Iterator[Twin]:
     """Both robots, enabled and calibrated."""
     with Twin("bea", connect=stage.endpoint, who="ana", timeout_s=10.0) as made:
-        with quick("replies to STOP and commands of both robots"):
-            made.stop()
-            made.disable()
-            made.enable()
-            made.calibrate()
+        made.stop()
+        made.disable()
+        made.enable()
+        made.calibrate()
         yield made
         made.stop()
 

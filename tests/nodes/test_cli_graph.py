@@ -5,10 +5,8 @@ from __future__ import annotations
 import sys
 from typing import Any
 
-import pytest
 from class_router import replies
 from robots import until
-from router_storm import SEATS, storm
 from shell import NAME, Shell
 
 from beatrix_zenoh import bus as zbus
@@ -44,13 +42,3 @@ def test_the_router_answers_nothing_about_itself(shell: Shell) -> None:
     with zbus.connect(shell.endpoint) as bus:
         for selector in ("@/**", "@/*/router/**", "@/*/router"):
             assert [key for key, _ in replies(bus, selector) if bus.session_id not in key] == []
-
-
-@pytest.mark.long("a storm of sessions")
-@pytest.mark.alone
-def test_the_router_answers_while_twelve_seats_come_and_go() -> None:
-    after = storm(10.0)
-    assert not after.trouble
-    assert after.done["seat"] > 5 * SEATS
-    assert all(after.done[verb] > 5 for verb in ("graph", "ls", "top", "stop")), after.done
-    assert after.seen > 2, "graph has shown seats that came and went"

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import subprocess
+import math
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
 
 import msgspec
 import pytest
@@ -17,7 +16,7 @@ from shell import Shell
 from statuses import READY
 from zenoh.handlers import Callback
 
-from beatrix_zenoh import Interrupted, NoAnswer, Robot
+from beatrix_zenoh import Interrupted, Robot
 from beatrix_zenoh.contract._generated.messages import Reason
 
 
@@ -49,6 +48,26 @@ def foreign(stage: Stage) -> Iterator[zenoh.Session]:
         yield session
 
 
+def test_a_plain_get_moves_the_robot_and_keeps_the_last_reply(stage: Stage, robot: Robot) -> None:
+    """With the defaults of Zenoh, as in its examples."""
+    robot.disable()
+    with foreign(stage) as session:
+
+        def get(selector: str, payload: str | None = None) -> dict[str, object]:
+            (reply,) = session.get(f"beatrix/bea/hw/{selector}", payload=payload, timeout=8)
+            assert reply.ok is not None
+            value: dict[str, object] = json.loads(reply.ok.payload.to_string())
+            return value
+
+        assert get("cmd/me/pose?yaw=0.2")["reason"] == "NOT_ENABLED"
+        assert get("cmd/me/command?command=enable")["result"] is True
+        assert get("cmd/me/command", '{"command":2}')["result"] is True
+        assert get("cmd/me/pose?yaw=0.1;speed=1")["phase"] == "done"
+        assert robot.positions().head.yaw == pytest.approx(math.degrees(0.1), abs=0.5)
+        assert get("stop")["result"] is True
+    until(lambda: not robot.status().holder, "free")
+
+
 def answer_all(session: zenoh.Session, key: str, reply_key: str, payload: bytes) -> zenoh.Queryable[None]:
     """Declare a complete queryable, like `z_storage --complete`; without `reply_key` it uses the key of the query."""
 
@@ -59,18 +78,11 @@ def answer_all(session: zenoh.Session, key: str, reply_key: str, payload: bytes)
     return session.declare_queryable(key, Callback(answer, indirect=False), complete=True)
 
 
-FOREIGN = [
-    ("beatrix/**", b"hello"),
-    ("", b"\x81\xa4mood\xa3sad"),
-]
-
-
-@pytest.mark.parametrize(("reply_key", "payload"), FOREIGN)
 def test_a_foreign_queryable_on_all_keys_blocks_no_query_to_the_robot(
-    stage: Stage, robot: Robot, reply_key: str, payload: bytes, caplog: pytest.LogCaptureFixture
+    stage: Stage, robot: Robot, caplog: pytest.LogCaptureFixture
 ) -> None:
     with foreign(stage) as session:
-        queryable = answer_all(session, "beatrix/**", reply_key, payload)
+        queryable = answer_all(session, "beatrix/**", "", b"\x81\xa4mood\xa3sad")
         ready(robot)
         motion = robot.look(yaw=90, speed=20, wait=False)
         until(lambda: robot.status().moving, "moving")
@@ -124,22 +136,6 @@ def test_a_robot_of_another_version_is_listed_and_hides_no_other(stage: Stage, r
         assert (rows["bea"]["state"], rows["odd"]["answers"]) == ("ready", False)
         assert ": ignored" in done.stderr
         assert "odd (hw): is online but sends no readable status" in shell.good("ls")
-        found: list[subprocess.CompletedProcess[str]] = []
-
-        def shown() -> bool:  # a program that stood still shows robots as lost until the next positions
-            found[:] = [shell.run("top", "--once", "--json")]
-            row = row_of(found[0], "bea")
-            return bool(row["state"] == "ready" and row["hz"] > 30)
-
-        until(shown, "the robot of this version is shown")
-        odd = row_of(found[0], "odd")
-        assert (odd["state"], odd["head_deg"]) == ("lost", None)
-        assert ": ignored" in found[0].stderr
-
-
-def row_of(done: subprocess.CompletedProcess[str], robot: str) -> dict[str, Any]:
-    """Return the row of a robot in the output of `beatrix top --json`."""
-    return next(row for row in json.loads(done.stdout)["robots"] if row["robot"] == robot)
 
 
 def test_an_undecodable_stop_reply_does_not_end_the_stop(stage: Stage, robot: Robot) -> None:
@@ -152,11 +148,6 @@ def test_an_undecodable_stop_reply_does_not_end_the_stop(stage: Stage, robot: Ro
         assert (rows["odd"]["result"], rows["odd"]["reason"]) == (False, "TIMED_OUT")
         assert "beatrix/odd/hw/stop/ana" in done.stderr
         assert isinstance(motion.exception(5.0), Interrupted)
-        odd = stage.robot("odd", "hw")
-        with pytest.raises(NoAnswer, match=r"odd \(hw\) is online but did not answer"):
-            odd.stop()
-        with odd.status_stream(timeout_s=0.5) as stream, pytest.raises(NoAnswer, match="no message"):
-            stream.next()
 
 
 def get_all(session: zenoh.Session, key: str, target: zenoh.QueryTarget) -> tuple[list[str], list[str]]:

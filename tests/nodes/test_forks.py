@@ -60,16 +60,10 @@ threading.Thread(target=motion.result, daemon=True).start()  # holds a lock of t
 threading.Thread(target=robot.events().next, daemon=True).start()
 robot.client._lock.acquire()  # as a thread that opens the session of the cameras
 REFUSED = {
-    "status": robot.status, "positions": robot.positions, "info": robot.info, "look": lambda: robot.look(10),
-    "move": lambda: robot.move(1, 2, 3), "home": robot.home, "stop": robot.stop, "enable": robot.enable,
-    "emergency_stop": robot.emergency_stop, "past_events": robot.past_events, "target": robot.target,
-    "stream": robot.stream, "camera": lambda: robot.camera("left"), "lease": robot.lease, "events": robot.events,
-    "with": lambda: robot.__enter__(), "bound": lambda: bound(10),
-    "stream.next": stream.next, "stream.latest": lambda: stream.latest, "for": lambda: next(iter(stream)),
-    "iterator": lambda: next(iterator), "motion.result": motion.result, "motion.done": motion.done,
-    "motion.cancel": motion.cancel, "twin.look": lambda: twin.look(10), "twin.positions": lambda: twin.positions(),
-    "twin.preview": lambda: twin.preview(10), "twin.stop": lambda: twin.stop(), "monitor": lambda: monitor.robots(),
-    "new monitor": lambda: Monitor(robot.client), "client": robot.client.robots,
+    "positions": robot.positions, "look": lambda: robot.look(10), "stop": robot.stop, "lease": robot.lease,
+    "with": lambda: robot.__enter__(), "bound": lambda: bound(10), "for": lambda: next(iter(stream)),
+    "iterator": lambda: next(iterator), "stream.latest": lambda: stream.latest, "motion.result": motion.result,
+    "twin.look": lambda: twin.look(10), "monitor": lambda: monitor.robots(), "client": robot.client.robots,
     "new robot": lambda: Robot("bea1"), "new twin": lambda: Twin("bea1"),
 }
 CLOSED = {
@@ -79,7 +73,6 @@ CLOSED = {
 }
 found = {name: in_fork(do) for name, do in {**REFUSED, **CLOSED}.items()}
 found["refused"], found["closed"] = sorted(REFUSED), sorted(CLOSED)
-found["repr"] = in_fork(lambda: repr(robot))
 found["end"] = in_fork(lambda: None, end=sys.exit)
 robot.client._lock.release()
 found["parent"] = robot.move(0, 0, 0).result().result
@@ -94,7 +87,6 @@ POOLS = (
     + """
 import pickle
 from multiprocessing import get_context
-from beatrix_zenoh import suggestion
 
 def enabled(name):
     with Robot(name) as robot:
@@ -113,35 +105,25 @@ def in_pool(method, do, *arguments):
         try:
             return pool.submit(do, *arguments).result(30)
         except BeatrixError as error:
-            alternative = suggestion(error)
-            return [type(error).__name__, error.message, alternative and round(alternative.head.pitch)]
+            return [type(error).__name__, error.message, error.reason]
 
 if __name__ == "__main__":
     found = {"fork before": in_pool("fork", enabled, "bea1")}
     robot = Robot("bea1")
     found["fork"] = in_pool("fork", enabled, "bea1")
-    child = get_context("fork").Process(target=lambda: robot.status())
-    child.start()
-    child.join(10)
-    found["exit code"] = child.exitcode
-    for method in ("spawn", "forkserver"):
-        found[method] = in_pool(method, enabled, "bea1")
+    found["spawn"] = in_pool("spawn", enabled, "bea1")
     found["passed"] = in_pool("spawn", use, robot)
     found["refused"] = in_pool("spawn", refuse)
-    twin = Twin("bea1")
-    motion, stream = robot.move(0, 0, 0, wait=False), robot.stream()
-    for one in (robot, robot.client, twin, twin.preview(5), motion, stream, Monitor(robot.client)):
-        try:
-            pickle.dumps(one)
-        except BeatrixError as error:
-            found[type(one).__name__] = error.message
-    twin.close()
+    try:
+        pickle.dumps(robot)
+    except BeatrixError as error:
+        found["pickled"] = error.message
     robot.close()
     found["fork after close"] = in_pool("fork", enabled, "bea1")
     print(json.dumps(found), flush=True)
 """
 )
-"""Process pools of all start methods, before, during and after a connection of the parent; and pickling."""
+"""Process pools, before, during and after a connection of the parent; and pickling."""
 
 
 @pytest.fixture(scope="module")
@@ -169,7 +151,6 @@ def test_every_use_of_an_inherited_object_is_refused_at_once(stage: Stage, tmp_p
             name
         ]
     assert {found[name] for name in found["closed"]} == {"returned None"}
-    assert found["repr"].startswith("returned <Robot of process ")
     assert (found["end"], found["parent"]) == ("returned None", True)
 
 
@@ -177,17 +158,14 @@ def test_a_child_of_a_process_that_has_connected_is_refused_and_others_work(
     stage: Stage, tmp_path: Path
 ) -> None:
     found = results(stage, POOLS, tmp_path)
-    assert [found[name] for name in ("fork before", "spawn", "forkserver")] == [True, True, True]
+    assert [found[name] for name in ("fork before", "spawn")] == [True, True]
     for name in ("fork", "fork after close"):
         kind, sentence, _ = found[name]
         assert kind == "WrongUsage"
         assert sentence.startswith("This process cannot connect, because process ")
         assert sentence.endswith(CURE)
-    assert found["exit code"] == 1
-    assert found["refused"][::2] == ["Refused", 35], "an error reaches the parent with its data"
     assert found["passed"][0] == "WrongUsage"
-    for name in ("Robot", "Client", "Twin", "Plan", "Motion", "Subscription", "Monitor"):
-        assert found[name].startswith(
-            f"{name} works only in the process that created it, so it can neither be"
-        )
-        assert found[name].endswith(CURE)
+    assert found["refused"][::2] == ["Refused", "OUT_OF_REACH"], "an error reaches the parent with its reason"
+    assert found["pickled"].startswith(
+        "Robot works only in the process that created it, so it can neither be"
+    )

@@ -10,7 +10,6 @@ import socket
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 import zenoh
@@ -86,11 +85,19 @@ def test_a_suspended_router_counts_as_lost(stage: Stage) -> None:
     endpoint = free_endpoint()
     router = start_router(endpoint)
     node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea")).start()
+    sentence = r"does not answer: it hangs or is very busy\. Robots stop by themselves within 3 s"
     try:
         with Robot("bea", "hw", connect=endpoint, who="ana") as robot:
             ready(robot).look(yaw=150, speed=10, wait=False)
             until(lambda: node.controller.arms()[0] > 0.05, "moving")
             router.send(signal.SIGSTOP)
+            with ThreadPoolExecutor() as pool:
+                stop = pool.submit(failed, robot.stop)
+                opened = pool.submit(failed, lambda: Robot("bea", "hw", connect=endpoint, who="ben"))
+                done = Shell(endpoint).run("stop")
+            for text in (done.stderr, stop.result().message, opened.result().message):
+                assert re.search(sentence, text)
+            assert (done.returncode, stop.result().reason) == (3, Reason.NO_ROUTER)
             until(lambda: not node.snapshot.status().moving, "stopped after a silence of 2 s")
             assert 0 < node.controller.arms()[0] < math.radians(100), "not at its goal"
             router.send(signal.SIGCONT)
@@ -98,69 +105,6 @@ def test_a_suspended_router_counts_as_lost(stage: Stage) -> None:
     finally:
         node.close()
         router.end()
-
-
-def test_the_error_for_a_suspended_router_explains_that_robots_stop(stage: Stage) -> None:
-    endpoint = free_endpoint()
-    router = start_router(endpoint)
-    node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea")).start()
-    sentence = r"does not answer: it hangs or is very busy\. Robots stop by themselves within 3 s"
-    try:
-        with Robot("bea", "hw", connect=endpoint, who="ana") as robot:
-            robot.stop()
-            router.send(signal.SIGSTOP)
-            shell = Shell(endpoint)
-            with ThreadPoolExecutor() as pool:
-                stops = pool.submit(failed, robot.stop)
-                opens = pool.submit(failed, lambda: Robot("bea", "hw", connect=endpoint, who="ben"))
-                lists = pool.submit(failed, robot.client.robots)
-                for verb in ("stop", "ls"):
-                    done = shell.run(verb)
-                    assert (done.returncode, bool(re.search(sentence, done.stderr))) == (3, True), done.stderr
-                assert stops.result().reason is Reason.NO_ROUTER
-            for error in (stops.result(), opens.result(), lists.result()):
-                assert re.search(sentence, error.message)
-    finally:
-        router.send(signal.SIGCONT)
-        node.close()
-        router.end()
-
-
-SUSPENDED = """
-import sys
-from beatrix_zenoh import BeatrixError, Robot
-with Robot("bea", "hw", connect=sys.argv[1], who="ana") as robot:
-    robot.make_ready()
-    motion = robot.look(yaw=100, speed=10, wait=False)
-    print("moving", flush=True)
-    try:
-        motion.wait()
-    except BeatrixError as error:
-        print("refused", type(error).__name__, error.reason, error.message, flush=True)
-"""
-
-
-def test_the_error_of_a_suspended_program_does_not_name_the_router(stage: Stage, tmp_path: Path) -> None:
-    node = stage.node("bea")
-    script = tmp_path / "suspended.py"
-    script.write_text(SUSPENDED, encoding="utf-8")
-    program = stage.script(script, stage.endpoint)
-    program.expect("moving")
-    until(lambda: node.snapshot.status().moving, "the arms turn")
-    program.send(signal.SIGSTOP)
-    until(lambda: not node.snapshot.status().moving, "its session is lost, so the robot stops")
-    program.send(signal.SIGCONT)
-    output = program.expect("refused")
-    assert "is lost, so" not in output
-    if (
-        "Interrupted" in output
-    ):  # the reply about the end of the motion took a session that was lost a little later
-        assert "router" not in output
-    else:
-        assert (
-            "was lost, and a router answers there again: it was restarted, this program was suspended"
-            in output
-        )
 
 
 @pytest.mark.long("waits until a session is replaced")

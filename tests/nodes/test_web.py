@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -76,11 +75,18 @@ def at_limit(view: dict[str, Any]) -> bool:
     return refusal is not None and "at most 35.0° is allowed" in refusal["text"]
 
 
-def slowly_home(page: WebSocket) -> None:
-    """Begin a motion that takes longer than the test."""
+def slowly_home(page: WebSocket, robot: Robot) -> None:
+    """Turn the head, and begin a motion home that takes longer than the test."""
+    jog(page, "yaw", abs(robot.positions().head.yaw) + 2.0)
     page.send("Choose", name="speed", value=2)
     page.send("RunCommand", command=Command.HOME.value)
     page.state(lambda view: view["history"][0]["what"].startswith("home") and moving(view), "moves")
+
+
+def stops_on_the_way(robot: Robot) -> None:
+    """Wait until the robot rests; it is not at home yet."""
+    until(lambda: not robot.status().moving, "at rest")
+    assert abs(robot.positions().head.yaw) > 1.0
 
 
 # -- driving -------------------------------------------------------------------------------------------
@@ -107,11 +113,9 @@ def test_a_jog_that_ends_at_the_limit_says_so_at_the_first_press(driver: WebSock
 
 
 def test_without_heartbeats_the_robot_stops(driver: WebSocket, robot: Robot) -> None:
-    jog(driver, "yaw", 3.0)
-    slowly_home(driver)
+    slowly_home(driver, robot)
     driver.state(lambda view: "No heartbeat" in view["you"]["notice"], "stopped", heartbeat=False)
-    until(lambda: not robot.status().moving, "at rest")
-    assert abs(robot.positions().head.yaw) > 1.0
+    stops_on_the_way(robot)
 
 
 @pytest.mark.long("waits for the limit of a silent page")
@@ -121,20 +125,16 @@ def test_a_silent_page_gives_the_robot_back(driver: WebSocket, robot: Robot) -> 
     until(lambda: not robot.status().holder, "free")
 
 
-def test_a_web_socket_that_closes_stops_the_robot_and_gives_it_back(driver: WebSocket, robot: Robot) -> None:
-    jog(driver, "yaw", 3.0)
-    slowly_home(driver)
-    driver.close()
-    until(lambda: not robot.status().moving and not robot.status().holder, "stopped, and free")
-    assert abs(robot.positions().head.yaw) > 1.0
-
-
-def test_a_hidden_page_stops_the_robot(driver: WebSocket, robot: Robot) -> None:
-    jog(driver, "yaw", 3.0)
-    slowly_home(driver)
+def test_a_hidden_page_stops_the_robot_and_a_closed_one_gives_it_back(
+    driver: WebSocket, robot: Robot
+) -> None:
+    slowly_home(driver, robot)
     driver.send("hidden")
-    driver.state(resting, "at rest")
-    assert abs(robot.positions().head.yaw) > 1.0
+    stops_on_the_way(robot)
+    slowly_home(driver, robot)
+    driver.close()
+    stops_on_the_way(robot)
+    until(lambda: not robot.status().holder, "free")
 
 
 def test_one_page_drives_and_the_next_gets_the_robot_when_it_leaves(
@@ -163,53 +163,12 @@ def test_a_name_drives_from_one_page_only(driver: WebSocket, browser: WebClient)
     other.close()
 
 
-def test_each_page_with_a_name_without_latin_letters_has_a_guest_seat_of_its_own(
-    port: int, browser: WebClient, robot: Robot
-) -> None:
-    robot.emergency_stop()  # frees the robot at once
-    with WebClient(port) as second:
-        second.load()
-        pages = [browser.connect(), browser.connect(), second.connect()]
-        queue: list[str] = []
-        for page, name in zip(pages, ("美玲", "小明", "🙂"), strict=True):
-            page.state(online, "a robot")
-            page.send("drive", name=name)
-            queue.append(page.state(lambda view: view["you"]["drives"], f"{name} is a seat")["you"]["seat"])
-            until(
-                lambda: [robot.status().holder, *robot.status().waiting] == queue, "one drives, others wait"
-            )
-        assert len({*queue}) == len(pages)
-        assert all(re.fullmatch(r"web-guest-[0-9-]+", seat) for seat in queue)
-        for page in pages:
-            page.close()
-
-
 def test_the_teacher_takes_the_robot_from_a_page(driver: WebSocket, stage: Stage) -> None:
     with stage.robot("bea1", "hw", "teacher").lease():
         driver.state(lambda view: view["banner"] and "teacher" in view["banner"]["text"], "lost")
         driver.send("RunCommand", command=Command.HOME.value)
         refusal = driver.state(lambda view: view["commands"]["refusal"], "refused")["commands"]["refusal"]
         assert refusal["alternative"]["intent"]["do"] == "TakeAlternative"  # waits for the robot
-
-
-def test_two_browsers_drive_two_robots(driver: WebSocket, browser: WebClient, stage: Stage) -> None:
-    other = browser.connect()
-    other.state(lambda view: view["robots"] == ["bea1", "bea2"], "both robots")
-    other.send("ChooseRobot", name="bea2")
-    other.state(lambda view: view["robot"] == "bea2" and online(view), "the second robot")
-    other.drive("cleo")
-    other.send("MakeReady", side="hw")
-    other.state(resting, "ready")
-    jog(other, "yaw", 2.0)
-    assert stage.robot("bea1", "hw").status().holder.startswith("web-mia")
-    other.close()
-
-
-def test_a_page_cannot_watch_an_unknown_robot(browser: WebClient) -> None:
-    page = browser.connect()
-    page.send("ChooseRobot", name="bea9")
-    page.send("Choose", name="speed", value=33)
-    assert page.state(lambda view: view["choices"]["speed"] == 33, "a later message")["robot"] == "bea1"
 
 
 def test_the_class_is_a_table_of_all_robots_and_a_projector_shows_whose_turn_it_is(
@@ -289,8 +248,7 @@ def test_every_page_can_stop_the_robot(driver: WebSocket, port: int, robot: Robo
         viewer.load()
         page = viewer.connect()
         page.state(online, "a robot")
-        jog(driver, "yaw", 3.0)
-        slowly_home(driver)
+        slowly_home(driver, robot)
         if way == "post":
             body = json.dumps({"do": "stop", "robot": "bea1", "stop": "7"})
             assert viewer.fetch("/stop", body).code == 200
@@ -301,20 +259,8 @@ def test_every_page_can_stop_the_robot(driver: WebSocket, port: int, robot: Robo
         page.state(lambda view: pressed(view)["good"] is not None, "an outcome in its history")
         row = pressed(page.view)
         assert row["good"], row  # although there is no simulation
-        until(lambda: not robot.status().moving, "stopped")
+        stops_on_the_way(robot)
     assert robot.status().enabled is (way != "emergency")
-    assert abs(robot.positions().head.yaw) > 1.0
-
-
-def test_a_browser_without_a_web_socket_can_stop_the_robot(
-    driver: WebSocket, port: int, robot: Robot
-) -> None:
-    with WebClient(port) as viewer:
-        viewer.load()
-        jog(driver, "yaw", 3.0)
-        slowly_home(driver)
-        viewer.fetch("/stop", json.dumps({"do": "stop", "robot": "bea1", "stop": "7"}))
-        until(lambda: not robot.status().moving, "stopped")
 
 
 def test_stop_arrives_while_pictures_flood_and_the_page_reads_nothing(
@@ -327,11 +273,9 @@ def test_stop_arrives_while_pictures_flood_and_the_page_reads_nothing(
         assert (first[0] in (0, 1), first[1:3]) == (True, b"\xff\xd8")
         for number in "01" * 50:  # confirmations of pictures that were not sent
             socket.send_raw(number)
-    jog(driver, "yaw", 3.0)
-    slowly_home(driver)
+    slowly_home(driver, robot)
     driver.send("stop", robot="bea1", stop="8")
-    until(lambda: not robot.status().moving, "stopped")
-    assert abs(robot.positions().head.yaw) > 1.0
+    stops_on_the_way(robot)
     jog(driver, "yaw", abs(robot.positions().head.yaw) + 1.0)  # STOP makes only other pages pause
 
 
@@ -339,8 +283,7 @@ def test_a_page_that_floods_stop_delays_no_stop_of_another_page(
     driver: WebSocket, browser: WebClient, port: int, robot: Robot
 ) -> None:
     flooding = browser.connect()
-    jog(driver, "yaw", 3.0)
-    slowly_home(driver)
+    slowly_home(driver, robot)
     for number in range(2 * MESSAGES_MAX):
         flooding.send("stop", robot=f"other{number % 7}", stop=f"flood-{number}")
     with WebClient(port) as viewer:
@@ -348,8 +291,7 @@ def test_a_page_that_floods_stop_delays_no_stop_of_another_page(
         page = viewer.connect()
         page.state(online, "a robot")
         page.send("stop", robot="bea1", stop="7")
-        until(lambda: not robot.status().moving, "stopped")
-    assert abs(robot.positions().head.yaw) > 1.0
+        stops_on_the_way(robot)
 
 
 def test_cameras_work_only_while_a_page_shows_them(browser: WebClient, robot: Robot) -> None:

@@ -6,14 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from robots import Stage, until, wait_status
+from robots import Stage, wait_status
 from web_client import WebClient, serving
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Status
-from beatrix_zenoh.settings import Settings
-from gui.console.link import Link
-from gui.console.state.actions import WatchMicrophones
 
 MARK = "microphones on"
 
@@ -57,19 +54,3 @@ def test_a_page_shows_levels_and_the_mark_only_while_its_box_is_checked(stage: S
         wait_status(robot, listening, "they are on again")
         page.close()
         wait_status(robot, lambda status: not listening(status), "a closed page does not listen")
-
-
-def test_the_link_of_the_window_listens_while_asked_to(stage: Stage, robot: Robot) -> None:
-    link = Link(Settings("bea1", stage.endpoint, "ana"), lambda _: None, lambda _, __: None)
-    link.start()
-    try:
-        link.do(WatchMicrophones(frozenset({"sim", "hw"})))
-        until(lambda: "hw" in link.world().levels, "levels arrive")
-        left, right = link.world().levels["hw"]
-        assert -60 < left < 0
-        assert -60 < right < 0
-        link.do(WatchMicrophones(frozenset()))
-        wait_status(robot, lambda status: not listening(status), "the microphones are off")
-        assert link.world().levels == {}
-    finally:
-        link.close()

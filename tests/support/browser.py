@@ -129,21 +129,20 @@ class Browser:
 
     def press(self, selector: str) -> None:
         """Press the mouse button on an element, and hold it."""
-        self._mouse("mousePressed", selector)
+        self._mouse(selector, "mousePressed")
 
     def release(self, selector: str) -> None:
         """Release the mouse button on an element."""
-        self._mouse("mouseReleased", selector)
+        self._mouse(selector, "mouseReleased")
 
     def click(self, selector: str) -> None:
         """Click an element where it is now, even if it moves meanwhile."""
-        x, y = self._still(selector)
-        for kind in ("mousePressed", "mouseReleased"):
-            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+        self._mouse(selector, "mousePressed", "mouseReleased")
 
-    def _mouse(self, kind: str, selector: str) -> None:
+    def _mouse(self, selector: str, *kinds: str) -> None:
         x, y = self._still(selector)
-        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+        for kind in kinds:
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
     def _still(self, selector: str) -> tuple[float, float]:
         """Return the middle of an element (CSS pixels), once it keeps its place from one frame to the next."""

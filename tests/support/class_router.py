@@ -212,9 +212,14 @@ def certified(account: Account, trusted: str = "", **validity: Any) -> Account:
     )
 
 
-def start_node(folder: Path, account: Path) -> Process:
-    """Start a virtual robot with an account, which a new `beatrix.toml` in `folder` names; return when it is ready."""
+def use_account(folder: Path, account: Path) -> None:
+    """Let programs in a folder use an account."""
     (folder / "beatrix.toml").write_text(f'account = "{account}"\n')
+
+
+def start_node(folder: Path, account: Path) -> Process:
+    """Start a virtual robot with an account, in a folder; return when it is ready."""
+    use_account(folder, account)
     node = Process(*CLI, "hw", "--port", "virtual:", folder=folder, traced=False)
     node.expect("ready")
     return node

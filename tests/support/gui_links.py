@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable
 from typing import Self
 
-from quick_waits import quick
 from robots import until
 
 from beatrix_zenoh.account import Account
@@ -95,8 +94,7 @@ class Linked:
 
     def accepted(self, row: int, side: str = "", timeout_s: float = PATIENCE_S) -> Outcome:
         """Wait for the first outcome of a row and twin; assert that the robot accepted the request; return it."""
-        with quick("acceptance of a request of the window"):
-            until(lambda: bool(self.of(row, side)), f"row {row} {side} is accepted", timeout_s)
+        until(lambda: bool(self.of(row, side)), f"row {row} {side} is accepted", timeout_s)
         first = self.of(row, side)[0]
         assert first.accepted, first
         return first

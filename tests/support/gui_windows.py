@@ -10,7 +10,6 @@ from PyQt5.QtCore import QEvent, QPoint, QPointF, Qt
 from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QTabWidget, QWidget
-from quick_waits import quick
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.degrees import ArmAngles
@@ -73,8 +72,7 @@ class Windowed:
 
     def until_shown(self) -> None:
         """Wait until the window shows the newest request, so that tests do not read older results."""
-        with quick("the window shows a request"):
-            self.until(lambda: not self.window.refresh_pending, "the request is shown")
+        self.until(lambda: not self.window.refresh_pending, "the request is shown")
 
     def type_number(self, box: QAbstractSpinBox, number: float) -> None:
         """Type a number into a box, and press Enter."""

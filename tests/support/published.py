@@ -9,7 +9,6 @@ from typing import Generic, TypeVar
 
 import msgspec
 from late_tests import in_time
-from quick_waits import quick
 from robots import EVENT_S
 
 from beatrix_zenoh import Robot
@@ -61,8 +60,7 @@ class Published(Generic[M]):
 def published_positions(robot: Robot) -> Published[Positions]:
     """Subscribe to the positions of a robot; return when the first has arrived."""
     positions = Published(robot, keys.positions(robot.name, robot.side), Positions)
-    with quick("the first positions"):
-        positions.next()
+    positions.next()
     return positions
 
 

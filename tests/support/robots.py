@@ -14,8 +14,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Self
 
-from quick_waits import quick
-
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Reply, Sessions
@@ -299,10 +297,9 @@ class Stage:
 
 def ready(robot: Robot) -> Robot:
     """Clear the emergency latch, enable and calibrate the robot; return it."""
-    with quick("replies to RESET, ENABLE and CALIBRATE"):
-        robot.reset()
-        robot.enable()
-        robot.calibrate()
+    robot.reset()
+    robot.enable()
+    robot.calibrate()
     return robot
 
 
@@ -319,12 +316,4 @@ def ask_raw(
     timeout_s: float = 8.0,
 ) -> list[Reply]:
     """Return all replies to a query, as a foreign client receives them."""
-    query = client.bus.query(selector, payload, encoding)
-    deadline = time.monotonic() + timeout_s
-    answers = []
-    try:
-        while (answer := query.next(deadline - time.monotonic())) is not None:
-            answers.append(answer)
-    finally:
-        query.close()
-    return answers
+    return list(client.bus.query(selector, payload, encoding).replies(timeout_s))

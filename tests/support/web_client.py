@@ -33,11 +33,8 @@ def serving(
     """Serve the page on loopback; yields the port."""
     shutdown, ports = Shutdown(), queue.SimpleQueue[int]()
     settings = Settings("bea", endpoint, "ana" if account is None else account.name, account=account)
-    thread = threading.Thread(
-        target=server.serve,
-        args=(settings, 0),
-        kwargs={"only": only, "pin": pin, "ready": ports.put, "shutdown": shutdown},
-    )
+    served = server.serve(settings, 0, only=only, pin=pin, ready=ports.put, shutdown=shutdown)
+    thread = threading.Thread(target=asyncio.run, args=(served,))
     thread.start()
     try:
         yield ports.get(timeout=EVENT_S)

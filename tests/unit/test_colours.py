@@ -7,11 +7,9 @@ import itertools
 import numpy as np
 import numpy.typing as npt
 import pytest
-from rerun import SeriesLines
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.body.figure import Figure, meshes
-from beatrix_zenoh.recording.rrd import scene
 from sim_node.model import build_spec
 
 Colour = colours.Colour
@@ -50,11 +48,3 @@ def test_models_and_viewer_use_the_table() -> None:
         name = mesh.body.removeprefix("arm_")
         assert colours.ARMS[name] in {colour for colour, _ in mesh.solids()}
         assert model.material(name).rgba[:3] * 255 == pytest.approx(colours.ARMS[name], abs=0.01)
-    for what in ("arms", "head"):
-        names = colours.ARMS if what == "arms" else colours.AXES
-        for side, shade in (("hw", lambda one: one), ("sim", colours.pale)):
-            style = dict(scene.curves(("bea", side)))[f"bea/{side}/{what}"]
-            assert isinstance(style, SeriesLines)
-            assert style.colors is not None
-            packed = [number >> 8 for number in style.colors.pa_array.to_pylist()]
-            assert packed == [int(colours.hexadecimal(shade(one))[1:], 16) for one in names.values()]

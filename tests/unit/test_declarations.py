@@ -11,7 +11,6 @@ from typing import cast
 import pytest
 import zenoh
 
-from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Bus
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
@@ -29,25 +28,13 @@ class FakeSession:
     def __init__(self) -> None:
         self.live: set[FakeDeclaration] = set()
         self.closed = False
-        self.hangs = False
-        """whether the router does not let it close in time"""
         self.while_undeclaring: Callable[[], None] = lambda: None
 
     def zid(self) -> str:
         return "abc"
 
-    def is_closed(self) -> bool:
-        return self.closed
-
     def liveliness(self) -> FakeSession:
         return self
-
-    @property
-    def info(self) -> FakeSession:
-        return self
-
-    def declare_transport_events_listener(self, *_: object, **__: object) -> FakeDeclaration:
-        return self.declare_subscriber("")
 
     def declare_subscriber(self, key: str, *_: object, **__: object) -> FakeDeclaration:
         if self.closed:
@@ -61,8 +48,6 @@ class FakeSession:
 
     def close(self) -> None:
         self.closed = True
-        if self.hangs:
-            raise zenoh.ZError("close operation timed out! at /home/zenoh/session.rs:1.")
         self.live.clear()
 
 
@@ -81,12 +66,10 @@ class Opened:
 
     def __init__(self) -> None:
         self.sessions: list[FakeSession] = []
-        self.hanging = False
         self.bus = Bus(self._open, "tcp/127.0.0.1:1")
 
     def _open(self) -> zenoh.Session:
         self.sessions.append(FakeSession())
-        self.sessions[-1].hangs = self.hanging
         return cast("zenoh.Session", self.sessions[-1])
 
     def live(self) -> list[str]:
@@ -136,31 +119,6 @@ def in_threads(*work: Callable[[], object]) -> None:
     assert not any(thread.is_alive() for thread in threads), "a thread waits for ever"
     if errors:
         raise errors[0]
-
-
-def test_a_router_that_does_not_let_its_session_close_is_one_warning(
-    caplog: pytest.LogCaptureFixture,
-) -> None:
-    """The error of Zenoh ended `beatrix router` with a traceback, also while it restarted for new accounts."""
-    session = FakeSession()
-    session.hangs = True
-    zbus.close_router(cast("zenoh.Session", session))
-    (record,) = caplog.records
-    assert record.levelname == "WARNING"
-    assert record.getMessage().startswith("The router did not close in time (close operation timed out!)")
-
-
-@pytest.mark.parametrize("act", ["renew", "close", "connection_error"])
-def test_a_session_that_does_not_close_in_time_raises_no_error(
-    act: str, caplog: pytest.LogCaptureFixture
-) -> None:
-    """A session of a client that hangs in the router ends with the router; its watchdog must go on."""
-    opened = Opened()
-    opened.sessions[0].hangs = True
-    if act == "connection_error":
-        opened.hanging = True
-    assert getattr(opened.bus, act)() is None
-    assert not caplog.records
 
 
 def until_closed(work: Callable[[], object]) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import pytest
 
 from beatrix_zenoh import bus as zbus
@@ -13,13 +11,9 @@ from beatrix_zenoh.settings import Settings
 
 WRONG = (
     "tcp/lab..local:7447",
-    f"tcp/{'a' * 64}:7447",
-    f"tcp/lab.{'a' * 64}.local:7447",
     "tcp/lab\0local:7447",
-    "tcp/lab\udcff:7447",
     "tcp/127.0.0.1:\u00b2",
     "tcp/127.0.0.1:99999",
-    "tcp/:7447",
     "udp/127.0.0.1:7447",
     "7447",
 )
@@ -27,13 +21,7 @@ WRONG = (
 
 @pytest.mark.parametrize("endpoint", WRONG)
 def test_an_invalid_endpoint_raises_wrong_usage(endpoint: str) -> None:
-    for use in (
-        zbus.parse_endpoint,
-        zbus.probe,
-        zbus.is_local,
-        zbus.open_router,
-        lambda text: Client(Settings("bea", text, "ana")),
-    ):
+    for use in (zbus.open_router, lambda text: Client(Settings("bea", text, "ana"))):
         with pytest.raises(WrongUsage, match=r"is not an endpoint\. Write protocol/host:port"):
             use(endpoint)
 
@@ -45,29 +33,7 @@ def test_an_invalid_endpoint_raises_wrong_usage(endpoint: str) -> None:
         ("tcp/[::1]:7447", "::1"),
         ("tcp/lab.local:7447", "lab.local"),
         ("tcp/bücher.local:7447", "bücher.local"),
-        (f"tcp/{'a' * 63}.local:7447", f"{'a' * 63}.local"),
     ],
 )
 def test_a_valid_endpoint_is_parsed(endpoint: str, host: str) -> None:
     assert zbus.parse_endpoint(endpoint) == ("tcp", host, 7447)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "nonsense",
-        "",
-        "(rx: 3)",
-        "(rx: (worker_threads: 0))",
-        "(rx:(),rx:())",
-        "(cpu: ())",
-        "(rx: (worker_threads: -1))",
-    ],
-)
-def test_a_runtime_setting_that_zenoh_cannot_parse_raises_wrong_usage(
-    text: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("ZENOH_RUNTIME", text)
-    expected = f"ZENOH_RUNTIME is {re.escape(repr(text))}.*Unset it"
-    with pytest.raises(WrongUsage, match=expected):
-        zbus.open_router("tcp/127.0.0.1:0")

@@ -123,7 +123,7 @@ def test_the_exit_waits_for_threads_that_receive() -> None:
             closing.set()
 
     def receive() -> None:
-        with sessions.receiver():
+        with sessions.call():
             inside.set()
             closing.wait(5.0)
             for number in range(100_000):  # long enough that an exit which does not wait is earlier

