@@ -10,14 +10,13 @@ from PyQt5.QtWidgets import (
     QAbstractButton,
     QApplication,
     QDialog,
-    QFrame,
     QGridLayout,
     QLineEdit,
     QWidget,
 )
 
 from gui.console.texts import Texts
-from gui.window.widgets.controls import label, plain_button, spaced
+from gui.window.widgets.controls import Sheet, label, plain_button, spaced
 
 STOP_KEYS = {Qt.Key.Key_Space, Qt.Key.Key_Escape, Qt.Key.Key_Pause}
 SEND_KEYS = {Qt.Key.Key_Return, Qt.Key.Key_Enter}
@@ -138,13 +137,11 @@ class Keys(QObject):
         return True
 
 
-class KeySheet(QFrame):
-    """All keys of the window; not a dialog, so that STOP stays usable."""
+class KeySheet(Sheet):
+    """All keys of the window."""
 
     def __init__(self, texts: Texts, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setProperty("notice", True)  # noqa: FBT003
-        self.setAccessibleName(texts("label.keys"))
+        super().__init__(texts("label.keys"), parent)
         layout = spaced(QGridLayout(self), None, (20, 14, 20, 14))
         layout.setHorizontalSpacing(24)
         layout.addWidget(label(texts("label.keys"), "large"), 0, 0, 1, 2)
@@ -155,19 +152,10 @@ class KeySheet(QFrame):
         self.close_button = plain_button(texts("label.dismiss"), texts("label.keys_help"))
         self.close_button.clicked.connect(self.hide)
         layout.addWidget(self.close_button, len(SHEET) + 1, 1)
-        self.hide()
 
     def toggle(self) -> None:
-        """Show the sheet in the middle, or hide it."""
-        self.setVisible(self.isHidden())
+        """Show or hide the sheet."""
         if self.isVisible():
-            self.place()
-            self.raise_()
-            self.close_button.setFocus()
-
-    def place(self) -> None:
-        """Move to the middle of the parent."""
-        parent = self.parentWidget()
-        if parent is not None:
-            self.adjustSize()
-            self.move((parent.width() - self.width()) // 2, max(0, (parent.height() - self.height()) // 2))
+            self.hide()
+        else:
+            self.appear(self.close_button)

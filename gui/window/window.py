@@ -40,8 +40,6 @@ ANSWERED = (Send, SendCommand, AskLease, MakeReady)
 """Actions that a robot answers within milliseconds."""
 YIELD_S = 0.0003
 """Pause in which the link's threads send, before the window draws: Python runs one thread at a time."""
-TABBED = (Qt.FocusPolicy.TabFocus, Qt.FocusPolicy.StrongFocus, Qt.FocusPolicy.WheelFocus)
-"""Policies of controls that Tab reaches."""
 
 
 class Window(QMainWindow):
@@ -156,22 +154,18 @@ class Window(QMainWindow):
 
     def _show(self, view: View) -> None:
         old, self._view = self._view, view
-        before = None if old is None or old.choices.language == view.choices.language else self.panels
-        if old is None or before is not None:
+        if old is None or old.choices.language != view.choices.language:
             self._build(view)
-        if (
-            old is None
-            or old.choices.theme != view.choices.theme
-            or old.choices.language != view.choices.language
-        ):
-            self._apply_theme(view)
-        if old is None or old.title != view.title:
-            self.setWindowTitle(view.title)
-        focus = QApplication.focusWidget()
+            old = None
+        if old is None or old.choices.theme != view.choices.theme:
+            apply_theme(self, style_of(view.choices.theme))
+            self.panels.show_theme(view.choices.theme)
+        self.setWindowTitle(view.title)
+        focus: QWidget | None = QApplication.focusWidget()
         self.panels.show_view(view)
-        if before is not None:
-            self.panels.keep(before)
-        keep_focus(self.panels, focus)
+        same_page = old is not None and old.choices.page is view.choices.page
+        if same_page and focus is not None and self.panels.isAncestorOf(focus) and not usable(focus):
+            self.panels.stop_bar.setFocus()  # Qt alone would choose the next control, which may be Record
         if view.choices.page is not WindowPage.CLASS and self.panels.class_page.large:
             self._project(on=False)
 
@@ -184,30 +178,7 @@ class Window(QMainWindow):
         self.setCentralWidget(self.panels)
         self.panels.head.pad.setFocus()  # so that arrows and Enter work at once
 
-    def _apply_theme(self, view: View) -> None:
-        apply_theme(self, style_of(view.choices.theme))
-        self.panels.show_theme(view.choices.theme)
 
-
-def keep_focus(panels: QWidget, focus: QWidget | None) -> None:
-    """Give the focus to the nearest control of the same panel if the control that had it can no longer be used.
-
-    Qt alone would choose the next control in the order of Tab, which may be Record or a tab.
-    """
-    if focus is None or not panels.isAncestorOf(focus) or (focus.isVisible() and focus.isEnabled()):
-        return
-    panel, centre = focus.parentWidget(), focus.mapTo(panels, focus.rect().center())
-    while panel is not panels:  # an ancestor of every control
-        others = [
-            other
-            for other in panel.findChildren(QWidget)
-            if other.focusPolicy() in TABBED and other.isVisible() and other.isEnabled()
-        ]
-        if others:
-            nearest = min(
-                others,
-                key=lambda other: (other.mapTo(panels, other.rect().center()) - centre).manhattanLength(),
-            )
-            nearest.setFocus()
-            return
-        panel = panel.parentWidget()
+def usable(control: QWidget) -> bool:
+    """Return whether the user can use a control."""
+    return control.isVisible() and control.isEnabled()

@@ -40,7 +40,11 @@ def make_dance(user: Windowed) -> None:
         user.until(lambda count=count: len(strip.cards) == count, "the pose is shown")  # type: ignore[misc]
     user.type_number(sequence.duration, 1.5)
     before = [card.name for card in strip.cards]
-    user.drag(strip, strip.card(4).center(), strip.card(3).center() - QPoint(strip.card(0).width() // 3, 0))
+    user.drag(
+        strip.viewport(),
+        strip.card(4).center(),
+        strip.card(3).center() - QPoint(strip.card(0).width() // 3, 0),
+    )
     user.until_shown()
     assert [card.name for card in strip.cards] == [*before[:3], before[4], before[3]]
 

@@ -279,15 +279,6 @@ def test_the_checked_robot_is_solid_and_the_other_one_a_ghost(
     assert drawn == {"paint_robot": heads.pop(solid), "paint_ghost": heads.popitem()[1]}
 
 
-def test_the_nose_glows_where_the_yaw_ends(shown: Callable[..., Shown]) -> None:
-    window = shown(ready())
-    for yaw, glows in ((120.0, False), (178.0, True)):
-        window.handle(AimHead(yaw, 0.0, 0.0))
-        x, y, _ = on_screen(window.panel.head.screen3d, window.target, NOSE)
-        seen = window.panel.head.grab().toImage().pixelColor(round(x) + 12, round(y))
-        assert (seen.red() - seen.blue() > 60) is glows, "yellow"
-
-
 def test_a_gap_in_the_positions_greys_the_head_where_it_was(
     shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch
 ) -> None:

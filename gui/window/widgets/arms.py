@@ -182,6 +182,3 @@ class ArmsPanel(Panel):
         self.absolute.setChecked(not choices.relative)
         self.increment.show_value(choices.increment, view.increment_max)
         self.speed.show_value(choices.speed, view.speed_max)
-        width = max(self.increment.name_width(), self.speed.name_width())
-        self.increment.set_name_width(width)
-        self.speed.set_name_width(width)

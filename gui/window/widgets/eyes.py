@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections import deque
 from typing import Final
 
-from PyQt5.QtCore import QBuffer, QRect, QSize, Qt, QTimer
+from PyQt5.QtCore import QBuffer, QRect, QSize, Qt
 from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QWidget
 
@@ -64,12 +63,8 @@ class LevelsPanel(Panel):
                 bar.setAccessibleName(f"{level.title}: {level.text}")
 
 
-PERIOD_MS: Final = 33
-"""Shortest time between two drawings."""
 STALE_S: Final = 1.0
-"""Age of the newest picture above which the title shows this age instead of the rate."""
-RATE_S: Final = 2.0
-"""Time over which the rate of pictures is measured."""
+"""Age of the newest picture above which the title shows this age."""
 NO_BREAK: Final = "\u2011"
 """A hyphen at which a line does not end."""
 BAR_PX: Final = 5
@@ -93,7 +88,7 @@ def decode(jpeg: bytes) -> QImage | None:
 class CameraPicture(QWidget):
     """The newest picture of one camera under its title, or the reason why there is none.
 
-    Pictures are decoded only when drawn: none while the widget is hidden, and at most 30 a second.
+    Pictures are decoded only when drawn: none while the widget is hidden.
     """
 
     def __init__(self, texts: Texts) -> None:
@@ -103,14 +98,8 @@ class CameraPicture(QWidget):
         self._view: EyeView | None = None
         self._newest: CameraImage | None = None
         self._image: tuple[CameraImage, QImage | None] | None = None
-        self._numbers: deque[tuple[int, int]] = deque()
-        self.note = ""
-        """the shown rate of the pictures, or the age of the newest if no more arrive"""
-        self._pause = QTimer(self)
-        self._pause.setSingleShot(True)
-        self._pause.setInterval(PERIOD_MS)
-        self._pause.timeout.connect(self._after_pause)
-        self._again = False
+        self._age = ""
+        """the shown age of the newest picture; empty: it is new"""
         self.setToolTip(texts("tip.picture"))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 
@@ -124,57 +113,25 @@ class CameraPicture(QWidget):
         """Show title, text and note; with a text, or if the camera is not watched, remove the picture."""
         if view.text or not view.watched:
             self._newest = self._image = None
-            self._numbers.clear()
-        note = self._note_now()
-        if (view, note) == (self._view, self.note):
+        age_s = 0.0 if self._newest is None else (time.monotonic_ns() - self._newest.arrived_mono_ns) / 1e9
+        age = f"{age_s:.0f} s" if age_s > STALE_S else ""
+        if (view, age) == (self._view, self._age):
             return
-        self._view, self.note = view, note
+        self._view, self._age = view, age
         self.setAccessibleName(view.title)
         self.setAccessibleDescription(view.text)
         self.update()
 
     def show_image(self, image: CameraImage) -> None:
         """Show a new picture."""
-        self._count(image)
-        self._newest = image
-        if self._pause.isActive():
-            self._again = True
-        else:
-            self._draw()
+        self._newest, self._age = image, ""
+        self.update()
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self._style = style_of(theme)
         self.updateGeometry()
         self.update()
-
-    def _draw(self) -> None:
-        self._again = False
-        self.note = self._note_now()
-        self._pause.start()
-        self.update()
-
-    def _after_pause(self) -> None:
-        if self._again:
-            self._draw()
-
-    def _count(self, image: CameraImage) -> None:
-        numbers = self._numbers
-        if numbers and image.seq <= numbers[-1][0]:  # another camera, or a restarted robot
-            numbers.clear()
-        numbers.append((image.seq, image.t_mono_ns))
-        while image.t_mono_ns - numbers[0][1] > RATE_S * 1e9:
-            numbers.popleft()
-
-    def _note_now(self) -> str:
-        """Return the rate of the pictures, or the age of the newest if no more arrive."""
-        if self._newest is None:
-            return ""
-        age_s = (time.monotonic_ns() - self._newest.arrived_mono_ns) / 1e9
-        if age_s > STALE_S:
-            return f"{age_s:.0f} s"
-        (first, begin_ns), (last, end_ns) = self._numbers[0], self._numbers[-1]
-        return f"{(last - first) / (end_ns - begin_ns) * 1e9:.0f}/s" if end_ns > begin_ns else ""
 
     def _strip(self) -> int:
         """Return the height of the title (px)."""
@@ -216,11 +173,10 @@ class CameraPicture(QWidget):
         painter.fillRect(strip, QColor(colours.panel))
         painter.fillRect(QRect(0, 0, BAR_PX, strip.height()), QColor(colours.side(self._view.side)))
         inner = strip.adjusted(BAR_PX + margin, 0, -margin, 0)
-        stale = self.note.endswith(" s")
-        painter.setPen(QColor(colours.warn if stale else colours.dim))
+        painter.setPen(QColor(colours.warn))
         vertical = Qt.AlignmentFlag.AlignVCenter
-        painter.drawText(inner, int(Qt.AlignmentFlag.AlignRight | vertical), self.note)
-        inner.setRight(inner.right() - painter.fontMetrics().horizontalAdvance(self.note + "  "))
+        painter.drawText(inner, int(Qt.AlignmentFlag.AlignRight | vertical), self._age)
+        inner.setRight(inner.right() - painter.fontMetrics().horizontalAdvance(self._age + "  "))
         painter.save()
         font = painter.font()
         font.setBold(True)

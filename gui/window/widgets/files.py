@@ -13,9 +13,6 @@ from gui.console.state.intents import Intent
 from gui.console.texts import Texts
 from gui.window.widgets.controls import Panel, label
 
-FORBIDDEN = '<>:"|?*\\'
-"""Characters that Windows does not allow in the name of a file."""
-
 
 class FileDialog(QFileDialog):
     """Qt's own dialog, not modal; shows messages in a line instead of Qt's modal boxes."""
@@ -61,9 +58,7 @@ class FileDialog(QFileDialog):
         An existing file is overwritten only at the second press; a missing file cannot be opened.
         """
         writes = self.acceptMode() == QFileDialog.AcceptMode.AcceptSave
-        if writes and self._refuse_name():
-            return
-        file = self._file()
+        file = Path(next(iter(self.selectedFiles()), ""))
         if file.is_dir() or file.exists() != writes or file == self._overwrites:
             super().accept()
         elif writes:
@@ -72,23 +67,6 @@ class FileDialog(QFileDialog):
             self.setLabelText(QFileDialog.DialogLabel.Accept, self._texts("label.file_overwrite"))
         else:
             self._show_notice(self._texts("label.file_missing", file=file.name))
-
-    def _file(self) -> Path:
-        selected = self.selectedFiles()
-        return Path(selected[0] if selected else "")
-
-    def _refuse_name(self) -> bool:
-        """Add a missing suffix to the typed name; return whether the name is refused, and say why."""
-        field = self.findChild(QLineEdit, "fileNameEdit")
-        if field is None or self._file().is_dir():
-            return False
-        name = Path(field.text()).name
-        if found := sorted(set(FORBIDDEN) & set(name)):
-            self._show_notice(self._texts("label.file_characters", characters=" ".join(found)))
-            return True
-        text, suffix = field.text().rstrip(" ."), f".{self.defaultSuffix()}"
-        field.setText(text if text.lower().endswith(suffix) else text + suffix)
-        return False
 
     def _clear_notice(self) -> None:
         self._overwrites = None
@@ -149,12 +127,8 @@ class FilePanel(Panel):
 def begin_folder(mode: QFileDialog.AcceptMode, suffix: str) -> Path:
     """Return the first folder of the dialog.
 
-    For reading choreographies: the folder of the shipped ones. Otherwise the working folder or, if it was deleted, the
-    home folder.
+    For reading choreographies: the folder of the shipped ones. Otherwise the working folder.
     """
     if mode == QFileDialog.AcceptMode.AcceptOpen and suffix == "csv":
         return Path(str(resources.files("beatrix_zenoh") / "choreographies"))
-    try:
-        return Path.cwd()
-    except FileNotFoundError:
-        return Path.home()
+    return Path()

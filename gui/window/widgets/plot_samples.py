@@ -86,13 +86,6 @@ def sample_time_s(state: RobotState, now_s: float) -> float:
     return stamp_s if abs(stamp_s - arrived_s) < FOREIGN_S else arrived_s
 
 
-def between(rows: Samples, begin_s: float, end_s: float) -> Samples:
-    """Return the samples between two times, and the next one on either side, so that lines reach the edges."""
-    first = int(np.searchsorted(rows[:, 0], begin_s)) - 1
-    last = int(np.searchsorted(rows[:, 0], end_s, side="right"))
-    return rows[max(0, first) : last + 1]
-
-
 def difference(hw: Samples, sim: Samples) -> Samples:
     """Return hardware minus simulation (deg) at the times of the hardware (s), shape (n, 4).
 
@@ -137,11 +130,3 @@ def _interpolated(rows: Samples, times: Samples) -> Samples:
         for arm in range(1, rows.shape[1])
     ]
     return np.stack(columns, axis=1)
-
-
-def span(lowest: float, highest: float, least: float) -> tuple[float, float]:
-    """Return limits of an axis around these values, not at them: round numbers, at least `least` apart."""
-    step = least / 4
-    low, high = math.floor(lowest / step - 0.2) * step, math.ceil(highest / step + 0.2) * step
-    missing = max(0, round((least - (high - low)) / step))
-    return low - (missing - missing // 2) * step, high + missing // 2 * step
