@@ -260,9 +260,5 @@ class Panels(QWidget):
         """Return the widget beside which a refusal is shown."""
         if name in {*ARMS, ALL_ARMS}:
             return self.arms.rows[name].hw
-        return {
-            "head": self.sending,  # beside Send, where it does not cover the head
-            "commands": self.commands,
-            "sequence": self.sequence,
-            "gestures": self.gestures,
-        }.get(name, self.head)
+        found: QWidget = self.sending if name == "head" else getattr(self, name)
+        return found

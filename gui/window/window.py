@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QCloseEvent
@@ -54,15 +55,17 @@ class Window(QMainWindow):
         self._world = link.world()
         self.panels: Panels
         self._show(self._state.view(self._world))
-        self.keys = Keys(lambda: self.panels.stop_bar)
-        self.keys.stop.connect(lambda: self.handle(Stop()))
-        self.keys.send.connect(lambda: self.handle(SendHead()))
-        self.keys.undo.connect(lambda: self.handle(Undo()))
-        self.keys.record.connect(lambda: self.panels.header.record.toggle.click())  # noqa: PLW0108 - panels are replaced
-        self.keys.help.connect(lambda: self.panels.key_sheet.toggle())  # noqa: PLW0108 - panels are replaced
-        self.keys.escape.connect(self._close_sheets)
-        self.keys.page.connect(lambda: self.handle(TogglePage()))
-        self.keys.projector.connect(lambda: self._project(on=not self.panels.class_page.large))
+        acts: dict[str, Callable[[], object]] = {
+            "stop": lambda: self.handle(Stop()),
+            "send": lambda: self.handle(SendHead()),
+            "undo": lambda: self.handle(Undo()),
+            "record": lambda: self.panels.header.record.toggle.click(),  # noqa: PLW0108 - panels are replaced
+            "help": lambda: self.panels.key_sheet.toggle(),  # noqa: PLW0108
+            "page": lambda: self.handle(TogglePage()),
+            "projector": lambda: self._project(on=not self.panels.class_page.large),
+            "escape": self._close_sheets,
+        }
+        self.keys = Keys(lambda: self.panels.stop_bar, acts)
         self.keys.install()
         self._timer = QTimer(self)
         self._timer.timeout.connect(self._refresh_in_turn)

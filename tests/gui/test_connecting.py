@@ -14,13 +14,11 @@ from PyQt5.QtTest import QTest
 from robots import free_endpoint
 
 from beatrix_zenoh.client import Presence
-from gui.console.link.children import parsed
 from gui.console.state.actions import ConnectHardware, LookForPorts
 from gui.console.state.connecting import VIRTUAL, CloseConnect
 from gui.console.state.intents import Choose
 from gui.console.state.pills import pill
 from gui.console.state.state import State
-from gui.console.state.views import Condition
 from gui.console.state.world import Trouble, UsbPort, World
 from gui.console.texts import Texts
 
@@ -72,22 +70,6 @@ def test_the_list_has_boards_first_and_always_the_virtual_robot() -> None:
     assert state.view(WITHOUT).connect is None
 
 
-def test_an_address_that_was_not_used_is_named_until_the_sheet_is_closed() -> None:
-    def seen() -> str:
-        found = state.view(wrong).connect
-        assert found is not None
-        return found.router.text
-
-    wrong = replace(WITHOUT, router_trouble=Trouble("connect.bad_address", slots={"address": "x:y"}))
-    state = opened()
-    assert "x:y" in seen()
-    state.handle(LookForPorts(), wrong)
-    assert "x:y" in seen(), "the sheet was open"
-    state.handle(CloseConnect(), wrong)
-    state.handle(LookForPorts(), wrong)
-    assert seen() == "The router answers. Robots online: 1."
-
-
 def test_a_choice_starts_the_hardware_once_and_the_list_goes_when_its_board_answers() -> None:
     state = opened()
     assert state.handle(ConnectHardware(VIRTUAL), WITHOUT) == [ConnectHardware(VIRTUAL)]
@@ -123,11 +105,6 @@ def test_a_failure_is_shown_in_the_language_with_the_output_as_a_detail() -> Non
     assert found.details == "Its output: ..."
 
 
-def test_the_output_of_the_program_is_read() -> None:
-    lines = ["other\t/dev/ttyUSB1\tFT232R", "a warning", "board\t/dev/ttyACM0\tArduino Mega"]
-    assert parsed(lines) == (BOARD, CABLE)
-
-
 @pytest.mark.usefixtures("qapp")
 def test_a_virtual_robot_is_connected_with_two_presses(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -147,28 +124,6 @@ def test_a_virtual_robot_is_connected_with_two_presses(
         user.until(sheet.isHidden, "the virtual robot is online, and the list has gone")
         assert user.window._world.hw.presence is not Presence.ABSENT
         assert user.window._world.own_hardware
-
-
-@pytest.mark.long("starts the hardware twice")
-def test_another_port_replaces_the_one_without_a_board(tmp_path: Path) -> None:
-    with Linked(free_endpoint()) as linked:
-        linked.do(LookForPorts())
-        linked.until(lambda world: world.ports is not None, "the ports were listed", READY_S)
-        linked.do(ConnectHardware(str(tmp_path / "no-port")))
-        assert linked.world.connecting
-        linked.until(lambda world: not world.connecting and world.own_hardware, "the program runs", READY_S)
-
-        def offered(world: World) -> bool:
-            found = pill(world, "hw", Texts("en"))
-            return found.condition is Condition.FAULT and found.next_step is not None
-
-        linked.until(offered, "its board is lost, and the pill offers other ports")
-        linked.do(ConnectHardware(VIRTUAL))
-        linked.until(lambda world: not world.connecting and world.own_hardware, "it runs again", READY_S)
-        linked.until(
-            lambda world: pill(world, "hw", Texts("en")).condition is Condition.DISABLED, "it answers"
-        )
-        assert linked.world.child_trouble is None
 
 
 def test_a_failed_program_of_the_hardware_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -120,9 +120,4 @@ def test_the_code_of_a_session_repeats_its_motions(user: Windowed, sim: Robot, t
     user.press(panels.code.save)
     save(user, panels.code, file)
     sim.home()
-    environment = os.environ | {"BEATRIX_WHO": "ana"}
-    done = subprocess.run(
-        [sys.executable, str(file)], check=False, env=environment, timeout=PROGRAM_S, capture_output=True
-    )
-    assert done.returncode == 0, done.stderr.decode()
-    assert near(sim.positions().arms, tuple(goal))
+    assert_program_passes(user, file, sim, [tuple(goal)])

@@ -1,4 +1,4 @@
-"""Pictures in the window: only visible ones are decoded, and missing ones have a reason."""
+"""Pictures and levels of sound in the window: only visible pictures are decoded, and missing ones have a reason."""
 
 from __future__ import annotations
 
@@ -13,16 +13,21 @@ from PyQt5.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client import CameraImage
-from gui.console.state.views import EyeView
+from gui.console.state.intents import Choose, Intent
+from gui.console.state.views import EyeView, LevelView, SoundView
 from gui.console.texts import Texts
 from gui.window.widgets import eyes
-from gui.window.widgets.eyes import CameraPicture, EyesPanel
+from gui.window.widgets.eyes import CameraPicture, EyesPanel, LevelsPanel
 
 RED, BLUE = (220, 20, 20), (20, 20, 220)
 WORDS = Texts("en")
 ON = EyeView("sim", "left", "Simulation, left eye", watched=True, text="")
 
 
+LEVELS = (
+    LevelView("sim", "Simulation", 0.75, 0.5, "left -20 dB, right -40 dB"),
+    LevelView("hw", "Hardware", 0.0, 0.0, "not online"),
+)
 DAMAGED = replace(ON, text=WORDS("label.picture_damaged"))
 
 
@@ -107,3 +112,19 @@ def test_both_eyes_of_both_robots_have_their_places(qtbot: QtBot) -> None:
     places = ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75))
     for place, painted in zip(places, colours, strict=True):
         assert alike(colour(shown, *place), painted)
+
+
+def test_bars_are_there_only_while_the_box_is_checked(qtbot: QtBot) -> None:
+    panel, intents = LevelsPanel(WORDS), list[Intent]()
+    qtbot.addWidget(panel)
+    panel.show()
+    panel.intent.connect(intents.append)
+    panel.show_view(SoundView(False, LEVELS))
+    assert not any(bar.isVisible() for bar in panel.bars.values())
+    panel.box.click()
+    assert intents == [Choose("microphones", value=True)]
+    assert not panel.box.isChecked(), "only the view changes it"
+    panel.show_view(SoundView(True, LEVELS))
+    assert all(bar.isVisible() for bar in panel.bars.values())
+    assert [bar.value() for bar in panel.bars.values()] == [75, 50, 0, 0]
+    assert [text.text() for text in panel.texts.values()] == [level.text for level in LEVELS]

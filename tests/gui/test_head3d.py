@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from gui_views import posed, ready
 from gui_worlds import NOWHERE, world
@@ -18,8 +17,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
-from beatrix_zenoh.body.figure import Figure, meshes
-from beatrix_zenoh.body.scene import Screen, Viewpoint, draw, hull
+from beatrix_zenoh.body.scene import Screen, Viewpoint
 from beatrix_zenoh.client.degrees import HeadAngles
 from gui.console.state import intents
 from gui.console.state.intents import AimHead, Choose, HeadOrientation, Intent, LiveHead, ReleaseHead
@@ -35,8 +33,6 @@ from gui.window.widgets.head3d_drag import (
     Part,
     grabbed,
     on_screen,
-    picked,
-    turned,
 )
 
 UPRIGHT = HeadOrientation(0.0, 0.0, 0.0)
@@ -56,15 +52,6 @@ def screen(name: str) -> Screen:
 def test_from_behind_the_left_ear_is_at_the_left(name: str, sign: int) -> None:
     ears = {side: on_screen(screen(name), UPRIGHT, place) for side, place in EARS.items()}
     assert (ears["left"][0] - ears["right"][0]) * sign > 50
-
-
-@given(camera=cameras, yaw=st.floats(-180, 180), pitch=angles, roll=angles)
-def test_the_middle_of_the_head_is_the_face(camera: Viewpoint, yaw: float, pitch: float, roll: float) -> None:
-    seen, head = Screen(camera, 600.0, 450.0), HeadOrientation(yaw, pitch, roll)
-    middle = on_screen(seen, head, SKULL)
-    ears = [on_screen(seen, head, place) for place in EARS.values()]
-    if min(math.dist(middle[:2], ear[:2]) for ear in ears) > 30:
-        assert picked(seen, head, middle[0], middle[1]) is Part.FACE
 
 
 def test_the_head_of_a_robot_is_grabbed_where_the_target_is_elsewhere() -> None:
@@ -99,37 +86,6 @@ def test_the_nose_follows_the_mouse(name: str, across: float, up: float) -> None
     after = on_screen(seen, at, NOSE)
     assert after[0] > before[0]
     assert after[1] < before[1]
-
-
-@pytest.mark.parametrize("name", ["front", "behind"])
-@pytest.mark.parametrize("part", [Part.LEFT_EAR, Part.RIGHT_EAR])
-def test_an_ear_follows_the_mouse(name: str, part: Part) -> None:
-    seen = screen(name)
-    before = on_screen(seen, UPRIGHT, EARS[part])
-    at = Drag.begin(seen, UPRIGHT, part, before[0], before[1]).at(before[0], before[1] - 20, 42.0, 180.0)
-    after = on_screen(seen, at, EARS[part])
-    assert (at.yaw, at.pitch) == (0.0, 0.0)
-    assert after[1] - before[1] == pytest.approx(-20, abs=6)
-
-
-def test_all_drawn_faces_are_turned_to_the_viewer_and_the_nearest_come_last() -> None:
-    figure = Figure()
-    shapes = meshes(figure)
-    rows = turned(HeadOrientation(20.0, 10.0, 5.0))
-    found = draw(shapes, figure.orientations((0.0, 0.0, 0.0), rows), screen("front"))
-    assert 300 < len(found.corners) < sum(len(mesh.faces) for mesh in shapes) * 0.6
-    assert np.isfinite(found.corners).all()
-    assert sum(len(mesh.faces) for mesh in shapes) < 2700, "a window paints them twenty times a second"
-
-
-@given(st.lists(st.tuples(st.floats(0, 20), st.floats(0, 20)), min_size=3, max_size=30, unique=True))
-def test_an_outline_contains_all_points(points: list[tuple[float, float]]) -> None:
-    corners = hull(np.array(points))
-    for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        edge = (other - one) / max(math.dist(one, other), 1e-9)
-        for point in points:
-            away = np.array(point) - one
-            assert edge[0] * away[1] - edge[1] * away[0] >= -1.0  # of 20: the hull has only some directions
 
 
 # -- the widget -------------------------------------------------------------------------------------
@@ -226,14 +182,6 @@ def test_dragging_beside_the_head_or_with_the_right_button_moves_the_camera(
     QTest.mouseClick(window.panel.views["side"], LEFT)
     assert head.camera == VIEWS["side"]
     assert window.panel.views["side"].isChecked()
-
-
-def test_keys_turn_the_target_as_on_the_pad(shown: Callable[..., Shown]) -> None:
-    window = shown()
-    window.panel.head.setFocus()
-    for key in (Qt.Key.Key_Left, Qt.Key.Key_Up, Qt.Key.Key_PageUp):
-        QTest.keyClick(window.panel.head, key)
-    assert window.target == HeadOrientation(1.0, -1.0, -1.0)
 
 
 def test_live_reports_while_the_mouse_moves_and_only_if_it_was_chosen(shown: Callable[..., Shown]) -> None:

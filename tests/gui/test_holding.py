@@ -9,14 +9,13 @@ from collections.abc import Callable
 import pytest
 from gui_windows import Windowed
 from gui_worlds import BOTH, state_after, world
-from present import present
 from PyQt5.QtCore import QEvent, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import MotionQuery
-from gui.console.state.actions import Hold, Outcome, Release
+from gui.console.state.actions import Hold, Release
 from gui.console.state.arms import AHEAD_S, FASTEST_DEG_S, HoldArm, ReleaseArm, jog_query
 from gui.console.state.intents import Choose, Stop
 from gui.console.state.state import State
@@ -47,16 +46,6 @@ def test_a_refused_press_is_refused_once() -> None:
     assert not state.view(world()).history
 
 
-def test_the_row_of_a_hold_gets_the_angles_at_rest() -> None:
-    state = State()
-    state.handle(HoldArm("long", 1), world())
-    state.handle(ReleaseArm(), world())
-    state.report(Outcome(1, "sim", accepted=True, done=True))
-    state.follow(world())
-    (row,) = state.view(world()).history
-    assert "relative" not in row.python
-
-
 @pytest.mark.parametrize("language", ["en", "de"])
 def test_the_panel_says_that_both_move_at_once_while_a_button_is_held(language: str) -> None:
     state = state_after(Choose("language", language), BOTH)
@@ -70,16 +59,6 @@ def test_the_panel_says_that_both_move_at_once_while_a_button_is_held(language: 
     state.handle(HoldArm("short", 1), world())
     state.handle(Stop(), world())
     assert state.view(world()).sending == idle, "after STOP nothing moves although the button is held"
-
-
-def test_a_page_that_holds_a_button_says_the_same_until_its_row_has_ended() -> None:
-    state = state_after(BOTH)
-    idle = state.view(world()).sending
-    row = present(state.hold(world(), jog_query("yaw", 1, 30.0, AHEAD_S), "head"))
-    assert state.view(world()).sending.title == state.choices.texts("sending.held")
-    for side in ("sim", "hw"):
-        state.report(Outcome(row, side, accepted=True, done=True))
-    assert state.view(world()).sending == idle
 
 
 @pytest.mark.parametrize(("part", "moved"), [("short", 1), ("all", 3)])

@@ -24,8 +24,7 @@ from gui.console.state.actions import WriteFile
 from gui.console.state.state import State
 from gui.console.state.world import World
 from gui.console.texts import Texts
-from gui.window.widgets import plots as plots_module
-from gui.window.widgets.plot_samples import CAPACITY, History, sample_time_s
+from gui.window.widgets.plot_samples import CAPACITY, History
 from gui.window.widgets.plots import SLOTS, PlotsPanel
 
 Arms = tuple[float, float, float]
@@ -33,8 +32,7 @@ LAG_S = 0.2
 
 
 @pytest.fixture
-def plots(qtbot: QtBot, monkeypatch: pytest.MonkeyPatch) -> PlotsPanel:
-    monkeypatch.setattr(plots_module, "PERIOD_S", 0.0)
+def plots(qtbot: QtBot) -> PlotsPanel:
     made = PlotsPanel(Texts("en"))
     qtbot.addWidget(made)
     made.resize(600, 500)
@@ -82,13 +80,6 @@ def test_the_plots_show_the_lag_of_the_hardware(plots: PlotsPanel) -> None:
     assert apart[1, -1] == pytest.approx(-10 * LAG_S, abs=0.01), "hardware minus simulation"
     assert apart[1, 0] == pytest.approx(0.0)
     assert curve(plots.plots["middle"].lines[0])[1] == pytest.approx(0.0)
-
-
-def test_time_stamps_of_another_computer_are_converted_to_this_clock() -> None:
-    state = robot_at("hw", 99.9, (0, 0, 0))
-    assert sample_time_s(state, 100.0) == pytest.approx(99.9)
-    foreign = robot_at("hw", 5099.9, (0, 0, 0))
-    assert sample_time_s(foreign, 100.0) == pytest.approx(99.99), "the time of arrival"
 
 
 @pytest.fixture
@@ -222,7 +213,7 @@ def test_any_number_of_the_robots_can_be_shown(filled: PlotsPanel, tmp_path: Pat
     choose(filled, "velocity", "short")
     assert [one.isVisible() for one in slots] == [True, True, False]
     assert "velocity short (°/s)" in slots[1].label.text()
-    fill(filled, lambda _: (0, 0, 0), 71.0)
+    fill(filled, lambda _: (0, 0, 0), 2.0)
     hw, sim = (curve(line) for line in slots[0].lines)
     assert hw[1, -1] == sim[1, -1] == 1
     choose(filled, "velocity", "short")
@@ -246,10 +237,7 @@ def test_in_a_low_panel_the_plots_stand_in_two_columns(plots: PlotsPanel) -> Non
 
 
 def test_the_memory_of_the_samples_is_bounded() -> None:
-    history, kept = History(), set[int]()
-    for tick in range(105_000):
+    history = History()
+    for tick in range(10_000):
         history.add(tick / 50, (tick, 0, 0))
-        rows = history.samples if history.samples.base is None else history.samples.base
-        kept.add(rows.nbytes)
-    assert len(kept) == 1
-    assert history.samples[:, 1].tolist() == list(range(105_000 - CAPACITY, 105_000)), "the newest, in order"
+    assert history.samples[:, 1].tolist() == list(range(10_000 - CAPACITY, 10_000)), "the newest, in order"

@@ -54,24 +54,27 @@ def names(state: WatchedState) -> list[str]:
     return [pose.name for pose in state.saved.poses]
 
 
-@pytest.mark.parametrize(
-    ("number", "where", "order"),
-    [
-        (0, 2.1, ["left", "nod", "far"]),
-        (0, 2.9, ["left", "far", "nod"]),
-        (2, 0.1, ["far", "nod", "left"]),
-        (2, 0.9, ["nod", "far", "left"]),
-        (1, 1.4, ["nod", "left", "far"]),
-    ],
-)
+DRAGS = [
+    (0, 2.1, ["left", "nod", "far"]),
+    (0, 2.9, ["left", "far", "nod"]),
+    (2, 0.1, ["far", "nod", "left"]),
+    (2, 0.9, ["nod", "far", "left"]),
+    (1, 1.4, ["nod", "left", "far"]),
+]
+"""A card, how far it is dragged (1 is the left edge of the second card), and the order then."""
+
+
 def test_a_dragged_card_is_put_between_others(
-    window: Window, strip: Strip, state: WatchedState, number: int, where: float, order: list[str]
+    window: Window, strip: Strip, state: WatchedState, intents: Taken
 ) -> None:
-    start, step = strip.card(number).center(), strip.card(1).x() - strip.card(0).x()
-    drag(strip.viewport(), start, QPoint(strip.card(0).x() + round(where * step), start.y()))
-    window.refresh()
-    assert names(state) == order
-    assert strip.cards[strip.currentRow()].name == POSES[number].name, "it stays selected"
+    for number, where, order in DRAGS:
+        start, step = strip.card(number).center(), strip.card(1).x() - strip.card(0).x()
+        drag(strip.viewport(), start, QPoint(strip.card(0).x() + round(where * step), start.y()))
+        window.refresh()
+        assert names(state) == order
+        assert strip.cards[strip.currentRow()].name == POSES[number].name, "it stays selected"
+        if any(isinstance(intent, MovePose) for intent in intents()):
+            window.handle(UndoSequence())
 
 
 def test_a_click_makes_the_pose_the_target_and_sends_nothing(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Never, TypeVar
 
 from PyQt5.QtCore import QEvent, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
@@ -128,6 +129,21 @@ class IntentButton(QPushButton):
             self.setText(f"{text}?" if self.property("armed") else text)
 
 
+def show_each(
+    views: Sequence[ButtonView],
+    buttons: list[IntentButton],
+    made: Callable[[ButtonView], IntentButton] = lambda _: IntentButton(),
+) -> None:
+    """Show a button for each view; `made` makes those that are missing, and those left over are hidden."""
+    while len(buttons) < len(views):
+        buttons.append(made(views[len(buttons)]))
+    for button in buttons[len(views) :]:
+        button.hide()
+    for button, view in zip(buttons, views, strict=False):
+        button.show_view(view)
+        button.show()
+
+
 class Panel(QFrame):
     """A part of the window: it shows its part of a view, and reports intents."""
 
@@ -199,15 +215,15 @@ class ChoiceCheck(QCheckBox):
 class Radio(QRadioButton):
     """A radio button that changes only with its view, like `ChoiceCheck`."""
 
-    asked = pyqtSignal()
+    intent = pyqtSignal(object)
 
-    def __init__(self, text: str, tooltip: str) -> None:
-        super().__init__(text)
-        self.setToolTip(tooltip)
-        self.setAccessibleName(text)
-        self.setAccessibleDescription(tooltip)
+    def __init__(self, texts: Texts, name: str, chosen: Choose) -> None:
+        super().__init__(texts(f"label.{name}"))
+        self.setToolTip(texts(f"tip.{name}"))
+        self.setAccessibleName(self.text())
+        self.setAccessibleDescription(self.toolTip())
         self.setAutoExclusive(False)
-        self.clicked.connect(lambda: self.asked.emit())  # noqa: PLW0108 - `clicked` has an argument
+        self.clicked.connect(lambda: self.intent.emit(chosen))
 
     def nextCheckState(self) -> None:  # noqa: N802
         """Keep the state until the view changes it."""

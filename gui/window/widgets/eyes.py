@@ -7,7 +7,7 @@ from typing import Final
 
 from PyQt5.QtCore import QBuffer, QRect, QSize, Qt
 from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QWidget
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QVBoxLayout, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import EYES, SIDES
@@ -15,7 +15,17 @@ from gui.console.state.intents import Theme
 from gui.console.state.views import EyeView, SoundView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, ElidedLabel, Panel, filled, spaced
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    ChoiceCheck,
+    ElidedLabel,
+    Panel,
+    filled,
+    label,
+    set_role,
+    set_text,
+    spaced,
+)
 
 LEVEL_STEPS: Final = 100
 LEVEL_PX: Final = 8
@@ -30,7 +40,7 @@ class LevelsPanel(Panel):
         self.box.intent.connect(self.intent)
         self.bars = {(side, ear): QProgressBar() for side in SIDES for ear in (0, 1)}
         self.titles = {side: QLabel() for side in SIDES}
-        self.texts = {side: ElidedLabel() for side in SIDES}
+        self.texts = {side: ElidedLabel(least=0) for side in SIDES}
         grid = spaced(QGridLayout(self), 4, NO_MARGINS)
         grid.addWidget(self.box, 0, 0, len(SIDES), 1)
         for row, side in enumerate(SIDES):
@@ -45,8 +55,6 @@ class LevelsPanel(Panel):
                 ear == 0
             )  # both grow from the middle, as the ears are beside each other
             grid.addWidget(bar, SIDES.index(side), 2 + ear)
-        for text in self.texts.values():  # a long reason must not widen the window
-            text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         for column, stretch in ((2, 1), (3, 1), (4, 2)):
             grid.setColumnStretch(column, stretch)
 
@@ -67,8 +75,8 @@ STALE_S: Final = 1.0
 """Age of the newest picture above which the title shows this age."""
 NO_BREAK: Final = "\u2011"
 """A hyphen at which a line does not end."""
-BAR_PX: Final = 5
-"""Width of the bar in the robot's colour."""
+
+
 LARGEST_PX: Final = 10_000_000
 """Largest number of pixels of a picture: decoding a larger one would block the window."""
 
@@ -98,16 +106,18 @@ class CameraPicture(QWidget):
         self._view: EyeView | None = None
         self._newest: CameraImage | None = None
         self._image: tuple[CameraImage, QImage | None] | None = None
-        self._age = ""
-        """the shown age of the newest picture; empty: it is new"""
+        self.title, self.age = ElidedLabel(), label(role="warn")
+        """the age of the newest picture; empty: it is new"""
+        row = filled(spaced(QHBoxLayout(), None, (6, 2, 6, 2)), (self.title, 1), self.age)
+        filled(spaced(QVBoxLayout(self), 0, NO_MARGINS), row, None)
         self.setToolTip(texts("tip.picture"))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 
     def sizeHint(self) -> QSize:  # noqa: N802 - Qt's name
-        return QSize(320, 240 + self._strip())
+        return QSize(320, 260)
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return QSize(100, 24 + self._strip())
+        return QSize(100, 46)
 
     def show_view(self, view: EyeView) -> None:
         """Show title, text and note; with a text, or if the camera is not watched, remove the picture."""
@@ -115,33 +125,29 @@ class CameraPicture(QWidget):
             self._newest = self._image = None
         age_s = 0.0 if self._newest is None else (time.monotonic_ns() - self._newest.arrived_mono_ns) / 1e9
         age = f"{age_s:.0f} s" if age_s > STALE_S else ""
-        if (view, age) == (self._view, self._age):
-            return
-        self._view, self._age = view, age
-        self.setAccessibleName(view.title)
-        self.setAccessibleDescription(view.text)
-        self.update()
+        set_text(self.age, age)
+        if view != self._view:
+            self._view = view
+            set_role(self.title, "role", view.side)
+            set_text(self.title, view.title)
+            self.setAccessibleName(view.title)
+            self.setAccessibleDescription(view.text)
+            self.update()
 
     def show_image(self, image: CameraImage) -> None:
         """Show a new picture."""
-        self._newest, self._age = image, ""
+        self._newest = image
+        set_text(self.age, "")
         self.update()
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self._style = style_of(theme)
-        self.updateGeometry()
         self.update()
-
-    def _strip(self) -> int:
-        """Return the height of the title (px)."""
-        return self.fontMetrics().height() + self._style.px(6)
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802, ARG002
         painter = QPainter(self)
-        strip = self._strip()
-        self._paint_title(painter, QRect(0, 0, self.width(), strip))
-        below = QRect(0, strip, self.width(), self.height() - strip)
+        below = self.rect().adjusted(0, self.title.geometry().bottom() + 3, 0, 0)
         painter.fillRect(below, QColor(self._style.field))
         image, text = self._shown()
         if image is None:
@@ -165,26 +171,6 @@ class CameraPicture(QWidget):
         if self._image is None or self._image[0] is not self._newest:
             self._image = self._newest, decode(self._newest.jpeg)
         return self._image[1], self._damaged
-
-    def _paint_title(self, painter: QPainter, strip: QRect) -> None:
-        if self._view is None:
-            return
-        colours, margin = self._style, self._style.px(6)
-        painter.fillRect(strip, QColor(colours.panel))
-        painter.fillRect(QRect(0, 0, BAR_PX, strip.height()), QColor(colours.side(self._view.side)))
-        inner = strip.adjusted(BAR_PX + margin, 0, -margin, 0)
-        painter.setPen(QColor(colours.warn))
-        vertical = Qt.AlignmentFlag.AlignVCenter
-        painter.drawText(inner, int(Qt.AlignmentFlag.AlignRight | vertical), self._age)
-        inner.setRight(inner.right() - painter.fontMetrics().horizontalAdvance(self._age + "  "))
-        painter.save()
-        font = painter.font()
-        font.setBold(True)
-        painter.setFont(font)
-        painter.setPen(QColor(colours.text))
-        title = painter.fontMetrics().elidedText(self._view.title, Qt.TextElideMode.ElideRight, inner.width())
-        painter.drawText(inner, int(Qt.AlignmentFlag.AlignLeft | vertical), title)
-        painter.restore()
 
 
 class EyesPanel(Panel):

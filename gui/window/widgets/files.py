@@ -6,16 +6,18 @@ from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 
-from PyQt5.QtCore import QChildEvent, QEvent, Qt, QTimer
-from PyQt5.QtWidgets import QFileDialog, QGridLayout, QLineEdit, QMessageBox, QWidget
+from PyQt5.QtCore import Qt
+from PyQt5.QtWidgets import QFileDialog, QGridLayout, QLineEdit, QWidget
 
 from gui.console.state.intents import Intent
 from gui.console.texts import Texts
 from gui.window.widgets.controls import Panel, label
 
+SHIPPED = resources.files("beatrix_zenoh") / "choreographies"
+
 
 class FileDialog(QFileDialog):
-    """Qt's own dialog, not modal; shows messages in a line instead of Qt's modal boxes."""
+    """Qt's own dialog, not modal; shows messages in a line, because a modal box would block clicks on STOP."""
 
     def __init__(
         self,
@@ -27,9 +29,9 @@ class FileDialog(QFileDialog):
         files: str = "",
     ) -> None:
         """Create a hidden dialog for files with this suffix; `files` names their kind, by default the suffix."""
-        super().__init__(
-            parent, title, str(begin_folder(mode, suffix)), texts(f"label.{files or suffix}_files")
-        )
+        choreographies = mode == QFileDialog.AcceptMode.AcceptOpen and suffix == "csv"
+        folder = str(SHIPPED) if choreographies else "."
+        super().__init__(parent, title, folder, texts(f"label.{files or suffix}_files"))
         self._texts = texts
         self.setOption(QFileDialog.Option.DontUseNativeDialog)
         self.setOption(QFileDialog.Option.DontConfirmOverwrite)
@@ -75,16 +77,6 @@ class FileDialog(QFileDialog):
         text = self._texts("label.file_save" if writes else "label.file_open")
         self.setLabelText(QFileDialog.DialogLabel.Accept, text)
 
-    def childEvent(self, event: QChildEvent) -> None:  # noqa: N802
-        """Close any message box of Qt and show its text in the notice: a modal box would block clicks on STOP."""
-        super().childEvent(event)
-        if event.type() != QEvent.Type.ChildPolished:
-            return
-        box = event.child()
-        if isinstance(box, QMessageBox):
-            self._show_notice(box.text())
-            QTimer.singleShot(0, box.reject)
-
     def _show_notice(self, text: str) -> None:
         self.notice.setText(text)
         self.notice.show()
@@ -122,13 +114,3 @@ class FilePanel(Panel):
 
     def _forget_dialog(self) -> None:
         self.dialog = None
-
-
-def begin_folder(mode: QFileDialog.AcceptMode, suffix: str) -> Path:
-    """Return the first folder of the dialog.
-
-    For reading choreographies: the folder of the shipped ones. Otherwise the working folder.
-    """
-    if mode == QFileDialog.AcceptMode.AcceptOpen and suffix == "csv":
-        return Path(str(resources.files("beatrix_zenoh") / "choreographies"))
-    return Path()

@@ -79,14 +79,8 @@ class HeadPanel(Panel):
     def show_view(self, view: HeadView) -> None:
         """Show the pad and the numbers."""
         self.pad.show_view(view)
-        self._show_numbers("target", view.target)
-        self._show_numbers("sim", view.sim)
-        self._show_numbers("hw", view.hw)
-
-    def _show_numbers(self, name: str, at: HeadOrientation | None) -> None:
-        for axis in AXES:
-            if at is None:
-                text = self._texts("unknown")
-            else:
-                text = self._texts("angle", degrees=float(getattr(at, axis)))
-            set_text(self.numbers[name, axis], text)
+        for (name, axis), number in self.numbers.items():
+            at: HeadOrientation | None = getattr(view, name)
+            unknown = at is None
+            text = self._texts("unknown") if unknown else self._texts("angle", degrees=getattr(at, axis))
+            set_text(number, text)

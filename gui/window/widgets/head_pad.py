@@ -10,7 +10,6 @@ from PyQt5.QtCore import QPointF, QRectF, QSize, Qt, pyqtSignal
 from PyQt5.QtGui import (
     QBrush,
     QColor,
-    QFocusEvent,
     QFont,
     QFontMetricsF,
     QKeyEvent,
@@ -90,14 +89,6 @@ class TargetWidget(QWidget):
             super().keyPressEvent(event)
         else:
             self._report(target)
-
-    def focusInEvent(self, event: QFocusEvent) -> None:  # noqa: N802
-        super().focusInEvent(event)
-        self.update()
-
-    def focusOutEvent(self, event: QFocusEvent) -> None:  # noqa: N802
-        super().focusOutEvent(event)
-        self.update()
 
 
 class HeadPad(TargetWidget):
@@ -242,14 +233,6 @@ class HeadPad(TargetWidget):
             inner = outer * ((1 - RING * 0.75) / (1 - RING / 2))
             outer *= (1 - RING * 0.25) / (1 - RING / 2)
             painter.drawLine(centre + inner, centre + outer)
-        if self._view is not None and self._view.yaw_max <= 180:
-            self._paint_yaw_limit(painter, self._view.yaw_max)
-
-    def _paint_yaw_limit(self, painter: QPainter, yaw_max: float) -> None:
-        painter.setPen(QPen(QColor(self._style.edge), 3))
-        for yaw in (-yaw_max, yaw_max):
-            way = (self.yaw_point(yaw) - self._centre) / (1 - RING / 2)
-            painter.drawLine(self._centre + way * (1 - RING), self._centre + way)
 
     def _paint_captions(self, painter: QPainter) -> None:
         """Name the directions in words, because signs alone are ambiguous."""

@@ -35,6 +35,7 @@ from gui.window.widgets.controls import (
     plain_button,
     set_role,
     set_text,
+    show_each,
     spaced,
 )
 
@@ -60,19 +61,17 @@ class RobotMenu(Panel):
         if views == self._views:
             return
         self._views = views
-        while len(self.buttons) < len(views):
-            button = IntentButton()
-            if isinstance(views[len(self.buttons)].intent, EmergencyStop):
-                button.setObjectName("emergency")
-            button.intent.connect(self._choose)
-            button.asking.connect(self._ask)
-            self._column.insertWidget(len(self.buttons), button)
-            self.buttons.append(button)
-        for number, button in enumerate(self.buttons):
-            button.setVisible(number < len(views))
-            if number < len(views):
-                button.show_view(views[number])
+        show_each(views, self.buttons, self._button)
         self._fit()
+
+    def _button(self, view: ButtonView) -> IntentButton:
+        button = IntentButton()
+        if isinstance(view.intent, EmergencyStop):
+            button.setObjectName("emergency")
+        button.intent.connect(self._choose)
+        button.asking.connect(self._ask)
+        self._column.insertWidget(len(self.buttons), button)
+        return button
 
     def open(self, below: QWidget) -> None:
         """Open below a button, at its right edge."""

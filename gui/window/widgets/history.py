@@ -53,10 +53,8 @@ class HistoryPanel(Panel):
         self.details = label(wrap=True)
         """time, seat and result of the selected row"""
         self.details.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.repeat = plain_button(texts("label.repeat"), texts("tip.repeat"), texts("label.repeat"))
-        self.python = plain_button(
-            texts("label.copy_python"), texts("tip.copy_python"), texts("label.copy_python")
-        )
+        self.repeat = plain_button(texts("label.repeat"), texts("tip.repeat"))
+        self.python = plain_button(texts("label.copy_python"), texts("tip.copy_python"))
         self.uses = QWidget()
         """what can be done with the selected row"""
         filled(spaced(QVBoxLayout(self.uses), 4, NO_MARGINS), self.details, self.repeat, self.python)

@@ -21,6 +21,7 @@ from gui.window.widgets.controls import (
     plain_button,
     set_role,
     set_text,
+    show_each,
     spaced,
 )
 from gui.window.widgets.files import FilePanel
@@ -51,10 +52,7 @@ class Banner(Panel):
         """Show the banner, or hide it."""
         if view is not None:
             set_text(self.text, view.text)
-            for button, shown in zip(self.buttons, view.buttons, strict=False):
-                button.show_view(shown)
-            for number, button in enumerate(self.buttons):
-                button.setVisible(number < len(view.buttons))
+            show_each(view.buttons, self.buttons)
         self.setVisible(view is not None)
 
 
@@ -192,6 +190,12 @@ class ConnectSheet(Sheet):
         button.intent.connect(self.intent)
         return button
 
+    def _port(self, _view: ButtonView) -> IntentButton:
+        button = self._button()
+        button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        self._list.addWidget(button)
+        return button
+
     def show_view(self, view: ConnectView | None) -> None:
         """Show the sheet, or hide it."""
         if view is None:
@@ -200,14 +204,7 @@ class ConnectSheet(Sheet):
         self.router.show_view(view.router)
         set_text(self.text, view.text)
         self.text.setToolTip(view.details)
-        while len(self.ports) < len(view.ports):
-            self.ports.append(self._button())
-            self.ports[-1].setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
-            self._list.addWidget(self.ports[-1])
-        for button, shown in zip(self.ports, view.ports, strict=False):
-            button.show_view(shown)
-        for number, button in enumerate(self.ports):
-            button.setVisible(number < len(view.ports))
+        show_each(view.ports, self.ports, self._port)
         self.again.show_view(view.again)
         self.again.setVisible(bool(view.ports))
         self.close_button.show_view(view.close)

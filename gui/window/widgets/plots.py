@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from typing import Final
 
 import pyqtgraph as pg
@@ -40,8 +39,6 @@ from gui.window.widgets.plot_samples import (
 
 SPAN_S: Final = 20.0
 """Time that the plots show at first."""
-PERIOD_S: Final = 0.045
-"""Shortest time between two drawings: 20 a second with some slack."""
 LEAST_ARM_DEG: Final = 20.0
 """Smallest range (deg) of the vertical axis of an arm's plot."""
 LEAST_VALUE: Final = 1.0
@@ -74,7 +71,6 @@ class PlotsPanel(FilePanel):
         self._watched: dict[str, Value] = {}
         """the other values that are shown, by slot"""
         self._now_s = 0.0
-        self._drawn_s = -math.inf
         self._begin_s = self._end_s = 0.0
         """the shown times, before now or before the pause"""
         self._paused: dict[str, Samples] | None = None
@@ -146,7 +142,7 @@ class PlotsPanel(FilePanel):
                 arms = reading.arms
                 history.add(sample_time_s(state, world.now_s), (*arms, *self._others(state)))
         self._now_s, self._world = world.now_s, world
-        if self._paused is None and self.isVisible() and time.monotonic() - self._drawn_s > PERIOD_S:
+        if self._paused is None and self.isVisible():
             self._draw()
 
     def _others(self, state: RobotState) -> list[float]:
@@ -181,13 +177,12 @@ class PlotsPanel(FilePanel):
         return {side: rows if self.bar.chosen(side) else rows[:0] for side, rows in found.items()}
 
     def _present(self) -> dict[str, Samples]:
-        found = {side: history.samples.copy() for side, history in self._histories.items()}
+        found = {side: history.samples for side, history in self._histories.items()}
         for rows in found.values():
             rows[:, 0] -= self._now_s
         return found
 
     def _draw(self) -> None:
-        self._drawn_s = time.monotonic()
         samples = self._samples()
         hw, sim = (samples[side] for side in BOTH)
         for name, curves in self.plots.items():
