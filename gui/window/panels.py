@@ -46,10 +46,6 @@ class Scroll(QScrollArea):
     Qt would compare with the preferred height instead, which the pictures of the cameras make very large.
     """
 
-    def __init__(self) -> None:
-        super().__init__()
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Tab reaches the controls, and scrolls to them
-
     def fit(self) -> None:
         """Give the widget all room, and never less than its least size."""
         content = self.widget()
@@ -130,6 +126,7 @@ class Panels(QWidget):
         filled(spaced(QVBoxLayout(self.pages), None, NO_MARGINS), self.body, self.class_page)
         filled(inner, (self.pages, 1), self.trouble)
         self.area.setFrameShape(QFrame.Shape.NoFrame)
+        self.area.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Tab reaches the controls, and scrolls to them
         content = QWidget()
         content.setLayout(inner)
         self.area.setWidget(content)

@@ -9,13 +9,13 @@ from pathlib import Path
 import msgspec
 import pytest
 from class_router import ClassRouter
-from gui_links import Linked, at_home, look
+from gui_links import Linked
 from gui_windows import windowed
 from gui_worlds import absent, world
 from present import present
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from robots import Stage, free_endpoint, start_router
+from robots import Stage, free_endpoint
 
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh.client import Presence
@@ -147,33 +147,6 @@ def test_another_router_is_used_and_its_only_robot_is_shown() -> None:
             linked.do(UseRouter(here.endpoint))
             linked.until(lambda world: world.robot == "bea", "the first robot is shown again")
             linked.online("hw")
-
-
-def test_a_window_without_a_router_waits_for_the_one_that_was_typed() -> None:
-    later = free_endpoint()
-    with Linked(free_endpoint()) as linked:
-        linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "no router answers")
-        linked.do(UseRouter(later))
-        linked.until(lambda world: world.endpoint == later, "the window looks for the other router")
-        router = start_router(later)
-        try:
-            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "it answers")
-        finally:
-            router.end()
-
-
-def test_the_motion_of_the_window_ends_with_its_session() -> None:
-    with Stage() as here, Stage() as there:
-        here.simulation("bea")
-        here.hardware("bea")
-        with Linked(here.endpoint) as linked:
-            at_home(linked)
-            linked.do(Send(1, look(120.0, 20.0), ("hw",)))
-            linked.accepted(1, "hw")
-            linked.do(UseRouter(there.endpoint))
-            assert not linked.end_of(1, "hw").accepted
-            robot = here.robot("bea", "hw")
-            assert robot.positions().arms.long < 110.0
 
 
 def test_account_files_are_checked_before_they_are_stored(folder: Path) -> None:

@@ -17,10 +17,8 @@ from beatrix_zenoh.client import Presence
 from gui.console.state.actions import ConnectHardware, LookForPorts
 from gui.console.state.connecting import VIRTUAL, CloseConnect
 from gui.console.state.intents import Choose
-from gui.console.state.pills import pill
 from gui.console.state.state import State
 from gui.console.state.world import Trouble, UsbPort, World
-from gui.console.texts import Texts
 
 BOARD, CABLE = (
     UsbPort("/dev/ttyACM0", "Arduino Mega", board=True),
@@ -42,12 +40,6 @@ def shown(state: State, now: World) -> tuple[str, list[str]]:
     found = state.view(now).connect
     assert found is not None
     return found.text, [button.text for button in found.ports]
-
-
-def test_absent_hardware_offers_to_connect() -> None:
-    found = pill(WITHOUT, "hw", Texts("en")).next_step
-    assert found is not None
-    assert (found.text, found.intent) == ("Connect", LookForPorts())
 
 
 def test_the_list_has_boards_first_and_always_the_virtual_robot() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import pytest
@@ -47,16 +46,3 @@ def test_on_the_pad_the_simulation_is_a_cross_the_hardware_a_square_and_the_path
         for centre in (pad.tilt_point(at, shown.tilt_max), pad.yaw_point(at.yaw)):
             assert shows(centre, style.dim)
             assert not shows(centre + QPointF(5, 5), style.dim)
-
-
-@pytest.mark.parametrize("size", [(184, 89), (305, 319), (552, 543)])
-def test_a_mark_on_the_ring_hides_no_caption_beside_it(qtbot: QtBot, size: tuple[int, int]) -> None:
-    pad = HeadPad(Texts("de"))
-    qtbot.addWidget(pad)
-    pad.resize(*size)
-    pad.show_theme(Theme.PROJECTOR)
-    middle = QPointF(pad.rect().center())
-    for name, place in pad._caption_places().items():
-        off = place.translated(-middle)
-        near = max(off.left(), -off.right(), 0.0), max(off.top(), -off.bottom(), 0.0)
-        assert name in {"up", "down"} or math.hypot(*near) >= pad._reach - 2

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import pytest
 from gui_views import posed
-from gui_windows import menu_button, whole
 from present import present
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtTest import QTest
@@ -18,9 +17,8 @@ from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink
 
 from beatrix_zenoh.client.degrees import HeadAngles
-from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state.actions import ChooseRobot
-from gui.console.state.intents import Choose, Intent, Jog, RunCommand, Stop, Theme
+from gui.console.state.intents import Choose, Intent, Jog, Stop, Theme
 from gui.window.run import Bridge, errors_shown
 from gui.window.theme import style_of
 from gui.window.widgets.head3d import Head3d
@@ -40,35 +38,6 @@ def test_the_window_shows_the_world_of_the_link_periodically(
     row = window.panels.arms.rows["short"]
     qtbot.waitUntil(lambda: row.sim.text() == "33.3°")
     assert window.panels.head.numbers["sim", "yaw"].text() == "44.0°"
-
-
-@POPUPS
-def test_disabling_the_hardware_needs_a_second_press(window: Window, intents: Taken) -> None:
-    pill, button = window.panels.header.pills["hw"], menu_button(window, "hw", "Disable")
-    for _ in range(2):  # a closed menu forgets its question
-        pill.more.click()
-        QTest.mouseClick(button, LEFT)
-        assert (intents(), button.text()) == ([], "Disable?")
-        assert "sinks" in pill.menu.question.text()
-        assert whole(pill.menu.question)
-        pill.menu.close()
-    pill.more.click()
-    QTest.mouseClick(button, LEFT)
-    QTest.mouseClick(button, LEFT)
-    assert intents() == [RunCommand(Command.ENABLE, value=False, side="hw")]
-    assert not pill.menu.isVisible()
-
-
-@POPUPS
-def test_enter_presses_a_button_of_a_menu_and_space_is_stop(window: Window, intents: Taken) -> None:
-    pill = window.panels.header.pills["sim"]
-    pill.more.click()
-    QTest.keyClick(pill.menu.buttons[0], Qt.Key.Key_Return)
-    assert intents() == [RunCommand(Command.CALIBRATE, side="sim")]
-    pill.more.click()
-    QTest.keyClick(pill.menu.buttons[0], Qt.Key.Key_Space)
-    assert intents() == [Stop()]
-    assert not pill.menu.isVisible()
 
 
 def test_a_theme_applies_to_all_widgets(window: Window) -> None:

@@ -55,13 +55,3 @@ def test_without_a_display_the_window_is_refused(tmp_path: Path, platform: str) 
         "window app.without a display the window is refused",
         re.sub(r"\(.*\)\. Start", "(CAUSE). Start", errors),
     )
-
-
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere Qt does not use fontconfig")
-def test_missing_fonts_are_reported_on_the_terminal(tmp_path: Path) -> None:
-    (tmp_path / "fonts.conf").write_text("<fontconfig/>")
-    with start(tmp_path, FONTCONFIG_FILE=str(tmp_path / "fonts.conf")) as process:
-        assert present(process.stdout).readline() == "ready window\n"
-        process.terminate()
-        _, errors = process.communicate(timeout=END_S + 5)
-    assert "This computer has no fonts" in errors

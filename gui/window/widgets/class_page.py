@@ -35,8 +35,6 @@ LARGE = ("robot", "side", "state", "driver", "turn", "waiting")
 """Columns in large type, for a projector."""
 LARGE_WIDTH, LARGE_LINE, LARGEST = 60, 1.7, 16
 """Width of the page, height of a row, and height of the page, all in heights of the large type."""
-SEAT_CHARACTERS = 10
-"""Width of the box of seats."""
 NAMES_PX = 240
 """Least width (px) of its list, at scale 1, which shows whole names."""
 
@@ -68,7 +66,7 @@ class ClassPage(Panel):
         self.freeze, self.take, self.show_robot = IntentButton(), IntentButton(), IntentButton()
         self.seats, self.mute = QComboBox(), IntentButton()
         self.seats.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-        self.seats.setMinimumContentsLength(SEAT_CHARACTERS)
+        self.seats.setMinimumContentsLength(10)
         self.seats.setAccessibleName(texts("label.class_seat"))
         self.seats.currentIndexChanged.connect(lambda *_: self._show_seat())
         self.seat_label = label(texts("label.class_seat"), "title")

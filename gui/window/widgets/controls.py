@@ -27,7 +27,6 @@ from gui.window.widgets.number_box import NumberBox
 
 STEPS = 10
 """Positions of a slider per unit."""
-GAP_PX = 6
 NAMES_CHARACTERS = 18
 """Number of characters that always fit into a label with a name."""
 SEPARATOR = " · "
@@ -247,7 +246,7 @@ class SliderBox(QWidget):
         for control in (self.slider, self.box):
             control.setToolTip(texts(f"tip.{name}"))
             control.setAccessibleName(f"{title} ({unit.strip()})")
-        filled(spaced(QHBoxLayout(self), GAP_PX, NO_MARGINS), QLabel(title), (self.slider, 1), self.box)
+        filled(spaced(QHBoxLayout(self), 6, NO_MARGINS), QLabel(title), (self.slider, 1), self.box)
         self.slider.valueChanged.connect(lambda at: self.intent.emit(Choose(name, at / STEPS)))
         self.box.valueChanged.connect(lambda value: self.intent.emit(Choose(name, value)))
 

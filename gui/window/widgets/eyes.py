@@ -113,10 +113,7 @@ class CameraPicture(QWidget):
         self.setToolTip(texts("tip.picture"))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 
-    def sizeHint(self) -> QSize:  # noqa: N802 - Qt's name
-        return QSize(320, 260)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
+    def minimumSizeHint(self) -> QSize:  # noqa: N802 - Qt's name
         return QSize(100, 46)
 
     def show_view(self, view: EyeView) -> None:

@@ -68,10 +68,7 @@ class Head3d(TargetWidget):
         self._live.timeout.connect(lambda: self.intent.emit(LiveHead()))
         self.setMouseTracking(True)
 
-    def sizeHint(self) -> QSize:  # noqa: N802 - Qt's name
-        return QSize(420, 320)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
+    def minimumSizeHint(self) -> QSize:  # noqa: N802 - Qt's name
         return QSize(160, 130)
 
     @property

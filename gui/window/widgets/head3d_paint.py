@@ -196,7 +196,7 @@ def _paint_border(painter: QPainter, marks: Marks) -> None:
 
 
 def _paint_outline(painter: QPainter, marks: Marks) -> None:
-    """Draw the outline of the head at the target, with eyes if they are turned to the viewer."""
+    """Draw the outline of the head at the target."""
     screen, target = marks.screen, marks.view.target
     rows = np.array(turned(target))
     (head,) = (mesh for mesh in meshes(_figure()) if mesh.body == "head")
@@ -205,11 +205,6 @@ def _paint_outline(painter: QPainter, marks: Marks) -> None:
     refused = marks.strain > 1
     painter.setPen(QPen(QColor(marks.style.bad if refused else marks.style.text), 2.5))
     painter.drawPolygon(_polygon(hull(screen.place(skull)[:, :2])))
-    if float(screen.camera.axes[2] @ rows[:, 0]) > 0.1:
-        size = _figure().size
-        for side in (1, -1):
-            eye = on_screen(screen, target, (0.1, side * size.eye_baseline / 2, size.centre_height + 0.018))
-            painter.drawEllipse(QPointF(eye[0], eye[1]), screen.scale * 0.02, screen.scale * 0.02)
 
 
 def _paint_handles(painter: QPainter, marks: Marks, *, aims: bool) -> None:

@@ -101,9 +101,6 @@ class HeadPad(TargetWidget):
         self._captions = {name: texts(f"label.pad_{name}") for name in CAPTIONS}
         self.setCursor(Qt.CursorShape.CrossCursor)
 
-    def sizeHint(self) -> QSize:  # noqa: N802
-        return QSize(self._style.px(260), self._style.px(260))
-
     def minimumSizeHint(self) -> QSize:  # noqa: N802
         return QSize(LEAST_WIDTH, LEAST_HEIGHT)
 

@@ -164,8 +164,7 @@ class RouterPanel(FilePanel):
             self.intent.emit(UseRouter(self.address.text()))
 
     def _choose(self) -> None:
-        mode, made = QFileDialog.AcceptMode.AcceptOpen, UseAccount
-        self.choose_file(self.join.text(), mode, "toml", made)
+        self.choose_file(self.join.text(), QFileDialog.AcceptMode.AcceptOpen, "toml", UseAccount)
 
 
 class ConnectSheet(Sheet):

@@ -22,7 +22,6 @@ from gui.window.widgets.controls import (
 from gui.window.widgets.number_box import NumberBox
 
 LEAD_MAX_S = 60.0
-SEND_GAP_PX = 10
 LINES = 2
 """Lines reserved for the text about the motion."""
 
@@ -55,7 +54,7 @@ class SendingPanel(Panel):
     def _lay_out(self) -> None:
         to = filled(QHBoxLayout(), self.sim, self.hw, None, self.lead_name, self.lead)
         state = filled(spaced(QVBoxLayout(), 2), self.title, self.progress)
-        send = filled(spaced(QHBoxLayout(), SEND_GAP_PX), (self.send, 1), (state, 1))
+        send = filled(spaced(QHBoxLayout(), 10), (self.send, 1), (state, 1))
         plan = spaced(QHBoxLayout(self.plan), None, NO_MARGINS)
         filled(plan, (self.send_now, 1), (self.change, 1), (self.abort, 1))
         self.text.setAlignment(Qt.AlignmentFlag.AlignTop)
