@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
-from PyQt5.QtCore import QEvent, QObject, Qt, pyqtSignal
+from PyQt5.QtCore import QEvent, QObject, Qt
 from PyQt5.QtGui import QKeyEvent, QMouseEvent
 from PyQt5.QtWidgets import (
     QAbstractButton,
     QApplication,
     QDialog,
-    QFrame,
     QGridLayout,
     QLineEdit,
     QWidget,
 )
 
 from gui.console.texts import Texts
-from gui.window.widgets.controls import label, plain_button, spaced
+from gui.window.widgets.controls import Sheet, label, plain_button, spaced
 
 STOP_KEYS = {Qt.Key.Key_Space, Qt.Key.Key_Escape, Qt.Key.Key_Pause}
 SEND_KEYS = {Qt.Key.Key_Return, Qt.Key.Key_Enter}
+PAGES = {Qt.Key.Key_F1: "help", Qt.Key.Key_F2: "page", Qt.Key.Key_F11: "projector"}
 SHEET = ("stop", "send", "pad", "yaw", "press", "undo", "record", "class", "projector", "tab", "help")
 
 
@@ -30,23 +30,15 @@ class Keys(QObject):
     Qt's shortcuts are not enough: a shortcut takes 0.1 s to click its button, and text fields and popups consume keys.
     """
 
-    stop = pyqtSignal()
-    send = pyqtSignal()
-    undo = pyqtSignal()
-    record = pyqtSignal()
-    help = pyqtSignal()
-    page = pyqtSignal()
-    projector = pyqtSignal()
-    escape = pyqtSignal()
-    """after STOP: close what lies over the window"""
-
-    def __init__(self, stop_bar: Callable[[], QWidget]) -> None:
+    def __init__(self, stop_bar: Callable[[], QWidget], acts: Mapping[str, Callable[[], object]]) -> None:
         """Create the filter without installing it.
 
-        `stop_bar` returns the STOP button, which also works while a popup is open.
+        Args:
+            stop_bar: returns the STOP button, which also works while a popup is open.
+            acts: what the keys do; `escape` is done after STOP, and closes what lies over the window.
         """
         super().__init__()
-        self._stop_bar = stop_bar
+        self._stop_bar, self._acts = stop_bar, acts
 
     def install(self) -> None:
         """Start filtering."""
@@ -90,14 +82,13 @@ class Keys(QObject):
         key, focus = event.key(), QApplication.focusWidget()
         if key in STOP_KEYS:
             return self._escape if key == Qt.Key.Key_Escape else self._stop
-        pages = {Qt.Key.Key_F1: self.help, Qt.Key.Key_F2: self.page, Qt.Key.Key_F11: self.projector}
-        if key in pages:
-            return pages[Qt.Key(key)].emit
+        if key in PAGES:
+            return self._acts[PAGES[Qt.Key(key)]]
         if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             if key == Qt.Key.Key_R:
-                return self.record.emit
+                return self._acts["record"]
             if key == Qt.Key.Key_Z and not isinstance(focus, QLineEdit):
-                return self.undo.emit
+                return self._acts["undo"]
         if key in SEND_KEYS:
             return self._enter(focus)
         return None
@@ -114,18 +105,18 @@ class Keys(QObject):
         if isinstance(focus, QAbstractButton):
             return focus.click
         if focus is None or focus.property("sends"):
-            return self.send.emit
+            return self._acts["send"]
         return None
 
     def _stop(self) -> None:
-        self.stop.emit()
+        self._acts["stop"]()
         popup = QApplication.activePopupWidget()
         if popup is not None:
             popup.close()
 
     def _escape(self) -> None:
         self._stop()
-        self.escape.emit()
+        self._acts["escape"]()
 
     def _press_outside_popup(self, event: QMouseEvent) -> bool:
         """Send STOP for a press on the STOP button while a popup is open; Qt alone would only close the popup."""
@@ -138,13 +129,11 @@ class Keys(QObject):
         return True
 
 
-class KeySheet(QFrame):
-    """All keys of the window; not a dialog, so that STOP stays usable."""
+class KeySheet(Sheet):
+    """All keys of the window."""
 
     def __init__(self, texts: Texts, parent: QWidget) -> None:
-        super().__init__(parent)
-        self.setProperty("notice", True)  # noqa: FBT003
-        self.setAccessibleName(texts("label.keys"))
+        super().__init__(texts("label.keys"), parent)
         layout = spaced(QGridLayout(self), None, (20, 14, 20, 14))
         layout.setHorizontalSpacing(24)
         layout.addWidget(label(texts("label.keys"), "large"), 0, 0, 1, 2)
@@ -155,19 +144,10 @@ class KeySheet(QFrame):
         self.close_button = plain_button(texts("label.dismiss"), texts("label.keys_help"))
         self.close_button.clicked.connect(self.hide)
         layout.addWidget(self.close_button, len(SHEET) + 1, 1)
-        self.hide()
 
     def toggle(self) -> None:
-        """Show the sheet in the middle, or hide it."""
-        self.setVisible(self.isHidden())
+        """Show or hide the sheet."""
         if self.isVisible():
-            self.place()
-            self.raise_()
-            self.close_button.setFocus()
-
-    def place(self) -> None:
-        """Move to the middle of the parent."""
-        parent = self.parentWidget()
-        if parent is not None:
-            self.adjustSize()
-            self.move((parent.width() - self.width()) // 2, max(0, (parent.height() - self.height()) // 2))
+            self.hide()
+        else:
+            self.appear(self.close_button)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
-from PyQt5.QtCore import QEvent, QLocale, QObject, QPoint, QRect, QSignalBlocker, Qt, pyqtSignal
+from PyQt5.QtCore import QEvent, QLocale, QObject, QPoint, QRect, Qt, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QTabWidget, QVBoxLayout, QWidget
 
@@ -34,13 +34,10 @@ from gui.window.widgets.sequence import SequencePanel
 P = TypeVar("P", bound=Panel)
 LOW_PX = 680
 """Window height at scale 1 below which the tabs of the right column are tabs of the middle, and less room is reserved."""
-LOWER_PX = {540: 150, 0: 84}
-"""Height of the low area in the middle, with its tabs, by the least height of the window, both at scale 1."""
+LOWER_PX = 138
+"""Height at scale 1 of the low area in the middle, with its tabs."""
 LEAST_PX = 818, 502
 """Width at scale 1, and height, of the room above STOP that texts need: Qt counts neither wrapped nor shortened ones."""
-
-PAGES = ("head3d", "eyes", "plots", "history", "code", "gestures", "sequence")
-"""Names of the widgets that are pages of tabs."""
 
 
 class Scroll(QScrollArea):
@@ -48,10 +45,6 @@ class Scroll(QScrollArea):
 
     Qt would compare with the preferred height instead, which the pictures of the cameras make very large.
     """
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Tab reaches the controls, and scrolls to them
 
     def fit(self) -> None:
         """Give the widget all room, and never less than its least size."""
@@ -102,17 +95,14 @@ class Panels(QWidget):
         self.plots = self._add(PlotsPanel(texts), lambda view: view)
         self.class_page = self._add(ClassPage(texts), lambda view: view.class_page)
         self.class_page.hide()
-        self.stop_bar = StopBar(texts)
+        self.stop_bar, self.trouble = StopBar(texts), TroubleNotice(texts)
         self.tabs, self.side, self.low_area = QTabWidget(), QTabWidget(), QTabWidget()
         """the low area of the middle column is visible beside every tab"""
         self.body = QWidget()
         self.pages, self.area = QWidget(), Scroll()
         self._lay_out()
         self.connect_sheet = self._add(ConnectSheet(texts, self.pages), lambda view: view.connect)
-        self.refusal, self.trouble = (
-            RefusalNotice(texts, self.pages, self._picture),
-            TroubleNotice(texts, self.pages),
-        )
+        self.refusal = RefusalNotice(texts, self.pages, self._picture)
         self.key_sheet = KeySheet(texts, self.pages)
         self._boxes = self.findChildren(ChoiceCheck)
         self._connect()
@@ -130,11 +120,13 @@ class Panels(QWidget):
         for name, page in views.items():
             self.tabs.addTab(page, self._texts(f"label.tab_{name}"))
         self.low_area.addTab(self.gestures, self._texts("label.gestures"))
+        self.low_area.addTab(self.sequence, self._texts("label.sequence"))
         self._lay_out_columns()
         inner = filled(spaced(QVBoxLayout(), 8, (8, 8, 8, 8)), self.header, self.banner, self.guide)
         filled(spaced(QVBoxLayout(self.pages), None, NO_MARGINS), self.body, self.class_page)
-        filled(inner, (self.pages, 1))
+        filled(inner, (self.pages, 1), self.trouble)
         self.area.setFrameShape(QFrame.Shape.NoFrame)
+        self.area.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Tab reaches the controls, and scrolls to them
         content = QWidget()
         content.setLayout(inner)
         self.area.setWidget(content)
@@ -166,17 +158,12 @@ class Panels(QWidget):
     def _arrange(self) -> None:
         """Arrange the widgets for the height of the window.
 
-        In a low window, history and code move to the middle column: there is no right one, and the pad is wider. The
-        sequence moves there, too, if the low area has no room for its cards.
+        In a low window, history and code move to the middle column: there is no right one, and the pad is wider.
         """
         colours = style_of(self._theme)
         self.area.widget().setMinimumSize(colours.px(LEAST_PX[0]), LEAST_PX[1])
         low = self.height() < colours.px(LOW_PX)
-        lower = next(lower for least, lower in LOWER_PX.items() if self.height() >= colours.px(least))
-        self.low_area.setFixedHeight(colours.px(lower))
-        home = self.low_area if lower == max(LOWER_PX.values()) else self.tabs
-        if home.indexOf(self.sequence) < 0:
-            home.addTab(self.sequence, self._texts("label.sequence"))
+        self.low_area.setFixedHeight(colours.px(LOWER_PX))
         if low == self._low:
             return
         self._low = low
@@ -194,7 +181,7 @@ class Panels(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         super().resizeEvent(event)
         self._arrange()
-        for overlay in (self.refusal, self.trouble, self.key_sheet, self.connect_sheet):
+        for overlay in (self.refusal, self.key_sheet, self.connect_sheet):
             if overlay.isVisible():
                 overlay.place()
         self._make_room()
@@ -221,25 +208,6 @@ class Panels(QWidget):
         refusals = (view.head.refusal, view.arms.refusal, view.commands.refusal, view.gestures.refusal)
         self._refusal = next((refusal for refusal in refusals if refusal is not None), None)
         self._show_notice()
-
-    def keep(self, before: Panels) -> None:
-        """Show the tabs, camera, curves and row of the history that panels in another language have shown."""
-        self.resize(before.size())
-        self._arrange()
-        with QSignalBlocker(self.tabs):  # the state knows this tab
-            for name in PAGES:
-                old: QWidget = getattr(before, name)
-                if any(tabs.currentWidget() is old for tabs in (before.tabs, before.side, before.low_area)):
-                    self._select(getattr(self, name))
-        self.head3d.head.look_from(before.head3d.head.camera)
-        self.plots.keep(before.plots)
-        self.history.choose(before.history.chosen_row)
-        self.code.choose(before.history.chosen_row)
-
-    def _select(self, page: QWidget) -> None:
-        for tabs in (self.tabs, self.side, self.low_area):
-            if tabs.indexOf(page) >= 0:
-                tabs.setCurrentWidget(page)
 
     def _show_page(self, page: WindowPage) -> None:
         shows_class = page is WindowPage.CLASS
@@ -289,9 +257,5 @@ class Panels(QWidget):
         """Return the widget beside which a refusal is shown."""
         if name in {*ARMS, ALL_ARMS}:
             return self.arms.rows[name].hw
-        return {
-            "head": self.sending,  # beside Send, where it does not cover the head
-            "commands": self.commands,
-            "sequence": self.sequence,
-            "gestures": self.gestures,
-        }.get(name, self.head)
+        found: QWidget = self.sending if name == "head" else getattr(self, name)
+        return found

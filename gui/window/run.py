@@ -11,10 +11,10 @@ from types import TracebackType
 
 import msgspec
 from PyQt5.QtCore import QObject, QSize, Qt, QTimer, pyqtSignal
-from PyQt5.QtGui import QFont, QFontMetrics, QGuiApplication
+from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtWidgets import QApplication, QWidget
 
-from beatrix_zenoh.output import note, say
+from beatrix_zenoh.output import say
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown, ignore_signals
 from gui.console.link import Link
@@ -24,7 +24,6 @@ from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.window.window import Window
 
-FONTS = "Install a font (on Debian and Ubuntu: `sudo apt install fonts-dejavu-core`), then start the window again."
 SAVE_MS = 1000
 """Period of saving changed choices."""
 SIGNAL_MS = 100
@@ -103,8 +102,6 @@ def run(settings: Settings, theme: Theme | None, language: str | None, *, name_g
     """Show the window until it is closed or a signal arrives; returns the exit code."""
     application, state, shutdown = qt_application(), chosen_state(theme, language), Shutdown()
     shutdown.handle_signals()
-    if not QFontMetrics(QFont()).inFont("S"):  # Qt lists families even if there is none
-        note("This computer has no fonts, so the window shows no text, not even STOP. " + FONTS)
     autosave = Autosave(state)
     try:
         with linked_window(settings, state, name_given=name_given) as window:

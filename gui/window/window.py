@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 from PyQt5.QtCore import Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QCloseEvent
@@ -40,8 +41,6 @@ ANSWERED = (Send, SendCommand, AskLease, MakeReady)
 """Actions that a robot answers within milliseconds."""
 YIELD_S = 0.0003
 """Pause in which the link's threads send, before the window draws: Python runs one thread at a time."""
-TABBED = (Qt.FocusPolicy.TabFocus, Qt.FocusPolicy.StrongFocus, Qt.FocusPolicy.WheelFocus)
-"""Policies of controls that Tab reaches."""
 
 
 class Window(QMainWindow):
@@ -56,15 +55,17 @@ class Window(QMainWindow):
         self._world = link.world()
         self.panels: Panels
         self._show(self._state.view(self._world))
-        self.keys = Keys(lambda: self.panels.stop_bar)
-        self.keys.stop.connect(lambda: self.handle(Stop()))
-        self.keys.send.connect(lambda: self.handle(SendHead()))
-        self.keys.undo.connect(lambda: self.handle(Undo()))
-        self.keys.record.connect(lambda: self.panels.header.record.toggle.click())  # noqa: PLW0108 - panels are replaced
-        self.keys.help.connect(lambda: self.panels.key_sheet.toggle())  # noqa: PLW0108 - panels are replaced
-        self.keys.escape.connect(self._close_sheets)
-        self.keys.page.connect(lambda: self.handle(TogglePage()))
-        self.keys.projector.connect(lambda: self._project(on=not self.panels.class_page.large))
+        acts: dict[str, Callable[[], object]] = {
+            "stop": lambda: self.handle(Stop()),
+            "send": lambda: self.handle(SendHead()),
+            "undo": lambda: self.handle(Undo()),
+            "record": lambda: self.panels.header.record.toggle.click(),  # noqa: PLW0108 - panels are replaced
+            "help": lambda: self.panels.key_sheet.toggle(),  # noqa: PLW0108
+            "page": lambda: self.handle(TogglePage()),
+            "projector": lambda: self._project(on=not self.panels.class_page.large),
+            "escape": self._close_sheets,
+        }
+        self.keys = Keys(lambda: self.panels.stop_bar, acts)
         self.keys.install()
         self._timer = QTimer(self)
         self._timer.timeout.connect(self._refresh_in_turn)
@@ -156,22 +157,18 @@ class Window(QMainWindow):
 
     def _show(self, view: View) -> None:
         old, self._view = self._view, view
-        before = None if old is None or old.choices.language == view.choices.language else self.panels
-        if old is None or before is not None:
+        if old is None or old.choices.language != view.choices.language:
             self._build(view)
-        if (
-            old is None
-            or old.choices.theme != view.choices.theme
-            or old.choices.language != view.choices.language
-        ):
-            self._apply_theme(view)
-        if old is None or old.title != view.title:
-            self.setWindowTitle(view.title)
-        focus = QApplication.focusWidget()
+            old = None
+        if old is None or old.choices.theme != view.choices.theme:
+            apply_theme(self, style_of(view.choices.theme))
+            self.panels.show_theme(view.choices.theme)
+        self.setWindowTitle(view.title)
+        focus: QWidget | None = QApplication.focusWidget()
         self.panels.show_view(view)
-        if before is not None:
-            self.panels.keep(before)
-        keep_focus(self.panels, focus)
+        same_page = old is not None and old.choices.page is view.choices.page
+        if same_page and focus is not None and self.panels.isAncestorOf(focus) and not usable(focus):
+            self.panels.stop_bar.setFocus()  # Qt alone would choose the next control, which may be Record
         if view.choices.page is not WindowPage.CLASS and self.panels.class_page.large:
             self._project(on=False)
 
@@ -184,30 +181,7 @@ class Window(QMainWindow):
         self.setCentralWidget(self.panels)
         self.panels.head.pad.setFocus()  # so that arrows and Enter work at once
 
-    def _apply_theme(self, view: View) -> None:
-        apply_theme(self, style_of(view.choices.theme))
-        self.panels.show_theme(view.choices.theme)
 
-
-def keep_focus(panels: QWidget, focus: QWidget | None) -> None:
-    """Give the focus to the nearest control of the same panel if the control that had it can no longer be used.
-
-    Qt alone would choose the next control in the order of Tab, which may be Record or a tab.
-    """
-    if focus is None or not panels.isAncestorOf(focus) or (focus.isVisible() and focus.isEnabled()):
-        return
-    panel, centre = focus.parentWidget(), focus.mapTo(panels, focus.rect().center())
-    while panel is not panels:  # an ancestor of every control
-        others = [
-            other
-            for other in panel.findChildren(QWidget)
-            if other.focusPolicy() in TABBED and other.isVisible() and other.isEnabled()
-        ]
-        if others:
-            nearest = min(
-                others,
-                key=lambda other: (other.mapTo(panels, other.rect().center()) - centre).manhattanLength(),
-            )
-            nearest.setFocus()
-            return
-        panel = panel.parentWidget()
+def usable(control: QWidget) -> bool:
+    """Return whether the user can use a control."""
+    return control.isVisible() and control.isEnabled()

@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator
 os.environ["QT_QPA_PLATFORM"] = "offscreen"
 
 import pytest
-from gui_windows import HOME, Windowed, windowed
+from gui_windows import HOME, Windowed, begin_again, close_dialogs, windowed
 from pytestqt.qtbot import QtBot
-from recording_link import RecordingLink, WatchedState
+from recording_link import RecordingLink, ShownState, WatchedState
 from robots import Stage, ready, until
 
 from beatrix_zenoh import Robot
@@ -38,21 +38,26 @@ def state() -> WatchedState:
     return WatchedState()
 
 
-@pytest.fixture
-def window(qtbot: QtBot, link: RecordingLink, state: WatchedState) -> Iterator[Window]:
-    window = Window(link, state)
-    window.resize(1366, 768)
-    window.show()
-    qtbot.waitActive(window)
-    qtbot.waitExposed(window)
-    window.activateWindow()
-    yield window
-    window.close()
-    window.deleteLater()
+@pytest.fixture(scope="session")
+def built(qapp: object) -> Window:
+    """The window of all tests of this process: to build one takes longer than most tests."""
+    return Window(RecordingLink(), WatchedState())
 
 
 @pytest.fixture
-def intents(window: Window, state: WatchedState) -> Callable[[], list[Intent]]:
+def window(
+    qtbot: QtBot, built: Window, link: RecordingLink, state: WatchedState | ShownState
+) -> Iterator[Window]:
+    """The window, shown and active, with the link and the state of this test; all else as at its start."""
+    begin_again(built, link, state)
+    qtbot.waitUntil(built.isActiveWindow)
+    yield built
+    close_dialogs(built)
+    built.close()
+
+
+@pytest.fixture
+def intents(window: Window, state: WatchedState | ShownState) -> Callable[[], list[Intent]]:
     """Return a function that returns the intents since its last call, at first those after this fixture."""
 
     def taken() -> list[Intent]:
@@ -60,7 +65,6 @@ def intents(window: Window, state: WatchedState) -> Callable[[], list[Intent]]:
         state.intents.clear()
         return given
 
-    taken()
     return taken
 
 

@@ -14,14 +14,11 @@ from PyQt5.QtTest import QTest
 from robots import free_endpoint
 
 from beatrix_zenoh.client import Presence
-from gui.console.link.children import parsed
 from gui.console.state.actions import ConnectHardware, LookForPorts
 from gui.console.state.connecting import VIRTUAL, CloseConnect
 from gui.console.state.intents import Choose
-from gui.console.state.pills import pill
 from gui.console.state.state import State
 from gui.console.state.world import Trouble, UsbPort, World
-from gui.console.texts import Texts
 
 BOARD, CABLE = (
     UsbPort("/dev/ttyACM0", "Arduino Mega", board=True),
@@ -43,12 +40,6 @@ def shown(state: State, now: World) -> tuple[str, list[str]]:
     found = state.view(now).connect
     assert found is not None
     return found.text, [button.text for button in found.ports]
-
-
-def test_absent_hardware_offers_to_connect() -> None:
-    found = pill(WITHOUT, "hw", Texts("en")).next_step
-    assert found is not None
-    assert (found.text, found.intent) == ("Connect", LookForPorts())
 
 
 def test_the_list_has_boards_first_and_always_the_virtual_robot() -> None:
@@ -104,11 +95,6 @@ def test_a_failure_is_shown_in_the_language_with_the_output_as_a_detail() -> Non
     assert found is not None
     assert found.text == "Das Programm der Hardware ist zu Ende (1). Wähle noch einmal einen Anschluss."
     assert found.details == "Its output: ..."
-
-
-def test_the_output_of_the_program_is_read() -> None:
-    lines = ["other\t/dev/ttyUSB1\tFT232R", "a warning", "board\t/dev/ttyACM0\tArduino Mega"]
-    assert parsed(lines) == (BOARD, CABLE)
 
 
 @pytest.mark.usefixtures("qapp")

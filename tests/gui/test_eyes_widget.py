@@ -1,60 +1,46 @@
-"""Pictures in the window: only visible ones are decoded, and missing ones have a reason."""
+"""Pictures and levels of sound in the window: only visible pictures are decoded, and missing ones have a reason."""
 
 from __future__ import annotations
 
 import time
+from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 import simplejpeg
-from present import present
-from PyQt5.QtGui import QImage
+from PyQt5.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client import CameraImage
-from gui.console.state.views import EyeView
+from gui.console.state.intents import Choose, Intent
+from gui.console.state.views import EyeView, LevelView, SoundView
 from gui.console.texts import Texts
 from gui.window.widgets import eyes
-from gui.window.widgets.eyes import CameraPicture, EyesPanel
+from gui.window.widgets.eyes import CameraPicture, EyesPanel, LevelsPanel
 
 RED, BLUE = (220, 20, 20), (20, 20, 220)
 WORDS = Texts("en")
 ON = EyeView("sim", "left", "Simulation, left eye", watched=True, text="")
 
 
-def picture_of(
-    colour: tuple[int, int, int], eye: str = "left", seq: int = 1, *, t_s: float = 0.0, age_s: float = 0.0
-) -> CameraImage:
-    pixels = np.full((480, 640, 3), colour, dtype=np.uint8)
-    return of_bytes(simplejpeg.encode_jpeg(pixels), eye, seq, t_s=t_s, age_s=age_s)
+LEVELS = (
+    LevelView("sim", "Simulation", 0.75, 0.5, "left -20 dB, right -40 dB"),
+    LevelView("hw", "Hardware", 0.0, 0.0, "not online"),
+)
+DAMAGED = replace(ON, text=WORDS("label.picture_damaged"))
 
 
-def of_bytes(
-    jpeg: bytes, eye: str = "left", seq: int = 1, *, t_s: float = 0.0, age_s: float = 0.0
-) -> CameraImage:
-    arrived_ns = time.monotonic_ns() - round(age_s * 1e9)
-    return CameraImage(jpeg, eye, seq, round(t_s * 1e9), 0, 640, 480, "egl", arrived_ns, 0)
+def picture_of(colour: tuple[int, int, int], eye: str = "left") -> CameraImage:
+    return of_bytes(simplejpeg.encode_jpeg(np.full((480, 640, 3), colour, dtype=np.uint8)), eye)
 
 
-class Decoder:
-    """Decodes pictures, and stores the data that it has decoded."""
-
-    def __init__(self) -> None:
-        self.seen: list[bytes] = []
-
-    def __call__(self, jpeg: bytes) -> QImage | None:
-        self.seen.append(jpeg)
-        return real_decode(jpeg)
+def of_bytes(jpeg: bytes, eye: str = "left") -> CameraImage:
+    return CameraImage(jpeg, eye, 1, 0, 0, 640, 480, "egl", time.monotonic_ns(), 0)
 
 
-real_decode = eyes.decode
-
-
-@pytest.fixture
-def decoder(monkeypatch: pytest.MonkeyPatch) -> Decoder:
-    made = Decoder()
-    monkeypatch.setattr(eyes, "decode", made)
-    return made
+LARGE = picture_of(RED).jpeg.replace((480).to_bytes(2, "big") + (640).to_bytes(2, "big"), b"\xff\xdc" * 2, 1)
+"""A picture whose header claims 65500 lines and columns."""
 
 
 @pytest.fixture
@@ -78,33 +64,35 @@ def alike(one: tuple[int, int, int], other: tuple[int, int, int]) -> bool:
 
 
 def test_only_the_newest_picture_is_decoded_and_only_when_visible(
-    qtbot: QtBot, picture: CameraPicture, decoder: Decoder
+    picture: CameraPicture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for seq in range(100):
-        picture.show_image(picture_of(RED, seq=seq))
-    picture.show_image(picture_of(BLUE, seq=100))
-    qtbot.wait(2 * eyes.PERIOD_MS)
-    assert decoder.seen == [], "the widget is hidden"
-    picture.show()
-    qtbot.waitUntil(lambda: len(decoder.seen) == 1)
+    decoded = Mock(side_effect=eyes.decode)
+    monkeypatch.setattr(eyes, "decode", decoded)
+    for shown in (RED, RED, BLUE):
+        picture.show_image(picture_of(shown))
+    QApplication.processEvents()
+    assert not decoded.called, "the widget is hidden"
     assert alike(colour(picture, 0.5, 0.5), BLUE)
-    picture.repaint()
-    assert len(decoder.seen) == 1, "each picture is decoded once"
+    picture.grab()
+    assert decoded.call_count == 1, "each picture is decoded once"
 
 
-@pytest.mark.parametrize(
-    "jpeg", [b"", b"nonsense", bytes(1000), simplejpeg.encode_jpeg(np.zeros((8, 8, 3), np.uint8))[:40]]
-)
+def test_an_old_picture_shows_its_age(picture: CameraPicture) -> None:
+    picture.show_image(replace(picture_of(RED), arrived_mono_ns=time.monotonic_ns() - 5_000_000_000))
+    before = picture.grab().toImage()
+    picture.show_view(ON)
+    assert picture.grab().toImage() != before
+
+
+@pytest.mark.parametrize("jpeg", [b"", b"nonsense", LARGE], ids=["empty", "nonsense", "too large"])
 @pytest.mark.qt_log_ignore("JPEG")  # libjpeg logs a warning
 def test_a_damaged_picture_is_reported_and_the_next_is_shown(picture: CameraPicture, jpeg: bytes) -> None:
-    picture.show_image(picture_of(RED))
-    picture.show_image(of_bytes(jpeg, seq=2))
+    picture.show_image(of_bytes(jpeg))
     shown = picture.grab().toImage()
-    picture.show_view(EyeView(ON.side, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
-    picture.show_view(EyeView(ON.side, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
+    picture.show_view(DAMAGED)
     assert picture.grab().toImage() == shown
     picture.show_view(ON)
-    picture.show_image(picture_of(BLUE, seq=3))
+    picture.show_image(picture_of(BLUE))
     assert alike(colour(picture, 0.5, 0.5), BLUE)
 
 
@@ -126,18 +114,17 @@ def test_both_eyes_of_both_robots_have_their_places(qtbot: QtBot) -> None:
         assert alike(colour(shown, *place), painted)
 
 
-def test_a_picture_whose_header_claims_too_many_pixels_is_not_decoded(picture: CameraPicture) -> None:
-    """Height and width follow the marker 0xFFC0, the length of its segment and the precision."""
-    jpeg = bytearray(picture_of(RED).jpeg)
-    at = jpeg.index(b"\xff\xc0") + 5
-    assert jpeg[at : at + 4] == (480).to_bytes(2, "big") + (640).to_bytes(2, "big")
-    jpeg[at : at + 4] = 2 * (65500).to_bytes(2, "big")
-    began_s = time.monotonic()
-    assert eyes.decode(bytes(jpeg)) is None
-    assert time.monotonic() - began_s < 0.5
-    picture.show_image(of_bytes(bytes(jpeg)))
-    shown = picture.grab().toImage()
-    picture.show_view(EyeView(ON.side, ON.eye, ON.title, watched=True, text=WORDS("label.picture_damaged")))
-    assert picture.grab().toImage() == shown
-    whole = present(eyes.decode(picture_of(RED).jpeg))
-    assert (whole.width(), whole.height()) == (640, 480)
+def test_bars_are_there_only_while_the_box_is_checked(qtbot: QtBot) -> None:
+    panel, intents = LevelsPanel(WORDS), list[Intent]()
+    qtbot.addWidget(panel)
+    panel.show()
+    panel.intent.connect(intents.append)
+    panel.show_view(SoundView(False, LEVELS))
+    assert not any(bar.isVisible() for bar in panel.bars.values())
+    panel.box.click()
+    assert intents == [Choose("microphones", value=True)]
+    assert not panel.box.isChecked(), "only the view changes it"
+    panel.show_view(SoundView(True, LEVELS))
+    assert all(bar.isVisible() for bar in panel.bars.values())
+    assert [bar.value() for bar in panel.bars.values()] == [75, 50, 0, 0]
+    assert [text.text() for text in panel.texts.values()] == [level.text for level in LEVELS]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -11,7 +10,7 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.client.choreography import GESTURES, Pose, shipped
+from beatrix_zenoh.client.choreography import Pose, shipped
 from beatrix_zenoh.client.degrees import HeadAngles, Reading
 
 pytestmark = [
@@ -31,23 +30,6 @@ def home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.fixture
-def watched(robots: dict[str, Robot]) -> Iterator[dict[str, Callable[[], list[HeadAngles]]]]:
-    """For each robot, a function that returns the orientations since its last call."""
-    streams = {side: robot.stream() for side, robot in robots.items()}
-
-    def heads(side: str) -> Callable[[], list[HeadAngles]]:
-        def taken() -> list[HeadAngles]:
-            found: list[Reading] = streams[side].take()
-            return [reading.head for reading in found]
-
-        return taken
-
-    yield {side: heads(side) for side in streams}
-    for stream in streams.values():
-        stream.close()
-
-
 def shows(gesture: str, heads: list[HeadAngles]) -> bool:
     """Return whether a head has passed through all poses of the gesture, in their order."""
     poses = [pose for _, pose in shipped(gesture).steps if isinstance(pose, Pose)]
@@ -60,30 +42,15 @@ def near(head: HeadAngles, pose: Pose) -> bool:
     return all(abs(angle - wanted) < NEAR_DEG for angle, wanted in angles)
 
 
-@pytest.mark.long("all gestures in real time")
-def test_each_gesture_moves_both_heads_and_ends_at_home(
-    user: Windowed,
-    robots: dict[str, Robot],
-    watched: dict[str, Callable[[], list[HeadAngles]]],
-) -> None:
-    panel = user.window.panels.gestures
-    seen: dict[str, list[HeadAngles]] = {}
-    for gesture in GESTURES:
-        for side, taken in watched.items():
-            taken()
-            seen[side] = []
-        user.press(panel.buttons[gesture])
-        user.until_last("gesture", "under way")
-
-        def ended() -> bool:
-            for side, taken in watched.items():
-                seen[side] += taken()
-            return "done" in user.last
-
-        user.until(ended, f"{gesture} has ended")
-        for side, robot in robots.items():
-            assert shows(gesture, seen[side]), (gesture, side, seen[side])
-            user.until_at(robot, *HOME)
+def test_a_gesture_moves_both_heads_and_ends_at_home(user: Windowed, robots: dict[str, Robot]) -> None:
+    streams = {side: robot.stream() for side, robot in robots.items()}
+    user.press(user.window.panels.gestures.buttons["yes"])
+    user.until_last("gesture", "done")
+    for side, robot in robots.items():
+        heads: list[Reading] = streams[side].take()
+        assert shows("yes", [reading.head for reading in heads]), side
+        user.until_at(robot, *HOME)
+        streams[side].close()
 
 
 def test_stop_ends_a_gesture(user: Windowed, robots: dict[str, Robot]) -> None:
@@ -102,27 +69,17 @@ def test_the_simulated_head_follows_a_person_who_walks_until_the_second_press(
 ) -> None:
     panel = user.window.panels.gestures
     user.send_to("sim")
-    for press in (1, 2):
+    for end in (panel.follow, user.window.panels.stop_bar):
         sim.move_target(1.0, 0.5, 0.1)
         user.press(panel.follow)
         user.until(lambda: sim.positions().head.yaw > 20, "the head has turned to the left", SEEN_S)
         assert panel.follow.property("running") == "yes"
-        sim.move_target(1.0, 0.0, 0.1)
-        user.until(lambda: abs(sim.positions().head.yaw) < 6, "the head looks ahead", SEEN_S)
         sim.move_target(1.0, -0.5, 0.1)
         user.until(lambda: sim.positions().head.yaw < -20, "the head has turned to the right", SEEN_S)
-        if press == 1:
-            user.press(panel.follow)
-            user.until_last("follow the face done")
-        else:
-            QTest.mousePress(user.window.panels.stop_bar, Qt.MouseButton.LeftButton)
+        user.press(end)
         user.until(lambda: panel.follow.property("running") != "yes", "the program has ended")
         user.until(lambda: not sim.status().moving, "the head rests")
-    assert near_home(hw), "the hardware was not checked"
-
-
-def near_home(robot: Robot) -> bool:
-    return all(abs(angle) < 0.5 for angle in robot.positions().head)
+    assert hw.positions().head == pytest.approx((0, 0, 0), abs=0.5), "the hardware was not checked"
 
 
 def test_the_program_is_opened_as_a_file_of_the_user(user: Windowed, home_folder: Path) -> None:

@@ -3,46 +3,39 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from gui_views import posed, ready
+from gui_windows import drag
 from gui_worlds import NOWHERE, world
 from hypothesis import given
 from hypothesis import strategies as st
-from PyQt5.QtCore import QEvent, QPointF, Qt
-from PyQt5.QtGui import QMouseEvent
+from present import present
+from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication
-from pytestqt.qtbot import QtBot
+from recording_link import RecordingLink
 
-from beatrix_zenoh.body.figure import Figure, meshes
-from beatrix_zenoh.body.scene import Screen, Viewpoint, draw, hull
+from beatrix_zenoh.body.scene import Screen
 from beatrix_zenoh.client.degrees import HeadAngles
-from gui.console.state import intents
-from gui.console.state.intents import AimHead, Choose, HeadOrientation, Intent, LiveHead, ReleaseHead
+from gui.console.state.intents import Choose, HeadOrientation, Intent, LiveHead, ReleaseHead
 from gui.console.state.state import State
-from gui.console.state.world import World
-from gui.console.texts import Texts
 from gui.window.widgets.head3d import VIEWS, Head3dPanel
 from gui.window.widgets.head3d_drag import (
     EARS,
-    NOSE,
     SKULL,
     Drag,
     Part,
     grabbed,
     on_screen,
-    picked,
-    turned,
 )
+from gui.window.window import Window
 
+Taken = Callable[[], list[Intent]]
 UPRIGHT = HeadOrientation(0.0, 0.0, 0.0)
 angles = st.floats(-30.0, 30.0)
-cameras = st.builds(Viewpoint, st.floats(0.0, 360.0), st.floats(-10.0, 80.0), st.floats(0.6, 3.0))
-LEFT, RIGHT = Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton
+LEFT = Qt.MouseButton.LeftButton
 
 
 def screen(name: str) -> Screen:
@@ -50,21 +43,6 @@ def screen(name: str) -> Screen:
 
 
 # -- geometry ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("name", "sign"), [("behind", -1), ("front", 1)])
-def test_from_behind_the_left_ear_is_at_the_left(name: str, sign: int) -> None:
-    ears = {side: on_screen(screen(name), UPRIGHT, place) for side, place in EARS.items()}
-    assert (ears["left"][0] - ears["right"][0]) * sign > 50
-
-
-@given(camera=cameras, yaw=st.floats(-180, 180), pitch=angles, roll=angles)
-def test_the_middle_of_the_head_is_the_face(camera: Viewpoint, yaw: float, pitch: float, roll: float) -> None:
-    seen, head = Screen(camera, 600.0, 450.0), HeadOrientation(yaw, pitch, roll)
-    middle = on_screen(seen, head, SKULL)
-    ears = [on_screen(seen, head, place) for place in EARS.values()]
-    if min(math.dist(middle[:2], ear[:2]) for ear in ears) > 30:
-        assert picked(seen, head, middle[0], middle[1]) is Part.FACE
 
 
 def test_the_head_of_a_robot_is_grabbed_where_the_target_is_elsewhere() -> None:
@@ -90,221 +68,112 @@ def test_a_drag_stays_within_yaw_and_lean_and_back_is_where_it_began(
         assert back == start
 
 
-@pytest.mark.parametrize("name", ["front", "behind"])
-@given(across=st.floats(5, 60), up=st.floats(5, 60))
-def test_the_nose_follows_the_mouse(name: str, across: float, up: float) -> None:
-    seen = screen(name)
-    before = on_screen(seen, UPRIGHT, NOSE)
-    at = Drag.begin(seen, UPRIGHT, Part.FACE, 300.0, 200.0).at(300.0 + across, 200.0 - up, 42.0, 180.0)
-    after = on_screen(seen, at, NOSE)
-    assert after[0] > before[0]
-    assert after[1] < before[1]
-
-
-@pytest.mark.parametrize("name", ["front", "behind"])
-@pytest.mark.parametrize("part", [Part.LEFT_EAR, Part.RIGHT_EAR])
-def test_an_ear_follows_the_mouse(name: str, part: Part) -> None:
-    seen = screen(name)
-    before = on_screen(seen, UPRIGHT, EARS[part])
-    at = Drag.begin(seen, UPRIGHT, part, before[0], before[1]).at(before[0], before[1] - 20, 42.0, 180.0)
-    after = on_screen(seen, at, EARS[part])
-    assert (at.yaw, at.pitch) == (0.0, 0.0)
-    assert after[1] - before[1] == pytest.approx(-20, abs=6)
-
-
-def test_all_drawn_faces_are_turned_to_the_viewer_and_the_nearest_come_last() -> None:
-    figure = Figure()
-    shapes = meshes(figure)
-    rows = turned(HeadOrientation(20.0, 10.0, 5.0))
-    found = draw(shapes, figure.orientations((0.0, 0.0, 0.0), rows), screen("front"))
-    assert 300 < len(found.corners) < sum(len(mesh.faces) for mesh in shapes) * 0.6
-    assert np.isfinite(found.corners).all()
-    assert sum(len(mesh.faces) for mesh in shapes) < 2700, "a window paints them twenty times a second"
-
-
-@given(st.lists(st.tuples(st.floats(0, 20), st.floats(0, 20)), min_size=3, max_size=30, unique=True))
-def test_an_outline_contains_all_points(points: list[tuple[float, float]]) -> None:
-    corners = hull(np.array(points))
-    for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        edge = (other - one) / max(math.dist(one, other), 1e-9)
-        for point in points:
-            away = np.array(point) - one
-            assert edge[0] * away[1] - edge[1] * away[0] >= -1.0  # of 20: the hull has only some directions
-
-
 # -- the widget -------------------------------------------------------------------------------------
 
 
-class Shown:
-    """A panel with the real state, and the intents that it has reported."""
-
-    def __init__(self, qtbot: QtBot, now: World) -> None:
-        self.state, self.now, self.intents = State(), now, list[Intent]()
-        self.panel = Head3dPanel(Texts("en"))
-        qtbot.addWidget(self.panel)
-        self.panel.intent.connect(self.handle)
-        self.panel.resize(640, 480)
-        self.show()
-        self.panel.show()
-        QApplication.processEvents()
-
-    def handle(self, intent: Intent) -> None:
-        self.intents.append(intent)
-        self.state.handle(intent, self.now)
-        self.show()
-
-    def show(self) -> None:
-        self.panel.show_view(self.state.view(self.now).head)
-
-    @property
-    def target(self) -> HeadOrientation:
-        return self.state.view(self.now).head.target
-
-    def mouse(self, kind: QEvent.Type, at: QPointF, button: Qt.MouseButton = LEFT) -> None:
-        event = QMouseEvent(kind, at, button, Qt.MouseButtons(button), Qt.KeyboardModifier.NoModifier)
-        QApplication.sendEvent(self.panel.head, event)
-
-    def drag(self, place: tuple[float, float, float], right: float, down: float) -> None:
-        at = on_screen(self.panel.head.screen3d, self.target, place)
-        start = QPointF(at[0], at[1])
-        self.mouse(QEvent.Type.MouseButtonPress, start)
-        self.mouse(QEvent.Type.MouseMove, start + QPointF(right, down) / 2)
-        self.mouse(QEvent.Type.MouseMove, start + QPointF(right, down))
-        self.mouse(QEvent.Type.MouseButtonRelease, start + QPointF(right, down))
-
-
 @pytest.fixture
-def shown(qtbot: QtBot) -> Iterator[Callable[..., Shown]]:
-    kept = []  # widgets must live until Qt has drawn them for the last time
-
-    def made(now: World | None = None) -> Shown:
-        upright = HeadAngles(0, 0, 0)
-        home = world(posed("sim", (0, 0, 0), upright), posed("hw", (0, 0, 0), upright))
-        kept.append(Shown(qtbot, now or home))
-        return kept[-1]
-
-    yield made
-    for window in kept:
-        window.panel.close()
+def panel(window: Window, link: RecordingLink, intents: Taken) -> Head3dPanel:
+    """The panel in the window; both robots look ahead."""
+    link.known = world(*(posed(side, (0, 0, 0), HeadAngles(0, 0, 0)) for side in ("sim", "hw")))
+    window.refresh()
+    intents()
+    return window.panels.head3d
 
 
-@pytest.mark.parametrize(("view", "sign"), [("front", 1), ("behind", -1)])
+def target(panel: Head3dPanel) -> HeadOrientation:
+    return present(panel.head._view).target
+
+
+def dragged(panel: Head3dPanel, place: tuple[float, float, float], right: int, down: int) -> None:
+    """Drag a point of the head."""
+    x, y, _ = on_screen(panel.head.screen3d, target(panel), place)
+    drag(panel.head, QPoint(round(x), round(y)), QPoint(round(x) + right, round(y) + down))
+
+
 def test_dragging_the_face_to_the_right_turns_the_nose_to_the_right_of_the_picture(
-    shown: Callable[..., Shown], view: str, sign: int
+    panel: Head3dPanel, intents: Taken
 ) -> None:
-    window = shown()
-    QTest.mouseClick(window.panel.views[view], LEFT)
-    window.drag(SKULL, 40, -30)
-    last = [intent for intent in window.intents if isinstance(intent, AimHead)][-1]
-    assert last.yaw * sign > 10
-    assert last.pitch < -8  # nose up
-    assert last.roll == 0
-    assert window.intents[-1] == ReleaseHead()
+    for view, sign in (("front", 1), ("behind", -1)):
+        QTest.mouseClick(panel.views[view], LEFT)
+        before = target(panel)
+        dragged(panel, SKULL, 40, -30)
+        assert (target(panel).yaw - before.yaw) * sign > 10
+        assert target(panel).pitch < before.pitch - 8  # nose up
+        assert target(panel).roll == 0
+        assert intents()[-1] == ReleaseHead()
+        QTest.keyClick(panel.head, Qt.Key.Key_Space)
 
 
-def test_dragging_an_ear_tilts_the_head(shown: Callable[..., Shown]) -> None:
-    window = shown()
-    window.drag(EARS["left"], 0, -40)
-    assert window.target.roll > 10  # right ear down
-    window.drag(EARS["right"], 0, -40)
-    assert abs(window.target.roll) < 3
+def test_dragging_an_ear_tilts_the_head(panel: Head3dPanel) -> None:
+    dragged(panel, EARS["left"], 0, -40)
+    assert target(panel).roll > 10  # right ear down
+    dragged(panel, EARS["right"], 0, -40)
+    assert abs(target(panel).roll) < 3
 
 
-def test_dragging_beside_the_head_or_with_the_right_button_moves_the_camera(
-    shown: Callable[..., Shown],
+def test_dragging_beside_the_head_moves_the_camera(panel: Head3dPanel, intents: Taken) -> None:
+    before = panel.head.camera
+    drag(panel.head, QPoint(30, 200), QPoint(70, 220))
+    assert panel.head.camera != before
+    assert intents() == []
+    assert not any(button.isChecked() for button in panel.views.values())
+    QTest.mouseClick(panel.views["side"], LEFT)
+    assert panel.head.camera == VIEWS["side"]
+    assert panel.views["side"].isChecked()
+
+
+def test_live_reports_while_the_mouse_moves_and_only_if_it_was_chosen(
+    panel: Head3dPanel, intents: Taken
 ) -> None:
-    window = shown()
-    head = window.panel.head
-    for button, start in ((LEFT, QPointF(30, 300)), (RIGHT, QPointF(320, 150))):
-        before = head.camera
-        window.mouse(QEvent.Type.MouseButtonPress, start, button)
-        window.mouse(QEvent.Type.MouseMove, start + QPointF(40, 20), button)
-        window.mouse(QEvent.Type.MouseButtonRelease, start + QPointF(40, 20), button)
-        assert head.camera != before
-    assert not window.intents
-    assert not any(button.isChecked() for button in window.panel.views.values())
-    QTest.mouseClick(window.panel.views["side"], LEFT)
-    assert head.camera == VIEWS["side"]
-    assert window.panel.views["side"].isChecked()
+    dragged(panel, SKULL, 40, 0)
+    assert LiveHead() not in intents()
+    QTest.mouseClick(panel.live, LEFT, pos=panel.live.rect().center())
+    assert intents() == [Choose("live", value=True)]
+    dragged(panel, SKULL, 40, 0)
+    given = intents()
+    assert given.count(LiveHead()) >= 2  # the first, and the last before the release
+    assert given[-1] == ReleaseHead()
+    x, y, _ = on_screen(panel.head.screen3d, target(panel), SKULL)
+    QTest.mousePress(panel.head, LEFT, pos=QPoint(round(x), round(y)))
+    panel.hide()
+    assert intents()[-1] == ReleaseHead(), "a hidden head is not dragged"
+    panel.show()
 
 
-def test_keys_turn_the_target_as_on_the_pad(shown: Callable[..., Shown]) -> None:
-    window = shown()
-    window.panel.head.setFocus()
-    for key in (Qt.Key.Key_Left, Qt.Key.Key_Up, Qt.Key.Key_PageUp):
-        QTest.keyClick(window.panel.head, key)
-    assert window.target == HeadOrientation(1.0, -1.0, -1.0)
-
-
-def test_live_reports_while_the_mouse_moves_and_only_if_it_was_chosen(shown: Callable[..., Shown]) -> None:
-    window = shown()
-    window.drag(SKULL, 40, 0)
-    assert LiveHead() not in window.intents
-    QTest.mouseClick(window.panel.live, LEFT, pos=window.panel.live.rect().center())
-    assert Choose("live", value=True) in window.intents
-    window.intents.clear()
-    window.drag(SKULL, 40, 0)
-    assert window.intents.count(LiveHead()) >= 2  # the first, and the last before the release
-    assert window.intents[-1] == ReleaseHead()
-
-
-def test_a_hidden_head_reports_no_more_live_targets(shown: Callable[..., Shown]) -> None:
-    window = shown()
-    window.handle(Choose("live", value=True))
-    at = on_screen(window.panel.head.screen3d, window.target, SKULL)
-    window.mouse(QEvent.Type.MouseButtonPress, QPointF(at[0], at[1]))
-    window.mouse(QEvent.Type.MouseMove, QPointF(at[0] + 20, at[1]))
-    window.panel.hide()
-    assert window.intents[-1] == ReleaseHead()
-    window.intents.clear()
-    QTest.qWait(120)
-    assert not window.intents
-
-
-@pytest.mark.parametrize(
-    ("checked", "solid"), [(("sim",), "sim"), (("hw",), "hw"), (("sim", "hw"), "hw"), ((), "hw")]
-)
 def test_the_checked_robot_is_solid_and_the_other_one_a_ghost(
-    shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch, checked: tuple[str, ...], solid: str
+    window: Window, panel: Head3dPanel, link: RecordingLink, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn = dict[str, object]()
     for name in ("paint_robot", "paint_ghost"):
         place = f"gui.window.widgets.head3d.{name}"
-        monkeypatch.setattr(place, lambda _image, head, *_, name=name, **__: drawn.update({name: head}))
-    window = shown(ready())
-    for side in ("sim", "hw"):
-        window.handle(intents.Choose(side, value=side in checked))
-    window.panel.grab()
-    heads = {side: getattr(window.state.view(window.now).head, side) for side in ("sim", "hw")}
-    assert drawn == {"paint_robot": heads.pop(solid), "paint_ghost": heads.popitem()[1]}
-
-
-def test_the_nose_glows_where_the_yaw_ends(shown: Callable[..., Shown]) -> None:
-    window = shown(ready())
-    for yaw, glows in ((120.0, False), (178.0, True)):
-        window.handle(AimHead(yaw, 0.0, 0.0))
-        x, y, _ = on_screen(window.panel.head.screen3d, window.target, NOSE)
-        seen = window.panel.head.grab().toImage().pixelColor(round(x) + 12, round(y))
-        assert (seen.red() - seen.blue() > 60) is glows, "yellow"
+        monkeypatch.setattr(place, lambda _, head, *__, name=name, **___: drawn.update({name: head}))
+    link.known = ready()
+    for checked, solid in (("sim",), "sim"), (("hw",), "hw"), (("sim", "hw"), "hw"), ((), "hw"):
+        for side in ("sim", "hw"):
+            window.handle(Choose(side, value=side in checked))
+        panel.head._pictures.clear()
+        panel.grab()
+        view = present(panel.head._view)
+        ghost = "hw" if solid == "sim" else "sim"
+        assert drawn == {"paint_robot": view.side(solid), "paint_ghost": view.side(ghost)}
 
 
 def test_a_gap_in_the_positions_greys_the_head_where_it_was(
-    shown: Callable[..., Shown], monkeypatch: pytest.MonkeyPatch
+    window: Window, panel: Head3dPanel, link: RecordingLink, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn = list[tuple[object, bool]]()
     place = "gui.window.widgets.head3d.paint_robot"
     monkeypatch.setattr(place, lambda _, head, *__, grey: drawn.append((head, grey)))
-    window = shown(ready())
-    window.panel.grab()
-    here = window.state.view(window.now).head
-    for side in ("sim", "hw"):
-        gap = replace(getattr(window.now, side), positions_age_s=0.6)
-        window.now = replace(window.now, **{side: gap})
-    window.show()
-    window.panel.grab()
-    assert drawn == [(here.shown, False), (here.shown, True)]
-    assert window.target == here.target, "it does not jump to the middle"
-    assert window.panel.views["front"].isVisible()
-    window.now = NOWHERE
-    window.show()
-    assert window.state.view(window.now).head.shown is None
+    link.known = here = ready()
+    window.refresh()
+    panel.grab()
+    aim, shown = target(panel), present(panel.head._view).shown
+    sim, hw = (replace(here.side(side), positions_age_s=0.6) for side in ("sim", "hw"))
+    link.known = replace(here, sim=sim, hw=hw)
+    window.refresh()
+    panel.grab()
+    assert drawn == [(shown, False), (shown, True)]
+    assert target(panel) == aim, "it does not jump to the middle"
+    link.known = NOWHERE
+    window.refresh()
+    assert present(panel.head._view).shown is None

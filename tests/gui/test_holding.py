@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 
@@ -13,8 +14,9 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh.contract._generated.messages import MotionQuery
 from gui.console.state.actions import Hold, Outcome, Release
-from gui.console.state.arms import HoldArm, ReleaseArm
+from gui.console.state.arms import AHEAD_S, FASTEST_DEG_S, HoldArm, ReleaseArm, jog_query
 from gui.console.state.intents import Choose, Stop
 from gui.console.state.state import State
 from gui.window.widgets.arms import HoldButton
@@ -54,8 +56,9 @@ def test_the_row_of_a_hold_gets_the_angles_at_rest() -> None:
     assert "relative" not in row.python
 
 
-def test_the_panel_says_that_both_move_at_once_while_a_button_is_held() -> None:
-    state = state_after(BOTH)
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_the_panel_says_that_both_move_at_once_while_a_button_is_held(language: str) -> None:
+    state = state_after(Choose("language", language), BOTH)
     texts, idle = state.choices.texts, state.view(world()).sending
     state.handle(HoldArm("short", 1), world())
     held = state.view(world())
@@ -66,6 +69,14 @@ def test_the_panel_says_that_both_move_at_once_while_a_button_is_held() -> None:
     state.handle(HoldArm("short", 1), world())
     state.handle(Stop(), world())
     assert state.view(world()).sending == idle, "after STOP nothing moves although the button is held"
+
+
+@pytest.mark.parametrize(("part", "moved"), [("short", 1), ("all", 3)])
+def test_the_goal_of_a_hold_lies_ahead_at_a_limited_speed(part: str, moved: int) -> None:
+    query = jog_query(part, 1, 90.0, AHEAD_S)
+    assert isinstance(query, MotionQuery)
+    angles = [query.position.x, query.position.y, query.position.z]
+    assert sum(math.isclose(math.degrees(angle), FASTEST_DEG_S * AHEAD_S) for angle in angles) == moved
 
 
 # -- with robots ------------------------------------------------------------------------------------

@@ -97,17 +97,3 @@ def test_pictures_return_with_a_restarted_robot(stage: Stage, client: Client, im
     born().end()
     born().end()
     pictures.close()
-
-
-def test_a_session_for_pictures_that_cannot_be_opened_is_tried_again(
-    stage: Stage, client: Client, images_taken: ImageLog, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The window's own session is open; the session for pictures cannot be opened at first."""
-    endpoint = client.settings.connect
-    client.settings = type(client.settings)("bea", "tcp/127.0.0.1:1", "window")
-    pictures = streams(client, "bea", images_taken)
-    monkeypatch.setattr("gui.console.link.pictures.RETRY_S", 0.1)
-    pictures.watch(frozenset({LEFT}))
-    client.settings = type(client.settings)("bea", endpoint, "window")
-    until(lambda: images_taken.count(*LEFT) > 0, "pictures come", FIRST_S)
-    pictures.close()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import pytest
@@ -12,9 +11,9 @@ from PyQt5.QtGui import QColor
 from pytestqt.qtbot import QtBot
 
 from gui.console.state.intents import HeadOrientation, Theme
-from gui.console.texts import LANGUAGES, Texts
+from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.head_pad import RING, HeadPad
+from gui.window.widgets.head_pad import HeadPad
 
 SIM, HW = HeadOrientation(-60.0, -15.0, 15.0), HeadOrientation(60.0, 15.0, -15.0)
 DOTS = (HeadOrientation(90.0, 0.0, 20.0), HeadOrientation(120.0, 0.0, 25.0))
@@ -47,22 +46,3 @@ def test_on_the_pad_the_simulation_is_a_cross_the_hardware_a_square_and_the_path
         for centre in (pad.tilt_point(at, shown.tilt_max), pad.yaw_point(at.yaw)):
             assert shows(centre, style.dim)
             assert not shows(centre + QPointF(5, 5), style.dim)
-
-
-@pytest.mark.parametrize("language", LANGUAGES)
-@pytest.mark.parametrize("size", [(184, 89), (204, 160), (305, 319), (386, 192), (552, 543)])
-def test_a_mark_on_the_ring_hides_no_caption_outside_of_it(
-    qtbot: QtBot, size: tuple[int, int], language: str
-) -> None:
-    pad = HeadPad(Texts(language))
-    qtbot.addWidget(pad)
-    pad.resize(*size)
-    pad.show_theme(Theme.PROJECTOR)
-    pad.show_view(example("ready", Theme.PROJECTOR, language).head)
-    middle, ring = QPointF(pad.width() / 2, pad.height() / 2), pad._outer * (1 - RING / 2)
-    for name, place in pad._caption_places().items():
-        off = place.translated(-middle)
-        corners = (off.topLeft(), off.topRight(), off.bottomLeft(), off.bottomRight())
-        if max(math.hypot(corner.x(), corner.y()) for corner in corners) > ring:  # not on the disc
-            near = max(off.left(), -off.right(), 0.0), max(off.top(), -off.bottom(), 0.0)
-            assert math.hypot(*near) >= ring + 2 * pad._mark, name

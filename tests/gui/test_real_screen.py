@@ -1,4 +1,4 @@
-"""The window as a process on a real X screen: its keys, its picture, and its end."""
+"""The window as a process on a real X screen: its keys, and its picture."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import shutil
 import signal
 import struct
 import subprocess
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,9 +16,6 @@ import pytest
 from robots import START_S, Process, Stage, ready, until
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.client import Place
-from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.recording.rrd.read import read
 from gui.console.state.intents import Theme
 from gui.window.theme import style_of
 
@@ -134,33 +130,3 @@ def test_space_stops_both_robots(window: Process, screen: Screen, robots: list[R
     until(lambda: not any(robot.status().moving for robot in robots), "both rest", 2.0)
     assert all(robot.positions().arms.long < 140 for robot in robots)
     assert window.end() == 0
-
-
-def test_a_signal_ends_the_window_and_its_children(window: Process, screen: Screen, tmp_path: Path) -> None:
-    screen.tool("key", "ctrl+r")
-    recordings = tmp_path / "recordings"
-    until(lambda: recorded(recordings) == BOTH, "it records both robots", START_S)
-    (recorder,) = children(window)
-    began_s = time.monotonic()
-    window.send(signal.SIGTERM)
-    assert window.wait(END_S + 5) == 0
-    assert time.monotonic() - began_s < END_S
-    assert not Path(f"/proc/{recorder}").exists(), "the recorder has ended"
-    assert not [line for line in window.lines if line != "ready window"], "the window printed an error"
-    assert recorded(recordings) == BOTH
-
-
-def recorded(folder: Path) -> set[Place]:
-    """Return the robots of which the recordings of a folder, at most one, have positions."""
-    files = list(folder.glob("*.rrd"))
-    assert len(files) <= 1
-    try:
-        return {place for file in files for place in read(file).robots}
-    except Refused:  # it has just begun
-        return set()
-
-
-def children(process: Process) -> list[int]:
-    """Return the process numbers of the children."""
-    listings = Path(f"/proc/{process.pid}/task").glob("*/children")
-    return [int(number) for listing in listings for number in listing.read_text().split()]

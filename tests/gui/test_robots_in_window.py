@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 from gui_windows import HOME, Windowed, menu_button, near
-from PyQt5.QtCore import QPoint, QPointF, Qt
+from present import present
+from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLabel
 from robots import Stage
@@ -13,7 +14,6 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.intents import AimHead, HeadOrientation
-from gui.window.widgets.head3d import Head3d
 from gui.window.widgets.head3d_drag import SKULL, on_screen
 
 pytestmark = [
@@ -77,24 +77,6 @@ def test_commands_are_sent_to_both_robots(user: Windowed, robots: dict[str, Robo
     user.until_last("home done")
 
 
-def test_the_menu_of_a_pill_disables_its_robot_at_the_second_press(
-    user: Windowed, robots: dict[str, Robot]
-) -> None:
-    pill, disable = user.window.panels.header.pills["hw"], menu_button(user.window, "hw", "Disable")
-    user.press(disable)
-    assert "sinks" in pill.menu.question.text(), "the button asks first, because the head sinks"
-    assert robots["hw"].status().enabled
-    user.press(disable)
-    user.until_last("disable done")
-    assert not robots["hw"].status().enabled
-    assert robots["sim"].status().enabled
-    user.until(lambda: "motors off" in pill.state.text(), "the pill shows it")
-    for text in ("Enable", "Calibrate"):
-        user.until(lambda text=text: pill.next_step.text() == text, f"the next step is {text}")  # type: ignore[misc]
-        user.press(pill.next_step)
-    user.until_ready("sim", "hw")
-
-
 # -- STOP -----------------------------------------------------------------------------------------
 
 
@@ -109,15 +91,6 @@ def stop_in_a_box(user: Windowed) -> None:
     user.key(Qt.Key.Key_Space)
 
 
-def stop_in_a_name(user: Windowed) -> None:
-    duration = user.window.panels.sequence.duration
-    user.window.panels.low_area.setCurrentWidget(user.window.panels.sequence)
-    user.press(user.window.panels.sequence.add)
-    duration.setFocus()
-    user.until(duration.hasFocus, "the duration has the focus")
-    user.key(Qt.Key.Key_Escape)
-
-
 def stop_in_a_popup(user: Windowed) -> None:
     user.window.panels.header.robots.showPopup()
     user.until(lambda: QApplication.activePopupWidget() is not None, "the list is open")
@@ -129,7 +102,7 @@ def test_stop_stops_both_moving_robots(user: Windowed, sim: Robot, hw: Robot) ->
     user.type_number(panels.arms.speed.box, 30)
     user.type_number(panels.arms.increment.box, 60)
     user.check(panels.arms.absolute)
-    for stop in (stop_by_mouse, stop_in_a_box, stop_in_a_name, stop_in_a_popup):
+    for stop in (stop_by_mouse, stop_in_a_box, stop_in_a_popup):
         rows = panels.arms.rows["all"]
         user.press(rows.plus if way > 0 else rows.minus)
         user.until(lambda: sim.status().moving and hw.status().moving, "both move")
@@ -168,29 +141,17 @@ def test_an_emergency_stop_switches_off_both_moving_robots_and_offers_reset(
 # -- head -----------------------------------------------------------------------------------------
 
 
-def aim(user: Windowed, pitch: float, roll: float) -> None:
-    """Drag the circle of the pad to a pitch and roll (deg)."""
-    pad = user.window.panels.head.pad
-    view = pad._view
-    assert view is not None
-    start = pad.tilt_point(view.target, view.tilt_max).toPoint()
-    scale = pad._disc / (view.tilt_max * 1.2)
-    goal = (QPointF(pad.width() / 2, pad.height() / 2) + QPointF(roll, pitch) * scale).toPoint()
-    user.drag(pad, start, goal)
-
-
 def test_the_user_drags_a_target_on_the_pad_and_sends_it(user: Windowed, sim: Robot, hw: Robot) -> None:
-    head = user.window.panels.head
-    aim(user, 12.0, -8.0)
-    target = head.pad._view.target if head.pad._view else None
-    assert target is not None
+    pad, view = user.window.panels.head.pad, user.state.view(user.window._world).head
+    goal = HeadOrientation(0.0, 12.0, -8.0)
+    user.drag(pad, *(pad.tilt_point(at, view.tilt_max).toPoint() for at in (view.target, goal)))
+    target = present(user.state.choices.target)
     assert (target.pitch, target.roll) == pytest.approx((12, -8), abs=0.7)
     assert near(sim.positions().arms, HOME), "nothing was sent yet"
     user.press(user.window.panels.sending.send)
     user.until_last("look", "done")
     for robot in (sim, hw):
-        at = robot.positions().head
-        assert (at.yaw, at.pitch, at.roll) == pytest.approx((0, target.pitch, target.roll), abs=0.25)
+        assert robot.positions().head == pytest.approx((0, target.pitch, target.roll), abs=0.25)
 
 
 # -- lead -----------------------------------------------------------------------------------------
@@ -202,7 +163,7 @@ def leading(user: Windowed, sim: Robot) -> None:
     user.type_number(panels.sending.lead, 60)
     user.press(panels.arms.rows["all"].plus)
     user.until_at(sim, 5, 5, 5)
-    user.until(lambda: "follows in 5" in panels.sending.countdown.text(), "the countdown")
+    user.until(lambda: "follows in 5" in panels.sending.title.text(), "the countdown")
 
 
 @pytest.mark.parametrize("name", ["change", "abort"])
@@ -212,7 +173,7 @@ def test_during_the_lead_the_hardware_can_be_kept_unmoved(
     leading(user, sim)
     before = hw.positions().commanded
     user.press(getattr(user.window.panels.sending, name))
-    user.until(lambda: not user.window.panels.sending.countdown.text(), "nothing waits")
+    user.until(lambda: not user.window.panels.sending.plan.isVisible(), "nothing waits")
     user.until_ready("sim", "hw")
     assert hw.positions().commanded == before == HOME
     shown = user.window.panels.head.pad._view
@@ -227,7 +188,10 @@ def test_the_next_steps_of_a_pill_make_the_robot_ready(
 ) -> None:
     pills = user.window.panels.header.pills
     stage.robot("bea", "sim", "eve").emergency_stop()
-    hw.disable()
+    for _ in range(2):
+        assert hw.status().enabled
+        user.press(menu_button(user.window, "hw", "Disable"))  # it asks first, because the head sinks
+    user.until(lambda: not hw.status().enabled, "the second press disables it")
     user.until(lambda: "emergency" in pills["sim"].state.text(), "the window shows the emergency stop")
     assert sim.status().fault is Fault.EMERGENCY
     user.press(menu_button(user.window, "sim", "Clear emergency stop"))
@@ -244,44 +208,13 @@ def test_the_next_steps_of_a_pill_make_the_robot_ready(
 @pytest.mark.long("test_head3d.py and test_link_plans.py have its parts")
 def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
     head = user.window.panels.head3d.head
-    user.drag(head, *across(head, -40, -15))
-    target = user.state.choices.target
-    assert target is not None
+    x, y, _ = on_screen(head.screen3d, user.state.view(user.window._world).head.target, SKULL)
+    user.drag(head, QPoint(round(x), round(y)), QPoint(round(x) - 40, round(y) - 15))
+    target = present(user.state.choices.target)
     assert target.yaw > 10  # from behind, left is left
     assert target.pitch < -3  # nose up
     user.window.panels.head.pad.setFocus()
     user.key(Qt.Key.Key_Return)
+    user.until_last("look", "done")
     for robot in (sim, hw):
-        user.until(lambda robot=robot: looks(robot, target), f"{robot} looks at {target}")  # type: ignore[misc]
-
-
-@pytest.mark.long("motions in real time")
-def test_live_moves_the_simulation_while_the_mouse_moves_and_never_the_hardware(
-    user: Windowed, sim: Robot, hw: Robot
-) -> None:
-    panel = user.window.panels.head3d
-    user.check(panel.live)
-    user.drag(panel.head, *across(panel.head, 40, 0))
-    target = user.state.choices.target
-    assert target is not None
-    assert target.yaw < -10
-    user.until(lambda: looks(sim, target), f"the simulation looks at {target}")
-    assert near(hw.positions().arms, HOME)
-    assert not hw.status().moving
-
-
-def across(head: Head3d, right: int, down: int) -> tuple[QPoint, QPoint]:
-    """Return the points of a drag that begins in the middle of the head."""
-    assert head._view is not None
-    middle = on_screen(head.screen3d, head._view.target, SKULL)
-    start = QPoint(round(middle[0]), round(middle[1]))
-    return start, start + QPoint(right, down)
-
-
-def looks(robot: Robot, target: HeadOrientation) -> bool:
-    """Return whether the head of a robot is where it was aimed, within half a degree."""
-    at = robot.positions().head
-    return all(
-        abs(angle - wanted) < 0.5
-        for angle, wanted in zip(at, (target.yaw, target.pitch, target.roll), strict=True)
-    )
+        assert robot.positions().head == pytest.approx((target.yaw, target.pitch, target.roll), abs=0.5)

@@ -10,6 +10,7 @@ from PyQt5.QtCore import QEvent, QPoint, QPointF, Qt
 from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QTabWidget, QWidget
+from recording_link import RecordingLink, ShownState, WatchedState
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.degrees import ArmAngles
@@ -17,14 +18,49 @@ from beatrix_zenoh.settings import Settings
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.window.run import linked_window
+from gui.window.widgets.files import FilePanel
+from gui.window.widgets.head3d import VIEWS
 from gui.window.widgets.header import RobotMenu
-from gui.window.window import Window
+from gui.window.window import PERIOD_MS, Window
 
 PATIENCE_S = 40.0
 PAUSE_MS = 5
 SIZE = (1366, 768)
 NEAR_DEG = 0.2
 HOME = (0.0, 0.0, 0.0)
+
+
+def begin_again(window: Window, link: RecordingLink, state: WatchedState | ShownState) -> None:
+    """Give a closed window this link and state, and show it as a new one."""
+    window._link, window._state = link, state
+    panels, class_page = window.panels, window.panels.class_page
+    for tabs in (panels.tabs, panels.side, panels.low_area, class_page.tabs):
+        tabs.setCurrentIndex(0)
+    class_page.limit.clear()
+    class_page.list.setCurrentItem(class_page.list.topLevelItem(0))
+    panels.sequence._view = None
+    panels._shown.clear()
+    panels.key_sheet.hide()
+    panels.head3d.head.look_from(VIEWS["behind"])
+    window.refresh()
+    window.keys.install()
+    window._timer.start(PERIOD_MS)
+    window.showNormal()
+    window.resize(*SIZE)
+    QApplication.setActiveWindow(window)
+    panels.head.pad.setFocus()
+    state.intents.clear()
+    link.done.clear()
+
+
+def close_dialogs(window: Window) -> None:
+    """Close the dialogs and popups of a window."""
+    for panel in window.findChildren(FilePanel):
+        if panel.dialog is not None:
+            panel.dialog.close()
+    while (popup := QApplication.activePopupWidget()) is not None:
+        popup.close()
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
 class Windowed:

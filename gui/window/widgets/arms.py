@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PyQt5.QtCore import QEvent, Qt, QTimer
 from PyQt5.QtGui import QHideEvent, QMouseEvent
-from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QHBoxLayout, QVBoxLayout
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.contract.names import ARMS
@@ -14,7 +14,6 @@ from gui.console.state.saved import Choices
 from gui.console.state.views import ArmRowView, ArmsView, View
 from gui.console.texts import Texts
 from gui.window.widgets.controls import (
-    NO_MARGINS,
     IntentButton,
     Panel,
     Radio,
@@ -25,6 +24,7 @@ from gui.window.widgets.controls import (
     spaced,
 )
 
+RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 LEAST_INCREMENT = 0.1
 """deg"""
 LEAST_SPEED = 1.0
@@ -102,19 +102,16 @@ class ArmRow:
             button.setProperty("jog", True)  # noqa: FBT003
             button.setMinimumWidth(34)
         for value in (self.sim, self.hw):
-            value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+            value.setAlignment(RIGHT)
 
-    def show_view(self, view: ArmRowView, difference: str) -> None:
-        """Show the angles; `difference` is the label of the difference in the tooltip."""
+    def show_view(self, view: ArmRowView) -> None:
+        """Show the angles."""
         if view == self._view:
             return
         self._view = view
         set_text(self.title, f"{view.axis.upper()}  {view.title}".strip())
         set_text(self.sim, view.sim)
         set_text(self.hw, view.hw)
-        tip = f"{difference}: {view.difference}" if view.difference else ""
-        for value in (self.sim, self.hw):
-            value.setToolTip(tip)
         for button, shown in ((self.minus, view.minus), (self.plus, view.plus)):
             button.show_view(shown)
             button.setAccessibleName(f"{view.title} {shown.text}")
@@ -126,18 +123,15 @@ class ArmsPanel(Panel):
     def __init__(self, texts: Texts) -> None:
         super().__init__("panel")
         self._view: tuple[ArmsView, Choices] | None = None
-        self._difference = texts("label.difference")
         self.setAccessibleName(texts("label.arms"))
-        self.relative = Radio(texts("label.relative"), texts("tip.relative"))
-        self.absolute = Radio(texts("label.absolute"), texts("tip.absolute"))
-        self.relative.asked.connect(lambda: self.intent.emit(Choose("relative", value=True)))
-        self.absolute.asked.connect(lambda: self.intent.emit(Choose("relative", value=False)))
+        self.relative = Radio(texts, "relative", Choose("relative", value=True))
+        self.absolute = Radio(texts, "absolute", Choose("relative", value=False))
         grid = QGridLayout()
         grid.setHorizontalSpacing(6)
         grid.setVerticalSpacing(2)
-        grid.addWidget(self._modes(), 0, 0, 1, 3)
+        grid.addLayout(filled(QHBoxLayout(), self.relative, self.absolute, None), 0, 0, 1, 3)
         for column, side in ((3, "sim"), (4, "hw")):
-            grid.addWidget(self._caption(texts(f"label.{side}"), side), 0, column)
+            grid.addWidget(label(texts(f"label.{side}"), side), 0, column, RIGHT)
             grid.setColumnStretch(column, 1)
         self.rows = {arm: ArmRow(grid, row, arm) for row, arm in enumerate((*ARMS, ALL_ARMS), start=1)}
         for row in self.rows.values():
@@ -145,22 +139,11 @@ class ArmsPanel(Panel):
             row.plus.intent.connect(self.intent)
         self.increment = SliderBox(texts, "increment", least=LEAST_INCREMENT)
         self.speed = SliderBox(texts, "speed", least=LEAST_SPEED)
-        for slider in (self.increment, self.speed):
-            slider.intent.connect(self.intent)
+        for part in (self.relative, self.absolute, self.increment, self.speed):
+            part.intent.connect(self.intent)
         self._sliders = spaced(QBoxLayout(QBoxLayout.Direction.TopToBottom), 2)
         filled(self._sliders, self.increment, self.speed)
         filled(spaced(QVBoxLayout(self), 2, (8, 4, 8, 4)), grid, self._sliders)
-
-    def _modes(self) -> QWidget:
-        widget = QWidget()
-        filled(spaced(QHBoxLayout(widget), None, NO_MARGINS), self.relative, self.absolute, None)
-        return widget
-
-    @staticmethod
-    def _caption(text: str, side: str) -> QLabel:
-        caption = label(text, side)
-        caption.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-        return caption
 
     def show_compact(self, *, compact: bool) -> None:
         """In a low window, show increment and speed in one row, without sliders."""
@@ -177,11 +160,8 @@ class ArmsPanel(Panel):
             return
         self._view = view, choices
         for row in view.rows:
-            self.rows[row.arm].show_view(row, self._difference)
+            self.rows[row.arm].show_view(row)
         self.relative.setChecked(choices.relative)
         self.absolute.setChecked(not choices.relative)
         self.increment.show_value(choices.increment, view.increment_max)
         self.speed.show_value(choices.speed, view.speed_max)
-        width = max(self.increment.name_width(), self.speed.name_width())
-        self.increment.set_name_width(width)
-        self.speed.set_name_width(width)

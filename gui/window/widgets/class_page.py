@@ -3,18 +3,8 @@
 from __future__ import annotations
 
 from PyQt5.QtCore import Qt, QTimer, pyqtSignal
-from PyQt5.QtGui import QColor, QResizeEvent
-from PyQt5.QtWidgets import (
-    QComboBox,
-    QHBoxLayout,
-    QHeaderView,
-    QLineEdit,
-    QTabWidget,
-    QTreeWidget,
-    QTreeWidgetItem,
-    QVBoxLayout,
-    QWidget,
-)
+from PyQt5.QtGui import QResizeEvent
+from PyQt5.QtWidgets import QComboBox, QHBoxLayout, QLineEdit, QTabWidget, QVBoxLayout, QWidget
 
 from gui.console.state.intents import LimitClass, Theme
 from gui.console.state.views import ClassRowView, ClassView, SeatView
@@ -31,29 +21,20 @@ from gui.window.widgets.controls import (
     set_text,
     spaced,
 )
-from gui.window.widgets.lessons import LessonsTable, key_of, table
+from gui.window.widgets.lessons import LessonsTable
+from gui.window.widgets.table import Table, TableRow
 
 COLUMNS = ("robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks")
 STATE = COLUMNS.index("state")
-TIPS = ("turn", "rate", "age")
+NUMBERS = ("turn", "rate", "age")
 """Columns of numbers, whose headings have a tooltip."""
-RIGHT = tuple(COLUMNS.index(name) for name in TIPS)
-WIDTHS_PX = (90, 84, 124, 130, 46, 120, 56, 50)
-"""Least widths (px) of all columns but the last, at scale 1."""
-NAME_PADDING_PX = 14
-WIDER_PX = {"driver": 130, "waiting": 150}
-"""What these columns get (px at scale 1) in a wide window, of the room that the last one does not need."""
-REMARKS_PX = 200
-"""Room (px) at scale 1 that the last column keeps."""
-NO_REMARKS_PX = 130
-"""The same while it contains only its heading."""
+WIDE = ("driver", "waiting", "remarks")
+"""Columns that share the width which the others do not need."""
 LIMIT_PX = 70
-LARGE = {"robot": 0.18, "side": 0.11, "state": 0.17, "driver": 0.24, "turn": 0.08, "waiting": 0.22}
-"""Columns in large type, for a projector, and their parts of the width."""
+LARGE = ("robot", "side", "state", "driver", "turn", "waiting")
+"""Columns in large type, for a projector."""
 LARGE_WIDTH, LARGE_LINE, LARGEST = 60, 1.7, 16
 """Width of the page, height of a row, and height of the page, all in heights of the large type."""
-SEAT_CHARACTERS = 10
-"""Width of the box of seats."""
 NAMES_PX = 240
 """Least width (px) of its list, at scale 1, which shows whole names."""
 
@@ -76,8 +57,7 @@ class ClassPage(Panel):
         self.limit, self.set_limit = QLineEdit(), IntentButton()
         self.limit.setAccessibleName(texts("label.class_limit"))
         self.limit.returnPressed.connect(self._report_limit)
-        self.set_limit.clicked.disconnect()
-        self.set_limit.clicked.connect(lambda: self._report_limit())  # noqa: PLW0108 - `clicked` has an argument
+        self.set_limit.intent.connect(self._report_limit)
         self.list, self.lessons = self._list(texts), LessonsTable(texts)
         self.tabs = QTabWidget()
         self.empty = label(role="dim", wrap=True)
@@ -86,26 +66,23 @@ class ClassPage(Panel):
         self.freeze, self.take, self.show_robot = IntentButton(), IntentButton(), IntentButton()
         self.seats, self.mute = QComboBox(), IntentButton()
         self.seats.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-        self.seats.setMinimumContentsLength(SEAT_CHARACTERS)
+        self.seats.setMinimumContentsLength(10)
         self.seats.setAccessibleName(texts("label.class_seat"))
         self.seats.currentIndexChanged.connect(lambda *_: self._show_seat())
         self.seat_label = label(texts("label.class_seat"), "title")
-        self.mute.intent.connect(self.intent)
-        for button in (self.freeze_all, self.unfreeze_all, self.freeze, self.take, self.show_robot):
+        for button in (
+            *(self.freeze_all, self.unfreeze_all, self.freeze, self.take, self.show_robot),
+            self.mute,
+        ):
             button.intent.connect(self.intent)
         self._lay_out(texts)
 
-    def _list(self, texts: Texts) -> QTreeWidget:
-        found = table(texts("label.class"))
-        found.setHeaderLabels([texts(f"label.class_{name}") for name in COLUMNS])
-        header = found.header()
-        if header is not None:
-            header.setSectionResizeMode(QHeaderView.ResizeMode.Interactive)
-            header.setSectionsMovable(False)
-        head = found.headerItem()
-        if head is not None:
-            for name in TIPS:
-                head.setToolTip(COLUMNS.index(name), texts(f"tip.class_{name}"))
+    def _list(self, texts: Texts) -> Table:
+        found = Table(texts("label.class"))
+        headings = [texts(f"label.class_{name}") for name in COLUMNS]
+        tips = [texts(f"tip.class_{name}") if name in NUMBERS else "" for name in COLUMNS]
+        wide, numbers = (set(map(COLUMNS.index, names)) for names in (WIDE, NUMBERS))
+        found.show_columns(headings, tips, wide, numbers)
         found.currentItemChanged.connect(lambda *_: self._show_selected())
         # The button is clicked later, because Qt passes the same Enter on to the parent widgets: if the pad already had
         # the focus, this Enter would send a motion.
@@ -134,7 +111,6 @@ class ClassPage(Panel):
         """Use the colours and sizes of a theme."""
         self._style = style_of(theme)
         self.limit.setFixedWidth(self._style.px(LIMIT_PX))
-        self._widen()
         names = self.seats.view()
         if names is not None:
             names.setMinimumWidth(self._style.px(NAMES_PX))
@@ -145,7 +121,7 @@ class ClassPage(Panel):
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         super().resizeEvent(event)
-        self._widen()
+        self._fit_type()
 
     def show_large(self, *, on: bool) -> None:
         """Show the robots alone, in large type for a projector, or again the whole page."""
@@ -156,35 +132,13 @@ class ClassPage(Panel):
         self.tabs.tabBar().setVisible(not on)
         for column, name in enumerate(COLUMNS):
             self.list.setColumnHidden(column, on and name not in LARGE)
-        self.list.setStyleSheet("")
-        self._widen()
+        self._fit_type()
 
-    def _enlarge(self) -> None:
-        """Let the type follow the size of the page; texts that are too long are cut."""
+    def _fit_type(self) -> None:
+        """Let large type follow the size of the page."""
         lines = LARGE_LINE * (self.list.topLevelItemCount() + 1)
         px = min(self.width() / LARGE_WIDTH, self.height() / max(lines, LARGEST))
-        self.list.setStyleSheet(f"* {{ font-size: {int(px)}px }}")
-        for name, part in LARGE.items():
-            self.list.setColumnWidth(COLUMNS.index(name), int(part * self.list.width()))
-
-    def _widen(self) -> None:
-        """Show the names whole, in a narrow window at the cost of the last columns; share the rest of the width."""
-        if self.large:
-            self._enlarge()
-            return
-        least, *widths = map(self._style.px, WIDTHS_PX)
-        advance, rows = (
-            self.list.fontMetrics().horizontalAdvance,
-            () if self._view is None else self._view.rows,
-        )
-        padding = self._style.px(NAME_PADDING_PX)
-        names = max([least, *(advance(row.place[0]) + padding for row in rows)])
-        remarks = REMARKS_PX if any(row.cells[-1] for row in rows) else NO_REMARKS_PX
-        free = self.width() - names - sum(widths) - self._style.px(remarks)
-        share = min(1.0, max(0.0, free / self._style.px(sum(WIDER_PX.values()))))
-        self.list.setColumnWidth(0, names)
-        for column, (name, width) in enumerate(zip(COLUMNS[1:], widths, strict=False), 1):
-            self.list.setColumnWidth(column, width + self._style.px(share * WIDER_PX.get(name, 0)))
+        self.list.setStyleSheet(f"* {{ font-size: {int(px)}px }}" if self.large else "")
 
     def show_view(self, view: ClassView | None) -> None:
         """Show all robots; the selected one stays selected while it is online."""
@@ -211,21 +165,13 @@ class ClassPage(Panel):
             self._show_seats(view.seats)
 
     def _show_rows(self, rows: tuple[ClassRowView, ...]) -> None:
-        """Show the rows in the existing items; create new items if the robots are not the same as before."""
-        chosen = key_of(self.list.currentItem())
-        places = [key_of(self.list.topLevelItem(i)) for i in range(self.list.topLevelItemCount())]
-        if places != [row.place for row in rows]:
-            self.list.blockSignals(True)  # noqa: FBT003
-            self.list.clear()
-            self.list.addTopLevelItems([self._item(row) for row in rows])
-            again = next((i for i, row in enumerate(rows) if row.place == chosen), 0)
-            self.list.setCurrentItem(self.list.topLevelItem(again))
-            self.list.blockSignals(False)  # noqa: FBT003
-            self._widen()
-        for number, row in enumerate(rows):
-            item = self.list.topLevelItem(number)
-            if item is not None:
-                self._fill(item, row)
+        colours = [{STATE: self._style.condition(row.condition)} for row in rows]
+        shown = [
+            TableRow(row.place, row.cells, row.details, of) for row, of in zip(rows, colours, strict=True)
+        ]
+        self.list.show_rows(shown)
+        if self.large:
+            self._fit_type()
 
     def _show_seats(self, seats: tuple[SeatView, ...]) -> None:
         """List the seats; the chosen one stays chosen while it is listed."""
@@ -246,29 +192,10 @@ class ClassPage(Panel):
         if 0 <= index < len(seats):
             self.mute.show_view(seats[index].mute)
 
-    @staticmethod
-    def _item(row: ClassRowView) -> QTreeWidgetItem:
-        item = QTreeWidgetItem()
-        item.setData(0, Qt.ItemDataRole.UserRole, row.place)
-        for column in RIGHT:
-            item.setTextAlignment(column, int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter))
-        return item
-
-    def _fill(self, item: QTreeWidgetItem, row: ClassRowView) -> None:
-        for column, text in enumerate(row.cells):
-            if item.text(column) != text:
-                item.setText(column, text)
-            if item.toolTip(column) != (tip := row.details or text):
-                item.setToolTip(column, tip)
-        colour = QColor(self._style.condition(row.condition))
-        if item.foreground(STATE).color() != colour:
-            item.setForeground(STATE, colour)
-
     def _show_selected(self) -> None:
         """Show the buttons of the selected robot."""
-        place = key_of(self.list.currentItem())
         rows = () if self._view is None else self._view.rows
-        row = next((found for found in rows if found.place == place), None)
+        row = next((found for found in rows if found.place == self.list.chosen), None)
         for part in (self.selected, self.freeze, self.take, self.show_robot):
             part.setVisible(row is not None)
         if row is not None:

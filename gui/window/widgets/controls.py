@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Never, TypeVar
 
-from PyQt5.QtCore import QRect, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QEvent, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QFocusEvent, QPainter, QPaintEvent
 from PyQt5.QtWidgets import (
     QBoxLayout,
@@ -15,7 +16,6 @@ from PyQt5.QtWidgets import (
     QLayout,
     QPushButton,
     QRadioButton,
-    QSizePolicy,
     QSlider,
     QWidget,
 )
@@ -27,7 +27,6 @@ from gui.window.widgets.number_box import NumberBox
 
 STEPS = 10
 """Positions of a slider per unit."""
-GAP_PX = 6
 NAMES_CHARACTERS = 18
 """Number of characters that always fit into a label with a name."""
 SEPARATOR = " · "
@@ -129,6 +128,21 @@ class IntentButton(QPushButton):
             self.setText(f"{text}?" if self.property("armed") else text)
 
 
+def show_each(
+    views: Sequence[ButtonView],
+    buttons: list[IntentButton],
+    made: Callable[[ButtonView], IntentButton] = lambda _: IntentButton(),
+) -> None:
+    """Show a button for each view; `made` makes those that are missing, and those left over are hidden."""
+    while len(buttons) < len(views):
+        buttons.append(made(views[len(buttons)]))
+    for button in buttons[len(views) :]:
+        button.hide()
+    for button, view in zip(buttons, views, strict=False):
+        button.show_view(view)
+        button.show()
+
+
 class Panel(QFrame):
     """A part of the window: it shows its part of a view, and reports intents."""
 
@@ -145,6 +159,39 @@ class Panel(QFrame):
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme that the style sheet does not set."""
+
+
+class Sheet(Panel):
+    """A frame over the middle of its parent; not a dialog, so that STOP stays usable."""
+
+    def __init__(self, name: str, parent: QWidget, least: int = 0) -> None:
+        """Create it hidden; `least` is its least width (px) if the parent is as wide."""
+        super().__init__("notice", parent)
+        self._least = least
+        self.setAccessibleName(name)
+        self.hide()
+
+    def appear(self, focus: QWidget) -> None:
+        """Show the sheet, and give the focus to one of its controls; nothing if it is shown."""
+        if self.isHidden():
+            self.show()
+            self.place()
+            self.raise_()
+            focus.setFocus()
+
+    def event(self, event: QEvent) -> bool:
+        """Take the height that the texts need when a text has changed: Qt measures the inner panels only now."""
+        handled = super().event(event)
+        if event.type() == QEvent.Type.LayoutRequest and self.isVisible():
+            self.place()
+        return handled
+
+    def place(self) -> None:
+        """Move to the middle of the parent."""
+        room, layout = self.parentWidget().size(), self.layout()
+        width = min(max(self._least, layout.minimumSize().width()), room.width())
+        height = max(layout.totalHeightForWidth(width), layout.minimumSize().height())
+        self.setGeometry((room.width() - width) // 2, max(0, (room.height() - height) // 2), width, height)
 
 
 class ChoiceCheck(QCheckBox):
@@ -167,15 +214,15 @@ class ChoiceCheck(QCheckBox):
 class Radio(QRadioButton):
     """A radio button that changes only with its view, like `ChoiceCheck`."""
 
-    asked = pyqtSignal()
+    intent = pyqtSignal(object)
 
-    def __init__(self, text: str, tooltip: str) -> None:
-        super().__init__(text)
-        self.setToolTip(tooltip)
-        self.setAccessibleName(text)
-        self.setAccessibleDescription(tooltip)
+    def __init__(self, texts: Texts, name: str, chosen: Choose) -> None:
+        super().__init__(texts(f"label.{name}"))
+        self.setToolTip(texts(f"tip.{name}"))
+        self.setAccessibleName(self.text())
+        self.setAccessibleDescription(self.toolTip())
         self.setAutoExclusive(False)
-        self.clicked.connect(lambda: self.asked.emit())  # noqa: PLW0108 - `clicked` has an argument
+        self.clicked.connect(lambda: self.intent.emit(chosen))
 
     def nextCheckState(self) -> None:  # noqa: N802
         """Keep the state until the view changes it."""
@@ -190,7 +237,6 @@ class SliderBox(QWidget):
         super().__init__()
         self._value = self._maximum = -1.0
         title, unit = texts(f"label.{name}"), texts(f"label.{name}_unit")
-        self._name = QLabel(title)
         self.slider = QSlider(Qt.Orientation.Horizontal)
         self.slider.setMinimum(round(least * STEPS))
         self.slider.setSingleStep(STEPS)
@@ -200,21 +246,13 @@ class SliderBox(QWidget):
         for control in (self.slider, self.box):
             control.setToolTip(texts(f"tip.{name}"))
             control.setAccessibleName(f"{title} ({unit.strip()})")
-        filled(spaced(QHBoxLayout(self), GAP_PX, NO_MARGINS), self._name, (self.slider, 1), self.box)
+        filled(spaced(QHBoxLayout(self), 6, NO_MARGINS), QLabel(title), (self.slider, 1), self.box)
         self.slider.valueChanged.connect(lambda at: self.intent.emit(Choose(name, at / STEPS)))
         self.box.valueChanged.connect(lambda value: self.intent.emit(Choose(name, value)))
 
     def show_compact(self, *, compact: bool) -> None:
         """Hide the slider, so that two boxes fit into one row."""
         self.slider.setVisible(not compact)
-
-    def name_width(self) -> int:
-        """Return the width of the name (px), so that several sliders can be aligned."""
-        return self._name.sizeHint().width()
-
-    def set_name_width(self, width: int) -> None:
-        """Set the least width of the name (px)."""
-        self._name.setMinimumWidth(width)
 
     def show_value(self, value: float, maximum: float) -> None:
         """Show the number with its maximum."""
@@ -229,72 +267,22 @@ class SliderBox(QWidget):
 
 
 class ElidedLabel(QLabel):
-    """A label for names of any length: long text is elided and shown in the tooltip."""
+    """A label for text of any length: it is elided, and then its tooltip contains all of it."""
 
-    def __init__(self, role: str = "") -> None:
+    def __init__(self, role: str = "", least: int = NAMES_CHARACTERS) -> None:
+        """Create it empty; `least` characters always fit."""
         super().__init__()
+        self.least = least
         self.setProperty("role", role)
         self.setTextFormat(Qt.TextFormat.PlainText)
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
         size, metrics = super().minimumSizeHint(), self.fontMetrics()
-        return QSize(min(size.width(), NAMES_CHARACTERS * metrics.averageCharWidth()), size.height())
+        return QSize(min(size.width(), self.least * metrics.averageCharWidth()), size.height())
 
     def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
         shown = self.fontMetrics().elidedText(self.text(), Qt.TextElideMode.ElideRight, self.width())
         self.setToolTip("" if shown == self.text() else self.text())
-        painter = QPainter(self)
-        painter.setPen(self.palette().color(self.palette().WindowText))
-        painter.drawText(self.rect(), int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter), shown)
-
-
-class OptionalLabel(QLabel):
-    """A sentence that is drawn only if all of it fits. The tooltip of its parent contains it."""
-
-    def __init__(self, role: str = "") -> None:
-        super().__init__()
-        self.setProperty("role", role)
-        self.setTextFormat(Qt.TextFormat.PlainText)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Ignored)
-
-    def sizeHint(self) -> QSize:  # noqa: N802
-        return QSize(0, 0)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return QSize(0, 0)
-
-    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
-        flags = int(Qt.AlignmentFlag.AlignVCenter) | int(Qt.TextFlag.TextWordWrap)
-        room = QRect(0, 0, self.width(), 1000)
-        needed = self.fontMetrics().boundingRect(room, flags, self.text())
-        if needed.height() <= self.height() and needed.width() <= self.width():
-            painter = QPainter(self)
-            painter.setPen(self.palette().color(self.palette().WindowText))
-            painter.drawText(self.rect(), flags, self.text())
-
-
-class PartsLabel(QLabel):
-    """Several texts on one line; draws as many as fit. The tooltip of its parent contains all."""
-
-    def __init__(self, role: str = "") -> None:
-        super().__init__()
-        self._parts: tuple[str, ...] = ()
-        self.setProperty("role", role)
-        self.setTextFormat(Qt.TextFormat.PlainText)
-
-    def show_parts(self, parts: tuple[str, ...]) -> None:
-        """Show other texts, the most important first."""
-        if parts != self._parts:
-            self._parts = parts
-            self.setText(SEPARATOR.join(parts))
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return QSize(0, super().minimumSizeHint().height())
-
-    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
-        lines = (SEPARATOR.join(self._parts[:count]) for count in range(len(self._parts), 0, -1))
-        width = self.fontMetrics().horizontalAdvance
-        shown = next((line for line in lines if width(line) <= self.width()), "")
         painter = QPainter(self)
         painter.setPen(self.palette().color(self.palette().WindowText))
         painter.drawText(self.rect(), int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter), shown)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections import deque
 from typing import Final
 
-from PyQt5.QtCore import QBuffer, QRect, QSize, Qt, QTimer
+from PyQt5.QtCore import QBuffer, QRect, QSize, Qt
 from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QWidget
+from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QVBoxLayout, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import EYES, SIDES
@@ -16,7 +15,17 @@ from gui.console.state.intents import Theme
 from gui.console.state.views import EyeView, SoundView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, ElidedLabel, Panel, filled, spaced
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    ChoiceCheck,
+    ElidedLabel,
+    Panel,
+    filled,
+    label,
+    set_role,
+    set_text,
+    spaced,
+)
 
 LEVEL_STEPS: Final = 100
 LEVEL_PX: Final = 8
@@ -31,7 +40,7 @@ class LevelsPanel(Panel):
         self.box.intent.connect(self.intent)
         self.bars = {(side, ear): QProgressBar() for side in SIDES for ear in (0, 1)}
         self.titles = {side: QLabel() for side in SIDES}
-        self.texts = {side: ElidedLabel() for side in SIDES}
+        self.texts = {side: ElidedLabel(least=0) for side in SIDES}
         grid = spaced(QGridLayout(self), 4, NO_MARGINS)
         grid.addWidget(self.box, 0, 0, len(SIDES), 1)
         for row, side in enumerate(SIDES):
@@ -46,8 +55,6 @@ class LevelsPanel(Panel):
                 ear == 0
             )  # both grow from the middle, as the ears are beside each other
             grid.addWidget(bar, SIDES.index(side), 2 + ear)
-        for text in self.texts.values():  # a long reason must not widen the window
-            text.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         for column, stretch in ((2, 1), (3, 1), (4, 2)):
             grid.setColumnStretch(column, stretch)
 
@@ -64,16 +71,12 @@ class LevelsPanel(Panel):
                 bar.setAccessibleName(f"{level.title}: {level.text}")
 
 
-PERIOD_MS: Final = 33
-"""Shortest time between two drawings."""
 STALE_S: Final = 1.0
-"""Age of the newest picture above which the title shows this age instead of the rate."""
-RATE_S: Final = 2.0
-"""Time over which the rate of pictures is measured."""
+"""Age of the newest picture above which the title shows this age."""
 NO_BREAK: Final = "\u2011"
 """A hyphen at which a line does not end."""
-BAR_PX: Final = 5
-"""Width of the bar in the robot's colour."""
+
+
 LARGEST_PX: Final = 10_000_000
 """Largest number of pixels of a picture: decoding a larger one would block the window."""
 
@@ -93,7 +96,7 @@ def decode(jpeg: bytes) -> QImage | None:
 class CameraPicture(QWidget):
     """The newest picture of one camera under its title, or the reason why there is none.
 
-    Pictures are decoded only when drawn: none while the widget is hidden, and at most 30 a second.
+    Pictures are decoded only when drawn: none while the widget is hidden.
     """
 
     def __init__(self, texts: Texts) -> None:
@@ -103,88 +106,45 @@ class CameraPicture(QWidget):
         self._view: EyeView | None = None
         self._newest: CameraImage | None = None
         self._image: tuple[CameraImage, QImage | None] | None = None
-        self._numbers: deque[tuple[int, int]] = deque()
-        self.note = ""
-        """the shown rate of the pictures, or the age of the newest if no more arrive"""
-        self._pause = QTimer(self)
-        self._pause.setSingleShot(True)
-        self._pause.setInterval(PERIOD_MS)
-        self._pause.timeout.connect(self._after_pause)
-        self._again = False
+        self.title, self.age = ElidedLabel(), label(role="warn")
+        """the age of the newest picture; empty: it is new"""
+        row = filled(spaced(QHBoxLayout(), None, (6, 2, 6, 2)), (self.title, 1), self.age)
+        filled(spaced(QVBoxLayout(self), 0, NO_MARGINS), row, None)
         self.setToolTip(texts("tip.picture"))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 
-    def sizeHint(self) -> QSize:  # noqa: N802 - Qt's name
-        return QSize(320, 240 + self._strip())
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return QSize(100, 24 + self._strip())
+    def minimumSizeHint(self) -> QSize:  # noqa: N802 - Qt's name
+        return QSize(100, 46)
 
     def show_view(self, view: EyeView) -> None:
         """Show title, text and note; with a text, or if the camera is not watched, remove the picture."""
         if view.text or not view.watched:
             self._newest = self._image = None
-            self._numbers.clear()
-        note = self._note_now()
-        if (view, note) == (self._view, self.note):
-            return
-        self._view, self.note = view, note
-        self.setAccessibleName(view.title)
-        self.setAccessibleDescription(view.text)
-        self.update()
+        age_s = 0.0 if self._newest is None else (time.monotonic_ns() - self._newest.arrived_mono_ns) / 1e9
+        age = f"{age_s:.0f} s" if age_s > STALE_S else ""
+        set_text(self.age, age)
+        if view != self._view:
+            self._view = view
+            set_role(self.title, "role", view.side)
+            set_text(self.title, view.title)
+            self.setAccessibleName(view.title)
+            self.setAccessibleDescription(view.text)
+            self.update()
 
     def show_image(self, image: CameraImage) -> None:
         """Show a new picture."""
-        self._count(image)
         self._newest = image
-        if self._pause.isActive():
-            self._again = True
-        else:
-            self._draw()
+        set_text(self.age, "")
+        self.update()
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self._style = style_of(theme)
-        self.updateGeometry()
         self.update()
-
-    def _draw(self) -> None:
-        self._again = False
-        self.note = self._note_now()
-        self._pause.start()
-        self.update()
-
-    def _after_pause(self) -> None:
-        if self._again:
-            self._draw()
-
-    def _count(self, image: CameraImage) -> None:
-        numbers = self._numbers
-        if numbers and image.seq <= numbers[-1][0]:  # another camera, or a restarted robot
-            numbers.clear()
-        numbers.append((image.seq, image.t_mono_ns))
-        while image.t_mono_ns - numbers[0][1] > RATE_S * 1e9:
-            numbers.popleft()
-
-    def _note_now(self) -> str:
-        """Return the rate of the pictures, or the age of the newest if no more arrive."""
-        if self._newest is None:
-            return ""
-        age_s = (time.monotonic_ns() - self._newest.arrived_mono_ns) / 1e9
-        if age_s > STALE_S:
-            return f"{age_s:.0f} s"
-        (first, begin_ns), (last, end_ns) = self._numbers[0], self._numbers[-1]
-        return f"{(last - first) / (end_ns - begin_ns) * 1e9:.0f}/s" if end_ns > begin_ns else ""
-
-    def _strip(self) -> int:
-        """Return the height of the title (px)."""
-        return self.fontMetrics().height() + self._style.px(6)
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802, ARG002
         painter = QPainter(self)
-        strip = self._strip()
-        self._paint_title(painter, QRect(0, 0, self.width(), strip))
-        below = QRect(0, strip, self.width(), self.height() - strip)
+        below = self.rect().adjusted(0, self.title.geometry().bottom() + 3, 0, 0)
         painter.fillRect(below, QColor(self._style.field))
         image, text = self._shown()
         if image is None:
@@ -208,27 +168,6 @@ class CameraPicture(QWidget):
         if self._image is None or self._image[0] is not self._newest:
             self._image = self._newest, decode(self._newest.jpeg)
         return self._image[1], self._damaged
-
-    def _paint_title(self, painter: QPainter, strip: QRect) -> None:
-        if self._view is None:
-            return
-        colours, margin = self._style, self._style.px(6)
-        painter.fillRect(strip, QColor(colours.panel))
-        painter.fillRect(QRect(0, 0, BAR_PX, strip.height()), QColor(colours.side(self._view.side)))
-        inner = strip.adjusted(BAR_PX + margin, 0, -margin, 0)
-        stale = self.note.endswith(" s")
-        painter.setPen(QColor(colours.warn if stale else colours.dim))
-        vertical = Qt.AlignmentFlag.AlignVCenter
-        painter.drawText(inner, int(Qt.AlignmentFlag.AlignRight | vertical), self.note)
-        inner.setRight(inner.right() - painter.fontMetrics().horizontalAdvance(self.note + "  "))
-        painter.save()
-        font = painter.font()
-        font.setBold(True)
-        painter.setFont(font)
-        painter.setPen(QColor(colours.text))
-        title = painter.fontMetrics().elidedText(self._view.title, Qt.TextElideMode.ElideRight, inner.width())
-        painter.drawText(inner, int(Qt.AlignmentFlag.AlignLeft | vertical), title)
-        painter.restore()
 
 
 class EyesPanel(Panel):

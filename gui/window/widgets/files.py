@@ -6,19 +6,18 @@ from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 
-from PyQt5.QtCore import QChildEvent, QEvent, Qt, QTimer
-from PyQt5.QtWidgets import QFileDialog, QGridLayout, QLineEdit, QMessageBox, QWidget
+from PyQt5.QtCore import Qt
+from PyQt5.QtWidgets import QFileDialog, QGridLayout, QLineEdit, QWidget
 
 from gui.console.state.intents import Intent
 from gui.console.texts import Texts
 from gui.window.widgets.controls import Panel, label
 
-FORBIDDEN = '<>:"|?*\\'
-"""Characters that Windows does not allow in the name of a file."""
+SHIPPED = resources.files("beatrix_zenoh") / "choreographies"
 
 
 class FileDialog(QFileDialog):
-    """Qt's own dialog, not modal; shows messages in a line instead of Qt's modal boxes."""
+    """Qt's own dialog, not modal; shows messages in a line, because a modal box would block clicks on STOP."""
 
     def __init__(
         self,
@@ -30,9 +29,9 @@ class FileDialog(QFileDialog):
         files: str = "",
     ) -> None:
         """Create a hidden dialog for files with this suffix; `files` names their kind, by default the suffix."""
-        super().__init__(
-            parent, title, str(begin_folder(mode, suffix)), texts(f"label.{files or suffix}_files")
-        )
+        choreographies = mode == QFileDialog.AcceptMode.AcceptOpen and suffix == "csv"
+        folder = str(SHIPPED) if choreographies else "."
+        super().__init__(parent, title, folder, texts(f"label.{files or suffix}_files"))
         self._texts = texts
         self.setOption(QFileDialog.Option.DontUseNativeDialog)
         self.setOption(QFileDialog.Option.DontConfirmOverwrite)
@@ -61,9 +60,7 @@ class FileDialog(QFileDialog):
         An existing file is overwritten only at the second press; a missing file cannot be opened.
         """
         writes = self.acceptMode() == QFileDialog.AcceptMode.AcceptSave
-        if writes and self._refuse_name():
-            return
-        file = self._file()
+        file = Path(next(iter(self.selectedFiles()), ""))
         if file.is_dir() or file.exists() != writes or file == self._overwrites:
             super().accept()
         elif writes:
@@ -73,39 +70,12 @@ class FileDialog(QFileDialog):
         else:
             self._show_notice(self._texts("label.file_missing", file=file.name))
 
-    def _file(self) -> Path:
-        selected = self.selectedFiles()
-        return Path(selected[0] if selected else "")
-
-    def _refuse_name(self) -> bool:
-        """Add a missing suffix to the typed name; return whether the name is refused, and say why."""
-        field = self.findChild(QLineEdit, "fileNameEdit")
-        if field is None or self._file().is_dir():
-            return False
-        name = Path(field.text()).name
-        if found := sorted(set(FORBIDDEN) & set(name)):
-            self._show_notice(self._texts("label.file_characters", characters=" ".join(found)))
-            return True
-        text, suffix = field.text().rstrip(" ."), f".{self.defaultSuffix()}"
-        field.setText(text if text.lower().endswith(suffix) else text + suffix)
-        return False
-
     def _clear_notice(self) -> None:
         self._overwrites = None
         self.notice.hide()
         writes = self.acceptMode() == QFileDialog.AcceptMode.AcceptSave
         text = self._texts("label.file_save" if writes else "label.file_open")
         self.setLabelText(QFileDialog.DialogLabel.Accept, text)
-
-    def childEvent(self, event: QChildEvent) -> None:  # noqa: N802
-        """Close any message box of Qt and show its text in the notice: a modal box would block clicks on STOP."""
-        super().childEvent(event)
-        if event.type() != QEvent.Type.ChildPolished:
-            return
-        box = event.child()
-        if isinstance(box, QMessageBox):
-            self._show_notice(box.text())
-            QTimer.singleShot(0, box.reject)
 
     def _show_notice(self, text: str) -> None:
         self.notice.setText(text)
@@ -144,17 +114,3 @@ class FilePanel(Panel):
 
     def _forget_dialog(self) -> None:
         self.dialog = None
-
-
-def begin_folder(mode: QFileDialog.AcceptMode, suffix: str) -> Path:
-    """Return the first folder of the dialog.
-
-    For reading choreographies: the folder of the shipped ones. Otherwise the working folder or, if it was deleted, the
-    home folder.
-    """
-    if mode == QFileDialog.AcceptMode.AcceptOpen and suffix == "csv":
-        return Path(str(resources.files("beatrix_zenoh") / "choreographies"))
-    try:
-        return Path.cwd()
-    except FileNotFoundError:
-        return Path.home()

@@ -15,10 +15,10 @@ from gui.window.widgets.head_pad import HeadPad
 AXES = ("yaw", "pitch", "roll")
 COLUMNS = {"target": "title", "sim": "sim", "hw": "hw"}
 """Columns of the numbers, with their roles."""
-ROBOTS = {"sim": "sim", "hw": "hw"}
 WIDEST = "−88.8°"
 SYMBOLS = {"target": "○", "sim": "+", "hw": "■"}
 """The markers of the pad."""
+RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 
 
 class HeadPanel(Panel):
@@ -30,61 +30,44 @@ class HeadPanel(Panel):
         self.pad = HeadPad(texts)
         self.pad.setProperty("sends", True)  # noqa: FBT003
         self.numbers: dict[tuple[str, str], QLabel] = {}
-        self._names = {name: texts(f"label.{name}") for name in COLUMNS}
-        self._heads: dict[str, QLabel] = {}
-        self._titles: list[QLabel] = []
-        self._legend = [label(f"{SYMBOLS[name]} {self._names[name]}", role) for name, role in ROBOTS.items()]
-        """the symbols of the robots, where the columns are too narrow for words"""
+        self._names: dict[str, QLabel] = {}
         self.pad.intent.connect(self.intent)
-        self._numbers = spaced(QVBoxLayout(), 4)
-        self._numbers.addStretch(1)
-        for line in self._legend:
-            line.setAlignment(Qt.AlignmentFlag.AlignRight)
-            line.setMinimumHeight(1)  # so that it does not keep the panel from becoming lower, which hides it
-            self._numbers.addWidget(line)
-        self._table, self._narrow = QGridLayout(), 0
-        """the numbers, and the width (px) that they need without words over the columns of the robots"""
-        self._fill(texts)
-        self._numbers.addLayout(self._table)
+        self._table = self._filled(texts)
+        beside = QVBoxLayout()
+        beside.addStretch(1)
+        beside.addLayout(self._table)
         self._layout = spaced(QBoxLayout(QBoxLayout.Direction.TopToBottom, self), 4, (6, 6, 6, 6))
         self._layout.addWidget(self.pad, 1)
-        self._layout.addLayout(self._numbers)
+        self._layout.addLayout(beside)
 
-    def _fill(self, texts: Texts) -> None:
-        grid = self._table
+    def _filled(self, texts: Texts) -> QGridLayout:
+        grid = spaced(QGridLayout(), 1)
         grid.setHorizontalSpacing(4)
-        grid.setVerticalSpacing(1)
-        right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
         for column, (name, role) in enumerate(COLUMNS.items(), start=1):
-            caption = self._heads[name] = label(f"{SYMBOLS[name]} {self._names[name]}", role)
-            caption.setAlignment(right)
-            grid.addWidget(caption, 0, column)
+            self._names[name] = label(role=role)
+            self._names[name].setAlignment(RIGHT)
+            grid.addWidget(self._names[name], 0, column)
             grid.setColumnStretch(column, 1)
         for row, axis in enumerate(AXES, start=1):
             title = label(texts(f"label.{axis}"), "dim")
-            self._titles.append(title)
             title.setToolTip(texts(f"tip.{axis}"))
             grid.addWidget(title, row, 0)
             for column, (name, role) in enumerate(COLUMNS.items(), start=1):
-                number = label(role=role)
-                number.setAlignment(right)
+                number = self.numbers[name, axis] = label(role=role)
+                number.setAlignment(RIGHT)
                 grid.addWidget(number, row, column)
-                self.numbers[name, axis] = number
+        return grid
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
-        """Put the numbers beside the pad or below it, where they leave the pad more room."""
+        """Put the numbers below the pad or, in a wide panel, beside it, where only their symbols have room."""
         super().resizeEvent(event)
-        width, height, table = self.width(), self.height(), self._table.sizeHint()
-        beside = min(width - self._narrow, height) > min(width, height - table.height())
+        beside = self.width() > 1.3 * self.height()
         directions = QBoxLayout.Direction
         self._layout.setDirection(directions.LeftToRight if beside else directions.TopToBottom)
-        for name in ROBOTS:
-            words = "" if beside else f" {self._names[name]}"
-            set_text(self._heads[name], SYMBOLS[name] + words)
-        needed = sum(line.sizeHint().height() + self._numbers.spacing() for line in self._legend)
-        room = height - table.height() - 2 * self._layout.contentsMargins().top()
-        for line in self._legend:
-            line.setVisible(beside and needed <= room)
+        for name, heading in self._names.items():
+            words = self._texts(f"label.{name}")
+            set_text(heading, SYMBOLS[name] if beside else f"{SYMBOLS[name]} {words}")
+            heading.setToolTip(words)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
@@ -92,22 +75,12 @@ class HeadPanel(Panel):
         for number in self.numbers.values():  # constant widths while the head moves
             number.ensurePolished()
             number.setMinimumWidth(number.fontMetrics().horizontalAdvance(WIDEST) + 2)
-        parts = [max(title.sizeHint().width() for title in self._titles)]
-        number = self.numbers["sim", AXES[0]]
-        parts += [self._heads["target"].sizeHint().width(), number.minimumWidth(), number.minimumWidth()]
-        self._narrow = sum(parts) + self._table.horizontalSpacing() * (len(parts) - 1)
 
     def show_view(self, view: HeadView) -> None:
         """Show the pad and the numbers."""
         self.pad.show_view(view)
-        self._show_numbers("target", view.target)
-        self._show_numbers("sim", view.sim)
-        self._show_numbers("hw", view.hw)
-
-    def _show_numbers(self, name: str, at: HeadOrientation | None) -> None:
-        for axis in AXES:
-            if at is None:
-                text = self._texts("unknown")
-            else:
-                text = self._texts("angle", degrees=float(getattr(at, axis)))
-            set_text(self.numbers[name, axis], text)
+        for (name, axis), number in self.numbers.items():
+            at: HeadOrientation | None = getattr(view, name)
+            unknown = at is None
+            text = self._texts("unknown") if unknown else self._texts("angle", degrees=getattr(at, axis))
+            set_text(number, text)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Final
 
 from PyQt5.QtCore import QPoint, QPointF, QSize, Qt, QTimer, pyqtSignal
-from PyQt5.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
+from PyQt5.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
 from PyQt5.QtWidgets import QHBoxLayout, QVBoxLayout
 
 from beatrix_zenoh.body.scene import Screen, Viewpoint
@@ -21,7 +21,6 @@ from gui.console.state.intents import (
 )
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
-from gui.window.theme import style_of
 from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, filled, plain_button, spaced
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import (
@@ -31,7 +30,6 @@ from gui.window.widgets.head3d_paint import (
     paint_ghost,
     paint_marks,
     paint_robot,
-    same,
 )
 from gui.window.widgets.head_pad import TargetWidget
 
@@ -70,11 +68,8 @@ class Head3d(TargetWidget):
         self._live.timeout.connect(lambda: self.intent.emit(LiveHead()))
         self.setMouseTracking(True)
 
-    def sizeHint(self) -> QSize:  # noqa: N802 - Qt's name
-        return QSize(420, 320)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return QSize(160, 140)
+    def minimumSizeHint(self) -> QSize:  # noqa: N802 - Qt's name
+        return QSize(160, 130)
 
     @property
     def screen3d(self) -> Screen:
@@ -93,15 +88,8 @@ class Head3d(TargetWidget):
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
-        self._style = style_of(theme)
         self._pictures.clear()
-        self.update()
-
-    def show_view(self, view: HeadView) -> None:
-        """Show target and robots; draw again only if the picture would change."""
-        old, self._view = self._view, view
-        if old is None or not same(old, view):
-            self.update()
+        super().show_theme(theme)
 
     def look_from(self, camera: Viewpoint) -> None:
         """Show the head from elsewhere."""
@@ -188,8 +176,8 @@ class Head3d(TargetWidget):
         painter = QPainter(self)
         try:
             view = self._view
+            painter.fillRect(self.rect(), QColor(self._style.field))
             if view is None:
-                painter.fillRect(self.rect(), Qt.GlobalColor.transparent)
                 return
             self._paint_robots(painter, view)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -207,17 +195,17 @@ class Head3d(TargetWidget):
         solid = self._picture(
             "grey" if grey else "solid",
             view.shown,
-            lambda image: paint_robot(image, view.shown, screen, style, grey=grey),
+            lambda painter: paint_robot(painter, view.shown, screen, style, grey=grey),
         )
         painter.drawImage(QPoint(0, 0), solid)
         if ghost is not None and apart(ghost, view.shown):
             tint = style.side(other)
-            image = self._picture(other, ghost, lambda image: paint_ghost(image, ghost, screen, tint))
+            image = self._picture(other, ghost, lambda painter: paint_ghost(painter, ghost, screen, tint))
             painter.setOpacity(GHOST)
             painter.drawImage(QPoint(0, 0), image)
             painter.setOpacity(1.0)
 
-    def _picture(self, name: str, head: HeadOrientation | None, paint: Callable[[QImage], None]) -> QImage:
+    def _picture(self, name: str, head: HeadOrientation | None, paint: Callable[[QPainter], None]) -> QImage:
         ratio = self.devicePixelRatioF()
         key = (head and head.tenths, self.screen3d, ratio)
         known = self._pictures.get(name)
@@ -225,7 +213,13 @@ class Head3d(TargetWidget):
             return known[1]
         image = QImage(self.size() * ratio, QImage.Format.Format_ARGB32_Premultiplied)
         image.setDevicePixelRatio(ratio)
-        paint(image)
+        image.fill(Qt.GlobalColor.transparent)
+        painter = QPainter(image)
+        try:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            paint(painter)
+        finally:
+            painter.end()
         self._pictures[name] = key, image
         return image
 

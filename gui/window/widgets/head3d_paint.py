@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt
-from PyQt5.QtGui import QBrush, QColor, QImage, QPainter, QPen, QPolygonF, QRadialGradient
+from PyQt5.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
 from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.scene import HeadDrawing, Screen, draw, hull
@@ -52,24 +52,6 @@ def _figure() -> Figure:
     return Figure()
 
 
-def same(one: HeadView, other: HeadView) -> bool:
-    """Return whether two views make the same picture, to a tenth of a degree."""
-
-    def drawn(view: HeadView) -> tuple[object, ...]:
-        heads = (view.target, view.sim, view.hw, view.shown)
-        return (
-            *(at and at.tenths for at in heads),
-            view.solid,
-            view.silent,
-            view.tilt_max,
-            view.yaw_max,
-            view.drag.refused,
-            view.drag.border,
-        )
-
-    return drawn(one) == drawn(other)
-
-
 def apart(one: HeadOrientation | None, other: HeadOrientation | None) -> bool:
     """Return whether two heads are drawn separately."""
     if one is None or other is None:
@@ -81,39 +63,27 @@ def apart(one: HeadOrientation | None, other: HeadOrientation | None) -> bool:
 
 
 def paint_robot(
-    image: QImage, head: HeadOrientation | None, screen: Screen, style: Style, *, grey: bool
+    painter: QPainter, head: HeadOrientation | None, screen: Screen, style: Style, *, grey: bool
 ) -> None:
     """Draw the ring under the robot with an arrow ahead, and the robot, grey if it is silent; nothing without a robot."""
-    image.fill(QColor(style.field))
     if head is None:
         return
-    painter = QPainter(image)
-    try:
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        turn = np.linspace(0.0, math.tau, 49)
-        for radius, colour, width in ((RING, style.line, 2.0), (RING * 1.25, style.line, 1.0)):
-            ring = np.column_stack((np.cos(turn) * radius, np.sin(turn) * radius, np.full(49, FLOOR)))
-            painter.setPen(QPen(QColor(colour), width))
-            painter.drawPolyline(_polygon(screen.place(ring)[:, :2]))
-        ahead = np.array([(1.4, 0.10), (1.25, 0.0), (1.4, -0.10)]) * RING
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(style.edge))
-        painter.drawPolygon(_polygon(screen.place(np.column_stack((ahead, np.full(3, FLOOR))))[:, :2]))
-        drawing = _drawing(head, screen)
-        _paint(painter, _tinted(drawing, style.disabled, GREY) if grey else drawing)
-    finally:
-        painter.end()
+    turn = np.linspace(0.0, math.tau, 49)
+    for radius, width in ((RING, 2.0), (RING * 1.25, 1.0)):
+        ring = np.column_stack((np.cos(turn) * radius, np.sin(turn) * radius, np.full(49, FLOOR)))
+        painter.setPen(QPen(QColor(style.line), width))
+        painter.drawPolyline(_polygon(screen.place(ring)[:, :2]))
+    ahead = np.array([(1.4, 0.10), (1.25, 0.0), (1.4, -0.10)]) * RING
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(style.edge))
+    painter.drawPolygon(_polygon(screen.place(np.column_stack((ahead, np.full(3, FLOOR))))[:, :2]))
+    drawing = _drawing(head, screen)
+    _paint(painter, _tinted(drawing, style.disabled, GREY) if grey else drawing)
 
 
-def paint_ghost(image: QImage, head: HeadOrientation, screen: Screen, tint: str) -> None:
-    """Draw head and arms, tinted with a colour, on a transparent picture."""
-    image.fill(Qt.GlobalColor.transparent)
-    painter = QPainter(image)
-    try:
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        _paint(painter, _tinted(_drawing(head, screen, base=False), tint, TINT))
-    finally:
-        painter.end()
+def paint_ghost(painter: QPainter, head: HeadOrientation, screen: Screen, tint: str) -> None:
+    """Draw head and arms, tinted with a colour."""
+    _paint(painter, _tinted(_drawing(head, screen, base=False), tint, TINT))
 
 
 def _drawing(head: HeadOrientation, screen: Screen, *, base: bool = True) -> HeadDrawing:
@@ -180,11 +150,6 @@ class Marks:
         furthest = reach(self.view.drag.border, target.pitch, target.roll)
         return math.hypot(target.pitch, target.roll) / furthest
 
-    @property
-    def twist(self) -> float:
-        """Yaw of the target, divided by the limit."""
-        return abs(self.view.target.yaw) / self.view.yaw_max
-
 
 def paint_marks(painter: QPainter, marks: Marks, texts: Texts, *, focused: bool) -> None:
     """Draw the border, the outline of the target and the handles."""
@@ -228,24 +193,10 @@ def _paint_border(painter: QPainter, marks: Marks) -> None:
             glow.setAlpha(opacity)
             painter.setPen(QPen(glow, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
             painter.drawPolyline(_polygon(near))
-    if marks.twist > GLOW:
-        _glow_at(painter, on_screen(marks.screen, marks.view.target, NOSE), marks)
-
-
-def _glow_at(painter: QPainter, place: Floats, marks: Marks) -> None:
-    """Let the nose glow where the yaw ends."""
-    middle, colour = QPointF(place[0], place[1]), QColor(marks.style.warn)
-    gradient = QRadialGradient(middle, 30.0)
-    gradient.setColorAt(0.0, colour)
-    colour.setAlpha(0)
-    gradient.setColorAt(1.0, colour)
-    painter.setPen(Qt.PenStyle.NoPen)
-    painter.setBrush(gradient)
-    painter.drawEllipse(middle, 30.0, 30.0)
 
 
 def _paint_outline(painter: QPainter, marks: Marks) -> None:
-    """Draw the outline of the head at the target, with eyes if they are turned to the viewer."""
+    """Draw the outline of the head at the target."""
     screen, target = marks.screen, marks.view.target
     rows = np.array(turned(target))
     (head,) = (mesh for mesh in meshes(_figure()) if mesh.body == "head")
@@ -254,11 +205,6 @@ def _paint_outline(painter: QPainter, marks: Marks) -> None:
     refused = marks.strain > 1
     painter.setPen(QPen(QColor(marks.style.bad if refused else marks.style.text), 2.5))
     painter.drawPolygon(_polygon(hull(screen.place(skull)[:, :2])))
-    if float(screen.camera.axes[2] @ rows[:, 0]) > 0.1:
-        size = _figure().size
-        for side in (1, -1):
-            eye = on_screen(screen, target, (0.1, side * size.eye_baseline / 2, size.centre_height + 0.018))
-            painter.drawEllipse(QPointF(eye[0], eye[1]), screen.scale * 0.02, screen.scale * 0.02)
 
 
 def _paint_handles(painter: QPainter, marks: Marks, *, aims: bool) -> None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from enum import StrEnum
+from collections.abc import Callable
+from dataclasses import replace
 
 from PyQt5.QtCore import QPointF, QRectF, QSize, Qt, pyqtSignal
 from PyQt5.QtGui import (
     QBrush,
     QColor,
-    QFocusEvent,
     QFont,
     QFontMetricsF,
     QKeyEvent,
@@ -42,13 +42,15 @@ KEYS = {
 COARSE_DEG = 5.0
 """The step with Shift."""
 LINE_PX = 14
-
-
-class Grip(StrEnum):
-    """The part that the mouse drags."""
-
-    RING = "ring"
-    DISC = "disc"
+CAPTIONS = {
+    "up": (0.5, 0.0),
+    "down": (0.5, 1.0),
+    "yaw_left": (0.0, 0.0),
+    "yaw_right": (1.0, 0.0),
+    "left": (0.0, 1.0),
+    "right": (1.0, 1.0),
+}
+"""Place of each caption: its share of the way from the left to the right edge, and from the upper to the lower."""
 
 
 class TargetWidget(QWidget):
@@ -66,6 +68,18 @@ class TargetWidget(QWidget):
         self.setAccessibleName(name)
         self.setAccessibleDescription(tip)
 
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours of a theme."""
+        self._style = style_of(theme)
+        self.updateGeometry()
+        self.update()
+
+    def show_view(self, view: HeadView) -> None:
+        """Show target and robots; draw again only if the picture would change."""
+        old, self._view = self._view, view
+        if old is None or _drawn(old) != _drawn(view):
+            self.update()
+
     def _report(self, target: HeadOrientation) -> None:
         self.intent.emit(AimHead(*target.tenths))
 
@@ -76,45 +90,19 @@ class TargetWidget(QWidget):
         else:
             self._report(target)
 
-    def focusInEvent(self, event: QFocusEvent) -> None:  # noqa: N802
-        super().focusInEvent(event)
-        self.update()
-
-    def focusOutEvent(self, event: QFocusEvent) -> None:  # noqa: N802
-        super().focusOutEvent(event)
-        self.update()
-
 
 class HeadPad(TargetWidget):
     """Shows target, simulation and hardware; reports new targets."""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts("label.head"), texts("tip.head_pad"))
-        self._grip: Grip | None = None
-        self._captions = {
-            name: texts(f"label.pad_{name}")
-            for name in ("up", "down", "left", "right", "yaw_left", "yaw_right")
-        }
+        self._aim: Callable[[QPointF], None] | None = None
+        """what the mouse drags: `_turn` or `_tilt`"""
+        self._captions = {name: texts(f"label.pad_{name}") for name in CAPTIONS}
         self.setCursor(Qt.CursorShape.CrossCursor)
-
-    def sizeHint(self) -> QSize:  # noqa: N802
-        return QSize(self._style.px(260), self._style.px(260))
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
         return QSize(LEAST_WIDTH, LEAST_HEIGHT)
-
-    def show_theme(self, theme: Theme) -> None:
-        """Use the colours of a theme."""
-        self._style = style_of(theme)
-        self.updateGeometry()
-        self.update()
-
-    def show_view(self, view: HeadView) -> None:
-        """Show target and heads; draw again only if the picture would change."""
-        if self._view is None or _drawn(view) != _drawn(self._view):
-            self._view = view
-            self.update()
-        self._view = view
 
     # Geometry
 
@@ -170,19 +158,18 @@ class HeadPad(TargetWidget):
         angle, radius = math.radians(yaw), self._outer * (1 - RING / 2)
         return self._centre + QPointF(-math.sin(angle) * radius, -math.cos(angle) * radius)
 
-    def _aim(self, position: QPointF, grip: Grip) -> None:
-        if self._view is None:
-            return
-        offset, target = position - self._centre, self._view.target
-        if grip is Grip.RING:
-            yaw = math.degrees(math.atan2(-offset.x(), -offset.y()))
-            limit = self._view.yaw_max
-            self._report(HeadOrientation(max(-limit, min(limit, yaw)), target.pitch, target.roll))
-            return
-        reach = math.hypot(offset.x(), offset.y())
-        offset *= min(1.0, self._disc / max(reach, 1e-9))
-        scale = self._view.tilt_max * BEYOND / self._disc
-        self._report(HeadOrientation(target.yaw, offset.y() * scale, offset.x() * scale))
+    def _turn(self, offset: QPointF) -> None:
+        """Aim at a point of the ring, by its offset from the middle."""
+        if self._view is not None:
+            yaw, limit = math.degrees(math.atan2(-offset.x(), -offset.y())), self._view.yaw_max
+            self._report(replace(self._view.target, yaw=max(-limit, min(limit, yaw))))
+
+    def _tilt(self, offset: QPointF) -> None:
+        """Aim at a point of the disc, by its offset from the middle."""
+        if self._view is not None:
+            offset *= min(1.0, self._disc / max(math.hypot(offset.x(), offset.y()), 1e-9))
+            scale = self._view.tilt_max * BEYOND / self._disc
+            self._report(replace(self._view.target, pitch=offset.y() * scale, roll=offset.x() * scale))
 
     # Mouse
 
@@ -191,17 +178,16 @@ class HeadPad(TargetWidget):
             return
         offset = event.localPos() - self._centre
         reach = math.hypot(offset.x(), offset.y())
-        if reach > self._outer + 4:
-            return
-        self._grip = Grip.DISC if reach <= self._disc + 1 else Grip.RING
-        self._aim(event.localPos(), self._grip)
+        if reach <= self._outer + 4:
+            self._aim = self._tilt if reach <= self._disc + 1 else self._turn
+            self._aim(offset)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        if self._grip is not None:
-            self._aim(event.localPos(), self._grip)
+        if self._aim is not None:
+            self._aim(event.localPos() - self._centre)
 
     def mouseReleaseEvent(self, _event: QMouseEvent) -> None:  # noqa: N802
-        self._grip = None
+        self._aim = None
 
     # Drawing
 
@@ -244,14 +230,6 @@ class HeadPad(TargetWidget):
             inner = outer * ((1 - RING * 0.75) / (1 - RING / 2))
             outer *= (1 - RING * 0.25) / (1 - RING / 2)
             painter.drawLine(centre + inner, centre + outer)
-        if self._view is not None and self._view.yaw_max <= 180:
-            self._paint_yaw_limit(painter, self._view.yaw_max)
-
-    def _paint_yaw_limit(self, painter: QPainter, yaw_max: float) -> None:
-        painter.setPen(QPen(QColor(self._style.edge), 3))
-        for yaw in (-yaw_max, yaw_max):
-            way = (self.yaw_point(yaw) - self._centre) / (1 - RING / 2)
-            painter.drawLine(self._centre + way * (1 - RING), self._centre + way)
 
     def _paint_captions(self, painter: QPainter) -> None:
         """Name the directions in words, because signs alone are ambiguous."""
@@ -261,47 +239,22 @@ class HeadPad(TargetWidget):
             painter.drawText(place, int(Qt.AlignmentFlag.AlignCenter), self._captions[name])
 
     def _caption_places(self) -> dict[str, QRectF]:
-        """Return the places of the captions: those of the disc on it, or beside it if it is small and there is room."""
-        limit, line = self._disc / BEYOND, self._line
-        noses = limit - line if limit > 3 * line else self._reach + line / 2
-        """distance of two captions from the middle"""
-        places = {
-            "yaw_left": self._beside_ring("yaw_left", -1, -1),
-            "yaw_right": self._beside_ring("yaw_right", 1, -1),
-        }
-        for name, down in (("up", -noses), ("down", noses)):
+        """Return the places of the captions: in the corners beside the ring as far as there is room, and on the disc."""
+        whole, high = QRectF(self.rect()), 2 * self._line
+        places = {}
+        for name, (across, down) in CAPTIONS.items():
             wide = self._wide(name)
-            places[name] = QRectF(-wide / 2, down - line / 2, wide, line).translated(self._centre)
-        ears = {"left": -1, "right": 1}
-        beside = {name: self._beside_ring(name, across, 1) for name, across in ears.items()}
-        if limit > max(self._wide(name) for name in ears) + line / 2:
-            places |= {name: self._inside_disc(name, across) for name, across in ears.items()}
-        elif not any(self._is_over_ring(place) for place in beside.values()):
-            places |= beside
+            left, top = (whole.width() - wide) * across, (whole.height() - high) * down
+            place = QRectF(left, top, wide, high)
+            if across == 0.5 or self._is_beside_ring(place):
+                places[name] = place
         return places
 
-    def _is_over_ring(self, place: QRectF) -> bool:
-        """Return whether the corner of a place that is nearest to the middle is on the ring."""
+    def _is_beside_ring(self, place: QRectF) -> bool:
+        """Return whether the corner of a place that is nearest to the middle is outside of the ring and its marks."""
         off = place.translated(-self._centre)
-        return (
-            math.hypot(min(abs(off.left()), abs(off.right())), min(abs(off.top()), abs(off.bottom())))
-            < self._reach
-        )
-
-    def _inside_disc(self, name: str, across: int) -> QRectF:
-        """Return the place of a caption at the left (`across` is -1) or right edge of the disc, below its middle line."""
-        wide, limit = self._wide(name), self._disc / BEYOND
-        left = across * (limit - wide / 2 - 3) - wide / 2
-        return QRectF(left, 2, wide, 2 * self._line).translated(self._centre)
-
-    def _beside_ring(self, name: str, across: int, down: int) -> QRectF:
-        """Return the place of a caption above (`down` is -1) or below, as near to the ring as the widget is wide."""
-        wide, high = self._wide(name), 2 * self._line
-        level = self._outer + self._line - high  # from the middle to the edge of the box that is nearer to it
-        ring = math.sqrt(max(0.0, self._reach**2 - level**2))
-        off = min(max(ring, self._wide("up") / 2) + 2, self.width() / 2 - wide)
-        left = off if across > 0 else -off - wide
-        return QRectF(left, level if down > 0 else -level - high, wide, high).translated(self._centre)
+        corner = min(abs(off.left()), abs(off.right())), min(abs(off.top()), abs(off.bottom()))
+        return math.hypot(*corner) >= self._reach
 
     def _wide(self, name: str) -> float:
         """Return the width of a caption (px)."""
@@ -336,25 +289,6 @@ class HeadPad(TargetWidget):
         painter.setBrush(Qt.BrushStyle.NoBrush)
         for point in (self.tilt_point(view.target, view.tilt_max), self.yaw_point(view.target.yaw)):
             painter.drawEllipse(point, size * 2, size * 2)
-        if view.drag.refused is not None:
-            self._paint_refused(painter, view, view.drag.refused, size)
-
-    def _paint_refused(
-        self, painter: QPainter, view: HeadView, refused: HeadOrientation, size: float
-    ) -> None:
-        """Cross the refused target out, and give the reason beside it, on the side with more room."""
-        turned = abs(refused.yaw) > view.yaw_max
-        place = self.yaw_point(refused.yaw) if turned else self.tilt_point(refused, view.tilt_max)
-        painter.setPen(QPen(QColor(self._style.bad), 3))
-        for way in (QPointF(size, size), QPointF(size, -size)):
-            painter.drawLine(place - way, place + way)
-        wide, high = painter.fontMetrics().horizontalAdvance(view.drag.reason) + 8, self._line + 2
-        left = place.x() > self._centre.x()
-        box = QRectF(
-            place.x() - wide - 2 * size if left else place.x() + 2 * size, place.y() - high / 2, wide, high
-        )
-        painter.fillRect(box, QColor(self._style.notice))
-        painter.drawText(box, int(Qt.AlignmentFlag.AlignCenter), view.drag.reason)
 
 
 def after_key(event: QKeyEvent, view: HeadView) -> HeadOrientation | None:
@@ -371,5 +305,5 @@ def after_key(event: QKeyEvent, view: HeadView) -> HeadOrientation | None:
 
 def _drawn(view: HeadView) -> tuple[object, ...]:
     """Return the drawn part of a view, to a tenth of a degree."""
-    heads = tuple(at and at.tenths for at in (view.target, view.sim, view.hw))
-    return heads, view.path, view.tilt_max, view.yaw_max, view.drag
+    heads = tuple(at and at.tenths for at in (view.target, view.sim, view.hw, view.shown))
+    return heads, view.solid, view.silent, view.path, view.tilt_max, view.yaw_max, view.drag

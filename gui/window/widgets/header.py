@@ -29,14 +29,13 @@ from gui.window.widgets.controls import (
     SEPARATOR,
     ElidedLabel,
     IntentButton,
-    OptionalLabel,
     Panel,
-    PartsLabel,
     filled,
     label,
     plain_button,
     set_role,
     set_text,
+    show_each,
     spaced,
 )
 
@@ -62,19 +61,17 @@ class RobotMenu(Panel):
         if views == self._views:
             return
         self._views = views
-        while len(self.buttons) < len(views):
-            button = IntentButton()
-            if isinstance(views[len(self.buttons)].intent, EmergencyStop):
-                button.setObjectName("emergency")
-            button.intent.connect(self._choose)
-            button.asking.connect(self._ask)
-            self._column.insertWidget(len(self.buttons), button)
-            self.buttons.append(button)
-        for number, button in enumerate(self.buttons):
-            button.setVisible(number < len(views))
-            if number < len(views):
-                button.show_view(views[number])
+        show_each(views, self.buttons, self._button)
         self._fit()
+
+    def _button(self, view: ButtonView) -> IntentButton:
+        button = IntentButton()
+        if isinstance(view.intent, EmergencyStop):
+            button.setObjectName("emergency")
+        button.intent.connect(self._choose)
+        button.asking.connect(self._ask)
+        self._column.insertWidget(len(self.buttons), button)
+        return button
 
     def open(self, below: QWidget) -> None:
         """Open below a button, at its right edge."""
@@ -121,8 +118,10 @@ ROBOT_PX = 160
 """Largest width of the box with the robot: a name of 32 letters must not take the room of the pills."""
 ROBOTS_SHOWN = 16
 """Robots in the open list; further ones are reached by its scroll bar, or by typing the first letters of a name."""
-LONGEST = "■ 888:88"
-"""The widest duration of a recording."""
+
+
+LONGEST = "■ 88:88"
+"""A duration of a recording."""
 
 
 class Names(QComboBox):
@@ -134,36 +133,13 @@ class Names(QComboBox):
         )  # Qt's own remains that of longer names, or of another type, which were shown before
 
 
-class RecordButton(IntentButton):
-    """Begins and ends a recording and shows its duration; always as wide, so that it stays under the mouse."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._texts = {LONGEST}
-        """every text so far, and the longest duration"""
-
-    def show_record(self, view: RecordView) -> None:
-        """Show what a press does, or the duration while a recording runs."""
-        self.show_view(view.toggle)
-        if view.running:
-            self.setText(f"■ {view.text}")
-        else:
-            self._texts.add(self.text())
-        set_role(self, "recording", "yes" if view.running else "")
-
-    def sizeHint(self) -> QSize:  # noqa: N802
-        hint, metrics = super().sizeHint(), self.fontMetrics()
-        widest = max(metrics.horizontalAdvance(text) for text in {*self._texts, self.text()})
-        return QSize(hint.width() + widest - metrics.horizontalAdvance(self.text()), hint.height())
-
-
 class RecordButtons(Panel):
     """The buttons that open the last recording, and begin and end one."""
 
     def __init__(self) -> None:
         super().__init__()
         self._view: RecordView | None = None
-        self.open, self.toggle = IntentButton(), RecordButton()
+        self.open, self.toggle = IntentButton(), IntentButton()
         layout = spaced(QHBoxLayout(self), 4, NO_MARGINS)
         for button in (self.open, self.toggle):
             layout.addWidget(button)
@@ -174,7 +150,13 @@ class RecordButtons(Panel):
         if view == self._view:
             return
         self._view = view
-        self.toggle.show_record(view)
+        self.toggle.show_view(view.toggle)
+        if view.running:
+            self.toggle.setText(f"■ {view.text}")
+        set_role(self.toggle, "recording", "yes" if view.running else "")
+        width, wide = self.toggle.sizeHint().width(), self.toggle.fontMetrics().horizontalAdvance
+        more = max(0, wide(LONGEST) - wide(self.toggle.text()))
+        self.toggle.setMinimumWidth(max(self.toggle.minimumWidth(), width + more))  # it stays under the mouse
         if view.open is not None:
             self.open.show_view(view.open)
         self.open.setVisible(view.open is not None)
@@ -190,7 +172,7 @@ class Pill(Panel):
         self.setProperty("side", side)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self.title, self.state = label(role=side), ElidedLabel()
-        self.notes = PartsLabel("dim")
+        self.notes = ElidedLabel("dim", 0)
         """notes and round trip"""
         self.next_step, self.lease = IntentButton(), IntentButton()
         self.lease.intent.connect(self.intent)
@@ -198,7 +180,8 @@ class Pill(Panel):
         self.next_step.intent.connect(self.intent)
         first = filled(spaced(QHBoxLayout(), 8), self.title, (self.notes, 1))
         words = filled(spaced(QVBoxLayout(), 0), first, self.state)
-        self.reason, menu = OptionalLabel("dim"), self._menu_button(texts)
+        self.reason, menu = ElidedLabel("dim", 0), self._menu_button(texts)
+        self.reason.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         layout = spaced(QHBoxLayout(self), None, (6, 2, 6, 2))
         filled(layout, words, (self.reason, 1), self.next_step, self.lease, menu)
         self.next_step.hide()
@@ -223,7 +206,7 @@ class Pill(Panel):
         self.more.setAccessibleName(f"{view.title}: {self._menu_name}")
         set_role(self.state, "role", CONDITION_ROLES[view.condition])
         set_text(self.state, f"{view.symbol} {view.text}")
-        self.notes.show_parts(tuple(part for part in (*view.notes, view.latency) if part))
+        set_text(self.notes, SEPARATOR.join(filter(None, (*view.notes, view.latency))))
         set_text(self.reason, " ".join(line for line in (view.reason, *view.warnings) if line))
         lines = [view.reason, *view.warnings, SEPARATOR.join(view.notes), view.details]
         self.setToolTip("\n".join(line for line in lines if line))
@@ -273,40 +256,28 @@ class Header(Panel):
             part.intent.connect(self.intent)
 
     def _menu(self, texts: Texts) -> tuple[QMenu, dict[str, QAction]]:
-        menu, choices = QMenu(self), {}
-        themes = QActionGroup(menu)
-        self._heading(menu, texts("label.theme"))
-        for theme in Theme:
-            choices[theme.value] = self._choice(menu, texts(f"label.theme_{theme}"), Choose("theme", theme))
-            themes.addAction(choices[theme.value])
-        languages = QActionGroup(menu)
-        self._heading(menu, texts("label.language"))
-        for code in LANGUAGES:
-            choices[code] = self._choice(menu, texts(f"label.language_{code}"), Choose("language", code))
-            languages.addAction(choices[code])
+        menu, choices = QMenu(self), dict[str, QAction]()
+        for choice, codes in (("theme", [*Theme]), ("language", [*LANGUAGES])):
+            menu.addSeparator()
+            heading = self._entry(menu, texts(f"label.{choice}"), None)
+            heading.setEnabled(False)  # Fusion does not draw the text of sections
+            group = QActionGroup(menu)
+            for code in codes:
+                entry = self._entry(menu, texts(f"label.{choice}_{code}"), Choose(choice, code))
+                entry.setCheckable(True)
+                choices[str(code)] = group.addAction(entry)
         menu.addSeparator()
-        connect = QAction(texts("label.connect"), menu)
-        connect.triggered.connect(lambda: self.intent.emit(LookForPorts()))
-        menu.addAction(connect)
-        keys = QAction(f"{texts('label.keys')}\tF1", menu)
-        keys.triggered.connect(self.keys_asked)
-        menu.addAction(keys)
+        self._entry(menu, texts("label.connect"), LookForPorts())
+        self._entry(menu, f"{texts('label.keys')}\tF1", None).triggered.connect(self.keys_asked)
         return menu, choices
 
-    @staticmethod
-    def _heading(menu: QMenu, text: str) -> None:
-        """Add a heading as a disabled line: Fusion does not draw the text of sections."""
-        menu.addSeparator()
-        heading = QAction(text, menu)
-        heading.setEnabled(False)
-        menu.addAction(heading)
-
-    def _choice(self, menu: QMenu, text: str, intent: Choose) -> QAction:
-        action = QAction(text, menu)
-        action.setCheckable(True)
-        action.triggered.connect(lambda: self.intent.emit(intent))
-        menu.addAction(action)
-        return action
+    def _entry(self, menu: QMenu, text: str, intent: Intent | None) -> QAction:
+        """Add an entry that reports an intent, if it is given."""
+        entry = QAction(text, menu)
+        if intent is not None:
+            entry.triggered.connect(lambda: self.intent.emit(intent))
+        menu.addAction(entry)
+        return entry
 
     def _open_menu(self) -> None:
         """Open the menu without blocking the window."""

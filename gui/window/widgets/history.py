@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from PyQt5.QtCore import QRect, QSignalBlocker, Qt, pyqtSignal
-from PyQt5.QtGui import QColor, QFontDatabase, QGuiApplication, QIcon, QPainter, QPixmap
+from PyQt5.QtCore import QSignalBlocker, Qt, pyqtSignal
+from PyQt5.QtGui import QColor, QFontDatabase, QGuiApplication
 from PyQt5.QtWidgets import (
     QFileDialog,
     QHBoxLayout,
@@ -35,8 +33,6 @@ from gui.window.widgets.controls import (
 )
 from gui.window.widgets.files import FilePanel
 
-ICON_PX = 16
-
 
 class HistoryPanel(Panel):
     """The list of requests, newest first."""
@@ -57,10 +53,8 @@ class HistoryPanel(Panel):
         self.details = label(wrap=True)
         """time, seat and result of the selected row"""
         self.details.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.repeat = plain_button(texts("label.repeat"), texts("tip.repeat"), texts("label.repeat"))
-        self.python = plain_button(
-            texts("label.copy_python"), texts("tip.copy_python"), texts("label.copy_python")
-        )
+        self.repeat = plain_button(texts("label.repeat"), texts("tip.repeat"))
+        self.python = plain_button(texts("label.copy_python"), texts("tip.copy_python"))
         self.uses = QWidget()
         """what can be done with the selected row"""
         filled(spaced(QVBoxLayout(self.uses), 4, NO_MARGINS), self.details, self.repeat, self.python)
@@ -70,86 +64,53 @@ class HistoryPanel(Panel):
         self.list.currentRowChanged.connect(self._show_buttons)
         self.list.currentRowChanged.connect(self._report_row)
         self.list.itemActivated.connect(self._repeat)
-        self._fill((), 0)
+        self._fill(())
 
     def show_view(self, rows: tuple[HistoryRowView, ...]) -> None:
         """Show the rows; the selected one stays selected while it exists."""
-        if rows == self._rows:
-            return
-        older = _alike_at_the_start(rows[::-1], self._rows[::-1])
-        self._fill(rows, older)
+        if rows != self._rows:
+            self._fill(rows)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
         self._style = style_of(theme)
-        self._fill(self._rows, 0)
-
-    @property
-    def chosen_row(self) -> int:
-        """Number of the selected row; -1 if there is none, or if it is of another seat."""
-        chosen = self._chosen()
-        return -1 if chosen is None else chosen.row
+        self._fill(self._rows)
 
     def choose(self, number: int) -> None:
         """Select the row of this number, unless it is no longer shown."""
-        same = [i for i, row in enumerate(self._rows) if row.row == number >= 0]
-        with QSignalBlocker(self.list):
-            self.list.setCurrentRow(same[0] if same else -1)
+        self._select([row.row == number >= 0 for row in self._rows])
         self._show_buttons()
+
+    def _select(self, wanted: list[bool]) -> None:
+        """Select the first wanted row, or none."""
+        with QSignalBlocker(self.list):
+            self.list.setCurrentRow(wanted.index(True) if True in wanted else -1)
 
     def _report_row(self) -> None:
         chosen = self._chosen()
         if chosen is not None:
             self.row_chosen.emit(chosen.row)
 
-    def _fill(self, rows: tuple[HistoryRowView, ...], older: int) -> None:
-        """Show `rows`; the last `older` of them are listed already and kept, because replacing all takes milliseconds."""
-        chosen, newer = self._chosen(), rows[: len(rows) - older]
-        self._rows = rows
-        self.list.blockSignals(True)  # noqa: FBT003
-        for _ in range(self.list.count() - older):
-            self.list.takeItem(0)
-        for row in reversed(newer):
-            self.list.insertItem(0, self._item(row))
-        if chosen is not None:
-            same = [
-                i
-                for i, row in enumerate(rows)
-                if (row.row, row.time, row.what) == (chosen.row, chosen.time, chosen.what)
-            ]
-            self.list.setCurrentRow(same[0] if same else -1)
-        self.list.blockSignals(False)  # noqa: FBT003
+    def _fill(self, rows: tuple[HistoryRowView, ...]) -> None:
+        chosen, self._rows = self._chosen(), rows
+        with QSignalBlocker(self.list):
+            self.list.clear()
+            for row in rows:
+                self.list.addItem(self._item(row))
+        same = None if chosen is None else (chosen.row, chosen.time, chosen.what)
+        self._select([(row.row, row.time, row.what) == same for row in rows])
         self.empty.setVisible(not rows)
         self.list.setVisible(bool(rows))
         self.uses.setVisible(bool(rows))
         self._show_buttons()
 
     def _item(self, row: HistoryRowView) -> QListWidgetItem:
-        what = row.what if row.row >= 0 else f"{row.who}: {row.what}"
-        item = QListWidgetItem(self._icon(row), what)
-        if row.good is None or row.on_purpose:
-            item.setForeground(QColor(self._style.dim))
+        who = "" if row.row >= 0 else f"{row.who}: "
+        item = QListWidgetItem(f"{row.symbol} {who}{row.what}")
+        colours = {True: self._style.text, False: self._style.bad, None: self._style.dim}
+        item.setForeground(QColor(colours[None if row.on_purpose else row.good]))
         item.setToolTip("\n".join(line for line in (_details(row), row.python) if line))
         return item
-
-    def _icon(self, row: HistoryRowView) -> QIcon:
-        """Return the symbol of a result in its colour."""
-        colours = {True: self._style.good, False: self._style.bad, None: self._style.dim}
-        icon = QIcon(self._symbol(row.symbol, colours[None if row.on_purpose else row.good]))
-        icon.addPixmap(self._symbol(row.symbol, self._style.accent_text), QIcon.Mode.Selected)
-        return icon
-
-    def _symbol(self, symbol: str, colour: str) -> QPixmap:
-        side, scale = self._style.px(ICON_PX), self.devicePixelRatioF()
-        picture = QPixmap(round(side * scale), round(side * scale))
-        picture.setDevicePixelRatio(scale)
-        picture.fill(Qt.GlobalColor.transparent)
-        painter = QPainter(picture)
-        painter.setFont(self.list.font())
-        painter.setPen(QColor(colour))
-        painter.drawText(QRect(0, 0, side, side), int(Qt.AlignmentFlag.AlignCenter), symbol)
-        painter.end()
-        return picture
 
     def _chosen(self) -> HistoryRowView | None:
         number = self.list.currentRow()
@@ -207,17 +168,10 @@ class CodePanel(FilePanel):
 
     def show_view(self, view: CodeView) -> None:
         """Show the program; the lines of the selected row stay selected, and new lines at the end become visible."""
-        chosen = self._chosen().row
-        kept = _alike_at_the_start(self._view.lines, view.lines)
-        self._view = view
+        chosen, self._view = self._chosen().row, view
         with QSignalBlocker(self.list):
-            while self.list.count() > kept:
-                self.list.takeItem(self.list.count() - 1)
-            for line in view.lines[kept:]:
-                self.list.addItem(line.text)
-                added = self.list.item(self.list.count() - 1)
-                if added is not None:
-                    added.setToolTip(line.text.strip())
+            self.list.clear()
+            self.list.addItems([line.text for line in view.lines])
         self.list.scrollToBottom()
         self.choose(chosen)
 
@@ -243,9 +197,3 @@ class CodePanel(FilePanel):
     def _choose_file(self) -> None:
         save = QFileDialog.AcceptMode.AcceptSave
         self.choose_file(self._texts("code.save_name"), save, "py", SaveProgram)
-
-
-def _alike_at_the_start(one: Sequence[object], other: Sequence[object]) -> int:
-    """Return how many items at the start of both are equal."""
-    pairs = zip(one, other, strict=False)
-    return next((count for count, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))

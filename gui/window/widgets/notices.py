@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PyQt5.QtCore import QEvent, QPoint, QRect
+from PyQt5.QtCore import QPoint, QRect
 from PyQt5.QtWidgets import QFileDialog, QFrame, QHBoxLayout, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
 
 from gui.console.state.actions import UseAccount, UseRouter
@@ -15,11 +15,13 @@ from gui.window.widgets.controls import (
     NO_MARGINS,
     IntentButton,
     Panel,
+    Sheet,
     filled,
     label,
     plain_button,
     set_role,
     set_text,
+    show_each,
     spaced,
 )
 from gui.window.widgets.files import FilePanel
@@ -50,18 +52,15 @@ class Banner(Panel):
         """Show the banner, or hide it."""
         if view is not None:
             set_text(self.text, view.text)
-            for button, shown in zip(self.buttons, view.buttons, strict=False):
-                button.show_view(shown)
-            for number, button in enumerate(self.buttons):
-                button.setVisible(number < len(view.buttons))
+            show_each(view.buttons, self.buttons)
         self.setVisible(view is not None)
 
 
 class TroubleNotice(QFrame):
-    """A line over the lower edge of the panels, until the user closes it."""
+    """A line below the panels, until the user closes it."""
 
-    def __init__(self, texts: Texts, parent: QWidget) -> None:
-        super().__init__(parent)
+    def __init__(self, texts: Texts) -> None:
+        super().__init__()
         self.setProperty("notice", True)  # noqa: FBT003
         self.text = label(wrap=True)
         self.close_button = plain_button(texts("label.dismiss"), texts("tip.dismiss"))
@@ -74,15 +73,6 @@ class TroubleNotice(QFrame):
         set_text(self.text, f"✕ {text}")
         self.setAccessibleName(text)
         self.show()
-        self.place()
-        self.raise_()
-
-    def place(self) -> None:
-        """Move to the lower edge of the parent, above STOP."""
-        parent = self.parentWidget()
-        if parent is not None:
-            height = max(self.sizeHint().height(), self.heightForWidth(parent.width()))
-            self.setGeometry(0, parent.height() - height, parent.width(), height)
 
 
 class RefusalNotice(Panel):
@@ -92,7 +82,7 @@ class RefusalNotice(Panel):
         """Create it hidden; `picture` returns the area of the parent that it may cover."""
         super().__init__("notice", parent)
         self._picture = picture
-        self._shown: tuple[str, ButtonView | None, QWidget | None] = ("", None, None)
+        self._beside: QWidget | None = None
         self.text = label(wrap=True)
         self.alternative, self.dismiss = IntentButton(main=True), IntentButton()
         close = texts("label.dismiss")
@@ -105,32 +95,21 @@ class RefusalNotice(Panel):
 
     def show_beside(self, view: RefusalView | None, beside: QWidget | None) -> None:
         """Show the refusal beside a widget, or hide it."""
-        if view is None:
-            self._show("", None, None)
-        else:
-            self._show(f"✕ {view.text}", view.alternative, beside)
-
-    def _show(self, text: str, alternative: ButtonView | None, beside: QWidget | None) -> None:
-        shown = (text, alternative, beside)
-        if shown == self._shown:
-            self.place()  # the widget beside it may have moved
-            return
-        self._shown = shown
-        if not text or beside is None:
-            self.hide()
-            return
-        set_text(self.text, text)
-        self.setAccessibleName(text)
-        if alternative is not None:
-            self.alternative.show_view(alternative)
-        self.alternative.setVisible(alternative is not None)
-        self.place()
-        self.show()
-        self.raise_()
+        self._beside = beside
+        if view is not None:
+            set_text(self.text, f"✕ {view.text}")
+            self.setAccessibleName(view.text)
+            if view.alternative is not None:
+                self.alternative.show_view(view.alternative)
+            self.alternative.setVisible(view.alternative is not None)
+            self.place()
+            if self.isHidden():
+                self.raise_()
+        self.setVisible(view is not None)
 
     def place(self) -> None:
         """Move to the lower corner of the picture that is nearer to the control, not below the control's lower edge."""
-        parent, beside, picture = self.parentWidget(), self._shown[2], self._picture()
+        parent, beside, picture = self.parentWidget(), self._beside, self._picture()
         if beside is None:
             return
         width = max(WIDTH_PX, self.minimumSizeHint().width())
@@ -185,16 +164,14 @@ class RouterPanel(FilePanel):
             self.intent.emit(UseRouter(self.address.text()))
 
     def _choose(self) -> None:
-        mode, made = QFileDialog.AcceptMode.AcceptOpen, UseAccount
-        self.choose_file(self.join.text(), mode, "toml", made)
+        self.choose_file(self.join.text(), QFileDialog.AcceptMode.AcceptOpen, "toml", UseAccount)
 
 
-class ConnectSheet(Panel):
-    """A frame over the middle of the panels; not a dialog, so that STOP stays usable."""
+class ConnectSheet(Sheet):
+    """Router, account and hardware."""
 
     def __init__(self, texts: Texts, parent: QWidget) -> None:
-        super().__init__("notice", parent)
-        self.setAccessibleName(texts("connect.title"))
+        super().__init__(texts("connect.title"), parent, SHEET_PX)
         self.router, self.text = RouterPanel(texts), label(wrap=True)
         self.router.intent.connect(self.intent)
         self.ports: list[IntentButton] = []
@@ -212,46 +189,22 @@ class ConnectSheet(Panel):
         button.intent.connect(self.intent)
         return button
 
+    def _port(self, _view: ButtonView) -> IntentButton:
+        button = self._button()
+        button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        self._list.addWidget(button)
+        return button
+
     def show_view(self, view: ConnectView | None) -> None:
         """Show the sheet, or hide it."""
-        appears = self.isHidden()
         if view is None:
             self.hide()
             return
         self.router.show_view(view.router)
         set_text(self.text, view.text)
         self.text.setToolTip(view.details)
-        while len(self.ports) < len(view.ports):
-            self.ports.append(self._button())
-            self.ports[-1].setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
-            self._list.addWidget(self.ports[-1])
-        for button, shown in zip(self.ports, view.ports, strict=False):
-            button.show_view(shown)
-        for number, button in enumerate(self.ports):
-            button.setVisible(number < len(view.ports))
+        show_each(view.ports, self.ports, self._port)
         self.again.show_view(view.again)
         self.again.setVisible(bool(view.ports))
         self.close_button.show_view(view.close)
-        self.show()
-        self.place()
-        self.raise_()
-        if appears:
-            self.close_button.setFocus()
-
-    def event(self, event: QEvent) -> bool:
-        """Take the height that the texts need when a text has changed: Qt measures the inner panel only now."""
-        handled = super().event(event)
-        if event.type() == QEvent.Type.LayoutRequest and self.isVisible():
-            self.place()
-        return handled
-
-    def place(self) -> None:
-        """Move to the middle of the parent."""
-        parent, layout = self.parentWidget(), self.layout()
-        if parent is None:
-            return
-        width = min(max(SHEET_PX, layout.minimumSize().width()), parent.width())
-        height = max(layout.totalHeightForWidth(width), layout.minimumSize().height())
-        self.setGeometry(
-            (parent.width() - width) // 2, max(0, (parent.height() - height) // 2), width, height
-        )
+        self.appear(self.close_button)

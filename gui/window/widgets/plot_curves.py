@@ -8,17 +8,19 @@ from typing import Final, NamedTuple
 
 import numpy as np
 import pyqtgraph as pg
-from PyQt5.QtCore import QEvent, QObject, QPoint, QPointF, Qt, pyqtSignal
-from PyQt5.QtGui import QFont, QMouseEvent, QPen, QWheelEvent
+from PyQt5.QtCore import QPoint, Qt, pyqtSignal
+from PyQt5.QtGui import QFont, QPen
 from PyQt5.QtWidgets import QAction, QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayout, QWidget
+from pyqtgraph.GraphicsScene.mouseEvents import HoverEvent
 
 from beatrix_zenoh.contract.names import ARMS, SIDES
 from beatrix_zenoh.contract.values import Value
 from gui.console.texts import Texts
 from gui.window.theme import Style
 from gui.window.widgets.controls import NO_MARGINS, filled, label, plain_button, spaced
-from gui.window.widgets.plot_samples import Samples, span
+from gui.window.widgets.plot_samples import SPAN_MAX_S, Samples
 
+SPAN_MIN_S: Final = 1.0
 SPANS: Final = (5, 20, 60)
 """Times that the plots show at the press of a button (s)."""
 BOTH: Final = ("hw", "sim")
@@ -92,14 +94,6 @@ class PlotBar(QWidget):
             action.toggled.connect(lambda on, value=value: watch(value, on))
 
 
-NOTCH: Final = 120
-"""Angle that Qt reports for one notch of a wheel."""
-ZOOM: Final = 0.8
-"""Factor of the shown time for one notch away from the user."""
-UNBROKEN: Final = str.maketrans({" ": "\N{NO-BREAK SPACE}", "–": "–\N{WORD JOINER}", "—": "—\N{WORD JOINER}"})
-"""Characters at which Qt would break a line, and what it does not break: a sign stays beside its name."""
-
-
 class Name(NamedTuple):
     """Name of a curve in the legend, and the sign that looks like its line."""
 
@@ -107,50 +101,28 @@ class Name(NamedTuple):
     text: str
 
 
-class Mouse(QObject):
-    """Reports what the mouse does on a plot, as times on its axis (s)."""
+class TimeBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
+    """The area of the curves. The wheel zooms at the mouse, and dragging shows other times."""
 
     pointed = pyqtSignal(object)
-    """time at the mouse; None: it has left"""
-    zoomed = pyqtSignal(float, float)
-    """factor of the shown time, and the time that stays in place"""
-    dragged = pyqtSignal(float)
-    """by how much the mouse has moved the curves to the right"""
+    """time at the mouse (s, before now); None: it has left"""
 
-    def __init__(self, surface: QWidget, time_at: Callable[[QPoint], float]) -> None:
-        super().__init__(surface)
-        self._time_at = time_at
-        self._held: QPoint | None = None
-        surface.setMouseTracking(True)
-        surface.installEventFilter(self)
+    def __init__(self) -> None:
+        super().__init__(enableMenu=False)
+        self.setMouseEnabled(x=True, y=False)
+        self.setLimits(xMin=-SPAN_MAX_S, xMax=0.0, minXRange=SPAN_MIN_S, maxXRange=SPAN_MAX_S)
+        self.setAutoVisible(y=True)
 
-    def eventFilter(self, surface: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Take the events of the mouse; pass on all others."""
-        if isinstance(event, QWheelEvent):
-            notches = event.angleDelta().y() / NOTCH
-            self.zoomed.emit(ZOOM**notches, self._time_at(event.position().toPoint()))
-            self.pointed.emit(self._time_at(event.position().toPoint()))  # another time is at the mouse now
-            return True
-        if isinstance(event, QMouseEvent):
-            self._move(event)
-            return True
-        if event.type() == QEvent.Type.Leave:
-            self.pointed.emit(None)
-        return super().eventFilter(surface, event)
-
-    def _move(self, event: QMouseEvent) -> None:
-        if event.type() == QEvent.Type.MouseButtonPress:
-            self._held = event.pos()
-        elif event.type() == QEvent.Type.MouseButtonRelease:
-            self._held = None
-        elif self._held is not None:
-            self.dragged.emit(self._time_at(event.pos()) - self._time_at(self._held))
-            self._held = event.pos()
-        self.pointed.emit(self._time_at(event.pos()))
+    def hoverEvent(self, event: HoverEvent) -> None:  # noqa: N802
+        """Report the time at the mouse."""
+        self.pointed.emit(None if event.isExit() else self.mapToView(event.pos()).x())
 
 
 class Curves(QWidget):
     """One plot: curves over time, under a title and a legend."""
+
+    moved = pyqtSignal(float, float)
+    """the plot shows other times (s, before now)"""
 
     def __init__(self, texts: Texts, title: str, least: float, names: Sequence[Name]) -> None:
         """Create a plot without samples.
@@ -158,36 +130,33 @@ class Curves(QWidget):
         Args:
             texts: the language, also of the numbers.
             title: quantity and unit.
-            least: smallest range of the vertical axis (deg).
+            least: smallest range of the vertical axis.
             names: name of each curve; a curve without a name is not in the legend. The last curve is on top.
         """
         super().__init__()
-        self._texts, self._title, self._names, self._least = texts, title, names, least
+        self._texts, self._title, self._names = texts, title, names
         self._legend: list[str] = []
         self._chosen = [True for _ in names]
+        self._shown: list[tuple[Samples, Samples]] = []
         self.label = QLabel()
         self.label.setWordWrap(True)
-        self.area = pg.PlotWidget()
+        self.box = TimeBox()
+        self.box.setLimits(minYRange=least)
+        self.area = pg.PlotWidget(viewBox=self.box)
         self.area.setMinimumSize(1, 1)
         self.plot = self.area.getPlotItem()
+        self.plot.hideButtons()
+        self.plot.showGrid(x=True, y=True, alpha=0.2)
         filled(spaced(QVBoxLayout(self), 0, NO_MARGINS), self.label, (self.area, 1))
-        self.lines = [self.plot.plot(connect="finite", antialias=True) for _ in names]
-        self._shown: list[tuple[Samples, Samples]] = []
-        self._span = (0.0, 0.0)
-        self._range = (0.0, 0.0)
+        self.lines = [self.plot.plot(connect="finite", antialias=True, clipToView=True) for _ in names]
         self._cursor = pg.InfiniteLine(angle=90)
         self._cursor.hide()
         self.plot.addItem(self._cursor, ignoreBounds=True)
-        self.plot.setMouseEnabled(x=False, y=False)
-        self.plot.setMenuEnabled(False)
-        self.plot.hideButtons()
-        self.plot.showGrid(x=True, y=True, alpha=0.2)
-        self.mouse = Mouse(self.area.viewport(), self._time_at)
+        self.box.sigXRangeChanged.connect(lambda _, times: self.moved.emit(*times))
         for side, unit in (("left", ""), ("bottom", " s")):
             axis = self.plot.getAxis(side)
             axis.enableAutoSIPrefix(enable=False)
             axis.tickStrings = self._ticks(unit)
-        self._fit([np.zeros(1)])
 
     def _ticks(self, unit: str) -> Callable[[Sequence[float], float, float], list[str]]:
         """Return a function of pyqtgraph that labels an axis in the language of the window."""
@@ -200,15 +169,9 @@ class Curves(QWidget):
     def _number(self, value: float, key: str) -> str:
         return self._texts(key, value=round(value, 6) + 0.0)
 
-    def _time_at(self, point: QPoint) -> float:
-        scene: QPointF = self.area.mapToScene(point)
-        return float(self.plot.getViewBox().mapSceneToView(scene).x())
-
     def show_times(self, begin_s: float, end_s: float) -> None:
         """Show these times (s, before now)."""
-        if (begin_s, end_s) != self._range:
-            self._range = begin_s, end_s
-            self.plot.setXRange(begin_s, end_s, padding=0.035)  # room for the outermost labels
+        self.box.setXRange(begin_s, end_s, padding=0.0)
 
     def choose(self, chosen: Sequence[bool]) -> None:
         """Show only the chosen curves, in the plot and in the legend."""
@@ -223,11 +186,10 @@ class Curves(QWidget):
         self._show_legend()
 
     def draw(self, curves: Sequence[tuple[Samples, Samples]]) -> None:
-        """Draw times (s, before now) and angles (deg) of each curve."""
+        """Draw times (s, before now) and values of each curve."""
         self._shown = list(curves)
-        for line, (times, angles) in zip(self.lines, curves, strict=True):
-            line.setData(times, angles)
-        self._fit([angles for (_, angles), chosen in zip(curves, self._chosen, strict=True) if chosen])
+        for line, (times, values) in zip(self.lines, curves, strict=True):
+            line.setData(times, values)
 
     def read(self, time_s: float | None) -> None:
         """Put the cursor at a time (s, before now), and the values there into the legend; None: no cursor."""
@@ -242,16 +204,6 @@ class Curves(QWidget):
         value = np.interp(time_s, times, angles, left=math.nan, right=math.nan) if len(times) else math.nan
         return self._number(float(value), "plot.value") if math.isfinite(value) else self._texts("unknown")
 
-    def _fit(self, curves: Sequence[Samples]) -> None:
-        values = np.concatenate([*curves, np.empty(0)])
-        values = values[np.isfinite(values)]
-        if not len(values):
-            return
-        limits = span(float(values.min()), float(values.max()), self._least)
-        if limits != self._span:
-            self._span = limits
-            self.plot.setYRange(*limits, padding=0.03)
-
     def _show_legend(self, values: Sequence[str] = ()) -> None:
         """Show the title, the names of the curves, and their values, if there are any."""
         entries = [f"<b>{self._title}</b>"]
@@ -260,7 +212,7 @@ class Curves(QWidget):
             if values:
                 words.append(f"<b>{values[number]}</b>")
             if words and self._chosen[number]:
-                entries.append(f"{line}&nbsp;" + " ".join(words).translate(UNBROKEN))
+                entries.append(f"{line}&nbsp;" + " ".join(words).replace(" ", "&nbsp;"))
         text = " &nbsp; ".join(entries)
         if text != self.label.text():
             self.label.setText(text)
@@ -271,7 +223,7 @@ class Curves(QWidget):
             line.setPen(pen)
         self._cursor.setPen(pg.mkPen(colours.edge, width=1, style=Qt.PenStyle.DashLine))
         self._legend = [
-            f"<span style='color:{pen.color().name()}'>{name.sign.translate(UNBROKEN)}</span>"
+            f"<span style='color:{pen.color().name()}'>{name.sign.replace(' ', '&nbsp;')}</span>"
             for pen, name in zip(pens, self._names, strict=True)
         ]
         self._show_legend()

@@ -28,16 +28,15 @@ FOREIGN_S: Final = 1.0
 class History:
     """Samples of one robot in a buffer of constant size: time (s), angles of the arms (deg) and other columns."""
 
-    def __init__(self, columns: Sequence[str] = ARMS, capacity: int = CAPACITY) -> None:
-        # Twice the capacity: the newest samples are always contiguous, and are moved only once per `capacity` samples.
-        self._rows: Samples = np.empty((2 * capacity, 1 + len(columns)))
+    def __init__(self, columns: Sequence[str] = ARMS) -> None:
+        self._rows: Samples = np.empty((CAPACITY, 1 + len(columns)))
         self._columns = [*columns]
-        self._capacity, self._end, self._size = capacity, 0, 0
+        self._count, self._last_s = 0, -math.inf
 
     @property
     def samples(self) -> Samples:
-        """All samples, oldest first; valid until the next `add`."""
-        return self._rows[self._end - self._size : self._end]
+        """A copy of all samples, oldest first."""
+        return np.roll(self._rows, -self._count, axis=0)[CAPACITY - min(self._count, CAPACITY) :]
 
     def forget(self, column: str) -> None:
         """Clear a column, whose values from now on are another quantity."""
@@ -45,26 +44,17 @@ class History:
 
     def add(self, time_s: float, values: Sequence[float]) -> None:
         """Add a sample if it is newer than the last; a clock set back by more than GAP_S clears the samples."""
-        if self._size:
-            last_s = float(self._rows[self._end - 1, 0])
-            if time_s == last_s:
-                return
-            if time_s < last_s - GAP_S:
-                self._end = self._size = 0
-            elif time_s < last_s:
-                return
-            elif time_s > last_s + GAP_S:
-                self._put(last_s, [math.nan] * len(self._columns))
+        if time_s < self._last_s - GAP_S:
+            self._count = 0
+        elif time_s <= self._last_s:
+            return
+        elif self._count and time_s > self._last_s + GAP_S:
+            self._put(self._last_s, [math.nan] * len(self._columns))
         self._put(time_s, values)
 
     def _put(self, time_s: float, values: Sequence[float]) -> None:
-        if self._end == len(self._rows):
-            kept = self._capacity - 1
-            self._rows[:kept] = self._rows[self._end - kept :]
-            self._end = self._size = kept
-        self._rows[self._end] = (time_s, *values)
-        self._end += 1
-        self._size = min(self._size + 1, self._capacity)
+        self._rows[self._count % CAPACITY] = (time_s, *values)
+        self._count, self._last_s = self._count + 1, time_s
 
 
 def numbers(state: RobotState) -> dict[str, Value]:
@@ -84,13 +74,6 @@ def sample_time_s(state: RobotState, now_s: float) -> float:
     stamp_s = state.positions.t_mono_ns / 1e9
     arrived_s = now_s - (state.positions_age_s or 0.0)
     return stamp_s if abs(stamp_s - arrived_s) < FOREIGN_S else arrived_s
-
-
-def between(rows: Samples, begin_s: float, end_s: float) -> Samples:
-    """Return the samples between two times, and the next one on either side, so that lines reach the edges."""
-    first = int(np.searchsorted(rows[:, 0], begin_s)) - 1
-    last = int(np.searchsorted(rows[:, 0], end_s, side="right"))
-    return rows[max(0, first) : last + 1]
 
 
 def difference(hw: Samples, sim: Samples) -> Samples:
@@ -137,11 +120,3 @@ def _interpolated(rows: Samples, times: Samples) -> Samples:
         for arm in range(1, rows.shape[1])
     ]
     return np.stack(columns, axis=1)
-
-
-def span(lowest: float, highest: float, least: float) -> tuple[float, float]:
-    """Return limits of an axis around these values, not at them: round numbers, at least `least` apart."""
-    step = least / 4
-    low, high = math.floor(lowest / step - 0.2) * step, math.ceil(highest / step + 0.2) * step
-    missing = max(0, round((least - (high - low)) / step))
-    return low - (missing - missing // 2) * step, high + missing // 2 * step

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
-import time
 from typing import Final
 
 import pyqtgraph as pg
-from PyQt5.QtCore import QBuffer, QIODevice, Qt
+from PyQt5.QtCore import QBuffer, QIODevice, QSignalBlocker, Qt
 from PyQt5.QtGui import QColor, QResizeEvent, QShowEvent
 from PyQt5.QtWidgets import (
     QFileDialog,
     QGridLayout,
-    QLabel,
-    QStackedLayout,
     QVBoxLayout,
     QWidget,
 )
@@ -27,14 +24,13 @@ from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, filled, label, set_text, spaced
+from gui.window.widgets.controls import NO_MARGINS, filled, set_text, spaced
 from gui.window.widgets.files import FilePanel
 from gui.window.widgets.plot_curves import BOTH, DIFFERENCE, Curves, Name, PlotBar
 from gui.window.widgets.plot_samples import (
     SPAN_MAX_S,
     History,
     Samples,
-    between,
     difference,
     numbers,
     sample_time_s,
@@ -43,9 +39,6 @@ from gui.window.widgets.plot_samples import (
 
 SPAN_S: Final = 20.0
 """Time that the plots show at first."""
-SPAN_MIN_S: Final = 1.0
-PERIOD_S: Final = 0.045
-"""Shortest time between two drawings: 20 a second with some slack."""
 LEAST_ARM_DEG: Final = 20.0
 """Smallest range (deg) of the vertical axis of an arm's plot."""
 LEAST_VALUE: Final = 1.0
@@ -78,8 +71,7 @@ class PlotsPanel(FilePanel):
         self._watched: dict[str, Value] = {}
         """the other values that are shown, by slot"""
         self._now_s = 0.0
-        self._drawn_s = -math.inf
-        self._begin_s, self._end_s = -SPAN_S, 0.0
+        self._begin_s = self._end_s = 0.0
         """the shown times, before now or before the pause"""
         self._paused: dict[str, Samples] | None = None
         """the samples while the plots are paused"""
@@ -90,12 +82,10 @@ class PlotsPanel(FilePanel):
         self._graphics.setAutoFillBackground(True)
         self.plots = self._made_plots(texts)
         """by arm, slot, and DIFFERENCE; those of the slots are hidden until the user chooses other values"""
-        self.empty = label(texts("label.plots_empty"), wrap=True)
-        self.empty.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._lay_out()
         self._connect()
         self._choose()
-        self._show_times()
+        self.show_span(SPAN_S)
         self.show_theme(Theme.DARK)
 
     @staticmethod
@@ -123,18 +113,11 @@ class PlotsPanel(FilePanel):
             curves.setParent(self._graphics)  # before it is in the grid, a plot must not become a window
         self._grid = spaced(QGridLayout(self._graphics), None, (4, 2, 4, 2))
         self._grid.setVerticalSpacing(0)
-        self.none: QLabel = label(self._texts("label.plots_none"), wrap=True)
-        self.none.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self._grid.addWidget(self.none, len(self.plots), 0)
-        drawing = QWidget()
-        filled(spaced(QVBoxLayout(drawing), 0, NO_MARGINS), self.bar, (self._graphics, 1))
-        self._stack = QStackedLayout(self)
-        self._stack.addWidget(self.empty)
-        self._stack.addWidget(drawing)
+        filled(spaced(QVBoxLayout(self), 0, NO_MARGINS), self.bar, (self._graphics, 1))
 
     def _connect(self) -> None:
         for seconds, button in self.bar.spans.items():
-            button.clicked.connect(lambda _, seconds=seconds: self.show_span(float(seconds)))
+            button.clicked.connect(lambda _, seconds=seconds: self.show_span(seconds))
         self.bar.pause.clicked.connect(self.pause)
         self.bar.menu.aboutToShow.connect(self._offer)
         for action in self.bar.choices.values():
@@ -142,9 +125,8 @@ class PlotsPanel(FilePanel):
         self.bar.csv.clicked.connect(self._export_table)
         self.bar.png.clicked.connect(self._export_picture)
         for curves in self.plots.values():
-            curves.mouse.pointed.connect(self._point)
-            curves.mouse.zoomed.connect(self._zoom)
-            curves.mouse.dragged.connect(self._drag)
+            curves.box.pointed.connect(self._point)
+            curves.moved.connect(self._show_times)
 
     # -- samples ------------------------------------------------------------------------------------
 
@@ -160,19 +142,8 @@ class PlotsPanel(FilePanel):
                 arms = reading.arms
                 history.add(sample_time_s(state, world.now_s), (*arms, *self._others(state)))
         self._now_s, self._world = world.now_s, world
-        if self._paused is None and self.isVisible() and time.monotonic() - self._drawn_s > PERIOD_S:
+        if self._paused is None and self.isVisible():
             self._draw()
-
-    def keep(self, before: PlotsPanel) -> None:
-        """Go on with the samples, times and choices of a panel in another language."""
-        self._robot, self._histories, self._now_s = before._robot, before._histories, before._now_s
-        self._paused, self._begin_s, self._end_s = before._paused, before._begin_s, before._end_s
-        self._watched, self._world = before._watched, before._world
-        self._choose()
-        for name, action in self.bar.choices.items():
-            action.setChecked(before.bar.chosen(name))
-        self.bar.pause.setChecked(self._paused is not None)
-        self._show_times()
 
     def _others(self, state: RobotState) -> list[float]:
         """Return the present values of all slots; NaN of an empty one, and of a value that this robot does not have."""
@@ -206,17 +177,14 @@ class PlotsPanel(FilePanel):
         return {side: rows if self.bar.chosen(side) else rows[:0] for side, rows in found.items()}
 
     def _present(self) -> dict[str, Samples]:
-        found = {side: history.samples.copy() for side, history in self._histories.items()}
+        found = {side: history.samples for side, history in self._histories.items()}
         for rows in found.values():
             rows[:, 0] -= self._now_s
         return found
 
     def _draw(self) -> None:
-        self._drawn_s = time.monotonic()
         samples = self._samples()
-        if any(len(history.samples) for history in self._histories.values()):
-            self._stack.setCurrentIndex(1)
-        hw, sim = (between(samples[side], self._begin_s, self._end_s) for side in BOTH)
+        hw, sim = (samples[side] for side in BOTH)
         for name, curves in self.plots.items():
             if curves.isHidden():
                 continue
@@ -232,44 +200,27 @@ class PlotsPanel(FilePanel):
 
     def show_span(self, seconds: float) -> None:
         """Show this time (s) before now or, while paused, before the right edge."""
-        self._begin_s = max(-SPAN_MAX_S, self._end_s - min(max(seconds, SPAN_MIN_S), SPAN_MAX_S))
-        self._show_times()
+        self._show_times(max(-SPAN_MAX_S, self._end_s - seconds), self._end_s)
 
     def pause(self, on: bool) -> None:  # noqa: FBT001 - Qt's signal has it
         """Keep the present samples on the screen, or follow the robots again."""
-        if on == (self._paused is not None):
-            return
-        self._paused = self._present() if on else None
-        if not on:
-            self._begin_s, self._end_s = self._begin_s - self._end_s, 0.0
-        self.bar.pause.setChecked(on)
-        self._show_times()
+        if on != (self._paused is not None):
+            self._paused = self._present() if on else None
+            self.bar.pause.setChecked(on)
+            self._show_times(self._begin_s, self._end_s)
 
-    def _show_times(self) -> None:
-        shown_s = self._end_s - self._begin_s
-        for seconds, button in self.bar.spans.items():
-            button.setChecked(math.isclose(shown_s, seconds))
+    def _show_times(self, begin_s: float, end_s: float) -> None:
+        """Show these times (s, before now or before the pause) in all plots; without a pause, up to now."""
+        if self._paused is None:
+            begin_s, end_s = begin_s - end_s, 0.0
+        self._begin_s, self._end_s = begin_s, end_s
         for curves in self.plots.values():
-            curves.show_times(self._begin_s, self._end_s)
+            with QSignalBlocker(curves):
+                curves.show_times(begin_s, end_s)
+        for seconds, button in self.bar.spans.items():
+            button.setChecked(math.isclose(end_s - begin_s, seconds))
         self._point(self._cursor_s)
         self._draw()
-
-    def _zoom(self, factor: float, at_s: float) -> None:
-        """Show less or more time; while paused, the time at the mouse stays in place."""
-        shown_s = self._end_s - self._begin_s
-        wanted_s = min(max(shown_s * factor, SPAN_MIN_S), SPAN_MAX_S)
-        if self._paused is not None:
-            share = min(max((self._end_s - at_s) / shown_s, 0.0), 1.0)
-            self._end_s = min(0.0, at_s + share * wanted_s)
-        self.show_span(wanted_s)
-
-    def _drag(self, by_s: float) -> None:
-        """While paused, show earlier or later times."""
-        if self._paused is None:
-            return
-        by_s = min(max(by_s, self._end_s), self._begin_s + SPAN_MAX_S)
-        self._begin_s, self._end_s = self._begin_s - by_s, self._end_s - by_s
-        self._show_times()
 
     def _point(self, time_s: float | None) -> None:
         inside = time_s is not None and self._begin_s <= time_s <= self._end_s
@@ -304,7 +255,6 @@ class PlotsPanel(FilePanel):
         for number, curves in enumerate(shown):
             self._grid.addWidget(curves, *divmod(number, columns))
             curves.show_time_axis(shown=number + columns >= len(shown))
-        self.none.setVisible(not shown)
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         super().resizeEvent(event)

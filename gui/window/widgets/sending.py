@@ -22,7 +22,6 @@ from gui.window.widgets.controls import (
 from gui.window.widgets.number_box import NumberBox
 
 LEAD_MAX_S = 60.0
-SEND_GAP_PX = 10
 LINES = 2
 """Lines reserved for the text about the motion."""
 
@@ -43,7 +42,6 @@ class SendingPanel(Panel):
         self.lead.setAccessibleName(f"{texts('label.lead')} (s)")
         self.send = IntentButton(main=True)
         self.title, self.text = label(role="large"), label(wrap=True)
-        self.countdown = label(role="hw")
         self.progress = QProgressBar()
         self.progress.setTextVisible(False)
         self.progress.setRange(0, 1000)
@@ -55,12 +53,12 @@ class SendingPanel(Panel):
 
     def _lay_out(self) -> None:
         to = filled(QHBoxLayout(), self.sim, self.hw, None, self.lead_name, self.lead)
-        state = filled(spaced(QVBoxLayout(), 2), self.title, self.countdown, self.progress)
-        send = filled(spaced(QHBoxLayout(), SEND_GAP_PX), (self.send, 1), (state, 1))
+        state = filled(spaced(QVBoxLayout(), 2), self.title, self.progress)
+        send = filled(spaced(QHBoxLayout(), 10), (self.send, 1), (state, 1))
         plan = spaced(QHBoxLayout(self.plan), None, NO_MARGINS)
         filled(plan, (self.send_now, 1), (self.change, 1), (self.abort, 1))
         self.text.setAlignment(Qt.AlignmentFlag.AlignTop)
-        for part in (self.title, self.countdown, self.text):  # longer texts must not widen the column
+        for part in (self.title, self.text):  # longer texts must not widen the column
             part.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         filled(spaced(QVBoxLayout(self), 4, (8, 8, 8, 8)), to, send, self.text, self.plan)
 
@@ -89,13 +87,10 @@ class SendingPanel(Panel):
         self._view = view
         self.lead.setToolTip(self._texts("tip.lead" if view.lead_matters else "tip.lead_one"))
         set_role(self.lead_name, "role", "" if view.lead_matters else "dim")
-        set_text(self.title, view.title)
+        set_text(self.title, view.countdown or view.title)
+        set_role(self.title, "role", "hw" if view.countdown else "large")
+        self.title.setToolTip(view.text)
         set_text(self.text, view.text)
-        set_text(self.countdown, view.countdown)
-        for part in (self.title, self.countdown):
-            part.setToolTip(view.text)
-        self.title.setVisible(not view.countdown)
-        self.countdown.setVisible(bool(view.countdown))
         self.progress.setVisible(view.progress is not None)
         self.progress.setValue(round(1000 * (view.progress or 0.0)))
         self.send_now.show_view(view.send_now)

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from PyQt5.QtCore import QSignalBlocker, Qt
-from PyQt5.QtGui import QResizeEvent
+from PyQt5.QtCore import QSignalBlocker
 from PyQt5.QtWidgets import (
     QAction,
-    QBoxLayout,
     QFileDialog,
-    QFrame,
     QGridLayout,
+    QHBoxLayout,
     QLineEdit,
     QMenu,
     QPushButton,
-    QScrollArea,
     QSizePolicy,
 )
 
@@ -37,7 +34,7 @@ from gui.console.state.intents import (
 from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.views import CardView, SequenceView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import ChoiceCheck, IntentButton, plain_button, spaced
+from gui.window.widgets.controls import ChoiceCheck, IntentButton, filled, plain_button, spaced
 from gui.window.widgets.files import FilePanel
 from gui.window.widgets.number_box import NumberBox
 from gui.window.widgets.strip import Strip
@@ -54,8 +51,6 @@ class SequencePanel(FilePanel):
         self._view: SequenceView | None = None
         self._shown: tuple[str, float] | None = None
         """the selected pose that the number box shows, and its duration (s)"""
-        self._revealed = (-1, 0)
-        """number of the card that was made visible, and how many cards there were"""
         self.strip = Strip(texts("label.sequence"), texts("label.sequence_empty"))
         self.name = QLineEdit()
         self.name.setMaxLength(NAME_LONGEST)
@@ -79,53 +74,27 @@ class SequencePanel(FilePanel):
         return plain_button(self._texts(f"sequence.{name}"), self._texts(f"sequence.{name}_tip"))
 
     def _lay_out(self) -> None:
-        scroll = QScrollArea()
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setWidgetResizable(True)
-        scroll.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        scroll.setWidget(self.strip)
-        scroll.setMinimumWidth(80)
-        self.area = scroll
         self.name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # cards need the width
-        self._grid = spaced(QGridLayout(), 3)
-        self._grid.setColumnMinimumWidth(0, NAME_PX)
-        self._layout = spaced(QBoxLayout(QBoxLayout.Direction.LeftToRight, self), 6, (4, 4, 4, 4))
-        self._layout.addWidget(scroll, 1)
-        self._layout.addLayout(self._grid)
-        self._arrange(below=False)
-
-    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
-        """Put the controls below the cards if the cards need not all of the height."""
-        super().resizeEvent(event)
-        below = self.height() > self.strip.highest + 3 * self.add.sizeHint().height()
-        if below != (self._layout.direction() == QBoxLayout.Direction.TopToBottom):
-            self._arrange(below=below)
-
-    def _arrange(self, *, below: bool) -> None:
-        directions = QBoxLayout.Direction
-        self._layout.setDirection(directions.TopToBottom if below else directions.LeftToRight)
-        pairs = (
-            (self.name, self.duration),
-            (self.add, self.delete),
-            (self.loop, self.more),
-            (self.play, self.hardware),
-        )
-        columns = 2 if below else 1
-        for number, pair in enumerate(pairs):
+        grid = spaced(QGridLayout(), 3)
+        grid.setColumnMinimumWidth(0, NAME_PX)
+        for row, pair in enumerate(
+            (
+                (self.name, self.duration),
+                (self.add, self.delete),
+                (self.loop, self.more),
+                (self.play, self.hardware),
+            )
+        ):
             for column, part in enumerate(pair):
-                self._grid.addWidget(part, number // columns, 2 * (number % columns) + column)
-        for column in range(4):
-            self._grid.setColumnStretch(column, int(below))
-        self._grid.setRowStretch(len(pairs), int(not below))
+                grid.addWidget(part, row, column)
+        filled(spaced(QHBoxLayout(self), 6, (4, 4, 4, 4)), (self.strip, 1), grid)
 
     def _connect(self) -> None:
         for button in (self.add, self.play, self.hardware):
             button.intent.connect(self.intent)
         self.loop.intent.connect(self.intent)
         self.delete.clicked.connect(lambda: self._about(DeletePose))
-        self.strip.chosen.connect(self._show_chosen)
-        self.strip.chosen.connect(self._reveal)
+        self.strip.currentRowChanged.connect(self._show_chosen)
         self.strip.used.connect(self._aim)
         self.strip.moved.connect(self._move)
         self.strip.deleted.connect(lambda: self._about(DeletePose))
@@ -168,10 +137,6 @@ class SequencePanel(FilePanel):
         self.loop.setEnabled(view.played < 0)
         self.entries["undo"].setEnabled(view.undo.enabled)
         self._show_chosen()
-        number = view.played if view.played >= 0 else self.strip.current
-        if (number, len(view.cards)) != self._revealed:
-            self._revealed = number, len(view.cards)
-            self._reveal(number)
 
     def _selection(self, before: SequenceView | None, view: SequenceView) -> int:
         """Return the card to select: a new one, else the same, else the one at its place."""
@@ -185,14 +150,14 @@ class SequencePanel(FilePanel):
         chosen = self._chosen()
         if chosen is not None and chosen.name in names:
             return names.index(chosen.name)
-        return max(0, min(self.strip.current, len(names) - 1)) if names else -1
+        return max(0, min(self.strip.currentRow(), len(names) - 1)) if names else -1
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self.strip.show_theme(theme)
 
     def _chosen(self) -> CardView | None:
-        number = self.strip.current
+        number = self.strip.currentRow()
         return self.strip.cards[number] if 0 <= number < len(self.strip.cards) else None
 
     def _show_chosen(self) -> None:
@@ -209,10 +174,6 @@ class SequencePanel(FilePanel):
             if card is not None and shown != self._shown:  # else it would replace what the user is typing
                 self.duration.setValue(card.duration_s)
             self._shown = shown
-
-    def _reveal(self, number: int) -> None:
-        place = self.strip.card(max(0, number)).center()
-        self.area.ensureVisible(place.x(), 0, self.strip.card(0).width(), 0)
 
     # -- what the user does -------------------------------------------------------------------------
 

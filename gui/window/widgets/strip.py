@@ -4,28 +4,23 @@ from __future__ import annotations
 
 import math
 
-from PyQt5.QtCore import QEvent, QPoint, QPointF, QRect, QRectF, QSize, Qt, pyqtSignal
-from PyQt5.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPolygonF
-from PyQt5.QtWidgets import QApplication, QToolTip, QWidget
+from PyQt5.QtCore import QPoint, QPointF, QRect, QRectF, QSignalBlocker, QSize, Qt, pyqtSignal
+from PyQt5.QtGui import QColor, QIcon, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF
+from PyQt5.QtWidgets import QApplication, QListWidget, QListWidgetItem
 
 from gui.console.state.intents import HeadOrientation, Theme
 from gui.console.state.views import CardView
 from gui.window.theme import Style, style_of
 
-WIDTH_PX, GAP_PX = 66, 4
-"""Width of a card, and the gap between cards, at scale 1."""
-HEIGHT_PX = 128
-"""Largest height of a card, at scale 1."""
+WIDTH_PX, HEIGHT_PX, PICTURE_PX = 70, 92, 48
+"""Size of a card, and side of its picture, at scale 1."""
 FACE = 0.42
-"""Radius of a head, as a share of the shorter side of its picture."""
-HELP_EVENT = QEvent.Type.ToolTip
+"""Radius of a head, as a share of the side of its picture."""
 
 
-class Strip(QWidget):
+class Strip(QListWidget):
     """Cards to select, to drag to another place, and to use with the keyboard."""
 
-    chosen = pyqtSignal(int)
-    """another card is selected; -1: none"""
     used = pyqtSignal(int)
     """a click or Enter on this card"""
     moved = pyqtSignal(int, int)
@@ -37,9 +32,13 @@ class Strip(QWidget):
         super().__init__()
         self._empty = empty
         self.setAccessibleName(name)
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setViewMode(QListWidget.ViewMode.IconMode)
+        self.setMovement(QListWidget.Movement.Static)
+        self.setWrapping(False)
+        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setMinimumWidth(80)
         self.cards: tuple[CardView, ...] = ()
-        self.current = self.played = -1
+        self._played = -1
         self._style = style_of(Theme.DARK)
         self._pressed: QPoint | None = None
         self._drop: int | None = None
@@ -47,106 +46,87 @@ class Strip(QWidget):
 
     def show_cards(self, cards: tuple[CardView, ...], current: int, played: int = -1) -> None:
         """Show the cards; numbers of the selected one and of the one that is being played (-1: none)."""
-        if cards != self.cards:
-            self._pressed, self._drop = None, None
-        self.cards, self.played = cards, played
-        self.current = min(current, len(cards) - 1)
-        self.setMinimumWidth(max(1, len(cards)) * self._step)
-        shown = cards[self.current] if self.current >= 0 else None
-        self.setAccessibleDescription(
-            "" if shown is None else f"{shown.name}, {shown.duration}. {shown.problem}"
-        )
-        self.update()
+        with QSignalBlocker(self):
+            if (cards, played) != (self.cards, self._played):
+                self.cards, self._played = cards, played
+                self._fill()
+            self.setCurrentRow(current)
+        self.scrollTo(self.model().index(played if played >= 0 else current, 0))
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
-        self._style = style_of(theme)
-        self.show_cards(self.cards, self.current, self.played)
+        current, self._style = self.currentRow(), style_of(theme)
+        self.setGridSize(QSize(self._style.px(WIDTH_PX), self._style.px(HEIGHT_PX)))
+        self.setIconSize(QSize(self._style.px(PICTURE_PX), self._style.px(PICTURE_PX)))
+        with QSignalBlocker(self):
+            self._fill()
+            self.setCurrentRow(current)
 
-    def choose(self, number: int) -> None:
-        """Select a card as the user does."""
-        if 0 <= number < len(self.cards) and number != self.current:
-            self.current = number
-            self.update()
-            self.chosen.emit(number)
+    def _fill(self) -> None:
+        self._pressed, self._drop = None, None
+        self.clear()
+        for number, card in enumerate(self.cards):
+            mark = "▸" if number == self._played else ""
+            item = QListWidgetItem(self._icon(card), f"{mark}{card.name}\n{card.duration}")
+            item.setToolTip("\n".join(filter(None, (f"{card.name}, {card.duration}", card.problem))))
+            if card.problem:
+                item.setForeground(QColor(self._style.bad))
+            self.addItem(item)
 
-    @property
-    def _step(self) -> int:
-        return self._style.px(WIDTH_PX + GAP_PX)
-
-    @property
-    def highest(self) -> int:
-        """Height (px) above which cards do not grow."""
-        return self._style.px(HEIGHT_PX)
+    def _icon(self, card: CardView) -> QIcon:
+        side, ratio = self._style.px(PICTURE_PX), self.devicePixelRatioF()
+        picture = QPixmap(round(side * ratio), round(side * ratio))
+        picture.setDevicePixelRatio(ratio)
+        picture.fill(Qt.GlobalColor.transparent)
+        if card.head is not None:
+            painter = QPainter(picture)
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            paint_head(painter, QRectF(0, 0, side, side), card.head, self._style)
+            painter.end()
+        icon = QIcon(picture)
+        icon.addPixmap(picture, QIcon.Mode.Selected)  # Qt would tint it
+        return icon
 
     def card(self, number: int) -> QRect:
         """Return the place of a card (px)."""
-        height = min(self.height(), self.highest)
-        return QRect(number * self._step, 0, self._style.px(WIDTH_PX), height)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return QSize(self._step, self._style.px(52))
-
-    def _number_at(self, place: QPoint) -> int:
-        number = place.x() // self._step
-        return number if 0 <= number < len(self.cards) and self.rect().contains(place) else -1
+        return self.visualRect(self.model().index(number, 0))
 
     # -- mouse --------------------------------------------------------------------------------------
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        if event.button() == Qt.MouseButton.LeftButton and self._number_at(event.pos()) >= 0:
+        super().mousePressEvent(event)
+        if event.button() == Qt.MouseButton.LeftButton and self.indexAt(event.pos()).isValid():
             self._pressed = event.pos()
-            self.choose(self._number_at(event.pos()))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
-        pressed = self._pressed
-        if pressed is None:
+        if self._pressed is None:
             return
-        far = abs(event.pos().x() - pressed.x()) >= QApplication.startDragDistance()
-        if far or self._drop is not None:
-            gap = max(0, min(len(self.cards), round(event.pos().x() / self._step)))
-            self._drop = gap - (gap > self.current)
-            self.update()
+        x = event.pos().x()
+        if abs(x - self._pressed.x()) >= QApplication.startDragDistance() or self._drop is not None:
+            others = (self.card(number) for number in range(len(self.cards)) if number != self.currentRow())
+            self._drop = sum(other.center().x() < x for other in others)
+            self.viewport().update()
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         pressed, drop, self._pressed, self._drop = self._pressed, self._drop, None, None
         if event.button() != Qt.MouseButton.LeftButton or pressed is None:
             return
-        self.update()
+        self.viewport().update()
         if drop is None:
-            self.used.emit(self.current)
-        elif drop != self.current:
-            self.moved.emit(self.current, drop)
-
-    def event(self, event: QEvent) -> bool:
-        """Show the name and the problem of the card under the mouse as a tooltip."""
-        if event.type() == HELP_EVENT:
-            place = self.mapFromGlobal(self.cursor().pos())
-            number = self._number_at(place)
-            card = self.cards[number] if number >= 0 else None
-            text = (
-                ""
-                if card is None
-                else "\n".join(filter(None, (f"{card.name}, {card.duration}", card.problem)))
-            )
-            QToolTip.showText(self.mapToGlobal(place), text, self)
-            return True
-        return super().event(event)
+            self.used.emit(self.currentRow())
+        elif drop != self.currentRow():
+            self.moved.emit(self.currentRow(), drop)
 
     # -- keyboard -----------------------------------------------------------------------------------
 
     def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
-        """Select with the arrows, move with Ctrl and the arrows, use with Enter, delete with Delete."""
+        """Move with Ctrl and the arrows, use with Enter, delete with Delete; the list selects with the arrows."""
         ways = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1}
-        key, number = event.key(), self.current
-        if key in ways:
+        key, number = event.key(), self.currentRow()
+        if key in ways and event.modifiers() & Qt.KeyboardModifier.ControlModifier:
             goal = number + ways[Qt.Key(key)]
-            if not event.modifiers() & Qt.KeyboardModifier.ControlModifier:
-                self.choose(max(0, min(goal, len(self.cards) - 1)))
-            elif number >= 0 and 0 <= goal < len(self.cards):
+            if number >= 0 and 0 <= goal < len(self.cards):
                 self.moved.emit(number, goal)
-        elif key in {Qt.Key.Key_Home, Qt.Key.Key_End}:
-            self.choose(0 if key == Qt.Key.Key_Home else len(self.cards) - 1)
         elif number >= 0 and key in {Qt.Key.Key_Return, Qt.Key.Key_Enter}:
             self.used.emit(number)
         elif number >= 0 and key in {Qt.Key.Key_Delete, Qt.Key.Key_Backspace}:
@@ -156,41 +136,19 @@ class Strip(QWidget):
 
     # -- drawing ------------------------------------------------------------------------------------
 
-    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802
+        """Draw the cards, the text without cards, and where a dragged card would be put."""
+        super().paintEvent(event)
+        painter = QPainter(self.viewport())
         if not self.cards:
             painter.setPen(QColor(self._style.dim))
             flags = int(Qt.AlignmentFlag.AlignVCenter) | int(Qt.TextFlag.TextWordWrap)
-            painter.drawText(self.rect().adjusted(4, 4, -4, -4), flags, self._empty)
-        for number, card in enumerate(self.cards):
-            self._paint_card(painter, QRectF(self.card(number)).adjusted(1, 1, -1, -1), card, number)
+            painter.drawText(self.viewport().rect().adjusted(4, 4, -4, -4), flags, self._empty)
         if self._drop is not None:
-            gap = self._drop + (self._drop >= self.current)
-            x = max(1.5, gap * self._step - self._style.px(GAP_PX) / 2)
+            before = self._drop + (self._drop > self.currentRow())
+            x = self.card(before).left() if before < len(self.cards) else self.card(before - 1).right()
             painter.setPen(QPen(QColor(self._style.accent), 3))
-            painter.drawLine(QPointF(x, 2), QPointF(x, self.height() - 2))
-
-    def _paint_card(self, painter: QPainter, place: QRectF, card: CardView, number: int) -> None:
-        colours, chosen = self._style, number == self.current
-        edge = colours.accent if chosen and self.hasFocus() else colours.edge if chosen else colours.line
-        painter.setPen(QPen(QColor(edge), 2 if chosen else 1))
-        painter.setBrush(QColor(colours.raised if chosen else colours.field))
-        painter.drawRoundedRect(place, 4, 4)
-        line = painter.fontMetrics().height()
-        picture = place.adjusted(2, 2, -2, -2 * line)
-        if number == self.played:
-            painter.fillRect(place.adjusted(1, 1, -1, 4 - place.height()), QColor(colours.good))
-        if card.head is not None:
-            paint_head(painter, picture, card.head, colours)
-        inner = place.adjusted(3, 0, -3, -1)
-        words = QRectF(inner.left(), inner.bottom() - 2 * line, inner.width(), line)
-        middle = int(Qt.AlignmentFlag.AlignCenter)
-        painter.setPen(QColor(colours.text))
-        name = painter.fontMetrics().elidedText(card.name, Qt.TextElideMode.ElideRight, int(words.width()))
-        painter.drawText(words, middle, name)
-        painter.setPen(QColor(colours.bad if card.problem else colours.dim))
-        painter.drawText(words.translated(0, line), middle, card.duration)
+            painter.drawLine(x, 2, x, self.height() - 2)
 
 
 def paint_head(painter: QPainter, place: QRectF, head: HeadOrientation, colours: Style) -> None:
