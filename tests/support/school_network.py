@@ -1,12 +1,14 @@
 """The computers of a school: each reaches only the computer of the router.
 
-Each computer of the school is a network namespace: a cable of its own links it to the router's computer, and it has no
-other route and no multicast.
+If this computer permits network namespaces, each computer of the school is a namespace: a cable of its own links it to
+the router's computer, and it has no other route and no multicast. Otherwise all of them are processes on loopback. A
+computer that permits namespaces but does not lay the cables is a failure, never a reason for loopback.
 """
 
 from __future__ import annotations
 
 import functools
+import signal
 import subprocess
 from pathlib import Path
 from typing import Final, Self
@@ -16,6 +18,9 @@ from robots import Process, until
 ROUTER: Final = "10.99.0.1"
 HOST: Final = "10.99.0.{}"
 NAMESPACE: Final = ("unshare", "--map-root-user", "--net")
+TABLES: Final = ("tcp", "tcp6", "udp", "udp6")
+LISTENING: Final = "0A"
+"""State of a socket in /proc/net/tcp."""
 
 
 @functools.cache
@@ -40,42 +45,75 @@ class Host:
         self.processes.append(process)
         return process
 
+    @property
+    def address(self) -> str:
+        """The address of this computer."""
+        return HOST.format(self.number) if self.inside else "127.0.0.1"
+
 
 class School:
     """The computers, and the cables between them and the router's computer."""
 
     def __init__(self, folder: Path) -> None:
+        self.isolated = permits_namespaces()
         self._folder = folder
         self._namespaces: list[subprocess.Popen[bytes]] = []
         self.hosts: list[Host] = []
         self.router = self._host("router")
 
+    @property
+    def address(self) -> str:
+        """The router's address."""
+        return ROUTER if self.isolated else "127.0.0.1"
+
     def host(self, name: str) -> Host:
         """Create a computer, and plug its cable in; return it."""
         host = self._host(name)
-        cable, own, pid = f"cable{host.number}", HOST.format(host.number), self._namespaces[-1].pid
-        self._network(
-            self.router,
-            f"link add name {cable} type veth peer name eth0 netns {pid}",
-            f"addr add {ROUTER} peer {own} dev {cable}",
-            f"link set {cable} multicast off up",
-        )
-        self._network(host, f"addr add {own} peer {ROUTER} dev eth0", "link set eth0 multicast off up")
+        if self.isolated:
+            cable, own, pid = f"cable{host.number}", HOST.format(host.number), self._namespaces[-1].pid
+            self._network(
+                self.router,
+                f"link add name {cable} type veth peer name eth0 netns {pid}",
+                f"addr add {ROUTER} peer {own} dev {cable}",
+                f"link set {cable} multicast off up",
+            )
+            self._network(
+                host,
+                f"addr add {own} peer {ROUTER} dev eth0",
+                "link set eth0 multicast off up",
+            )
         return host
+
+    def unplug(self, host: Host) -> None:
+        """Pull the cable of a computer; without namespaces suspend its processes, which looks the same to others."""
+        self._connect(host, "down", signal.SIGSTOP)
+
+    def plug(self, host: Host) -> None:
+        """Plug the cable in again."""
+        self._connect(host, "up", signal.SIGCONT)
+
+    def _connect(self, host: Host, state: str, number: signal.Signals) -> None:
+        if self.isolated:
+            self._network(self.router, f"link set cable{host.number} {state}")
+        else:
+            for process in host.processes:
+                process.send(number)
 
     def _host(self, name: str) -> Host:
         folder = self._folder / name
         folder.mkdir()
-        # `cat` keeps the namespace until this process closes the input of `cat`, or ends
-        make = (*self.router.inside, "unshare", "--net") if self.hosts else NAMESPACE
-        keeper = subprocess.Popen([*make, "cat"], stdin=subprocess.PIPE)
-        self._namespaces.append(keeper)
-        until(lambda: Path(f"/proc/{keeper.pid}/comm").read_text() == "cat\n", "a namespace")
-        inside = ("nsenter", "--preserve-credentials", "--user", "--net", "--target", str(keeper.pid))
+        inside: tuple[str, ...] = ()
+        if self.isolated:  # `cat` keeps the namespace until this process closes the input of `cat`, or ends
+            make = (*self.router.inside, "unshare", "--net") if self.hosts else NAMESPACE
+            keeper = subprocess.Popen([*make, "cat"], stdin=subprocess.PIPE)
+            self._namespaces.append(keeper)
+            until(lambda: Path(f"/proc/{keeper.pid}/comm").read_text() == "cat\n", "a namespace")
+            inside = ("nsenter", "--preserve-credentials", "--user", "--net", "--target", str(keeper.pid))
         host = Host(folder, len(self.hosts) + 1, inside)
         self.hosts.append(host)
-        own = HOST.format(host.number)
-        self._network(host, "link set lo up", *([] if self.hosts[1:] else [f"addr add {own} dev lo"]))
+        if self.isolated:
+            own = HOST.format(host.number)
+            self._network(host, "link set lo up", *([] if self.hosts[1:] else [f"addr add {own} dev lo"]))
         return host
 
     def _network(self, host: Host, *lines: str) -> None:
@@ -97,3 +135,15 @@ class School:
 
     def __exit__(self, *exc: object) -> None:
         self.close()
+
+
+def sockets(pid: int) -> list[tuple[str, str]]:
+    """Return protocol and state of all internet sockets of a process, from /proc."""
+    links = [str(path.readlink()) for path in Path(f"/proc/{pid}/fd").iterdir() if path.is_symlink()]
+    own = {link.partition("[")[2].rstrip("]") for link in links if link.startswith("socket:")}
+    rows = [
+        (table, line.split())
+        for table in TABLES
+        for line in Path(f"/proc/{pid}/net/{table}").read_text().splitlines()[1:]
+    ]
+    return [(table, fields[3]) for table, fields in rows if fields[9] in own]
