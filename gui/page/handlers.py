@@ -14,12 +14,10 @@ from gui.page import messages, protection
 from gui.page.hub import Camera, Hub
 from gui.page.protection import Login, Visitor, Visitors
 
-PAGES_MAX: Final = 64
 MESSAGES_MAX: Final = 200
 """Largest number of messages of a page in a second; a page normally sends twenty."""
-TOO_MANY_PAGES: Final = f"{PAGES_MAX} pages are open already: close one, then load this page again."
 NOTHING: Final = "This server has no such page. The control page is at /."
-TOO_FAST, MALFORMED, LOGGED_OUT, FULL = 4001, 4002, 4003, 4004
+TOO_FAST, MALFORMED = 4001, 4002
 """Codes with which the server closes a web socket; the page reads them."""
 
 
@@ -178,24 +176,20 @@ class Live(Socket):
     """The web socket for the requests of one page and the views that it shows."""
 
     def open(self, *_: str, **__: str) -> None:
-        """Register the page, or close the web socket if PAGES_MAX pages are open."""
+        """Register the page."""
         visitor, self.hub = self.visitor, self.context.hub
         assert visitor is not None
         self.visitor_of_page = visitor
         self._count = 0
         self._second = time.monotonic()
-        if len(self.hub.pages) >= PAGES_MAX:
-            self.close(FULL, TOO_MANY_PAGES)
-            return
         self.set_nodelay(True)
         self.face = self.hub.new_face(lambda view: self.send(view.decode()))
         self.hub.pages.add(self)
 
     def on_close(self) -> None:
         """Remove the page and end its driver, which stops the robot."""
-        if self in self.hub.pages:
-            self.hub.pages.discard(self)
-            self.hub.end_driver(self.face)
+        self.hub.pages.discard(self)
+        self.hub.end_driver(self.face)
 
     def on_message(self, message: str | bytes) -> None:
         """Carry out a request; close the web socket after an invalid message or too many messages."""

@@ -16,7 +16,7 @@ from gui.console.link.jogging import BRAKE_S
 from gui.console.state import actions, intents
 from gui.console.state.arms import AHEAD_S, FASTEST_DEG_S, jog_query
 from gui.page import messages, protection, server
-from gui.page.handlers import FULL
+from gui.page.handlers import MALFORMED
 from gui.page.hub import DEAD_MAN_S
 from gui.page.protection import Login, Visitors
 from gui.page.server import STATIC
@@ -107,7 +107,7 @@ COLOURS = dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6});", STYLE))
 
 
 def test_page_and_server_use_the_same_code_for_a_closed_web_socket() -> None:
-    assert f"const FULL = {FULL};" in SCRIPTS
+    assert f"const MALFORMED = {MALFORMED};" in SCRIPTS
 
 
 @pytest.mark.parametrize(

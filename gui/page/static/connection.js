@@ -1,7 +1,6 @@
 // The web socket to the server: messages in both directions, and whether the server answers.
 const LOST_MS = 1500; // time without a view after which the server is lost; it sends at least two a second
 const RETRY_MS = 1000;
-const FULL = 4004;
 const MALFORMED = 4002;
 
 let socket = null;
@@ -38,7 +37,7 @@ export function connect(receive, closed) {
   opened.onclose = (event) => {
     heard ||= 1;
     if (event.code === MALFORMED) localStorage.removeItem("saved");
-    if (event.code > 4000) lost = event.code === FULL ? "page.full" : "page.closed";
+    if (event.code > 4000) lost = "page.closed";
     else setTimeout(() => (answered ? connect : checkLogin)(receive, closed), RETRY_MS);
     closed();
   };
