@@ -1,7 +1,6 @@
 """`beatrix sim` with faults that a test puts in: for each line `FAULT ROBOT` of its input one robot fails.
 
-raise: its next turn raises an exception; loop: it does not end; block: it waits for ever, and nothing can end it;
-unready: its next turn raises an exception, and started anew it cannot be made ready;
+raise: its next turn raises an exception;
 calibrate: the next CALIBRATE raises an exception in the thread of its controller.
 """
 
@@ -11,13 +10,10 @@ import sys
 import threading
 import unittest.mock
 
-from beatrix_zenoh import Refused
-from beatrix_zenoh.contract._generated.messages import Reason
 from sim_node import app
 from sim_node.body import Simulation
 
 FAULTS: dict[str, str] = {}
-NEVER = threading.Lock()
 
 
 class FaultySimulation(Simulation):
@@ -28,26 +24,12 @@ class FaultySimulation(Simulation):
         self._name = name
 
     def turn(self, *, written: bool) -> None:
-        if FAULTS.get(self._name) in ("raise", "loop", "block", "unready"):
-            with self._lock:  # so that requests for its positions wait, too
-                self._fail(FAULTS.pop(self._name))
+        if FAULTS.get(self._name) == "raise":
+            del FAULTS[self._name]
+            raise RuntimeError("put in by a test")
         super().turn(written=written)
 
-    def _fail(self, fault: str) -> None:
-        if fault == "unready":
-            FAULTS[self._name] = "refuse"
-        if fault in ("raise", "unready"):
-            raise RuntimeError("put in by a test")
-        pause = threading.Event()
-        while fault == "loop":
-            pause.wait(0.001)
-        with NEVER:
-            pass
-
     def straighten(self) -> None:
-        if FAULTS.get(self._name) == "refuse":
-            del FAULTS[self._name]
-            raise Refused(Reason.FAULT)
         if FAULTS.get(self._name) == "calibrate":
             del FAULTS[self._name]
             raise RuntimeError("put in by a test")
@@ -62,7 +44,6 @@ def read_faults() -> None:
 
 
 if __name__ == "__main__":
-    NEVER.acquire()
     threading.Thread(target=read_faults, daemon=True).start()
     with unittest.mock.patch("sim_node.app.Simulation", FaultySimulation):
         sys.exit(app.main())
