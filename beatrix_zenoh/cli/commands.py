@@ -15,7 +15,7 @@ from beatrix_zenoh.client.lease import govern, of_seat, pending
 from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.client.twin import check_reachable
+from beatrix_zenoh.client.twin_state import check_may_switch
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import (
     Command,
@@ -101,7 +101,8 @@ def command(
     with open_targets(selection, which, acts=True, both=what is Command.RESET) as targets:
         rows, robots = [], targets.robots()
         if len(robots) > 1 and value and what is not Command.RESET:
-            check_reachable(robots, targets.client.settings.who)
+            for robot in robots:
+                check_may_switch(robot)
         for robot in robots:
             with naming(str(robot)) if len(robots) > 1 else nullcontext():
                 reply = robot.command(what, value=value)

@@ -16,7 +16,7 @@ from beatrix_zenoh.client.degrees import (
 )
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin_motion import TwinMotion, furthest
-from beatrix_zenoh.client.twin_state import PlanPosition, TwinState, query_plan_position
+from beatrix_zenoh.client.twin_state import PlanPosition, plan_position
 from beatrix_zenoh.contract._generated.messages import Info, MotionQuery, PoseQuery, PreviewReply, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 
@@ -41,7 +41,6 @@ class RobotPair(Protocol):
     sim: Robot
     hw: Robot
     name: str
-    state: TwinState
 
     def check_ready(self) -> None:
         """Raise an error if a robot cannot move now."""
@@ -119,9 +118,7 @@ class Plan(ProcessBound):
         except BeatrixError:
             self._motion = None
             raise
-        motion.run.prepare(
-            *now, self._check_both, self._twin.state.check_present, measured=self._during is None
-        )
+        motion.run.prepare(*now, self._check_both, measured=self._during is None)
         self._twin.start(motion, wait=waits)
         return motion
 
@@ -141,11 +138,9 @@ class Plan(ProcessBound):
         self._check_unmoved(self._twin.hw)
 
     def _check_unmoved(self, robot: Robot) -> PlanPosition:
-        """Return the position of a robot, queried if need be; raise Refused (REPLACED) if the preview is obsolete."""
+        """Return the position of a robot; raise Refused (REPLACED) if the preview is obsolete."""
         was = self._start[robot is self._twin.hw]
-        now = self._twin.state.plan_position(robot)
-        if not self._holds(robot, was, now):
-            now = query_plan_position(robot)
+        now = plan_position(robot)
         if not self._holds(robot, was, now):
             what = "was not online at" if was is None else "has moved, or was calibrated, since"
             raise Refused(
