@@ -48,6 +48,8 @@ else:
             if why := hiding.cause(error):
                 raise ImportError(why, name=__name__) from None
             raise ImportError(f"{__name__}.{name} cannot be imported: {error}", name=__name__) from error
+        if why := hiding.imported() or hiding.unfit(hiding.search_path()[0]):
+            raise ImportError(why, name=__name__)
         from beatrix_zenoh.contract import tracebacks  # noqa: PLC0415
 
         tracebacks.install(client.BeatrixError, lambda error: error.data)

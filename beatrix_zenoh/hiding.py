@@ -1,14 +1,15 @@
 """Files of a user that hide a module which BEATRIX needs, for example a program called `logging.py`.
 
-Python searches the folder of the program and PYTHONPATH first, so it imports the user's file instead of the module.
-This module imports only what Python itself imports at its start, because any other module may be the hidden one.
+Python searches the folder of the program and PYTHONPATH first, so it imports the user's file instead of the module, or
+a package that this Python or BEATRIX cannot use. This module imports only what Python itself imports at its start,
+because any other module may be the hidden one.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from importlib.machinery import FrozenImporter, PathFinder
 
 OURS = ("beatrix_zenoh", "sim_node", "hw_node", "gui")
@@ -17,8 +18,8 @@ OURS = ("beatrix_zenoh", "sim_node", "hw_node", "gui")
 def hidden(names: Iterable[str], first: Sequence[str], later: Sequence[str]) -> dict[str, str]:
     """Return the modules of these names that a file in the folders `first` hides from `later`, each with the file.
 
-    A second copy of a package may be there on purpose, so a folder that contains a file of the package does not hide
-    it. Frozen modules cannot be hidden.
+    A second copy of a package may be there on purpose, so a folder that contains a file of the package does not hide it,
+    nor does one that is part of a copy of BEATRIX. Frozen modules cannot be hidden.
     """
     found = {}
     for name in names:
@@ -32,6 +33,8 @@ def hidden(names: Iterable[str], first: Sequence[str], later: Sequence[str]) -> 
 def _is_copy(name: str, mine: str, others: Sequence[str]) -> bool:
     if name in sys.stdlib_module_names:
         return False
+    if name in OURS and _is_package(mine):
+        return os.path.isdir(os.path.join(os.path.dirname(mine), os.pardir, OURS[0]))
     packages = [file for file in others if _is_package(file)]
     return not packages or (_is_package(mine) and any(_have_common_files(mine, file) for file in packages))
 
@@ -77,10 +80,105 @@ def texts(name: str, file: str) -> tuple[str, str]:
     )
 
 
+def sentence(name: str, file: str) -> str:
+    """Return both texts as one sentence."""
+    return ": ".join(texts(name, file)) + "."
+
+
 def cause(error: BaseException) -> str:
-    """Return the sentence about the files of the user that have caused this error of an import; empty: none has."""
-    if not isinstance(error, ImportError | AttributeError):
+    """Return the sentence about the file or package of the user that has caused this error; empty: none has."""
+    first, later = search_path()
+    folders = {folder for folder in first for file, _ in _files_of(error) if _is_below(folder, file)}
+    if isinstance(error, ImportError | AttributeError):
+        folders = set(first)
+        named = set(_named(error))
+        if found := hidden(loaded() | named, first, later):
+            return " ".join(sentence(name, found[name]) for name in sorted(found.keys() & named or found))
+    if why := unfit([folder for folder in first if folder in folders], core=False):
+        return why
+    return next((": ".join(broken) + "." for broken in _broken(error, first, later)), "")
+
+
+def _broken(error: BaseException, first: Sequence[str], later: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Yield the texts about a package in the folders `first` that could not be imported, and that is in `later`, too."""
+    for file, importing in _files_of(error):
+        for folder in first if importing else ():
+            if not _is_below(folder, file):
+                continue
+            name = file[len(os.path.join(folder, "")) :].split(os.sep)[0].partition(".")[0]
+            mine = next(_files(name, [folder]), "") if name not in OURS else ""
+            if mine and any(other != mine for other in _files(name, later)):
+                what, do = texts(name, mine)
+                version = ".".join(map(str, sys.version_info[:2]))
+                yield (
+                    f"{what}, and cannot be imported by Python {version}",
+                    f"take it out of PYTHONPATH, or {do}",
+                )
+
+
+def _files_of(error: BaseException) -> Iterator[tuple[str, bool]]:
+    """Yield the files in which an error was raised, each with whether it was being imported then."""
+    for name in ("filename",) * isinstance(error, SyntaxError) + ("path",) * isinstance(error, ImportError):
+        yield getattr(error, name) or "", True
+    trace = error.__traceback__
+    while trace is not None:
+        code = trace.tb_frame.f_code
+        yield code.co_filename, code.co_name == "<module>"
+        trace = trace.tb_next
+
+
+def _is_below(folder: str, file: str) -> bool:
+    return bool(folder) and file.startswith(os.path.join(folder, ""))
+
+
+def unfit(folders: Iterable[str], *, core: bool = True) -> str:
+    """Return the sentence about packages in these folders that BEATRIX cannot use; empty: none.
+
+    `core`: only those that every program of BEATRIX needs.
+    """
+    found = [folder for folder in folders if any(name.endswith("-info") for name in _listed(folder))]
+    if not found:
+        return ""  # the usual case, which must not delay a program
+    from beatrix_zenoh import requirements  # noqa: PLC0415 - imports modules that may be hidden
+
+    return " ".join(": ".join(both) + "." for both in requirements.misfits(found, core=core).values())
+
+
+def _listed(folder: str) -> list[str]:
+    try:
+        return os.listdir(folder or os.curdir)
+    except OSError:
+        return []
+
+
+def _named(error: BaseException) -> Iterator[str]:
+    """Yield the names of the modules of which an error tells."""
+    of = error.obj if isinstance(error, AttributeError) else None
+    for name in (getattr(of, "__name__", None), getattr(error, "name", None)):
+        if isinstance(name, str):
+            yield name.partition(".")[0]
+    for file, _ in _files_of(error):
+        yield os.path.basename(file).partition(".")[0]
+
+
+def imported() -> str:
+    """Return the sentence about a file that other modules than the user's have imported by mistake; empty: none."""
+    first, later = search_path()
+    near = {os.path.realpath(folder) for folder in first}
+    modules = list(sys.modules.items())
+    mine = {name for name, module in modules if _is_in(near, name, getattr(module, "__file__", None))}
+    found = hidden(loaded() & mine, first, later)
+    if not found:
         return ""
-    named = (getattr(error, "name", None) or "").partition(".")[0]
-    found = hidden(sorted({*loaded(), named} - {""}), *search_path())
-    return " ".join(": ".join(texts(name, file)) + "." for name, file in found.items())
+    taken = {
+        id(value) for name, module in modules if name not in mine for value in list(vars(module).values())
+    }
+    return " ".join(sentence(name, file) for name, file in found.items() if id(sys.modules[name]) in taken)
+
+
+def _is_in(folders: Collection[str], name: str, file: object) -> bool:
+    """Return whether a module is in these folders, or in a package in them, and is not BEATRIX's."""
+    if not isinstance(file, str) or name.partition(".")[0] in OURS:
+        return False
+    folder = os.path.dirname(file)
+    return folder in folders or os.path.dirname(folder) in folders

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import shlex
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -28,6 +28,10 @@ CODES = {
 """Exit codes of requests without an answer, one for each cause; docs/reference/exit-codes.md explains the codes."""
 STDOUT = 1
 GAP = "  "
+PLAIN = re.compile(r"[A-Za-z0-9_+:./\\-]+" if sys.platform == "win32" else r"[A-Za-z0-9_+:./-]+")
+"""A word that no shell changes. (PowerShell reads a comma as the end of an item of a list.)"""
+ACTIVE = re.compile(r'["$`!“”„]|\\\\|\\$')
+"""What a shell changes between double quotes."""
 
 
 def exit_code(reason: Reason) -> int:
@@ -51,10 +55,18 @@ def printable(text: str) -> str:
 
 
 def typed(*words: str | Path) -> str:
-    """Return a command as text to paste into a shell; a path never looks like an option."""
-    return shlex.join(
-        f"./{word}" if isinstance(word, Path) and str(word).startswith("-") else str(word) for word in words
-    )
+    """Return a command as text to paste into a POSIX shell or PowerShell; a path never looks like an option."""
+    text = " ".join(map(_quoted, words))
+    return f"& {text}" if text[0] in "'\"" and sys.platform == "win32" else text
+
+
+def _quoted(word: str | Path) -> str:
+    text = f"./{word}" if isinstance(word, Path) and str(word).startswith("-") else str(word)
+    if PLAIN.fullmatch(text):
+        return text
+    if not ACTIVE.search(text):
+        return f'"{text}"'
+    return "'" + text.replace("'", "''" if sys.platform == "win32" else "'\\''") + "'"
 
 
 def print_json(content: Mapping[str, object]) -> None:

@@ -19,6 +19,10 @@ def run(words: list[str]) -> int:
         from beatrix_zenoh.cli.verbs import application
         from beatrix_zenoh.terminal import run as runner
 
+        why = hiding.unfit(hiding.search_path()[0])
+        if why and words[:1] != ["doctor"]:  # doctor lists it with its other findings
+            sys.stderr.write(f"{why}\n")
+            return 1
         app = application(words)
     except (ImportError, AttributeError) as error:
         if interrupted(error):

@@ -172,7 +172,7 @@ class RobotBase(ProcessBound, Suggesting):
     def microphones(self) -> Microphones:
         """Subscribe to the sound of both microphones, in blocks of 20 ms; they are on only while a client subscribes.
 
-        Reading raises NoAnswer if no block arrives within 5 s. `faults` counts lost and late blocks.
+        Reading raises NoAnswer if no block arrives within 5 s. `faults` counts lost, duplicated and late blocks.
         """
         from beatrix_zenoh.client.sound import Microphones  # noqa: PLC0415 - numpy would delay every verb
 

@@ -6,7 +6,7 @@ import base64
 import io
 import time
 import wave
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
@@ -29,7 +29,9 @@ BLOCKS: Final = 500
 SENT_S, SENT_HZ = 10.0, 48_000
 """Longest sound (s) that one message to a simulation can hold, and its rate."""
 ANEW_NS: Final = 500_000_000
-"""Time (ns) without a newer block after which a block begins a new sequence."""
+"""Time (ns) without a block in order after which a block begins a new sequence."""
+AHEAD_NS: Final = 1_000_000_000
+"""A block may be ahead by this time (ns): a network may hold blocks back, and then deliver them at once."""
 _FRAME: Final = 4
 """Bytes of a frame: two int16."""
 _SEQS: Final = 2**32
@@ -131,48 +133,68 @@ class Faults:
 
     lost: int = 0
     """missing in the sequence numbers: lost by network or router, or by this program, which read too slowly"""
+    duplicated: int = 0
+    """arrived twice; the second one was skipped"""
     late: int = 0
-    """arrived after a newer block, or twice; skipped"""
+    """arrived after a newer block, or has an impossible number or time; skipped"""
     dropped: int = 0
     """frames, not blocks, that the robot's device has lost"""
 
     def __str__(self) -> str:
-        return f"{self.lost} blocks lost, {self.late} late; {self.dropped} frames dropped by the robot"
+        counts = f"{self.lost} blocks lost, {self.duplicated} duplicated, {self.late} late"
+        return f"{counts}; {self.dropped} frames dropped by the robot"
 
 
+@dataclass
 class BlockOrder:
-    """Finds lost and late blocks of one robot by their sequence numbers.
+    """Finds lost, duplicated and late blocks of one robot by their sequence numbers.
 
-    A block that is not newer than the last one by its number and by its time is not heard. If none is newer for
-    ANEW_NS, the node was restarted: the next block begins a new sequence.
+    A block whose number or time is behind the newest, or further ahead than the time that has passed on this computer, is
+    not heard. If none fits for ANEW_NS, the node was restarted, or an impossible block came first: the next one begins a
+    new sequence. Times of the wall clock are not used, because they may be wrong.
     """
 
-    def __init__(self) -> None:
-        self.faults = Faults()
-        self._newest: Sound | None = None
-        self._newest_ns = 0
-        """arrival of `_newest`, by the monotonic clock of this computer"""
+    faults: Faults = field(default_factory=Faults)
+    _newest: Sound | None = None
+    _newest_ns: int = 0
+    """arrival of `_newest`, by the monotonic clock of this computer"""
+    _seen: list[tuple[int, int]] = field(default_factory=list)
+    """numbers and times of the newest blocks, to tell a duplicate of a late block from a late block"""
 
     def accept(self, block: Sound, arrived_ns: int) -> bool:
         """Count a block; return whether it is in order, so that the program should hear it.
 
         `arrived_ns`: its arrival by the monotonic clock of this computer.
         """
-        newest = self._newest
+        newest, identity = self._newest, (block.seq, block.t_mono_ns)
+        passed_ns = arrived_ns - self._newest_ns
+        step = 1 if newest is None else (block.seq - newest.seq + _SEQS // 2) % _SEQS - _SEQS // 2
         if newest is not None:
-            step = (block.seq - newest.seq + _SEQS // 2) % _SEQS - _SEQS // 2
-            if step > 0 and block.t_mono_ns > newest.t_mono_ns:
-                self.faults.lost += step - 1
-                self.faults.dropped += max(0, block.dropped - newest.dropped)
-            elif arrived_ns - self._newest_ns < ANEW_NS:
-                self.faults.late += 1
-                return False
+            block_ns = len(newest.samples) * 1_000_000_000 // newest.rate
+            ahead_ns = max((step - 1) * block_ns, block.t_mono_ns - newest.t_mono_ns) - passed_ns
+            if step <= 0 or block.t_mono_ns <= newest.t_mono_ns or ahead_ns > AHEAD_NS:
+                if identity in self._seen:
+                    self.faults.duplicated += 1
+                    return False
+                if passed_ns < ANEW_NS:
+                    self.faults.late += 1
+                    self._remember(identity)
+                    return False
+                step, newest, self._seen = 1, None, []
+        self.faults.lost += step - 1
+        if newest is not None:
+            self.faults.dropped += max(0, block.dropped - newest.dropped)
         self._newest, self._newest_ns = block, arrived_ns
+        self._remember(identity)
         return True
+
+    def _remember(self, identity: tuple[int, int]) -> None:
+        self._seen.append(identity)
+        del self._seen[:-BLOCKS]
 
 
 class Microphones(Subscription[Sound]):
-    """Blocks of sound from one robot, in order; `faults` counts what was lost or late."""
+    """Blocks of sound from one robot, in order; `faults` counts what was lost, duplicated or late."""
 
     def __init__(self, client: Client, robot: str, side: str, *, timeout_s: float | None = SILENCE_S) -> None:
         """Subscribe, which switches the microphones on; see `Subscription` for `timeout_s` and errors."""
@@ -182,13 +204,14 @@ class Microphones(Subscription[Sound]):
 
     @property
     def faults(self) -> Faults:
-        """Lost and late blocks up to the newest block that was read."""
+        """Lost, duplicated and late blocks up to the newest block that was read."""
         return replace(self._order.faults)
 
     def _read(self, sample: Sample) -> Arrival[Sound] | None:
         arrival = super()._read(sample)
-        heard = arrival is not None and self._order.accept(arrival.value, sample.t_mono_ns)
-        return arrival if heard else None
+        return (
+            arrival if arrival is not None and self._order.accept(arrival.value, sample.t_mono_ns) else None
+        )
 
     def listen(self, seconds: float) -> Sound:
         """Return the next `seconds` of sound as one piece, with zeros in place of lost blocks; see `Sound.lost`.

@@ -12,13 +12,13 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from importlib import metadata
+from importlib.machinery import PathFinder
 from pathlib import Path
 
 from beatrix_zenoh import hiding
 from beatrix_zenoh.doctor.checks import CheckResult
+from beatrix_zenoh.requirements import DISTRIBUTION, bounds, distribution, misfits, requirements, suits
 
-DISTRIBUTION = "beatrix-zenoh"
-NAME = re.compile(r"[A-Za-z0-9._-]+")
 ON_LINUX = re.compile(r"sys_platform\s*(==|!=)\s*['\"]linux['\"]\s*\)?\s*and")
 """Part of the marker of a requirement for Linux only, or for all other systems only."""
 EXTRA = re.compile(r"extra\s*==\s*['\"]([a-z]+)['\"]")
@@ -27,7 +27,11 @@ SERIAL_DEVICES = ("ttyACM*", "ttyUSB*", "cu.usbmodem*", "cu.usbserial*")
 
 
 PROBE = """
-from sim_node.gl import backend
+from beatrix_zenoh import hiding
+try:
+    from sim_node.gl import backend
+except Exception as error:
+    raise SystemExit(hiding.cause(error))
 print(backend() or "")
 """
 PROBE_S = 45.0
@@ -46,55 +50,76 @@ def this_computer() -> Iterator[CheckResult]:
 def packages() -> Iterator[CheckResult]:
     """Yield findings about this package and the packages that each extra needs."""
     if version(DISTRIBUTION) is None:
-        what = "runs from its sources, not installed"
-        yield CheckResult(DISTRIBUTION, what, "pip install -e . in the folder of the sources")
+        yield CheckResult(
+            DISTRIBUTION,
+            "runs from its sources, not installed",
+            "pip install -e . in the folder of the sources",
+        )
         return
     yield CheckResult(DISTRIBUTION, metadata.version(DISTRIBUTION))
-    for extra, names in needed().items():
-        found = {name: version(name) for name in names}
-        title = f"extra {extra}" if extra else "core"
-        missing = [name for name, number in found.items() if number is None]
-        if missing:
-            install = f'pip install "{f".[{extra}]" if extra else "."}" in the folder of BEATRIX'
-            yield CheckResult(title, f"without {', '.join(missing)}", advice=f"if you need it: {install}")
-        else:
-            yield CheckResult(title, ", ".join(f"{name} {number}" for name, number in found.items()))
-
-
-def needed() -> dict[str, list[str]]:
-    """Return the distributions that each extra needs on this system; of the core under an empty name."""
-    needs: dict[str, list[str]] = {}
-    for line in (metadata.requires(DISTRIBUTION) or ()) if version(DISTRIBUTION) else ():
-        only_for, only_on, name = EXTRA.search(line), ON_LINUX.search(line), NAME.match(line)
-        here = only_on is None or (only_on[1] == "==") == (sys.platform == "linux")
-        if here and name and name[0] != DISTRIBUTION:
-            needs.setdefault(only_for[1] if only_for else "", []).append(name[0])
+    needs: dict[str, dict[str, str]] = {}
+    for line in requirements():
+        only_for, only_on = EXTRA.search(line), ON_LINUX.search(line)
+        if only_on and (only_on[1] == "==") != (sys.platform == "linux"):
+            continue
+        if distribution(line) != DISTRIBUTION:
+            needs.setdefault(only_for[1] if only_for else "", {})[distribution(line)] = line
     needs.pop("all", None)
-    return needs
+    for extra, lines in needs.items():
+        found = {name: version(name) for name in lines}
+        missing = [name for name, number in found.items() if number is None]
+        title = f"extra {extra}" if extra else "core"
+        present = ", ".join(f"{name} {number}" for name, number in found.items() if number)
+        wrong = [
+            bounds(lines[name]) for name, number in found.items() if number and not suits(number, lines[name])
+        ]
+        install = f'pip install "{f".[{extra}]" if extra else "."}" in the folder of BEATRIX'
+        if missing:
+            yield CheckResult(title, f"without {', '.join(missing)}", advice=f"if you need it: {install}")
+        elif wrong:
+            yield CheckResult(title, present, f"it needs {', '.join(wrong)}: {install}")
+        else:
+            yield CheckResult(title, present)
 
 
 def version(name: str) -> str | None:
-    """Return the version of a distribution; None if it is not installed."""
-    try:
-        return metadata.version(name)
-    except metadata.PackageNotFoundError:
-        return None
+    """Return the version of a distribution; None if it is not installed. `hidden_modules` judges those in PYTHONPATH."""
+    first, later = hiding.search_path()
+    return next((one.version for one in metadata.distributions(name=name, path=[*later, *first])), None)
 
 
 def hidden_modules() -> Iterator[CheckResult]:
-    """Yield a finding about each file or package, in this folder or in PYTHONPATH, that hides one of BEATRIX's."""
+    """Yield a finding about each file or package, in this folder or in PYTHONPATH, that BEATRIX cannot use."""
     first, later = hiding.search_path()
-    distributions = {name.lower() for names in needed().values() for name in names}
+    needed = {distribution(line) for line in requirements()}
     packages = {
         package
         for package, owners in metadata.packages_distributions().items()
-        if distributions.intersection(owner.lower() for owner in owners)
+        if needed.intersection(map(distribution, owners))
     }
-    found = hiding.hidden({*hiding.loaded(), *packages, *hiding.OURS}, ["", *first], later)
+    broken = {name: why for name in sorted(packages) if (why := broken_copy(name, first))}
+    first = ["", *first]
+    found = hiding.hidden({*hiding.loaded(), *packages, *hiding.OURS}, first, later)
     for name, file in sorted(found.items()):
         yield CheckResult(f"module {name}", *hiding.texts(name, file))
-    if not found:
+    unfit = misfits(first)
+    for name, texts in unfit.items():
+        yield CheckResult(f"package {name}", *texts)
+    for name in broken.keys() - found.keys() - unfit.keys():
+        yield CheckResult(f"package {name}", "cannot be imported", broken[name])
+    if not found and not unfit and not broken:
         yield CheckResult("hidden modules", "none")
+
+
+def broken_copy(name: str, first: list[str]) -> str:
+    """Return why the package of this name in one of the folders cannot be imported; empty: it can, or none has it."""
+    if PathFinder.find_spec(name, first) is None:
+        return ""
+    try:
+        importlib.import_module(name)
+    except Exception as error:  # noqa: BLE001 - a package for another Python may raise anything
+        return hiding.cause(error)
+    return ""
 
 
 @contextlib.contextmanager
@@ -126,8 +151,11 @@ def graphics(child: subprocess.Popen[str]) -> CheckResult:
     except subprocess.TimeoutExpired:
         name, why = "", ""
     if child.returncode not in (0, None):
-        why = why.rpartition("\n")[2]
-        return CheckResult("graphics", "not checked: the package sim_node does not start", advice=why)
+        return CheckResult(
+            "graphics",
+            "not checked: the package sim_node does not start",
+            advice=why.rpartition("\n")[2] or 'pip install ".[sim]" in the folder of BEATRIX',
+        )
     if name:
         return CheckResult("graphics", f"OpenGL works ({name})")
     missing = sys.platform == "linux" and not any(map(ctypes.util.find_library, ("EGL", "OSMesa")))

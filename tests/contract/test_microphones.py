@@ -30,7 +30,7 @@ def listener(body: Body) -> Iterator[Robot]:
 def test_blocks_follow_each_other_without_a_gap(listener: Robot) -> None:
     with listener.microphones() as sound:
         blocks = [sound.next() for _ in range(25)]
-    assert sound.faults.late == 0
+    assert sound.faults.duplicated == sound.faults.late == 0
     for block in blocks:
         assert block.samples.shape == (960, 2)
         assert block.samples.dtype == np.float32

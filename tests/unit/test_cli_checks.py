@@ -11,6 +11,12 @@ from beatrix_zenoh.cli import serving
 from beatrix_zenoh.doctor import computer
 
 
+def test_an_installed_version_outside_our_bounds_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(computer, "requirements", lambda: ["numpy>=99.0", "msgpack<99"])
+    (_, finding) = computer.packages()
+    assert finding.todo.startswith("it needs numpy>=99.0: pip install")
+
+
 def test_graphics_that_cannot_draw_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MUJOCO_GL", "off")
     with computer.graphics_probe() as graphics:

@@ -48,6 +48,18 @@ def test_the_error_of_a_program_names_the_file_that_hides_a_module(name: str, tm
     assert f" {name}, which BEATRIX needs: rename it" in last
 
 
+@pytest.mark.parametrize(
+    ("name", "verb"),
+    [("typer", "doctor"), ("dataclasses", "ls")],
+)
+def test_the_command_line_names_a_hiding_file_in_one_line(name: str, verb: str, tmp_path: Path) -> None:
+    (tmp_path / f"{name}.py").touch()
+    where = ("--connect", free_endpoint())
+    done = python(tmp_path, "-P", "-m", "beatrix_zenoh.cli", verb, *where, PYTHONPATH=".")
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert done.stderr.startswith(f"{tmp_path / name}.py hides ")
+
+
 def test_doctor_lists_the_files_of_its_folder_that_hide_modules(tmp_path: Path) -> None:
     path = tmp_path / "path"
     path.mkdir()
@@ -66,20 +78,81 @@ def test_doctor_lists_the_files_of_its_folder_that_hide_modules(tmp_path: Path) 
     assert "hidden modules" not in findings
 
 
+def package(folder: Path, name: str, version: str, tag: str, text: str) -> Path:
+    """Write a package as pip does with `--target folder`, and return the folder."""
+    info = folder / f"{name.replace('-', '_')}-{version}.dist-info"
+    info.mkdir(parents=True)
+    (info / "WHEEL").write_text(f"Wheel-Version: 1.0\nTag: {tag}-linux_x86_64\n", encoding="utf-8")
+    (folder / name).mkdir()
+    (folder / name / "__init__.py").write_text(text, encoding="utf-8")
+    (folder / name / "exceptions.py").touch()  # the real package has it, too: a copy, no file that hides it
+    return folder
+
+
+OTHER = "Error importing numpy: you should not try to import numpy from its source directory"
+
+
+@pytest.mark.parametrize(
+    ("version", "tag", "named"),
+    [
+        ("1.26.4", "py3-none", "numpy 1.26.4, and BEATRIX needs numpy>=2.0"),
+        pytest.param(
+            "2.2.0",
+            "cp310-cp310",
+            "numpy 2.2.0 for Python 3.10",
+            marks=pytest.mark.long("starts four programs"),
+        ),
+    ],
+)
+def test_a_package_that_beatrix_cannot_use_is_named_with_folder_and_version(
+    version: str, tag: str, named: str, tmp_path: Path
+) -> None:
+    path = package(tmp_path / "path", "numpy", version, tag, f"raise ImportError({OTHER!r})")
+    (tmp_path / "prog.py").write_text(PROGRAM, encoding="utf-8")
+    expected = f"{path} contains {named}"
+    words, where = ("-P", "-m", "beatrix_zenoh.cli"), ("--connect", free_endpoint())
+    for verb in (("ls",),):
+        done = python(tmp_path, *words, *verb, *where, PYTHONPATH="path")
+        assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+        assert done.stderr.startswith(expected)
+    done = python(tmp_path, "prog.py", PYTHONPATH=str(path))
+    assert done.stderr.strip().splitlines()[-1].startswith(f"ImportError: {expected}")
+    findings = json.loads(python(tmp_path, *words, "doctor", "--json", *where, PYTHONPATH=str(path)).stdout)
+    (found,) = (row for row in findings["findings"] if row["what"] == "package numpy")
+    assert found["found"].startswith(expected)
+    assert str(path) in found["todo"]
+
+
+def test_a_copy_that_cannot_be_imported_is_named_by_doctor_and_by_the_verb_that_needs_it(
+    tmp_path: Path,
+) -> None:
+    path = package(tmp_path / "path", "numpy", "2.2.0", "py3-none", "print 'Python 2'")
+    words = ("-P", "-m", "beatrix_zenoh.cli")
+    done = python(tmp_path, *words, "sim", "--name", "bea1", PYTHONPATH=str(path))
+    expected = f"{path / 'numpy'} hides the package numpy, which BEATRIX needs, and cannot be imported"
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert done.stderr.startswith(expected)
+    done = python(tmp_path, *words, "doctor", "--json", "--connect", free_endpoint(), PYTHONPATH=str(path))
+    findings = {row["what"]: row for row in json.loads(done.stdout)["findings"]}
+    assert findings["package numpy"]["todo"].startswith(expected)
+    assert findings["graphics"]["advice"].startswith(expected)
+
+
 @pytest.mark.parametrize(
     ("name", "verb"),
-    [("typer.py", "ls"), ("sim_node/__init__.py", "sim --help"), ("rerun/__init__.py", "export x.rrd x.csv")],
+    [
+        ("sim_node", "sim"),
+        ("rerun", "export x.rrd x.csv"),
+    ],
 )
-def test_the_command_line_names_a_hiding_file_or_package_in_one_line(
-    name: str, verb: str, tmp_path: Path
-) -> None:
-    (tmp_path / name).parent.mkdir(exist_ok=True)
-    (tmp_path / name).touch()
+def test_a_hidden_package_is_never_called_not_installed(name: str, verb: str, tmp_path: Path) -> None:
+    (tmp_path / name).mkdir()
+    (tmp_path / name / "__init__.py").touch()
     (tmp_path / "x.rrd").write_text("data", encoding="utf-8")
-    done = python(tmp_path, "-P", "-m", "beatrix_zenoh.cli", *verb.split(), PYTHONPATH=str(tmp_path))
+    words = verb.split() if " " in verb else (verb, "--help")
+    done = python(tmp_path, "-P", "-m", "beatrix_zenoh.cli", *words, PYTHONPATH=str(tmp_path))
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
-    what = tmp_path / name.removesuffix("/__init__.py")
-    assert done.stderr.startswith(f"{what} hides the package {what.stem}, which BEATRIX needs: rename")
+    assert done.stderr.startswith(f"{tmp_path / name} hides the package {name}, which BEATRIX needs: rename")
 
 
 def test_a_child_of_up_executes_no_file_of_its_folder(

@@ -1,21 +1,70 @@
-"""Commands that the programs print can be pasted into a shell."""
+"""Commands that the programs print can be pasted into a POSIX shell and into PowerShell."""
 
 from __future__ import annotations
 
 import ast
 import re
+import shlex
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
 from beatrix_zenoh.output import typed
+from beatrix_zenoh.processes import advice
 
 ROOT = Path(__file__).resolve().parents[2]
+POWERSHELL = re.compile(r"""[\w+:./][\w+:./-]*|--?[\w][\w.-]*|"[^"`$“”„\n]*"|'(?:[^'‘’‚‛]|'')*'""", re.ASCII)
+"""A word that PowerShell passes on unchanged: plain, or between quotes that contain nothing it would replace."""
+WORDS = {
+    "lesson.rrd": "lesson.rrd",
+    "my lesson.rrd": '"my lesson.rrd"',
+    "Übung 3.rrd": '"Übung 3.rrd"',
+    "tcp/[::1]:7447": '"tcp/[::1]:7447"',
+    "tls/10.0.0.2:7447,tls/lab:7447": '"tls/10.0.0.2:7447,tls/lab:7447"',
+    "30,20,10": '"30,20,10"',
+    "-10.5": "-10.5",
+    "price $5.rrd": "'price $5.rrd'",
+    "wow!.rrd": "'wow!.rrd'",
+    "it's.rrd": '"it\'s.rrd"',
+    "~/a.rrd": '"~/a.rrd"',
+    "#1.rrd": '"#1.rrd"',
+    "virtual:": "virtual:",
+    r"\\server\a b.rrd": r"'\\server\a b.rrd'",
+}
 
 
-def test_words_are_quoted_for_a_shell_and_a_path_never_looks_like_an_option() -> None:
-    assert (
-        typed("beatrix", "view", "my lesson.rrd", Path("-x.rrd")) == "beatrix view 'my lesson.rrd' ./-x.rrd"
-    )
+@pytest.mark.parametrize("word", WORDS)
+def test_a_word_reads_the_same_in_a_posix_shell_and_in_powershell(word: str) -> None:
+    text = typed("beatrix", "view", word)
+    assert text == f"beatrix view {WORDS[word]}"
+    assert POWERSHELL.fullmatch(WORDS[word])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="it has no sh")
+def test_a_shell_passes_the_words_on_unchanged() -> None:
+    script = f"printf '%s\\n' {typed(*WORDS)}"
+    done = subprocess.run(["sh", "-c", script], capture_output=True, text=True, timeout=20, check=True)
+    assert done.stdout.splitlines() == list(WORDS)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="shlex reads POSIX shells")
+@given(st.lists(st.text(st.characters(exclude_categories=["C"]), min_size=1), min_size=1))
+def test_any_words_are_read_back(words: list[str]) -> None:
+    assert shlex.split(typed(*words)) == words
+
+
+def test_a_path_never_looks_like_an_option() -> None:
+    assert typed("beatrix", "replay", Path("-x.rrd")) == "beatrix replay ./-x.rrd"
+
+
+def test_the_advice_for_another_router_needs_no_variable_of_a_shell() -> None:
+    text = advice("tcp/[::1]:7940", ["top"], Path("logs"))
+    assert '  beatrix top --connect "tcp/[::1]:7940"\n' in text
 
 
 SAFE = {"number", "found.number", "robot.name", "account.name", "name", "others", "VIRTUAL"}

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import wave
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -35,16 +37,28 @@ def heard(numbers: list[int]) -> tuple[list[int], Faults]:
 
 
 @pytest.mark.parametrize(
-    ("arrived", "kept", "lost", "late"),
+    ("arrived", "kept", "lost", "duplicated", "late"),
     [
-        ([7, 8, 9], [7, 8, 9], 0, 0),
-        ([1, 2, 5, 6], [1, 2, 5, 6], 2, 0),
-        ([1, 2, 2, 3], [1, 2, 3], 0, 1),
-        ([1, 4, 3, 2, 1, 5], [1, 4, 5], 2, 3),
+        ([7, 8, 9], [7, 8, 9], 0, 0, 0),
+        ([1, 2, 5, 6], [1, 2, 5, 6], 2, 0, 0),
+        ([1, 2, 2, 3], [1, 2, 3], 0, 1, 0),
+        ([1, 4, 3, 2, 1, 5], [1, 4, 5], 2, 1, 2),
     ],
 )
-def test_lost_and_late_blocks_are_counted(arrived: list[int], kept: list[int], lost: int, late: int) -> None:
-    assert heard(arrived) == (kept, Faults(lost, late))
+def test_lost_duplicated_and_late_blocks_are_counted(
+    arrived: list[int], kept: list[int], lost: int, duplicated: int, late: int
+) -> None:
+    assert heard(arrived) == (kept, Faults(lost, duplicated, late))
+
+
+@given(st.permutations(range(1, 9)), st.lists(st.integers(1, 8), max_size=4))
+def test_blocks_are_heard_in_order_and_every_other_is_counted_once(
+    first: list[int], again: list[int]
+) -> None:
+    kept, faults = heard([*first, *again])
+    assert kept == sorted(set(kept))
+    assert len(kept) + faults.late + faults.duplicated == len(first) + len(again)
+    assert faults.lost == kept[-1] - kept[0] + 1 - len(kept)
 
 
 def test_a_restarted_node_counts_anew_without_losses() -> None:
@@ -54,6 +68,35 @@ def test_a_restarted_node_counts_anew_without_losses() -> None:
     for number in (1, 2, 3):
         assert order.accept(block(number, restarts=1), ANEW_NS + (number + 1) * BLOCK_NS)
     assert order.faults == Faults()
+
+
+@pytest.mark.parametrize("at", [0, 1, 50])
+@pytest.mark.parametrize(
+    "impossible",
+    [
+        lambda block: replace(block, t_wall_ns=2**62),
+        lambda block: replace(block, seq=2**31 - 2),
+        lambda block: replace(block, seq=10**6, t_wall_ns=2**62),
+        lambda block: replace(block, t_mono_ns=2**62),
+        lambda block: replace(block, seq=3, t_mono_ns=5),
+    ],
+)
+def test_an_impossible_block_silences_a_robot_for_half_a_second_at_most(
+    at: int, impossible: Callable[[Sound], Sound]
+) -> None:
+    order, arrivals = BlockOrder(), [block(number) for number in range(100, 200)]
+    arrivals.insert(at, impossible(arrivals[at]))
+    kept = [one for i, one in enumerate(arrivals) if order.accept(one, i * BLOCK_NS)]
+    assert [one.seq for one in kept[-49:]] == list(range(151, 200))
+    assert len(kept) >= len(arrivals) - ANEW_NS // BLOCK_NS - 2
+    assert order.faults.lost <= ANEW_NS // BLOCK_NS
+
+
+def test_after_a_pause_of_the_network_blocks_are_lost_and_those_held_back_are_heard() -> None:
+    order = BlockOrder()
+    arrivals = [(1, 0.0), (2, 0.02), (103, 2.04), (104, 2.04), (105, 2.04), (106, 2.06)]
+    assert all(order.accept(block(number), round(at_s * 1e9)) for number, at_s in arrivals)
+    assert order.faults == Faults(lost=100)
 
 
 def test_sequence_numbers_begin_again_after_the_largest() -> None:
@@ -86,6 +129,11 @@ def test_a_piece_without_losses_has_no_gap_whatever_the_clock_of_the_device(
     assert len(piece.samples) == wanted
     assert piece.lost == 0
     assert np.allclose(piece.left, np.repeat(np.arange(1, 6) / 1000, BLOCK)[:wanted])
+
+
+def test_what_is_louder_than_16_bits_is_cut_off() -> None:
+    pcm = np.frombuffer(to_pcm(np.array([[0.0, 1.0], [-1.0, 3.0], [-3.0, 0.5]])), "<i2")
+    assert pcm.tolist() == [0, 32767, -32768, 32767, -32768, 16384]
 
 
 def test_lost_frames_are_not_silence_in_the_level() -> None:
@@ -177,6 +225,16 @@ def test_a_placed_source_stays_and_the_mouth_moves_with_the_person() -> None:
     assert (answer.x, answer.y, answer.z) == pytest.approx((0.5, 1.0, 0.2 - MOUTH_BELOW_EYES))
 
 
+def test_placing_leaves_the_sound_and_playing_leaves_the_place() -> None:
+    room = Room()
+    room.ask("x=1;y=0.5;z=0.1")
+    room.ask("play=voice;seconds=10")
+    room.now_s += 1
+    answer = room.ask("x=0.8;y=0.5;z=0.1")
+    assert (answer.play, round(answer.seconds, 3)) == ("voice", 9.0)
+    assert room.ask("play=noise").x == pytest.approx(0.8)
+
+
 @pytest.mark.parametrize(
     ("text", "field", "teaches"),
     [
@@ -201,6 +259,26 @@ def test_a_refusal_changes_nothing_and_says_what_is_allowed(text: str, field: st
     assert answer.detail is None or answer.detail.field == field
     after = room.ask("")
     assert after == before
+
+
+@pytest.mark.parametrize("attachment", [bytes(3), bytes(2 * 10 * RATE + 2)])
+def test_an_attachment_that_is_no_sound_or_too_long_is_refused(attachment: bytes) -> None:
+    assert "at most 10 s at 48000 Hz" in Room().ask("play=samples", attachment).message
+
+
+def test_samples_are_heard_as_they_were_sent() -> None:
+    room = Room()
+    sent = np.arange(-1000, 1000, dtype="<i2")
+    room.ask("play=samples", sent.tobytes())
+    playing = room.source.playing()
+    assert playing is not None
+    assert (playing.samples * 32768 == sent).all()
+
+
+@given(st.binary(max_size=60), st.sampled_from(["", codec.MSGPACK]), st.binary(max_size=9))
+def test_any_query_is_answered(payload: bytes, encoding: str, attachment: bytes) -> None:
+    answer = reply(Room().source, RawQuery(payload, encoding, ""), attachment)
+    assert answer.result or answer.message
 
 
 @given(
