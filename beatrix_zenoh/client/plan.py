@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Protocol
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.degrees import (
     Path,
-    RobotInfo,
     arm_angles,
     checked_seconds,
     head_angles,
@@ -180,7 +179,7 @@ class Plan(ProcessBound):
         return path_figure(self.path)
 
 
-def unlike(sim: Info | RobotInfo, hw: Info | RobotInfo) -> bool:
+def unlike(sim: Info, hw: Info) -> bool:
     """Return whether two robots have different robot values; False if one is too old to report a fingerprint."""
     return None not in (sim.fingerprint, hw.fingerprint) and sim.fingerprint != hw.fingerprint
 

@@ -23,14 +23,6 @@ def wait_for(process: subprocess.Popen[str], words: str) -> str:
 # -- reading -----------------------------------------------------------------------------------
 
 
-def test_ls_warns_of_two_nodes_under_one_name(shell: Shell) -> None:
-    with shell.robot("hw") as robot:  # as if two networks, each with such a node, were joined
-        robot.client.bus.declare_token(f"beatrix/{NAME}/hw/@claim/ffff")
-        assert "hw): 2 nodes serve this robot" in shell.good("ls")
-        assert [row["nodes"] for row in shell.json("ls")["robots"]] == [1, 2]
-    assert "2 nodes" not in shell.good("ls")
-
-
 def test_status_shows_all_values_in_groups_with_units(shell: Shell) -> None:
     text = shell.good("status", "--on", "hw")
     assert text.splitlines()[0] == f"{NAME} (hw): ready"

@@ -18,7 +18,7 @@ from robots import Process, free_endpoint, start_router
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.cli import graph
-from beatrix_zenoh.cli.listing import rows_of
+from beatrix_zenoh.cli.listing import online
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.monitor import Monitor, Seats
 from beatrix_zenoh.contract.errors import BeatrixError
@@ -114,7 +114,7 @@ class Storm:
         with self._client(who) as client, Monitor(client) as monitor:
             Seats(client)
             monitor.settle()
-            rows_of(monitor)
+            online(monitor)
 
     def _stop(self, who: str) -> None:
         with self._client(who) as client:
