@@ -7,10 +7,11 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.robot_base import RobotBase
+from beatrix_zenoh.client.stopping import StopEvents
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, Reason, Status
@@ -84,16 +85,6 @@ def check_holder(status: Status, seat: str) -> None:
         raise refusals.driven_by(status.holder, None if status.moving else refusals.LINGER_S)
 
 
-class Watch(Protocol):
-    """What may end a motion during its lead."""
-
-    def check(self) -> None:
-        """Raise the error with which the motion ends."""
-
-    def close(self) -> None:
-        """End the subscription of this object."""
-
-
 class Tokens:
     """Notices that a robot is no longer online: it may have been replaced since."""
 
@@ -129,7 +120,7 @@ class Lead:
         a signal handler and the thread that it interrupts."""
         self._wakeups: queue.SimpleQueue[None] = queue.SimpleQueue()
         self._check_both: Callable[[], None] = lambda: None
-        self._watches: Sequence[Watch] = ()
+        self._watches: Sequence[StopEvents | Tokens] = ()
 
     def claim(self) -> bool:
         """Return True for the first call, whose caller alone decides about the hardware; False for each further one."""
@@ -142,7 +133,7 @@ class Lead:
             return 0.0
         return self.lead_s if self._due_s is None else max(0.0, self._due_s - time.monotonic())
 
-    def watch(self, check_both: Callable[[], None], watches: Sequence[Watch]) -> None:
+    def watch(self, check_both: Callable[[], None], watches: Sequence[StopEvents | Tokens]) -> None:
         """Have both robots checked during the lead; an exception of a check ends the motion.
 
         Args:
