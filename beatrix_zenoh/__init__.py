@@ -48,7 +48,7 @@ else:
             if why := hiding.cause(error):
                 raise ImportError(why, name=__name__) from None
             raise ImportError(f"{__name__}.{name} cannot be imported: {error}", name=__name__) from error
-        if why := hiding.imported() or hiding.unfit(hiding.search_path()[0]):
+        if why := hiding.unfit(hiding.search_path()[0]):
             raise ImportError(why, name=__name__)
         from beatrix_zenoh.contract import tracebacks  # noqa: PLC0415
 

@@ -6,7 +6,6 @@ import ipaddress
 import re
 import tomllib
 from collections import Counter
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import msgspec
@@ -43,30 +42,40 @@ class _Router(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     pictures_hz: float = 5.0
 
 
-class _ClassFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    name: str
-    addresses: list[str]
-    seats: int | list[str] | dict[str, str]
-    robots: list[str] = []
-    teacher: str = ""
-    router: _Router = _Router()
-
-
-@dataclass(frozen=True)
-class Classroom:
+class Classroom(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A class; its names are valid in keys and unique."""
 
     name: str
     addresses: tuple[str, ...]
     """addresses at which seats and robots reach the router"""
-    seats: tuple[str, ...]
-    robots: tuple[str, ...]
+    given: int | tuple[str, ...] | dict[str, str] = msgspec.field(name="seats")
+    """the number of the seats, their names, or the names of the pupils by seat"""
+    robots: tuple[str, ...] = ()
     teacher: str = ""
     """the teacher's name on the cards"""
-    display_names: dict[str, str] = field(default_factory=dict)
-    """names of the pupils by seat, in any alphabet; empty: those of the seats"""
-    port: int = 7447
-    pictures_hz: float = 5.0
+    router: _Router = _Router()
+
+    @property
+    def seats(self) -> tuple[str, ...]:
+        """The names of the seats."""
+        if isinstance(self.given, int):
+            return tuple(f"seat{number:02d}" for number in range(1, self.given + 1))
+        return tuple(self.given)
+
+    @property
+    def display_names(self) -> dict[str, str]:
+        """Names of the pupils by seat, in any alphabet; empty: those of the seats."""
+        return self.given if isinstance(self.given, dict) else {}
+
+    @property
+    def port(self) -> int:
+        """Port of the router of robots and teacher."""
+        return self.router.port
+
+    @property
+    def pictures_hz(self) -> float:
+        """Largest rate of pictures for each seat."""
+        return self.router.pictures_hz
 
     @property
     def listen(self) -> str:
@@ -90,19 +99,19 @@ class Classroom:
         return found
 
 
-def _converted(path: Path, table: dict[str, object]) -> _ClassFile:
+def _converted(path: Path, table: dict[str, object]) -> Classroom:
     """Check the fields of a table and convert it; raises WrongUsage."""
     router = table.get("router")
     for gone, text in GONE.items():
         if gone in table or (isinstance(router, dict) and gone in router):
             raise wrong(path, f"{gone} is not a field any more: {text}")
-    for given, kind, section in ((table, _ClassFile, ""), (router, _Router, " of [router]")):
+    for given, kind, section in ((table, Classroom, ""), (router, _Router, " of [router]")):
         if isinstance(given, dict) and (unknown := files.unknown_fields(given, kind)):
-            known = ", ".join(kind.__struct_fields__)
+            known = ", ".join(kind.__struct_encode_fields__)
             hint = ". Write it below a line [router]" if unknown[0] in _Router.__struct_fields__ else ""
             raise wrong(path, f"{quoted(unknown[0])} is not a field{section}. Fields: {known}{hint}")
     try:
-        return msgspec.convert(table, _ClassFile)
+        return msgspec.convert(table, Classroom)
     except msgspec.ValidationError as error:
         hint = ". Other fields stand above the line [seats]" if isinstance(table.get("seats"), dict) else ""
         raise wrong(path, f"a field is wrong: {error}{hint}. Write, for example, {EXAMPLE}") from error
@@ -115,61 +124,51 @@ def read(path: Path) -> Classroom:
         WrongUsage: BAD_VALUE, with the field and its allowed values.
     """
     try:
-        file = _converted(path, files.toml(path, LONGEST))
+        made = _converted(path, files.toml(path, LONGEST))
     except WrongUsage as error:
         if not isinstance(error.__cause__, tomllib.TOMLDecodeError):
             raise
         raise WrongUsage(error.reason, f"{error.message} {NAMED}") from error
     except OSError as error:
         raise wrong(path, f"cannot be read: {error}. Write, for example, {EXAMPLE}") from error
-    count = file.seats if isinstance(file.seats, int) else len(file.seats)
+    count = made.given if isinstance(made.given, int) else len(made.given)
     if not 1 <= count <= SEATS_MAX:
         raise wrong(path, f"seats is {count}: 1 to {SEATS_MAX} are allowed")
-    if not file.addresses:
+    if not made.addresses:
         raise wrong(path, 'addresses is empty: give the address of the router, for example ["192.168.1.20"]')
-    if wrong_address := next(filter(_impossible, file.addresses), None):
+    if wrong_address := next(filter(_impossible, made.addresses), None):
         # Zenoh 1.10 compares an IPv6 address with its brackets, but certificates contain it without them.
         raise wrong(path, f"{wrong_address} is not possible: give an IPv4 address or the name of a computer")
-    if not 0.1 <= file.router.pictures_hz <= 60:
-        raise wrong(path, f"pictures_hz is {file.router.pictures_hz}: 0.1 to 60 are allowed")
-    seats = [f"seat{n:02d}" for n in range(1, count + 1)] if isinstance(file.seats, int) else list(file.seats)
-    _check_names(path, file, seats)
-    made = Classroom(
-        name=file.name,
-        addresses=tuple(file.addresses),
-        seats=tuple(seats),
-        robots=tuple(file.robots),
-        teacher=file.teacher,
-        display_names=file.seats if isinstance(file.seats, dict) else {},
-        port=file.router.port,
-        pictures_hz=file.router.pictures_hz,
-    )
+    if not 0.1 <= made.router.pictures_hz <= 60:
+        raise wrong(path, f"pictures_hz is {made.router.pictures_hz}: 0.1 to 60 are allowed")
+    _check_names(path, made)
     for endpoint in zbus.endpoints(made.listen_seats):
         zbus.parse_endpoint(endpoint)
     return made
 
 
-def _check_names(path: Path, file: _ClassFile, seats: list[str]) -> None:
+def _check_names(path: Path, file: Classroom) -> None:
     names.check_name(file.name, "class")
-    for seat in seats:
+    for seat in file.seats:
         _check_seat(path, seat)
-    shown = file.seats if isinstance(file.seats, dict) else {}
     if long := [
-        seat for seat, name in shown.items() if not (name.isprintable() and len(name) <= DISPLAY_MAX)
+        seat
+        for seat, name in file.display_names.items()
+        if not (name.isprintable() and len(name) <= DISPLAY_MAX)
     ]:
         raise wrong(path, f"the name of {long[0]} must be of at most {DISPLAY_MAX} characters, on one line")
     for robot in file.robots:
         names.check_name(robot)
-    if names.TEACHER in (*seats, *file.robots):
+    if names.TEACHER in (*file.seats, *file.robots):
         raise wrong(
             path,
             f"{names.TEACHER} is the account of the teacher, which every class has: leave it out of seats and robots",
         )
-    if word := next((name for name in (*seats, *file.robots) if name in WORDS), None):
+    if word := next((name for name in (*file.seats, *file.robots) if name in WORDS), None):
         raise wrong(
             path, f"{word} is a word of the keys, so the router could confuse the two: choose another name"
         )
-    used = Counter([*seats, *file.robots])
+    used = Counter([*file.seats, *file.robots])
     if twice := [name for name, times in used.items() if times > 1]:
         raise wrong(
             path,

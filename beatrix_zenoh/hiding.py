@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from importlib.machinery import FrozenImporter, PathFinder
 
 OURS = ("beatrix_zenoh", "sim_node", "hw_node", "gui")
@@ -80,11 +80,6 @@ def texts(name: str, file: str) -> tuple[str, str]:
     )
 
 
-def sentence(name: str, file: str) -> str:
-    """Return both texts as one sentence."""
-    return ": ".join(texts(name, file)) + "."
-
-
 def cause(error: BaseException) -> str:
     """Return the sentence about the file or package of the user that has caused this error; empty: none has."""
     first, later = search_path()
@@ -93,7 +88,8 @@ def cause(error: BaseException) -> str:
         folders = set(first)
         named = set(_named(error))
         if found := hidden(loaded() | named, first, later):
-            return " ".join(sentence(name, found[name]) for name in sorted(found.keys() & named or found))
+            names = sorted(found.keys() & named or found)
+            return " ".join(": ".join(texts(name, found[name])) + "." for name in names)
     if why := unfit([folder for folder in first if folder in folders], core=False):
         return why
     return next((": ".join(broken) + "." for broken in _broken(error, first, later)), "")
@@ -159,26 +155,3 @@ def _named(error: BaseException) -> Iterator[str]:
             yield name.partition(".")[0]
     for file, _ in _files_of(error):
         yield os.path.basename(file).partition(".")[0]
-
-
-def imported() -> str:
-    """Return the sentence about a file that other modules than the user's have imported by mistake; empty: none."""
-    first, later = search_path()
-    near = {os.path.realpath(folder) for folder in first}
-    modules = list(sys.modules.items())
-    mine = {name for name, module in modules if _is_in(near, name, getattr(module, "__file__", None))}
-    found = hidden(loaded() & mine, first, later)
-    if not found:
-        return ""
-    taken = {
-        id(value) for name, module in modules if name not in mine for value in list(vars(module).values())
-    }
-    return " ".join(sentence(name, file) for name, file in found.items() if id(sys.modules[name]) in taken)
-
-
-def _is_in(folders: Collection[str], name: str, file: object) -> bool:
-    """Return whether a module is in these folders, or in a package in them, and is not BEATRIX's."""
-    if not isinstance(file, str) or name.partition(".")[0] in OURS:
-        return False
-    folder = os.path.dirname(file)
-    return folder in folders or os.path.dirname(folder) in folders

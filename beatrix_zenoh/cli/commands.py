@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from contextlib import nullcontext
 from enum import StrEnum
 from typing import Annotated
@@ -15,7 +15,7 @@ from beatrix_zenoh.client.lease import govern, of_seat, pending
 from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.client.twin import check_reachable
+from beatrix_zenoh.client.twin_state import check_may_switch
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import (
     Command,
@@ -101,7 +101,8 @@ def command(
     with open_targets(selection, which, acts=True, both=what is Command.RESET) as targets:
         rows, robots = [], targets.robots()
         if len(robots) > 1 and value and what is not Command.RESET:
-            check_reachable(robots, targets.client.settings.who)
+            for robot in robots:
+                check_may_switch(robot)
         for robot in robots:
             with naming(str(robot)) if len(robots) > 1 else nullcontext():
                 reply = robot.command(what, value=value)
@@ -296,42 +297,28 @@ def _govern(
                 Reason.NO_SUCH_ROBOT if present else Reason.NO_ANSWER,
                 f"No robot{named} is online at {client.bus.endpoint}.{others}",
             )
-        if not as_json:
-            _name_absent(client, silent, {robot for robot, _ in present}, [*later], wanted)
     failed = [place for place in places if results[place].reason is not Reason.OK and place not in silent]
-    unknown = {*(wanted or ())} - {robot for robot, _ in places} - {*later}
-    code = (
-        exit_code(results[failed[0]].reason if failed else Reason.NO_SUCH_ROBOT) if failed or unknown else 0
-    )
+    of_class = wanted or (settings.account.robots if settings.account else ())
+    absent = sorted({*of_class} - {robot for robot, _ in present} - {*later})
     if as_json:
         rows = [_row(place, results[place]) for place in places]
         print_json({"result": not failed, "robots": rows, "pending": [*later]})
-    elif failed and len(failed) < len(places):
-        note(
-            f"Done for {len(places) - len(failed)} of {len(places)} robots, not for {', '.join(map(title, failed))}. "
-            "`beatrix top` shows the state of each robot. Type the command again when all robots answer."
-        )
-    if code:
-        raise typer.Exit(code)
+    else:
+        _name_others(silent, [*later], [*map(title, failed), *absent])
+    if failed or (wanted and absent):
+        raise typer.Exit(exit_code(results[failed[0]].reason if failed else Reason.NO_SUCH_ROBOT))
 
 
-def _name_absent(
-    client: Client,
-    silent: Sequence[Place],
-    present: Collection[str],
-    later: Sequence[str],
-    wanted: Sequence[str] | None,
-) -> None:
-    """Print which robots of seats did not answer, and which robots of the class are not online, if this is known."""
+def _name_others(silent: Sequence[Place], later: Sequence[str], lacking: Sequence[str]) -> None:
+    """Print which robots of seats did not answer, to which robots the router sends it, and which lack it."""
     if silent:
         note(f"No answer from {some([*map(title, sorted(silent))])}: robots of seats, not of the class.")
     if later:
         say(f"{some(later)}: not online. The router of the class applies it when the robot comes.")
-    account = client.settings.account
-    of_class = wanted or (account.robots if account else ())
-    if absent := [robot for robot in of_class if robot not in present and robot not in later]:
+    if lacking:
         note(
-            f"Not online: {some(absent)}. Type the command again when they are; `beatrix top` shows what they lack."
+            f"Not done, or not online: {some(lacking)}. Type the command again when they answer; "
+            "`beatrix top` shows what they lack."
         )
 
 

@@ -5,22 +5,21 @@ from __future__ import annotations
 import itertools
 import os
 import time
-from collections import Counter
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from msgspec import Struct
 
-from beatrix_zenoh.account import Account, today
+from beatrix_zenoh.account import today
 from beatrix_zenoh.client.degrees import HeadAngles
 from beatrix_zenoh.client.lease import pending
 from beatrix_zenoh.client.monitor import Monitor, Presence, RobotState, Seats, SeatStops, stops_by_seat
 from beatrix_zenoh.client.request import ask
-from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Info, Status
+from beatrix_zenoh.contract._generated.messages import Info
 from beatrix_zenoh.contract.values import as_data, grouped
 from beatrix_zenoh.output import STDOUT, columns, print_json, say
 from beatrix_zenoh.settings import Settings, resolve
@@ -51,22 +50,15 @@ def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
     with Client(resolve(None, connect, who)) as client:
         endpoint = client.bus.endpoint
         found = look_up(client)
-        nodes = Counter(client.bus.claims())
     if as_json:
-        rows = [as_row(robot) | {"nodes": nodes[robot.place]} for robot in found]
-        print_json({"result": True, "endpoint": endpoint, "robots": rows})
+        print_json({"result": True, "endpoint": endpoint, "robots": [as_row(robot) for robot in found]})
     elif found:
-        show(found, client.settings.account)
-        for robot in found:
-            if (serving := nodes[robot.place]) > 1:
-                say(
-                    f"{robot}: {serving} nodes serve this robot and all of them execute its commands: end all but one."
-                )
+        show(found)
     else:
         say(f"The router at {endpoint} answers, but no robot is online. Start a simulation: beatrix sim")
 
 
-def show(found: list[ListedRobot], account: Account | None) -> None:
+def show(found: list[ListedRobot]) -> None:
     """Print a table of robots, and their warnings below it."""
     rows = [
         short(
@@ -82,8 +74,6 @@ def show(found: list[ListedRobot], account: Account | None) -> None:
     for robot in found:
         for problem in problems(robot.status):
             say(f"{robot}: {problem}")
-    for line in unlike_notes({robot.place: robot.status for robot in found if robot.status}, account):
-        say(line)
 
 
 def as_row(robot: ListedRobot) -> dict[str, object]:
@@ -159,19 +149,6 @@ STOPS_SHOWN = 8
 """Largest number of seats in the line about STOPs."""
 
 
-class TableRow(NamedTuple):
-    """The data of one robot in the table."""
-
-    place: Place
-    state: str
-    head: HeadAngles | None
-    hz: float
-    silent_s: float | None
-    driver: str
-    status: Status | None
-    problems: list[str]
-
-
 def top(
     once: Annotated[bool, typer.Option("--once", help="Print one table and exit.")] = False,
     connect: Connect = None,
@@ -183,56 +160,52 @@ def top(
     The angles are those of the head (degrees). Ctrl-C ends the table.
     """
     with Client(resolve(None, connect, who)) as client:
-        monitor = Monitor(client)
-        seats = Seats(client)
-        if once or as_json:
+        monitor, seats = Monitor(client), Seats(client)
+        if os.isatty(STDOUT) and not (once or as_json):
+            live(client, monitor, seats)
+        while True:
             time.sleep(TABLE_S)
-            rows = rows_of(monitor)
             if as_json:
-                robots = [as_dict(row) for row in rows]
+                robots = [as_dict(robot) for robot in online(monitor)]
                 stops = [stops_as_dict(one) for one in stops_by_seat(monitor.robots())]
                 print_json({"result": True, "robots": robots, "seats": seats.names(), "stops": stops})
             else:
-                say(text(client, rows, seat_lines(client.settings, monitor, seats)))
-        elif os.isatty(STDOUT):
-            live(client, monitor, seats)
-        else:
-            print_tables(client, monitor, seats)
+                say(text(client, monitor, seats))
+            if once or as_json:
+                return
+            say("")
 
 
-def rows_of(monitor: Monitor) -> list[TableRow]:
-    """Return the rows of all robots online now."""
-    return [row_of(robot) for robot in monitor.robots() if robot.presence is not Presence.ABSENT]
+def online(monitor: Monitor) -> list[RobotState]:
+    """Return the states of all robots online now."""
+    return [robot for robot in monitor.robots() if robot.presence is not Presence.ABSENT]
 
 
-def row_of(robot: RobotState) -> TableRow:
-    """Return the row of one robot."""
-    status, reading, silent = robot.status, robot.reading, robot.positions_age_s
-    gone = status is not None and not status.board.connected  # then the angles are out of date
-    lost = robot.presence is not Presence.ONLINE
-    return TableRow(
-        place=(robot.robot, robot.side),
-        state="lost" if lost or status is None else state(status),
-        head=None if reading is None or gone else reading.head,
-        hz=robot.hz,
-        silent_s=silent,
-        driver="" if status is None else status.holder,
-        status=status,
-        problems=[f"no positions for {silent:.1f} s"] if silent and lost else problems(status),
-    )
+def state_of(robot: RobotState) -> str:
+    """Return the state of a robot in one or two words."""
+    return state(robot.status) if robot.status and robot.presence is Presence.ONLINE else "lost"
 
 
-def cells(settings: Settings, row: TableRow) -> tuple[str, ...]:
-    """Return the cells of a row as text."""
-    head = ("-", "-", "-") if row.head is None else tuple(f"{angle:z.1f}" for angle in row.head)
-    silent = "-" if row.silent_s is None else f"{row.silent_s:.2f} s"
-    return short(*row.place, row.state, *head, f"{row.hz:.1f}", silent, settings.shown(row.driver) or "-")
+def head_of(robot: RobotState) -> HeadAngles | None:
+    """Return the angles of the head; None: there are none, or they are out of date, because the board is lost."""
+    gone = robot.status is not None and not robot.status.board.connected
+    return None if robot.reading is None or gone else robot.reading.head
 
 
-def notes(rows: list[TableRow], account: Account | None) -> list[str]:
-    """Return the problems of all robots, and the decisions of the teacher that some lack, a line each."""
-    found = [f"{row.place[0]} ({row.place[1]}): {problem}" for row in rows for problem in row.problems]
-    return found + unlike_notes({row.place: row.status for row in rows if row.status}, account)
+def problems_of(robot: RobotState) -> list[str]:
+    """Return sentences about what is wrong with a robot."""
+    if robot.positions_age_s and robot.presence is not Presence.ONLINE:
+        return [f"no positions for {robot.positions_age_s:.1f} s"]
+    return problems(robot.status)
+
+
+def cells(settings: Settings, robot: RobotState) -> tuple[str, ...]:
+    """Return the cells of the row of a robot."""
+    head, age_s = head_of(robot), robot.positions_age_s
+    angles = ("-", "-", "-") if head is None else tuple(f"{angle:z.1f}" for angle in head)
+    silent = "-" if age_s is None else f"{age_s:.2f} s"
+    driver = settings.shown(robot.status.holder) if robot.status else ""
+    return short(robot.robot, robot.side, state_of(robot), *angles, f"{robot.hz:.1f}", silent, driver or "-")
 
 
 def decisions(client: Client) -> list[str]:
@@ -244,13 +217,17 @@ def decisions(client: Client) -> list[str]:
     ]
 
 
-def messages(client: Client, rows: list[TableRow], later: list[str]) -> list[str]:
+def messages(client: Client, robots: list[RobotState], later: list[str]) -> list[str]:
     """Return the lines below the table: the loss of the router, no robot, or the problems of the robots, then `later`."""
     if not client.bus.connected:
         return [LOST.format(client.bus.endpoint)]
     account = client.settings.account
     expiring = account.renewal(today()) if account else ""
-    return [*([expiring] if expiring else []), *(notes(rows, account) if rows else [NO_ROBOT]), *later]
+    found = [f"{robot.robot} ({robot.side}): {problem}" for robot in robots for problem in problems_of(robot)]
+    found += unlike_notes(
+        {(robot.robot, robot.side): robot.status for robot in robots if robot.status}, account
+    )
+    return [*([expiring] if expiring else []), *(found if robots else [NO_ROBOT]), *later]
 
 
 def seat_lines(settings: Settings, monitor: Monitor, seats: Seats) -> list[str]:
@@ -277,34 +254,30 @@ def stops_as_dict(stops: SeatStops) -> dict[str, object]:
     return {"seat": stops.seat, "count": stops.total, "robots": robots}
 
 
-def text(client: Client, rows: list[TableRow], seats: list[str]) -> str:
+def text(client: Client, monitor: Monitor, seats: Seats) -> str:
     """Return the table and the lines below it as text, for a pipe."""
-    table = [columns(HEADS, [cells(client.settings, row) for row in rows])] if rows else []
-    return "\n".join([*table, *messages(client, rows, decisions(client)), *seats])
+    robots = online(monitor)
+    table = [columns(HEADS, [cells(client.settings, robot) for robot in robots])] if robots else []
+    lines = seat_lines(client.settings, monitor, seats)
+    return "\n".join([*table, *messages(client, robots, decisions(client)), *lines])
 
 
-def as_dict(row: TableRow) -> dict[str, object]:
+def as_dict(robot: RobotState) -> dict[str, object]:
     """Return a row for JSON output."""
+    head, age_s = head_of(robot), robot.positions_age_s
     return {
-        **({} if row.status is None else state_row(row.status)),
-        "robot": row.place[0],
-        "side": row.place[1],
-        "state": row.state,
+        **({} if robot.status is None else state_row(robot.status)),
+        "robot": robot.robot,
+        "side": robot.side,
+        "state": state_of(robot),
         "head_deg": None
-        if row.head is None
-        else {axis: round(angle, 3) + 0.0 for axis, angle in row.head._asdict().items()},
-        "hz": round(row.hz, 2),
-        "silent_s": None if row.silent_s is None else round(row.silent_s, 3),
-        "driver": row.driver,
-        "warnings": row.problems,
+        if head is None
+        else {axis: round(angle, 3) + 0.0 for axis, angle in head._asdict().items()},
+        "hz": round(robot.hz, 2),
+        "silent_s": None if age_s is None else round(age_s, 3),
+        "driver": robot.status.holder if robot.status else "",
+        "warnings": problems_of(robot),
     }
-
-
-def print_tables(client: Client, monitor: Monitor, seats: Seats) -> None:
-    """Print table after table until Ctrl-C, or until the reader closes the pipe."""
-    while True:
-        time.sleep(TABLE_S)
-        say(f"{text(client, rows_of(monitor), seat_lines(client.settings, monitor, seats))}\n")
 
 
 def live(client: Client, monitor: Monitor, seats: Seats) -> None:
@@ -316,11 +289,13 @@ def live(client: Client, monitor: Monitor, seats: Seats) -> None:
         for refresh in itertools.count():
             later = later if refresh % DECISIONS_EVERY else decisions(client)
             lines = seat_lines(client.settings, monitor, seats)
-            screen.update(screen_table(client, rows_of(monitor), lines, later), refresh=True)
+            screen.update(screen_table(client, online(monitor), lines, later), refresh=True)
             time.sleep(REFRESH_S)
 
 
-def screen_table(client: Client, rows: list[TableRow], seats: list[str], later: list[str]) -> RenderableType:
+def screen_table(
+    client: Client, robots: list[RobotState], seats: list[str], later: list[str]
+) -> RenderableType:
     """Return the table with colours and the lines below it, for a terminal."""
     from rich.console import Group
     from rich.table import Table
@@ -331,15 +306,15 @@ def screen_table(client: Client, rows: list[TableRow], seats: list[str], later: 
     )
     for index, head in enumerate(HEADS):
         table.add_column(head, justify="right" if 3 <= index <= 7 else "left")
-    for row in rows:
-        table.add_row(*cells(client.settings, row), style=colour(row))
+    for robot in robots:
+        table.add_row(*cells(client.settings, robot), style=colour(state_of(robot)))
     last = "silent: time since the last positions of the robot. Ctrl-C ends."
     foot = Text("\n".join(["", *seats, last]), style="dim")
-    return Group(table, *(Text(line, style="yellow") for line in messages(client, rows, later)), foot)
+    return Group(table, *(Text(line, style="yellow") for line in messages(client, robots, later)), foot)
 
 
-def colour(row: TableRow) -> str:
+def colour(state: str) -> str:
     """Return the colour of a row: green if the robot may move, red if it is lost or has a fault, otherwise yellow."""
-    if row.state in ("ready", "moving"):
+    if state in ("ready", "moving"):
         return "green"
-    return "red" if row.state == "lost" or row.state.startswith("fault") else "yellow"
+    return "red" if state == "lost" or state.startswith("fault") else "yellow"

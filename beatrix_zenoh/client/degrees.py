@@ -21,7 +21,6 @@ from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import (
     Head,
     Info,
-    KeyInfo,
     MotionQuery,
     PoseQuery,
     Positions,
@@ -29,7 +28,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Reason,
     Vector3,
 )
-from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, GeometryData, RobotData
+from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, GeometryData, LimitsData, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from beatrix_zenoh.motion.kinematics import Neck
 
@@ -101,55 +100,12 @@ class Path:
     head: list[HeadAngles]
 
 
-class RobotLimits(NamedTuple):
-    """Limits of every motion of a robot (deg, deg/s, deg/s2)."""
+class RobotInfo(Info, frozen=True, kw_only=True):
+    """The message Info, with limits and geometry in degrees, as in docs/reference/robot.md."""
 
-    tilt_max: float
-    """largest tilt of the head"""
-    gap_min: float
-    """smallest gap between neighbouring arms"""
-    yaw_max: float
-    """largest yaw of the head in either direction"""
-    speed_default: float
-    """default speed of an arm"""
-    speed_max: float
-    """largest speed of an arm"""
-    acceleration: float
-    """acceleration of an arm"""
-
-
-class RobotGeometry(NamedTuple):
-    """Geometry of the neck (deg), as in docs/reference/robot.md."""
-
-    arm_angle: float
-    rod_twist: float
-    mount_angle: float
-    arm0_azimuth: float
-    arm_spacing: float
-    hand: int
-    """+1: rods run counter-clockwise from arm to mount, -1: clockwise"""
-
-
-class RobotInfo(msgspec.Struct, frozen=True):
-    """The message Info, with limits and geometry in degrees."""
-
-    robot: str
-    side: str
-    version: str
-    contract: str
-    firmware: str
-    steps_per_turn: float
-    """microsteps per turn of an arm"""
-    arms: list[str]
-    limits: RobotLimits
-    geometry: RobotGeometry | None
+    limits: LimitsData  # type: ignore[assignment]
+    geometry: GeometryData | None = None  # type: ignore[assignment]
     """None: the node has an older version, which does not send it"""
-    fingerprint: str | None
-    """hash of all values of the robot"""
-    commands: list[str]
-    reasons: list[str]
-    keys: list[KeyInfo]
-    examples: list[str]
 
 
 class Suggestion(NamedTuple):
@@ -190,14 +146,12 @@ def robot_info(info: Info) -> RobotInfo:
     if info.geometry is not None:
         angles = msgspec.structs.asdict(info.geometry)
         hand = angles.pop("hand")
-        geometry = RobotGeometry(**{name: _degrees(angle) for name, angle in angles.items()}, hand=hand)
-    return RobotInfo(
-        **{
-            **msgspec.structs.asdict(info),
-            "limits": RobotLimits(**{name: _degrees(value) for name, value in limits.items()}),
-            "geometry": geometry,
-        }
-    )
+        geometry = GeometryData(**{name: _degrees(angle) for name, angle in angles.items()}, hand=hand)
+    changed = {
+        "limits": replace(ROBOT.limits, **{name: _degrees(value) for name, value in limits.items()}),
+        "geometry": geometry,
+    }
+    return RobotInfo(**{**msgspec.structs.asdict(info), **changed})
 
 
 def _degrees(angle: float) -> float:
@@ -302,24 +256,19 @@ def checked_factor(factor: float) -> float:
 
 
 def robot_of(info: RobotInfo) -> RobotData:
-    """Return robot data with the limits and the geometry of this info, in the units of robot.toml."""
-    shape = info.geometry
-    geometry = ROBOT.geometry if shape is None else GeometryData(**shape._asdict())
-    return replace(ROBOT, geometry=geometry, limits=replace(ROBOT.limits, **info.limits._asdict()))
+    """Return robot data with the limits and the geometry of this info."""
+    return replace(ROBOT, geometry=info.geometry or ROBOT.geometry, limits=info.limits)
 
 
 class Kinematics:
     """Inverse and forward kinematics of one robot; they need no connection. See `beatrix_zenoh.motion.kinematics`."""
 
     def __init__(self, info: RobotInfo) -> None:
-        robot = robot_of(info)
-        self.geometry = RobotGeometry(
-            **{name: getattr(robot.geometry, name) for name in RobotGeometry._fields}
-        )
+        self.geometry = info.geometry or ROBOT.geometry
         """Geometry of the neck (deg)"""
-        self.limits: RobotLimits = info.limits
+        self.limits = info.limits
         """Limits of every motion (deg, deg/s, deg/s2); `inverse` and `forward` do not check them: see `Robot.preview`"""
-        self._neck = Neck(robot.geometry)
+        self._neck = Neck(self.geometry)
 
     def inverse(self, yaw: float = 0.0, pitch: float = 0.0, roll: float = 0.0) -> ArmAngles:
         """Return the arm angles (deg) for an orientation of the head (deg).

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Protocol
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.degrees import (
     Path,
-    RobotInfo,
     arm_angles,
     checked_seconds,
     head_angles,
@@ -16,7 +15,7 @@ from beatrix_zenoh.client.degrees import (
 )
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin_motion import TwinMotion, furthest
-from beatrix_zenoh.client.twin_state import PlanPosition, TwinState, query_plan_position
+from beatrix_zenoh.client.twin_state import PlanPosition, plan_position
 from beatrix_zenoh.contract._generated.messages import Info, MotionQuery, PoseQuery, PreviewReply, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 
@@ -41,7 +40,6 @@ class RobotPair(Protocol):
     sim: Robot
     hw: Robot
     name: str
-    state: TwinState
 
     def check_ready(self) -> None:
         """Raise an error if a robot cannot move now."""
@@ -119,9 +117,7 @@ class Plan(ProcessBound):
         except BeatrixError:
             self._motion = None
             raise
-        motion.run.prepare(
-            *now, self._check_both, self._twin.state.check_present, measured=self._during is None
-        )
+        motion.run.prepare(*now, self._check_both, measured=self._during is None)
         self._twin.start(motion, wait=waits)
         return motion
 
@@ -141,11 +137,9 @@ class Plan(ProcessBound):
         self._check_unmoved(self._twin.hw)
 
     def _check_unmoved(self, robot: Robot) -> PlanPosition:
-        """Return the position of a robot, queried if need be; raise Refused (REPLACED) if the preview is obsolete."""
+        """Return the position of a robot; raise Refused (REPLACED) if the preview is obsolete."""
         was = self._start[robot is self._twin.hw]
-        now = self._twin.state.plan_position(robot)
-        if not self._holds(robot, was, now):
-            now = query_plan_position(robot)
+        now = plan_position(robot)
         if not self._holds(robot, was, now):
             what = "was not online at" if was is None else "has moved, or was calibrated, since"
             raise Refused(
@@ -185,7 +179,7 @@ class Plan(ProcessBound):
         return path_figure(self.path)
 
 
-def unlike(sim: Info | RobotInfo, hw: Info | RobotInfo) -> bool:
+def unlike(sim: Info, hw: Info) -> bool:
     """Return whether two robots have different robot values; False if one is too old to report a fingerprint."""
     return None not in (sim.fingerprint, hw.fingerprint) and sim.fingerprint != hw.fingerprint
 

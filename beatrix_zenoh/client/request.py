@@ -22,7 +22,7 @@ from beatrix_zenoh.bus import Bus, Query, Received, Reply
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract import codec, sentences
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import CommandReply, Detail, Info, MotionReply, Reason
+from beatrix_zenoh.contract._generated.messages import Detail, Info, MotionReply, Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 
 NOTICE_S = 0.2
@@ -293,8 +293,6 @@ class Request:
             if reply is not None:
                 self._heard = True
                 self._client.seen.add(self._place)
-                if isinstance(reply[1], MotionReply | CommandReply):
-                    self._client.replied_s[self._place] = time.monotonic()
                 return reply[1]
 
     def _again(self, deadline: float) -> Reply | None:

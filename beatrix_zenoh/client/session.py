@@ -74,9 +74,6 @@ class Client(ProcessBound):
         """Time of the last of them (monotonic clock, s)."""
         self.seen: set[Place] = set()
         """Robots that were online or have answered since the session began."""
-        self.replied_s: dict[Place, float] = {}
-        """Time of the last reply to a command or motion of each robot (monotonic clock, s): earlier publications may
-        not show its effect."""
         self._reporter = Reporter()
         self.dispatcher = Dispatcher()
         """The thread for the user's callbacks; it starts with the first callback."""

@@ -255,16 +255,15 @@ def mono(path: Path) -> bytes:
     try:
         frames, rate = wav.read(path, SENT_S)
     except (OSError, ValueError) as error:
-        raise _unusable(path, getattr(error, "strerror", None) or str(error)) from error
+        why = getattr(error, "strerror", None) or error
+        text = (
+            f"{path} cannot be played: {why}. Give a WAV file of {wav.READABLE}, at most {SENT_S:g} s long."
+        )
+        raise WrongUsage(Reason.BAD_VALUE, text) from error
     at = np.arange(round(len(frames) * SENT_HZ / rate)) * (rate / SENT_HZ)
     heard = np.interp(at, np.arange(len(frames)), frames.mean(axis=1))
     samples: npt.NDArray[np.int16] = np.rint(heard).astype("<i2")
     return samples.tobytes()
-
-
-def _unusable(path: Path, why: str) -> WrongUsage:
-    text = f"{path} cannot be played: {why}. Give a WAV file of {wav.READABLE}, at most {SENT_S:g} s long."
-    return WrongUsage(Reason.BAD_VALUE, text)
 
 
 def joined(blocks: list[Sound], wanted: int) -> Sound:

@@ -146,12 +146,12 @@ class StopEvents:
         self._events = robot.events()
         self._since_s = robot.positions().t if since_s is None else since_s
 
-    def check(self, when: str = "") -> None:
-        """Raise Interrupted (STOPPED) if STOP was pressed; its message contains the seat and `when`."""
+    def check(self) -> None:
+        """Raise Interrupted (STOPPED) if STOP was pressed; its message contains the seat."""
         for event in self._events.take():
             if event.kind is EventKind.STOP and event.t_mono_ns / 1e9 > self._since_s:
                 presser = event.seat or "A client"
-                raise Interrupted(Reason.STOPPED, f"{self._robot}: {presser} pressed STOP{when}.")
+                raise Interrupted(Reason.STOPPED, f"{self._robot}: {presser} pressed STOP.")
 
     def close(self) -> None:
         """End the subscription."""

@@ -16,7 +16,7 @@ from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.stopping import stop_robots
 from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion
-from beatrix_zenoh.client.twin_state import PlanPosition, TwinState, may_switch
+from beatrix_zenoh.client.twin_state import PlanPosition, check_may_move, check_may_switch, plan_position
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, PreviewReply, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
@@ -58,8 +58,6 @@ class Twin(ProcessBound, Suggesting):
             raise
         self.name = self.sim.name
         self.hw = Robot(self.name, "hw", timeout_s=timeout_s, client=self.client)
-        self.state = TwinState(self.client, self.name)
-        """Published state of both robots."""
         self._starting = threading.RLock()
         self._motion: TwinMotion | None = None
 
@@ -67,7 +65,13 @@ class Twin(ProcessBound, Suggesting):
 
     def enable(self) -> None:
         """Switch the motors of both robots on; of neither if a robot is not reachable or another seat drives it."""
-        switch_both(self, Robot.enable)
+        self._switch_both(Robot.enable)
+
+    def _switch_both(self, do: Callable[[Robot], None]) -> None:
+        """Send a command to both robots, or to neither if this seat may not switch one of them."""
+        for robot in (self.sim, self.hw):
+            check_may_switch(robot)
+        each((self.sim, self.hw), do)
 
     def make_ready(self) -> None:
         """Enable and calibrate both robots as far as needed; raises the errors of `Robot.make_ready`."""
@@ -83,7 +87,7 @@ class Twin(ProcessBound, Suggesting):
 
     def calibrate(self) -> None:
         """Calibrate both robots where they are, or neither if a robot is not reachable or another seat drives it."""
-        switch_both(self, Robot.calibrate)
+        self._switch_both(Robot.calibrate)
 
     def stop(self) -> None:
         """Send STOP to both robots at the same time, then raise the first error of `Robot.stop`, if any."""
@@ -137,10 +141,10 @@ class Twin(ProcessBound, Suggesting):
         reply = ask(self.client, self.sim.place, key, query, PreviewReply, PREVIEW_S)
         if not reply.result:
             raise Refused(reply.reason, f"{self.sim}: {reply.message}", reply.detail)
-        plan = Plan(self, query, reply, start, alike=start[1] is None or alike(self), during=during)
+        plan = Plan(self, query, reply, start, alike=start[1] is None or self._alike(), during=during)
         if start[1] is not None:
             try:
-                self.state.check_may_move(self.hw)
+                check_may_move(self.hw)
             except BeatrixError as error:
                 why = error.message.removeprefix(f"{self.hw}: ")
                 plan.verdict += f" But the hardware may not move now: {why}"
@@ -150,8 +154,14 @@ class Twin(ProcessBound, Suggesting):
         hardware: PlanPosition | None = None
         # A preview needs only the simulation; commit reports missing hardware.
         with contextlib.suppress(NoAnswer):
-            hardware = self.state.plan_position(self.hw)
-        return self.state.plan_position(self.sim), hardware
+            hardware = plan_position(self.hw)
+        return plan_position(self.sim), hardware
+
+    def _alike(self) -> bool:
+        """Return whether both robots have the same robot values; True if one of them does not answer."""
+        with contextlib.suppress(NoAnswer):
+            return not unlike(self.sim.info(), self.hw.info())
+        return True
 
     def home(self) -> None:
         """Preview the motion home and commit it."""
@@ -218,7 +228,7 @@ class Twin(ProcessBound, Suggesting):
     @value_method
     def positions(self) -> TwinReading:
         """Return the current positions of both robots, in degrees; raises NoAnswer as `Robot.positions` does."""
-        return TwinReading(self.state.positions(self.sim), self.state.positions(self.hw))
+        return TwinReading(self.sim.positions(), self.hw.positions())
 
     def check_ready(self) -> None:
         """Raise unless both robots may move now, so that no robot starts and is stopped again.
@@ -228,7 +238,7 @@ class Twin(ProcessBound, Suggesting):
             NoAnswer: one robot is not online, or has lost its board.
         """
         for robot in (self.sim, self.hw):
-            self.state.check_may_move(robot)
+            check_may_move(robot)
 
     def close(self) -> None:
         """Close the session: the robots stop running motions, and a motion in its lead is not sent to the hardware.
@@ -238,7 +248,6 @@ class Twin(ProcessBound, Suggesting):
         motion = self._motion
         if motion is not None:
             motion.run.hold()
-        self.state.close()
         if not self._shared:
             self.client.close()
         if motion is not None and motion.running():
@@ -255,30 +264,6 @@ class Twin(ProcessBound, Suggesting):
 
     def __exit__(self, *exc: object) -> None:
         self.close()
-
-
-def switch_both(twin: Twin, do: Callable[[Robot], None]) -> None:
-    """Send a command to both robots, or to neither if this seat may not switch one of them."""
-    for robot in (twin.sim, twin.hw):
-        twin.state.check_may_switch(robot)
-    each((twin.sim, twin.hw), do)
-
-
-def alike(twin: Twin) -> bool:
-    """Return whether both robots have the same robot values; True if one of them does not answer."""
-    with contextlib.suppress(NoAnswer):
-        return not unlike(twin.state.info(twin.sim), twin.state.info(twin.hw))
-    return True
-
-
-def check_reachable(robots: Iterable[Robot], seat: str) -> None:
-    """Raise unless a seat may switch all these robots, so that either all or none are switched.
-
-    Raises:
-        Refused: another seat drives.
-        NoAnswer: one robot is not online, or has lost its board.
-    """
-    each(robots, lambda robot: may_switch(robot.status(), seat))
 
 
 def each(robots: Iterable[Robot], do: Callable[[Robot], None]) -> None:

@@ -15,21 +15,19 @@ from msgspec.structs import replace
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.degrees import ArmAngles, reading
+from beatrix_zenoh.client.degrees import ArmAngles, Reading
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.client.robot_base import offset_of
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.stopping import StopEvents, sentence, stop_robots
-from beatrix_zenoh.client.subscription import Arrival
-from beatrix_zenoh.client.twin_state import POLL_S, Lead, PlanPosition
-from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply, PoseQuery, Positions, Reason
+from beatrix_zenoh.client.twin_state import POLL_S, Lead, PlanPosition, Tokens
+from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, naming
 
 LOG = logging.getLogger("beatrix_zenoh.client")
 MOVED_DEG = 0.5
 """Distance of an arm from its start at which a motion counts as begun; until then both robots accelerate alike."""
-SAME_CLOCK_NS = 50_000_000
-"""Delays that differ by more than this (ns) come from two clocks; each counts from the boot of its computer."""
 CANCEL_S = 10.0
 """Longest wait (s) for robots that do not answer STOP."""
 REPLACED = "A newer motion of this program replaced this one before it was sent to the hardware."
@@ -40,47 +38,36 @@ class MotionBegin:
 
     def __init__(self, robot: Robot, start: ArmAngles) -> None:
         """Subscribe to the robot's positions; `start` are its arm angles (deg) at rest."""
-        self._start = start
-        self._positions = robot.positions_stream()
-        self._before: tuple[int, float] | None = None
-        self.begin_ns: int | None = None
-        """time at which the robot began to move, by the clock of the source; None: not yet"""
-        self.delay_ns: int | None = None
-        """the smallest difference between arrival and time stamp: transmission time plus clock offset"""
+        self._robot, self._start = robot, start
+        self._positions = robot.stream()
+        self._before: tuple[float, float] | None = None
+        self._begin_s: float | None = None
 
     def read(self) -> None:
         """Process the positions that have arrived."""
-        for arrival in self._positions.take_arrivals():
-            self.see(arrival)
+        for reading in self._positions.take():
+            self.see(reading)
 
-    def see(self, arrival: Arrival[Positions]) -> None:
+    def see(self, reading: Reading) -> None:
         """Process one publication."""
-        now_ns = arrival.value.t_mono_ns
-        delay_ns = arrival.t_mono_ns - now_ns
-        self.delay_ns = delay_ns if self.delay_ns is None else min(self.delay_ns, delay_ns)
-        if self.begin_ns is not None:
-            return
-        moved_deg = furthest(self._start, reading(arrival.value).commanded)
-        if moved_deg >= MOVED_DEG:
-            before_ns, before_deg = self._before or (now_ns, 0.0)
+        moved_deg = furthest(self._start, reading.commanded)
+        if self._begin_s is None and moved_deg >= MOVED_DEG:
+            before_s, before_deg = self._before or (reading.t, 0.0)
             part = (MOVED_DEG - before_deg) / (moved_deg - before_deg)
-            self.begin_ns = before_ns + round(part * (now_ns - before_ns))
-        self._before = now_ns, moved_deg
+            self._begin_s = before_s + part * (reading.t - before_s)
+        self._before = reading.t, moved_deg
+
+    def begin_s(self) -> float | None:
+        """Return the time at which the robot began to move, by this computer's monotonic clock; None: it did not."""
+        if self._begin_s is None:
+            return None
+        with contextlib.suppress(NoAnswer):
+            return self._begin_s - offset_of(self._robot).certain
+        return None
 
     def close(self) -> None:
         """End the subscription."""
         self._positions.close()
-
-
-def lag_s(sim: MotionBegin, hw: MotionBegin) -> float | None:
-    """Return the time (s) from the start of the simulation's motion to that of the hardware; None if one has not begun.
-
-    Its error is a few milliseconds on one computer; between two, the difference of their shortest transmission times.
-    """
-    if sim.begin_ns is None or hw.begin_ns is None or sim.delay_ns is None or hw.delay_ns is None:
-        return None
-    clocks_ns = hw.delay_ns - sim.delay_ns
-    return (hw.begin_ns - sim.begin_ns + (clocks_ns if abs(clocks_ns) > SAME_CLOCK_NS else 0)) / 1e9
 
 
 def furthest(one: ArmAngles, other: ArmAngles) -> float:
@@ -235,18 +222,12 @@ class TwinRun:
         """The error with which the motion is to end."""
         self.thread = 0
         """Identity of the thread that carries the motion out; 0: not started."""
-        self.begins: tuple[MotionBegin, MotionBegin] | None = None
-        """Begin of both motions; None: not measured."""
+        self.begins: list[MotionBegin] = []
+        """Begin of both motions; empty: not measured."""
         self.lag_s: float | None = None
 
     def prepare(
-        self,
-        sim: PlanPosition,
-        hw: PlanPosition,
-        check_both: Callable[[], None],
-        check_present: Callable[[], None],
-        *,
-        measured: bool,
+        self, sim: PlanPosition, hw: PlanPosition, check_both: Callable[[], None], *, measured: bool
     ) -> None:
         """Have both robots checked until the motion is sent to the hardware, as `Lead.watch` does.
 
@@ -254,14 +235,14 @@ class TwinRun:
             sim: position at which the simulation was at rest; a STOP since then ends the motion.
             hw: as `sim`, for the hardware.
             check_both: called just before the motion is sent to the hardware.
-            check_present: called continuously.
             measured: whether both robots are at rest there, so that the lag is measured.
         """
+        robots = (self._sim, sim), (self._hw, hw)
         if measured:
-            self.begins = MotionBegin(self._sim, sim.arms), MotionBegin(self._hw, hw.arms)
+            self.begins = [MotionBegin(robot, position.arms) for robot, position in robots]
         if self._lead.lead_s:
-            stops = StopEvents(self._sim, sim.t), StopEvents(self._hw, hw.t)
-            self._lead.watch(check_both, check_present, stops)
+            stops = (StopEvents(robot, position.t) for robot, position in robots)
+            self._lead.watch(check_both, [*stops, Tokens(self._sim), Tokens(self._hw)])
 
     def hold(self) -> bool:
         """Keep other threads from sending the motion to the hardware; return False if it was sent or held before."""
@@ -329,7 +310,7 @@ class TwinRun:
             raise NoAnswer(
                 Reason.SHUTDOWN, "This program closed its connection, so the robots stop its motions."
             )
-        for begin in self.begins or ():
+        for begin in self.begins:
             begin.read()
         arrived = [ended(robot, motion, limit_s) for robot, motion in self._begun.items()]
         return all(arrived)
@@ -376,23 +357,23 @@ class TwinRun:
 
     def _close(self) -> None:
         """End the subscriptions."""
-        for begin in self.begins or ():
+        for begin in self.begins:
             begin.close()
         self._lead.close()
 
     def _measure(self) -> None:
-        if self.begins is None:
-            return
         for begin in self.begins:
             begin.read()
-        self.lag_s = lag_s(*self.begins)
-        if self.lag_s is not None:
-            LOG.info(
-                "%s: the hardware began %.3f s after the simulation; lead %.3f s.",
-                self._hw.name,
-                self.lag_s,
-                self._lead.lead_s,
-            )
+        begun = [begin.begin_s() for begin in self.begins]
+        match begun:
+            case [float(sim_s), float(hw_s)]:
+                self.lag_s = hw_s - sim_s
+                LOG.info(
+                    "%s: the hardware began %.3f s after the simulation; lead %.3f s.",
+                    self._hw.name,
+                    self.lag_s,
+                    self._lead.lead_s,
+                )
 
 
 def stopped(error: BaseException, moving: list[Robot], unmoved: str = "") -> BaseException:

@@ -27,7 +27,7 @@ from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, Wrong
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.logs import log_to
 from beatrix_zenoh.node.node import Node, RobotBody
-from beatrix_zenoh.schedule import HangWatch, Hung, Schedule
+from beatrix_zenoh.schedule import Schedule
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import FAULT, Shutdown
 from beatrix_zenoh.threads import Owner
@@ -251,7 +251,6 @@ class Robots:
         self._closing = threading.Event()
         self._faults: queue.SimpleQueue[tuple[Owner, BaseException] | None] = queue.SimpleQueue()
         self.clock = Schedule("clock", self.fail)
-        self._watch = HangWatch(self.clock)
         self._thread = threads.start(self._run, "robots")
 
     def start(self, name: str, warning: str = "") -> None:
@@ -273,8 +272,7 @@ class Robots:
         name, node = owner.name, self._nodes.get(owner.name)
         if node is None or node.owner is not owner:
             return  # a later error of a robot that was replaced
-        if not isinstance(error, Hung):
-            traceback.print_exception(error)
+        traceback.print_exception(error)
         cause = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         del self._nodes[name]
         self._end(node)
@@ -325,7 +323,6 @@ class Robots:
         until_s = time.monotonic() + END_S
         for thread in closing:
             thread.join(max(0.0, until_s - time.monotonic()))
-        self._watch.close()
         self.clock.close()
 
 

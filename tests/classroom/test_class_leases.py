@@ -3,21 +3,30 @@
 from __future__ import annotations
 
 import contextlib
+import signal
 import threading
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
+import msgspec
 import pytest
-from class_router import ClassRouter
+from cable import Cable
+from class_router import ClassRouter, use_account
+from late_tests import in_time
 from patient_connections import PATIENCE_S, patiently
+from robots import Process, until
+from shell import beatrix
+from students import PROGRAM, Seat
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.bus import Incoming, Sessions
 from beatrix_zenoh.client import Client, lease
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, LeaseAction, Reason
-from beatrix_zenoh.contract.names import TEACHER
+from beatrix_zenoh.contract.names import SIDES, TEACHER
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
@@ -89,3 +98,76 @@ def test_a_stop_without_a_seat_is_the_teachers(router: ClassRouter, form: str) -
             assert bus.query(keys.stop_unsigned("*", "*")).next(PATIENCE_S) is not None
         event = next(event for event in events if event.kind is EventKind.STOP)
     assert event.seat == TEACHER
+
+
+@pytest.mark.long("waits for robots that do not answer")
+@pytest.mark.measures_time
+@pytest.mark.parametrize("kind", ["takes queries", "answers nonsense"])
+def test_a_token_without_a_robot_holds_up_no_command_of_the_teacher(
+    router: ClassRouter, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("teacher")))
+    held: list[Incoming] = []
+
+    def nonsense(incoming: Incoming) -> None:
+        incoming.reply(incoming.key, msgspec.msgpack.encode({"x": "y" * 900}), "application/msgpack")
+        incoming.finish()
+
+    with router.open("seat01") as fake:
+        for side in SIDES:
+            fake.declare_token(keys.alive("seat01", side))
+            for key in (
+                keys.lease("seat01", side, "*"),
+                keys.info("seat01", side),
+                keys.status("seat01", side),
+            ):
+                fake.serve(key, held.append if kind == "takes queries" else nonsense)
+        began_s = time.monotonic()
+        done = beatrix("mute", "seat02")
+        muted_s = time.monotonic() - began_s
+        shown = beatrix("ls")
+        listed_s = time.monotonic() - began_s - muted_s
+        table = beatrix("top", "--once").stdout
+        assert beatrix("unmute", "seat02").returncode == 0
+        for incoming in held:
+            incoming.finish()
+    assert (done.returncode, done.stdout.count("\n")) == (0, 2), "bea1, and bea2 later"
+    notes = [line for line in done.stderr.splitlines() if "ignored" not in line]
+    assert notes[0].startswith("No answer from seat01 (hw), seat01 (sim): robots of seats")
+    assert done.stdout.splitlines()[1].startswith("bea2: not online. The router of the class applies it")
+    assert len(done.stderr.splitlines()) <= 3
+    assert all(len(line) < 350 for line in done.stderr.splitlines())
+    assert "muted, but not at" not in table, "the robot of a seat"
+    assert len(shown.stderr.splitlines()) <= 1
+    in_time(muted_s, 1.8, "mute")
+    in_time(listed_s, 1.9, "ls")
+
+
+@pytest.mark.long("waits for the end of a lease")
+def test_a_disconnected_holder_loses_the_robot_to_the_seat_that_waits(
+    router: ClassRouter, tmp_path: Path
+) -> None:
+    account = router.account("seat01")
+    with Cable("127.0.0.1", router.classroom.port + 1) as cable:
+        path = tmp_path / "seat01.toml"
+        path.write_text(msgspec.structs.replace(account, connect=f"tls/127.0.0.1:{cable.port}").text())
+        use_account(tmp_path, path)
+        holder = Seat(Process(PROGRAM, folder=tmp_path, listens=True, traced=False))
+        with contextlib.ExitStack() as stack:
+            stack.callback(holder.process.end, signal.SIGKILL)
+            next_one = robot_of(router, "seat02")
+            stack.callback(next_one.client.close)
+            until(lambda: next_one.status().holder == "", "the lease of the test before has ended")
+            next_one.make_ready()
+            start = next_one.positions().commanded.short
+            holder.expect_ready()
+            holder.does("bool(robot('bea1').lease())")
+            holder.does(f"begin('bea1', {-150 if start > 0 else 150})")
+            lease.ask(next_one, LeaseAction.WAIT)
+            until(lambda: abs(next_one.positions().commanded.short - start) > 1, "moving")
+            cable.unplug()
+            until(lambda: not next_one.status().moving, "the robot stops")
+            until(lambda: next_one.status().holder == "seat02", "the waiting seat gets the lease")
+            assert abs(next_one.positions().commanded.short) < 140, "the motion has not reached its goal"
+            assert not next_one.status().moving
+            lease.ask(next_one, LeaseAction.GIVE_BACK)

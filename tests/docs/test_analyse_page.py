@@ -12,6 +12,7 @@ from PIL import Image
 from written_recordings import BEGAN_NS, STEP_NS, times, write_lesson
 
 from beatrix_zenoh.cli import app
+from beatrix_zenoh.recording import film
 from beatrix_zenoh.recording.export import every_quantity
 from beatrix_zenoh.recording.rows import Frame, Numbers
 from beatrix_zenoh.recording.rrd.read import read
@@ -40,7 +41,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.long("draws films")
-def test_the_commands_of_the_page_write_its_files(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_commands_of_the_page_write_its_files(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(film, "PANEL", (64, 48))  # the drawing of large films takes most of the time
     blocks = re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL)
     for line in "".join(blocks).splitlines():
         words = shlex.split(line, comments=True)

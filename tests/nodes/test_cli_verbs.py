@@ -12,6 +12,7 @@ from robots import END_S, free_endpoint
 from shell import NAME, Shell, another
 
 from beatrix_zenoh.contract._generated.messages import CONTRACT
+from beatrix_zenoh.doctor.checks import robots
 
 
 def wait_for(process: subprocess.Popen[str], words: str) -> str:
@@ -21,14 +22,6 @@ def wait_for(process: subprocess.Popen[str], words: str) -> str:
 
 
 # -- reading -----------------------------------------------------------------------------------
-
-
-def test_ls_warns_of_two_nodes_under_one_name(shell: Shell) -> None:
-    with shell.robot("hw") as robot:  # as if two networks, each with such a node, were joined
-        robot.client.bus.declare_token(f"beatrix/{NAME}/hw/@claim/ffff")
-        assert "hw): 2 nodes serve this robot" in shell.good("ls")
-        assert [row["nodes"] for row in shell.json("ls")["robots"]] == [1, 2]
-    assert "2 nodes" not in shell.good("ls")
 
 
 def test_status_shows_all_values_in_groups_with_units(shell: Shell) -> None:
@@ -82,6 +75,13 @@ def test_doctor_checks_each_step_from_the_router_to_the_cameras(shell: Shell) ->
     assert all(step in text for step, text in zip(steps, found, strict=False))
     own = {row["what"]: row["found"] for row in rows}
     assert (own["hidden modules"], "OpenGL" in own["graphics"]) == ("none", True)
+
+
+def test_doctor_names_a_robot_that_two_nodes_serve(shell: Shell) -> None:
+    with shell.robot("hw") as other, shell.robot("hw") as robot:
+        other.client.bus.declare_token(f"beatrix/{NAME}/hw/@claim/ffff")  # as if two networks were joined
+        found = [(row.what, row.found) for row in robots(robot.client, NAME)]
+    assert [what for what, text in found if text.startswith("2 nodes serve it")] == [f"{NAME} (hw)"]
 
 
 def test_doctor_explains_what_to_do_without_a_router() -> None:

@@ -17,7 +17,7 @@ from beatrix_zenoh.contract._generated.messages import Positions, Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 
 SCRIPT = Path(__file__).parents[1] / "support/faulty_simulations.py"
-NAMES = ("ada", "bob", "cem", "eva", "fay")
+NAMES = ("ada", "bob", "eva", "fay")
 GAP_S = 0.1
 BEFORE = 100
 """Positions of each robot before a fault; on a busy computer their gaps are the measure of those after it."""
@@ -73,22 +73,17 @@ def longest_gap_s(times: list[int]) -> float:
 
 @pytest.mark.long("starts a robot several times")
 @pytest.mark.measures_time
-@pytest.mark.parametrize(
-    ("fault", "name", "cause"),
-    [("raise", "bob", "put in by a test"), ("loop", "cem", "not ended")],
-)
-def test_a_robot_that_fails_is_started_anew_and_the_others_go_on(
-    stage: Stage, process: Process, fault: str, name: str, cause: str
-) -> None:
+def test_a_robot_that_fails_is_started_anew_and_the_others_go_on(stage: Stage, process: Process) -> None:
+    name = "bob"
     watched = Watched(stage, name)
-    process.say(f"{fault} {name}")
+    process.say(f"raise {name}")
     process.expect(f"{name}: The program of {name} had failed")
     client = stage.client()
     with within(ANEW_S, "the robot is started anew"):
         until(lambda: (name, "sim") in client.bus.robots(), "the robot is started anew")
     watched.check()
     anew = stage.robot(name, "sim")
-    assert any(cause in text for text in anew.status().warnings)
+    assert any("put in by a test" in text for text in anew.status().warnings)
     ready(anew).look(yaw=5)
     stage.close_clients()
 

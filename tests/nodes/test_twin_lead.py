@@ -72,8 +72,6 @@ def test_abort_within_the_lead_stops_the_simulation_and_leaves_the_hardware_unmo
     assert not motion.cancel()
     assert not twin.sim.status().moving
     assert (steps(twin.hw), twin.hw.status().motion) == (before, number)
-    with pytest.raises(Refused, match="aborted already"):
-        plan.commit()
 
 
 def test_abort_in_a_signal_handler_ends_the_commit_that_it_interrupts(twin: Twin) -> None:

@@ -1,6 +1,6 @@
 """`beatrix sim` with faults that a test puts in: for each line `FAULT ROBOT` of its input one robot fails.
 
-raise: its next turn raises an exception; loop: it does not end;
+raise: its next turn raises an exception;
 calibrate: the next CALIBRATE raises an exception in the thread of its controller.
 """
 
@@ -24,20 +24,15 @@ class FaultySimulation(Simulation):
         self._name = name
 
     def turn(self, *, written: bool) -> None:
-        if FAULTS.get(self._name) in ("raise", "loop"):
-            with self._lock:  # so that requests for its positions wait, too
-                self._fail(FAULTS.pop(self._name))
+        if FAULTS.get(self._name) == "raise":
+            del FAULTS[self._name]
+            raise RuntimeError("put in by a test")
         super().turn(written=written)
-
-    def _fail(self, fault: str) -> None:
-        pause = threading.Event()
-        while fault == "loop":
-            pause.wait(0.001)
-        raise RuntimeError("put in by a test")
 
     def straighten(self) -> None:
         if FAULTS.get(self._name) == "calibrate":
-            self._fail(FAULTS.pop(self._name))
+            del FAULTS[self._name]
+            raise RuntimeError("put in by a test")
         super().straighten()
 
 

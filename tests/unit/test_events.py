@@ -11,8 +11,8 @@ from golden import same
 from statuses import BOARD, READY
 
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.cli.listing import TableRow, cells, stop_words
-from beatrix_zenoh.client.monitor import SeatStops
+from beatrix_zenoh.cli.listing import cells, stop_words
+from beatrix_zenoh.client.monitor import Presence, RobotState, SeatStops
 from beatrix_zenoh.contract._generated.messages import EventKind, Fault, Phase, Reason, SeatCount
 from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.events import (
@@ -162,6 +162,7 @@ def test_the_teacher_sees_the_name_of_the_pupil_who_pressed_stop() -> None:
     teacher = Settings("bea", account.connect, "teacher", account=account)
     stops = SeatStops("zoe", 2, {("bea1", "hw"): 2})
     same("stop counts.the teacher sees the name of the pupil who pressed stop", stop_words(teacher, stops))
-    row = TableRow(("bea1", "hw"), "moving", None, 50.0, None, "zoe", None, [])
-    assert cells(teacher, row)[-1] == "Zoë Müller (zoe)"
+    driven = msgspec.structs.replace(READY, holder="zoe")
+    robot = RobotState("bea1", "hw", Presence.ONLINE, driven, None, None, None, 50.0, ())
+    assert cells(teacher, robot)[-1] == "Zoë Müller (zoe)"
     assert stop_words(Settings("bea", "", "ana"), stops).startswith("zoe 2 times")

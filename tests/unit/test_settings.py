@@ -28,31 +28,25 @@ def in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_an_argument_overrides_the_environment_which_overrides_the_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert resolve().connect == DEFAULT_ENDPOINT
+    assert (resolve().connect, resolve().named, resolve("bea").named) == (DEFAULT_ENDPOINT, False, True)
     (tmp_path / "beatrix.toml").write_text('robot = "file"\nconnect = "tcp/1.2.3.4:1"\nwho = "seat1"\n')
-    assert resolve().robot == "file"
+    assert (resolve().robot, resolve().named) == ("file", True)
     monkeypatch.setenv("BEATRIX_ROBOT", "environment")
-    assert resolve().robot == "environment"
+    assert (resolve().robot, resolve().named) == ("environment", True)
     assert resolve("argument").robot == "argument"
     assert (resolve().connect, resolve().who) == ("tcp/1.2.3.4:1", "seat1")
 
 
-def test_cameras_are_read_from_file_or_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert resolve().cameras == ()
-    (tmp_path / "beatrix.toml").write_text('camera_left = "pattern"\ncamera_right = "/dev/v4l/by-path/a"\n')
+def test_sensors_are_read_from_file_or_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert (resolve().cameras, resolve().microphones) == ((), "")
+    (tmp_path / "beatrix.toml").write_text(
+        'camera_left = "pattern"\ncamera_right = "/dev/v4l/by-path/a"\nmicrophones = "USB Audio"\n'
+    )
     assert resolve().cameras == ("left=pattern", "right=/dev/v4l/by-path/a")
-    monkeypatch.setenv("BEATRIX_CAMERA_LEFT", "file:clip.avi")
-    assert resolve().cameras[0] == "left=file:clip.avi"
-
-
-def test_microphones_are_off_unless_file_or_environment_name_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert resolve().microphones == ""
-    (tmp_path / "beatrix.toml").write_text('microphones = "USB Audio"\n')
     assert resolve().microphones == "USB Audio"
+    monkeypatch.setenv("BEATRIX_CAMERA_LEFT", "file:clip.avi")
     monkeypatch.setenv("BEATRIX_MICROPHONES", "tone")
-    assert resolve().microphones == "tone"
+    assert (resolve().cameras[0], resolve().microphones) == ("left=file:clip.avi", "tone")
 
 
 @pytest.mark.parametrize("text", ["robot = 3\n", 'colour = "red"\n', "robot = \n"])
@@ -140,20 +134,6 @@ def test_the_error_for_no_robot_online_suggests_starting_one() -> None:
     with pytest.raises(NoAnswer, match="beatrix sim") as error:
         only_name([], ENDPOINT)
     assert error.value.reason is Reason.NO_ANSWER
-
-
-def test_argument_environment_and_file_name_the_robot(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("BEATRIX_ROBOT", raising=False)
-    assert not resolve().named
-    assert resolve("bea").named
-    monkeypatch.setenv("BEATRIX_ROBOT", "bea")
-    assert resolve().named
-    monkeypatch.delenv("BEATRIX_ROBOT")
-    (tmp_path / "beatrix.toml").write_text('robot = "bea"\n')
-    assert resolve().named
 
 
 # -- the robots that a verb selects, if several are online -----------------------------------------

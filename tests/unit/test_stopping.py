@@ -91,7 +91,6 @@ class Network:
             source=Source.CLI,
             losses=0,
             seen=set(),
-            replied_s={},
             read=lambda answer, kind: codec.decode(answer.payload, kind),
             report=lambda *_: None,
         )
