@@ -152,20 +152,19 @@ def values(contract: Contract) -> str:
 
 
 KEY_ROW = '''class KeyRow(NamedTuple):
-    """One row of keys.toml."""
+    """One row of keys.toml; its purpose is in KEY_TEXT."""
 
     key: str
     kind: str
     payload: str
     reply: str
-    sides: tuple[str, ...]
     session: str
     """Traffic class of the session that answers or subscribes."""
-    publish: str
+    publish: str = ""
     """Traffic class of the session that publishes; empty: none."""
-    priority: str
-    congestion: str
-    doc: str
+    sides: tuple[str, ...] = ("hw", "sim")
+    priority: str = "data"
+    congestion: str = "drop"
     rate_hz: int = 0
     """Publications per second; 0: not at a constant rate."""
 
@@ -216,6 +215,10 @@ def _parts(name: str, pattern: list[str], chunks: list[str]) -> Parts | None:
 '''
 
 
+KEY_OPTIONS = ("publish", "sides", "priority", "congestion", "rate_hz")
+"""Fields of KeyRow that a row may leave out."""
+
+
 def parameters(contract: Contract) -> list[str]:
     """Return the names in braces of all keys, in the order of their first use."""
     chunks = [chunk for row in contract.keys.values() for chunk in str(row["key"]).split("/")]
@@ -228,13 +231,12 @@ def keys(contract: Contract) -> str:
     out += "".join(f'    {name}: str = ""\n' for name in parameters(contract)) + "\n\n"
     out += "KEYS: Final[dict[str, KeyRow]] = {\n"
     for name, row in contract.keys.items():
-        sides = (row["side"],) if "side" in row else ("hw", "sim")
-        first = [row[field] for field in ("key", "kind", "payload", "reply")]
-        values = (*first, sides, row["session"], row.get("publish", ""))
-        how = (row.get("priority", "data"), row.get("congestion", "drop"), row["doc"])
-        rate = f", rate_hz={row['rate_hz']}" if "rate_hz" in row else ""
-        out += f"    {name!r}: KeyRow({', '.join(map(repr, values + how))}{rate}),\n"
-    out += "}\n"
+        values = [repr(row[field]) for field in ("key", "kind", "payload", "reply", "session")]
+        given = {**row, "sides": (row["side"],)} if "side" in row else row
+        values += [f"{field}={given[field]!r}" for field in KEY_OPTIONS if field in given]
+        out += f"    {name!r}: KeyRow({', '.join(values)}),\n"
+    out += "}\n\n\nKEY_TEXT: Final[dict[str, str]] = {\n"
+    out += "".join(f"    {name!r}: {row['doc']!r},\n" for name, row in contract.keys.items()) + "}\n"
     for name, row in contract.keys.items():
         pattern = str(row["key"])
         names = [part[1:-1] for part in pattern.split("/") if part.startswith("{")]

@@ -190,7 +190,7 @@ class Board:
     def _receive(self, frame: SerialFrame) -> None:
         if frame.type == FrameType.TEXT and len(frame.payload) > 1:
             self._on_text(frame.seq, Text.unpack(frame.payload))
-        elif frame.type == FrameType.TEXT_WARNING and len(frame.payload) == wire.TEXT_WARNING_SIZE:
+        elif frame.type == FrameType.TEXT_WARNING and len(frame.payload) == TextWarning.layout.size:
             self._on_text(frame.seq, TextWarning.unpack(frame.payload))
         elif FrameType.ACK <= frame.type < FrameType.TELEMETRY and frame.payload:  # a reply
             slot = self._pending.get((frame.type, frame.seq))

@@ -214,7 +214,7 @@ class BoardConnection:
         return data
 
     def _receive(self, frame: SerialFrame, received_ns: int) -> None:
-        if frame.type == FrameType.TELEMETRY and len(frame.payload) == wire.TELEMETRY_SIZE:
+        if frame.type == FrameType.TELEMETRY and len(frame.payload) == Telemetry.layout.size:
             hello = self._hello
             if hello is None or not same_contract(hello):
                 self._set_connected(connected=False)
@@ -229,7 +229,7 @@ class BoardConnection:
                 self.sample_changed.notify_all()
             self._set_connected(connected=True)
             self._on_telemetry(telemetry)
-        elif frame.type == FrameType.HELLO_REPLY and len(frame.payload) == wire.HELLO_REPLY_SIZE:
+        elif frame.type == FrameType.HELLO_REPLY and len(frame.payload) == HelloReply.layout.size:
             self._hello = HelloReply.unpack(frame.payload)
         else:
             self._on_frame(frame)

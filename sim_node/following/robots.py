@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable
 from typing import Final
 
+from msgspec.structs import replace
+
 from beatrix_zenoh.bus import Received, Reply, Sessions
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -134,7 +136,7 @@ class OwnArms:
         controller = self._controller
         if follows(self._controller.access):
             controller.follows, controller.last_goal = True, None
-            controller.send(lambda number: frame._replace(motion=number))
+            controller.send(lambda number: replace(frame, motion=number))
             self._board.wake()
             self._last = frame
 

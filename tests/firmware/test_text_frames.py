@@ -11,7 +11,6 @@ from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import (
     HOST_GONE,
-    TELEMETRY_SIZE,
     Enable,
     FrameType,
     MoveStraight,
@@ -40,7 +39,7 @@ def test_telemetry_ends_two_seconds_after_the_last_frame_of_the_host() -> None:
     "data",
     [
         b"\0\x05\x02\xff\x70\xcd\0",
-        encode(FrameType.TELEMETRY, 1, bytes(TELEMETRY_SIZE)),
+        encode(FrameType.TELEMETRY, 1, bytes(Telemetry.layout.size)),
         b"@PING\r",
         b"\0\0\0",
     ],

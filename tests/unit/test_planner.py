@@ -96,11 +96,11 @@ def boards(draw: st.DrawFn) -> Telemetry:
     direction, tilt = draw(st.floats(0, math.tau)), draw(st.floats(0, 0.6))
     arms = PLANNER.neck.inverse(draw(st.floats(-3, 3)), *leaning(tilt, direction))
     velocity = draw(st.just((0, 0, 0)) | st.tuples(*(st.integers(-1000, 1000),) * 3))
-    return at(0)._replace(position=PLANNER.gear.to_steps(arms), velocity=velocity)
+    return structs.replace(at(0), position=PLANNER.gear.to_steps(arms), velocity=velocity)
 
 
 SLOW = MotionQuery(position=Vector3(-0.808, -0.0508, -0.5168), speed=Vector3(0.00109, 0.000731, 0.000864))
-MOVING = at(0)._replace(position=(797, 905, 1051), velocity=(-413, -475, 492))
+MOVING = structs.replace(at(0), position=(797, 905, 1051), velocity=(-413, -475, 492))
 
 
 @pytest.mark.no_cover
