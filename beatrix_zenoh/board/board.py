@@ -37,8 +37,8 @@ class Board:
     """A board on a port that may be unplugged and plugged in again.
 
     `on_telemetry` is called for the newest TELEMETRY that has arrived, after `sample` has been set; `on_link` when the
-    board is connected or lost; `on_text` for every line and warning of the text port, with the seq of its frame. All
-    callbacks run on the board's own thread, never on the thread that calls `request`. They must be quick and must not
+    board is connected or lost; `on_text` for every line and warning of the text port. All callbacks
+    run on the board's own thread, never on the thread that calls `request`. They must be quick and must not
     call the board.
 
     Telemetry from before a motion may arrive after the acknowledgement of the motion: wait for newer telemetry with
@@ -50,7 +50,7 @@ class Board:
         open_port: Callable[[], Port],
         on_telemetry: Callable[[Telemetry], None],
         on_link: Callable[[], None],
-        on_text: Callable[[int, Text | TextWarning], None] = lambda *_: None,
+        on_text: Callable[[Text | TextWarning], None] = lambda *_: None,
     ) -> None:
         """Store the callbacks; `start` opens the port."""
         self._connection = BoardConnection(open_port, on_telemetry, on_link, self._receive)
@@ -189,9 +189,9 @@ class Board:
 
     def _receive(self, frame: SerialFrame) -> None:
         if frame.type == FrameType.TEXT and len(frame.payload) > 1:
-            self._on_text(frame.seq, Text.unpack(frame.payload))
+            self._on_text(Text.unpack(frame.payload))
         elif frame.type == FrameType.TEXT_WARNING and len(frame.payload) == TextWarning.layout.size:
-            self._on_text(frame.seq, TextWarning.unpack(frame.payload))
+            self._on_text(TextWarning.unpack(frame.payload))
         elif FrameType.ACK <= frame.type < FrameType.TELEMETRY and frame.payload:  # a reply
             slot = self._pending.get((frame.type, frame.seq))
             if slot is not None:
