@@ -8,36 +8,6 @@ from emit_python import HEADER, doc_of
 STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i16": "h", "i32": "i"}
 
 
-FRAME = '''
-
-class Frame(Struct, frozen=True):
-    """The payload of a frame."""
-
-    kind: ClassVar[FrameType]
-    """Frame type, the first byte of the frame."""
-    layout: ClassVar[struct.Struct]
-    """The fields without a text of any length, which may follow them."""
-    counts: ClassVar[tuple[int, ...]]
-    """How many numbers each of these fields has."""
-
-    def pack(self) -> bytes:
-        """Return the payload, without type, seq and checksum."""
-        parts: list[Any] = []
-        for value in astuple(self):
-            parts.extend(value if isinstance(value, tuple) else (value,))
-        fixed = sum(self.counts)
-        return self.layout.pack(*parts[:fixed]) + b"".join(parts[fixed:])
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Return the fields of a payload; raises struct.error or TypeError if its length is wrong."""
-        fixed, text = payload[: cls.layout.size], payload[cls.layout.size :]
-        parts = iter(cls.layout.unpack(fixed))
-        values = [next(parts) if count == 1 else tuple(islice(parts, count)) for count in cls.counts]
-        return cls(*values, *([text] if text else []))
-'''
-
-
 def frame_class(name: str, table: dict[str, object]) -> str:
     layout, counts = "<", list[int]()
     fields = ""
@@ -56,7 +26,7 @@ def frame_class(name: str, table: dict[str, object]) -> str:
         fields += f'    {field["name"]}: {python}\n    """{doc}"""\n'
     return (
         f'class {name.title().replace("_", "")}(Frame, frozen=True):\n    """{table["doc"]}"""\n\n'
-        f"    kind = FrameType.{name}\n    layout = struct.Struct({layout!r})\n    counts = {tuple(counts)}\n{fields}"
+        f"    kind: ClassVar[FrameType] = FrameType.{name}\n    layout = struct.Struct({layout!r})\n    counts = {tuple(counts)}\n{fields}"
     )
 
 
@@ -76,10 +46,9 @@ def code_table(title: str, key: str, rows: dict[str, dict[str, object]]) -> str:
 def serial(contract: Contract) -> str:
     table = contract.serial
     out = HEADER.format(doc="Serial link between host and firmware.", source="serial.toml")
-    out += "import struct\nfrom enum import IntEnum, IntFlag\nfrom itertools import islice\n"
-    out += "from typing import Any, ClassVar, Final, Self\n\nfrom msgspec import Struct\n"
-    out += "from msgspec.structs import astuple\n\n"
-    out += "from beatrix_zenoh.contract._generated.messages import Reason\n\n"
+    out += "import struct\nfrom enum import IntEnum, IntFlag\nfrom typing import ClassVar, Final\n\n"
+    out += "from beatrix_zenoh.contract._generated.messages import Reason\n"
+    out += "from beatrix_zenoh.contract.rows import Frame\n\n"
     out += f'CONTRACT: Final = 0x{contract.serial_hash:08X}\n"""Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""\n'
     for name, row in table["link"].items():
         out += f'{name.upper()}: Final = {row["value"]}\n"""{doc_of(row)}"""\n'
@@ -93,7 +62,7 @@ def serial(contract: Contract) -> str:
     out += '\n\nclass FrameType(IntEnum):\n    """First byte of a frame."""\n\n'
     out += "".join(f'    {n} = 0x{r["type"]:02X}\n    """{r["doc"]}"""\n' for n, r in table["frame"].items())
     frames = {name: frame for name, frame in table["frame"].items() if "fields" in frame}
-    return out + FRAME + "".join("\n\n" + frame_class(name, frame) for name, frame in frames.items())
+    return out + "".join("\n\n" + frame_class(name, frame) for name, frame in frames.items())
 
 
 def python_value(value: object) -> tuple[str, str]:

@@ -170,14 +170,6 @@ AT_EDGES = [
 """Command, number of the message with it, state of the board if this message fails, whether firmware then starts."""
 TYPICAL = AT_EDGES[1], AT_EDGES[5], AT_EDGES[8]
 """One of each state: untouched, half written, complete."""
-BETWEEN = [
-    (PROGRAM, PAGES, flash.HALF_WRITTEN, False),
-    (READ, 2, flash.HALF_WRITTEN, False),
-    (READ, PAGES, flash.HALF_WRITTEN, False),
-    (ERASE, 2, flash.FIRST_PAGE, False),
-    (PROGRAM, PAGES + 1, flash.FIRST_PAGE, False),
-]
-"""The same values for messages between those. Each case takes long, so each is tested with one fault only."""
 ERROR, INTERRUPT, KILL, HANG_UP = (pull, 1), (interrupt, 130), (kill, 130), (close_window, 130)
 
 
@@ -187,9 +179,7 @@ ERROR, INTERRUPT, KILL, HANG_UP = (pull, 1), (interrupt, 130), (kill, 130), (clo
     [(*at, *ERROR) for at in TYPICAL]
     + [(*AT_EDGES[5], *KILL)]
     + [pytest.param(*at, *ERROR, marks=SLOW) for at in AT_EDGES if at not in TYPICAL]
-    + [pytest.param(*AT_EDGES[5], *fault, marks=SLOW) for fault in (INTERRUPT, HANG_UP)]
-    + [pytest.param(*at, *KILL, marks=SLOW) for at in AT_EDGES if at != AT_EDGES[5]]
-    + [pytest.param(*at, *ERROR, marks=SLOW) for at in BETWEEN],
+    + [pytest.param(*AT_EDGES[5], *fault, marks=SLOW) for fault in (INTERRUPT, HANG_UP)],
 )
 def test_every_abort_prints_the_state_of_the_board(
     command: int,
@@ -279,7 +269,6 @@ LAST = line(0, 2, b"\x30\0") + line(0xDFF0, 0, b"Z" * 16)
     [
         (A + THE_END, 16),
         ("\ufeff" + A.lower() + "\n \r\n" + THE_END + "\n", 16),
-        (B + A + line(0, 3, bytes(4)) + line(0, 5, bytes(4)) + THE_END, 32),
         (A + line(0, 4, b"\0\1") + A + THE_END, 0x10010),
         (A + LAST + THE_END, FLASH),
     ],
@@ -297,20 +286,15 @@ def test_a_hex_file_is_read(tmp_path: Path, text: str, length: int) -> None:
     ("text", "why"),
     [
         ("", "after line 0"),
-        (A + "\n" + B, "after line 3"),
         ("hello\n", "line 1 is not a record"),
         (A + "\n" + B.replace("42", "43", 1) + THE_END, "line 3 is not a record"),
         (THE_END, "contains no data"),
         (B + THE_END, "line 1 has the lowest address, 0x10"),
         (A + B + line(31, 0, b"AA") + THE_END, "line 3 overlaps line 2"),
-        (B + A + line(15, 0, b"A") + THE_END, "line 3 overlaps line 2"),
         (A + THE_END + "\n" + B, "line 4 comes after the end"),
         (A + line(0, 9, b"x") + THE_END, "line 2 has an unknown kind of record: kind 9"),
-        (A + line(0, 4, bytes([255] * 8)) + B + THE_END, "line 2 .* kind 4 with 8 bytes"),
         (A + line(0, 2, b"") + B + THE_END, "line 2 .* kind 2 with 0 bytes"),
         (A + line(0, 4, b"\xff\xff") + A + THE_END, "line 3 ends at 0xffff0010; .* at 0x3e000"),
-        (A + LAST + line(0xE000, 0, b"Z") + THE_END, "line 4 ends at 0x3e001"),
-        (A + line(0, 2, b"\x30\0") + line(0xDFFF, 0, b"ZZ") + THE_END, "line 3 ends at 0x3e001"),
     ],
 )
 def test_an_invalid_hex_file_is_rejected_with_its_cause(tmp_path: Path, text: str, why: str) -> None:

@@ -242,15 +242,6 @@ def test_the_slowest_speed_is_a_quarter_of_a_microstep_per_second() -> None:
     assert refusal.reason is Reason.SPEED_LIMIT
 
 
-def test_the_largest_step_count_of_a_frame_is_allowed() -> None:
-    furthest, stay = 2**15 - 1, MotionQuery(absolute=False, position=Vector3(0.0, 0.0, 0.0))
-    goal = PLANNER.goal(stay, at(furthest))
-    assert goal.steps == (furthest,) * 3
-    assert Move.unpack(goal.frame(1).pack()) == goal.frame(1)
-    with pytest.raises(Refused, match="can be sent to the board"):
-        PLANNER.goal(stay, at(furthest + 1))
-
-
 TENTH = Vector3(0.1, 0.1, 0.1)
 
 

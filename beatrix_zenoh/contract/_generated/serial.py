@@ -7,13 +7,10 @@ from __future__ import annotations
 
 import struct
 from enum import IntEnum, IntFlag
-from itertools import islice
-from typing import Any, ClassVar, Final, Self
-
-from msgspec import Struct
-from msgspec.structs import astuple
+from typing import ClassVar, Final
 
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.rows import Frame
 
 CONTRACT: Final = 0x37C12DD5
 """Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""
@@ -233,37 +230,10 @@ class FrameType(IntEnum):
     """A warning for which the protocol of 2023 has no message. Equal warnings in quick succession are sent as one."""
 
 
-class Frame(Struct, frozen=True):
-    """The payload of a frame."""
-
-    kind: ClassVar[FrameType]
-    """Frame type, the first byte of the frame."""
-    layout: ClassVar[struct.Struct]
-    """The fields without a text of any length, which may follow them."""
-    counts: ClassVar[tuple[int, ...]]
-    """How many numbers each of these fields has."""
-
-    def pack(self) -> bytes:
-        """Return the payload, without type, seq and checksum."""
-        parts: list[Any] = []
-        for value in astuple(self):
-            parts.extend(value if isinstance(value, tuple) else (value,))
-        fixed = sum(self.counts)
-        return self.layout.pack(*parts[:fixed]) + b"".join(parts[fixed:])
-
-    @classmethod
-    def unpack(cls, payload: bytes) -> Self:
-        """Return the fields of a payload; raises struct.error or TypeError if its length is wrong."""
-        fixed, text = payload[: cls.layout.size], payload[cls.layout.size :]
-        parts = iter(cls.layout.unpack(fixed))
-        values = [next(parts) if count == 1 else tuple(islice(parts, count)) for count in cls.counts]
-        return cls(*values, *([text] if text else []))
-
-
 class Move(Frame, frozen=True):
     """Move to these step counts, each arm at its own speed; replaces a running motion smoothly. Answered with ACK."""
 
-    kind = FrameType.MOVE
+    kind: ClassVar[FrameType] = FrameType.MOVE
     layout = struct.Struct("<H3h3H")
     counts = (1, 3, 3)
     motion: int
@@ -277,7 +247,7 @@ class Move(Frame, frozen=True):
 class Enable(Frame, frozen=True):
     """Motors on or off; a change clears calibration; on is refused while EMERGENCY is latched. Answered with ACK."""
 
-    kind = FrameType.ENABLE
+    kind: ClassVar[FrameType] = FrameType.ENABLE
     layout = struct.Struct("<B")
     counts = (1,)
     value: int
@@ -287,7 +257,7 @@ class Enable(Frame, frozen=True):
 class SetName(Frame, frozen=True):
     """Store this robot name in non-volatile memory. Answered with ACK."""
 
-    kind = FrameType.SET_NAME
+    kind: ClassVar[FrameType] = FrameType.SET_NAME
     layout = struct.Struct("<32s")
     counts = (1,)
     name: bytes
@@ -297,7 +267,7 @@ class SetName(Frame, frozen=True):
 class MoveStraight(Frame, frozen=True):
     """As MOVE, but from rest all arms start and arrive together, because arms with a shorter distance move more slowly. An arm with one or two steps makes them within the time of the others. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK."""
 
-    kind = FrameType.MOVE_STRAIGHT
+    kind: ClassVar[FrameType] = FrameType.MOVE_STRAIGHT
     layout = struct.Struct("<H3hH")
     counts = (1, 3, 1)
     motion: int
@@ -311,7 +281,7 @@ class MoveStraight(Frame, frozen=True):
 class HelloReply(Frame, frozen=True):
     """Answer to HELLO."""
 
-    kind = FrameType.HELLO_REPLY
+    kind: ClassVar[FrameType] = FrameType.HELLO_REPLY
     layout = struct.Struct("<I3BI32s")
     counts = (1, 3, 1, 1)
     contract: int
@@ -327,7 +297,7 @@ class HelloReply(Frame, frozen=True):
 class Ack(Frame, frozen=True):
     """Answer to all other requests; its type on the wire is the request's type | 0x80."""
 
-    kind = FrameType.ACK
+    kind: ClassVar[FrameType] = FrameType.ACK
     layout = struct.Struct("<B")
     counts = (1,)
     error: int
@@ -337,7 +307,7 @@ class Ack(Frame, frozen=True):
 class Telemetry(Frame, frozen=True):
     """Sent without a request while there is a host, every telemetry_period and at once on a change. The firmware delays it while it receives a frame, so that the answer to that frame goes first, but not for longer than telemetry_patience after its period. Answers also go first when the line is busy. seq counts the TELEMETRY frames."""
 
-    kind = FrameType.TELEMETRY
+    kind: ClassVar[FrameType] = FrameType.TELEMETRY
     layout = struct.Struct("<HBBBH3h3hHB")
     counts = (1, 1, 1, 1, 1, 3, 3, 1, 1)
     tick: int
@@ -363,7 +333,7 @@ class Telemetry(Frame, frozen=True):
 class Text(Frame, frozen=True):
     """One line of the answer to a line of text. seq counts TEXT and TEXT_WARNING together."""
 
-    kind = FrameType.TEXT
+    kind: ClassVar[FrameType] = FrameType.TEXT
     layout = struct.Struct("<B")
     counts = (1,)
     flags: int
@@ -375,7 +345,7 @@ class Text(Frame, frozen=True):
 class TextWarning(Frame, frozen=True):
     """A warning for which the protocol of 2023 has no message. Equal warnings in quick succession are sent as one."""
 
-    kind = FrameType.TEXT_WARNING
+    kind: ClassVar[FrameType] = FrameType.TEXT_WARNING
     layout = struct.Struct("<B")
     counts = (1,)
     code: int
