@@ -30,30 +30,41 @@ def frame_class(name: str, table: dict[str, object]) -> str:
     )
 
 
-def code_table(title: str, key: str, rows: dict[str, dict[str, object]]) -> str:
-    """Return an enumeration of codes, and the reason and the text of each."""
-    out = f'\n\nclass {title}(IntEnum):\n    """Codes of `{key}`."""\n\n'
-    out += "".join(f'    {n} = {r["code"]}\n    """{r["doc"]}"""\n' for n, r in rows.items())
-    for kind, entry in (("Reason", "reason"), ("str", "doc")):
-        if all(entry in row for row in rows.values()):
-            texts = {n: f"Reason.{r[entry]}" if kind == "Reason" else repr(r[entry]) for n, r in rows.items()}
-            name = f"{key.upper()}_{'REASON' if kind == 'Reason' else 'TEXT'}"
-            out += f"\n\n{name}: Final[dict[{title}, {kind}]] = {{\n"
-            out += "".join(f"    {title}.{n}: {text},\n" for n, text in texts.items()) + "}\n"
+CODE = '''
+
+class Code(IntEnum):
+    """A code with the text and the reason that programs give for it."""
+
+    text: str
+    reason: Reason
+
+    def __new__(cls, code: int, text: str = "", reason: Reason = Reason.OK) -> Self:
+        made = int.__new__(cls, code)
+        made._value_, made.text, made.reason = code, text, reason
+        return made
+'''
+
+
+def codes(title: str, key: str, rows: dict[str, dict[str, object]]) -> str:
+    out = f'\n\nclass {title}(Code):\n    """Codes of `{key}`."""\n\n'
+    for name, row in rows.items():
+        reason = f", Reason.{row['reason']}" if "reason" in row else ""
+        out += f"    {name} = {row['code']}, {row['doc']!r}{reason}\n"
     return out
 
 
 def serial(contract: Contract) -> str:
     table = contract.serial
     out = HEADER.format(doc="Serial link between host and firmware.", source="serial.toml")
-    out += "import struct\nfrom enum import IntEnum, IntFlag\nfrom typing import ClassVar, Final\n\n"
+    out += "import struct\nfrom enum import IntEnum, IntFlag\nfrom typing import ClassVar, Final, Self\n\n"
     out += "from beatrix_zenoh.contract._generated.messages import Reason\n"
     out += "from beatrix_zenoh.contract.rows import Frame\n\n"
     out += f'CONTRACT: Final = 0x{contract.serial_hash:08X}\n"""Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""\n'
     for name, row in table["link"].items():
         out += f'{name.upper()}: Final = {row["value"]}\n"""{doc_of(row)}"""\n'
+    out += CODE
     for title, key in (("Error", "error"), ("BoardOutcome", "outcome"), ("WarningCode", "warning")):
-        out += code_table(title, key, table[key])
+        out += codes(title, key, table[key])
     out += '\n\nclass BoardState(IntFlag):\n    """State bits of TELEMETRY."""\n\n'
     out += "".join(
         f'    {n} = {1 << int(str(r["bit"]))}\n    """{r["doc"]}"""\n' for n, r in table["state"].items()

@@ -77,24 +77,25 @@ def struct_class(name: str, table: dict[str, object]) -> str:
 
 def enum_class(name: str, table: dict[str, object]) -> str:
     members = {key: text for key, text in table.items() if key != "doc"}
-    lines = [f"class {name}(StrEnum):", f'    """{table["doc"]}"""', ""]
+    lines = [f"class {name}({'Word' if name in SHOWN else 'StrEnum'}):", f'    """{table["doc"]}"""', ""]
     for key, text in members.items():
-        lines += [f'    {key.upper()} = "{key}"', f'    """{text}"""']
+        if name in SHOWN:
+            lines.append(f'    {key.upper()} = "{key}", {text!r}')
+        else:
+            lines += [f'    {key.upper()} = "{key}"', f'    """{text}"""']
     return "\n".join(lines)
 
 
 def messages(contract: Contract) -> str:
     out = HEADER.format(doc="Messages of the Zenoh contract.", source="messages.toml")
     out += "from enum import IntEnum, StrEnum\nfrom typing import Annotated, Final\n\nfrom msgspec import Meta, Struct\n\n"
+    out += "from beatrix_zenoh.contract.rows import Word\n\n"
     out += f'CONTRACT: Final = "{contract.bus_hash:08x}"\n"""Hash of messages and keys."""\n'
     out += FLOAT32
     for kind, row in contract.messages["text"].items():
         out += TEXT.format(alias=SCALARS[kind], kind=kind, **row)
     for name, table in contract.messages["enum"].items():
         out += "\n\n" + enum_class(name, table) + "\n"
-        if name in SHOWN:
-            texts = "".join(f"    {name}.{k.upper()}: {v!r},\n" for k, v in table.items() if k != "doc")
-            out += f"\n\n{name.upper()}_TEXT: Final[dict[{name}, str]] = {{\n{texts}}}\n"
     commands = contract.messages["command"]
     out += '\n\nclass Command(IntEnum):\n    """Numbers of CommandQuery."""\n\n'
     for name, row in commands.items():

@@ -20,11 +20,7 @@ from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Detail, Head, Limit, PreviewReply, Reason
 from beatrix_zenoh.contract._generated.serial import (
-    ERROR_REASON,
-    ERROR_TEXT,
     HEARTBEAT_PERIOD,
-    OUTCOME_REASON,
-    OUTCOME_TEXT,
     BoardOutcome,
     BoardState,
     Error,
@@ -140,9 +136,7 @@ class _MotionSimulation:
         """Return the samples of the motion up to its end; raises Refused if the firmware stopped it."""
         outcome = BoardOutcome.DONE if self._telemetry is None else BoardOutcome(self._telemetry.outcome)
         if outcome is not BoardOutcome.DONE:
-            raise Refused(
-                OUTCOME_REASON[outcome], f"The firmware would end this motion {OUTCOME_TEXT[outcome]}."
-            )
+            raise Refused(outcome.reason, f"The firmware would end this motion {outcome.text}.")
         if self._samples[-1][0] != self.now_ms:
             self._sample()
         duration_s = self.now_ms / 1000
@@ -175,7 +169,7 @@ class _MotionSimulation:
 def _check(ack: SerialFrame) -> None:
     error = Error(ack.payload[0])
     if error is not Error.OK:
-        raise Refused(ERROR_REASON[error], f"The firmware refuses this motion: {ERROR_TEXT[error]}.")
+        raise Refused(error.reason, f"The firmware refuses this motion: {error.text}.")
 
 
 CAPACITY: Final = 8

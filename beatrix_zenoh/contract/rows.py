@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Callable, Mapping
+from enum import StrEnum
 from functools import lru_cache
 from itertools import islice
 from typing import Any, ClassVar, NamedTuple, Self
@@ -78,6 +79,19 @@ def parser(rows: Mapping[str, KeyRow], name: re.Pattern[str]) -> Callable[[str],
         return next((parts for parts in matches if parts is not None), None)
 
     return parse
+
+
+class Word(StrEnum):
+    """A word of messages with the sentence that explains it to users."""
+
+    _value_: str
+    text: str
+
+    def __new__(cls, word: str, text: str = "") -> Self:
+        """Make a word; only the class itself gives a text."""
+        made = str.__new__(cls, word)
+        made._value_, made.text = word, text
+        return made
 
 
 class ValueRow(NamedTuple):

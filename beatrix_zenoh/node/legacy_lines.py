@@ -16,7 +16,6 @@ from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import (
-    WARNING_TEXT,
     BoardState,
     FrameType,
     Text,
@@ -221,7 +220,7 @@ class LineQueue:
         """Handle a line or a warning of the board; `opening`: value of `openings` when it arrived."""
         line = self._lines[0] if self._lines and self._lines[0].sent else None
         if isinstance(frame, TextWarning):
-            remark = WARNING_TEXT[WarningCode(frame.code)]
+            remark = WarningCode(frame.code).text
             if line is None:
                 self._driving.warn(remark)
             else:

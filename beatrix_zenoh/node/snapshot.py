@@ -130,7 +130,7 @@ class Snapshot:
             geometry=geometry_info(self._planner.robot.geometry),
             fingerprint=fingerprint(self._planner.robot),
             commands=[f"{code.value} {code.name}: {text}" for code, text in msg.COMMAND_TEXT.items()],
-            reasons=[f"{reason}: {text}" for reason, text in msg.REASON_TEXT.items()],
+            reasons=[f"{reason}: {reason.text}" for reason in msg.Reason],
             keys=[
                 msg.KeyInfo(
                     key=row.key.format_map(names),

@@ -164,7 +164,7 @@ def test_stop_is_sent_to_a_lost_board_and_postpones_its_handshake(rig: Rig) -> N
     sent = time.monotonic()
     with pytest.raises(NoAnswer, match="does not answer"):
         rig.board.request(FrameType.STOP)
-    assert not rig.board._connection._handshake.due(sent + LOADER_S + 0.1), (
+    assert not rig.board._handshake.due(sent + LOADER_S + 0.1), (
         "the request is sent three times, the last 0.2 s after the first"
     )
     rig.port.mute = False

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 from enum import IntEnum, IntFlag
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Self
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.rows import Frame
@@ -44,136 +44,67 @@ HOST_GONE: Final = 2000
 """without a valid frame for this long the firmware assumes that there is no host: no telemetry, text replies without frames, text motions without heartbeat [ms]"""
 
 
-class Error(IntEnum):
+class Code(IntEnum):
+    """A code with the text and the reason that programs give for it."""
+
+    text: str
+    reason: Reason
+
+    def __new__(cls, code: int, text: str = "", reason: Reason = Reason.OK) -> Self:
+        made = int.__new__(cls, code)
+        made._value_, made.text, made.reason = code, text, reason
+        return made
+
+
+class Error(Code):
     """Codes of `error`."""
 
-    OK = 0
-    """done"""
-    BAD_LENGTH = 1
-    """the length of the payload does not match the type"""
-    BAD_VALUE = 2
-    """a field is outside its range"""
-    UNKNOWN = 3
-    """no such frame type"""
-    NOT_ENABLED = 4
-    """motors are off"""
-    NOT_CALIBRATED = 5
-    """home is not known"""
-    NOT_AT_REST = 6
-    """arms are moving"""
-    GAP = 7
-    """target brings neighbouring arms too close"""
-    YAW = 8
-    """target turns the arms too far"""
-    SPEED = 9
-    """speed is zero or above the firmware's limit"""
-    EMERGENCY = 10
-    """EMERGENCY_STOP is latched: send RESET first"""
+    OK = 0, "done", Reason.OK
+    BAD_LENGTH = 1, "the length of the payload does not match the type", Reason.BAD_VALUE
+    BAD_VALUE = 2, "a field is outside its range", Reason.BAD_VALUE
+    UNKNOWN = 3, "no such frame type", Reason.UNKNOWN_COMMAND
+    NOT_ENABLED = 4, "motors are off", Reason.NOT_ENABLED
+    NOT_CALIBRATED = 5, "home is not known", Reason.NOT_CALIBRATED
+    NOT_AT_REST = 6, "arms are moving", Reason.NOT_AT_REST
+    GAP = 7, "target brings neighbouring arms too close", Reason.ARM_GAP
+    YAW = 8, "target turns the arms too far", Reason.YAW_LIMIT
+    SPEED = 9, "speed is zero or above the firmware's limit", Reason.SPEED_LIMIT
+    EMERGENCY = 10, "EMERGENCY_STOP is latched: send RESET first", Reason.EMERGENCY
 
 
-ERROR_REASON: Final[dict[Error, Reason]] = {
-    Error.OK: Reason.OK,
-    Error.BAD_LENGTH: Reason.BAD_VALUE,
-    Error.BAD_VALUE: Reason.BAD_VALUE,
-    Error.UNKNOWN: Reason.UNKNOWN_COMMAND,
-    Error.NOT_ENABLED: Reason.NOT_ENABLED,
-    Error.NOT_CALIBRATED: Reason.NOT_CALIBRATED,
-    Error.NOT_AT_REST: Reason.NOT_AT_REST,
-    Error.GAP: Reason.ARM_GAP,
-    Error.YAW: Reason.YAW_LIMIT,
-    Error.SPEED: Reason.SPEED_LIMIT,
-    Error.EMERGENCY: Reason.EMERGENCY,
-}
-
-
-ERROR_TEXT: Final[dict[Error, str]] = {
-    Error.OK: "done",
-    Error.BAD_LENGTH: "the length of the payload does not match the type",
-    Error.BAD_VALUE: "a field is outside its range",
-    Error.UNKNOWN: "no such frame type",
-    Error.NOT_ENABLED: "motors are off",
-    Error.NOT_CALIBRATED: "home is not known",
-    Error.NOT_AT_REST: "arms are moving",
-    Error.GAP: "target brings neighbouring arms too close",
-    Error.YAW: "target turns the arms too far",
-    Error.SPEED: "speed is zero or above the firmware's limit",
-    Error.EMERGENCY: "EMERGENCY_STOP is latched: send RESET first",
-}
-
-
-class BoardOutcome(IntEnum):
+class BoardOutcome(Code):
     """Codes of `outcome`."""
 
-    NONE = 0
-    """no motion yet, or one is running"""
-    DONE = 1
-    """target reached"""
-    STOPPED = 2
-    """by STOP"""
-    GAP = 3
-    """by the guard: arms came too close on the way"""
-    YAW = 4
-    """by the guard: arms turned too far on the way"""
-    HOST_LOST = 5
-    """by the board itself: it received no frame of its node for half a second (the computer is too busy, or the cable is bad)"""
-    DISABLED = 6
-    """during the motion: the motors were switched off"""
-    EMERGENCY = 7
-    """by EMERGENCY_STOP"""
+    NONE = 0, "no motion yet, or one is running", Reason.OK
+    DONE = 1, "target reached", Reason.OK
+    STOPPED = 2, "by STOP", Reason.STOPPED
+    GAP = 3, "by the guard: arms came too close on the way", Reason.ARM_GAP
+    YAW = 4, "by the guard: arms turned too far on the way", Reason.YAW_LIMIT
+    HOST_LOST = (
+        5,
+        "by the board itself: it received no frame of its node for half a second (the computer is too busy, or the cable is bad)",
+        Reason.HOST_LOST,
+    )
+    DISABLED = 6, "during the motion: the motors were switched off", Reason.NOT_ENABLED
+    EMERGENCY = 7, "by EMERGENCY_STOP", Reason.FAULT
 
 
-OUTCOME_REASON: Final[dict[BoardOutcome, Reason]] = {
-    BoardOutcome.NONE: Reason.OK,
-    BoardOutcome.DONE: Reason.OK,
-    BoardOutcome.STOPPED: Reason.STOPPED,
-    BoardOutcome.GAP: Reason.ARM_GAP,
-    BoardOutcome.YAW: Reason.YAW_LIMIT,
-    BoardOutcome.HOST_LOST: Reason.HOST_LOST,
-    BoardOutcome.DISABLED: Reason.NOT_ENABLED,
-    BoardOutcome.EMERGENCY: Reason.FAULT,
-}
-
-
-OUTCOME_TEXT: Final[dict[BoardOutcome, str]] = {
-    BoardOutcome.NONE: "no motion yet, or one is running",
-    BoardOutcome.DONE: "target reached",
-    BoardOutcome.STOPPED: "by STOP",
-    BoardOutcome.GAP: "by the guard: arms came too close on the way",
-    BoardOutcome.YAW: "by the guard: arms turned too far on the way",
-    BoardOutcome.HOST_LOST: "by the board itself: it received no frame of its node for half a second (the computer is too busy, or the cable is bad)",
-    BoardOutcome.DISABLED: "during the motion: the motors were switched off",
-    BoardOutcome.EMERGENCY: "by EMERGENCY_STOP",
-}
-
-
-class WarningCode(IntEnum):
+class WarningCode(Code):
     """Codes of `warning`."""
 
-    GAP = 1
-    """the text motion was shortened: neighbouring arms would come too close"""
-    YAW = 2
-    """the text motion was shortened: the arms would turn too far"""
-    TILT = 3
-    """the text motion was shortened: the head would tilt too far"""
-    MOTORS_OFF = 4
-    """the text motion was only counted: the motors are off"""
-    BUSY = 5
-    """a line of text was refused: too many lines are waiting"""
-    HOME_UNKNOWN = 6
-    """the text motion was refused: home was lost after @CALNOW; set the head upright and send @CALNOW again"""
-    EMERGENCY = 7
-    """text was refused: an emergency stop is latched until `beatrix reset` (the frame RESET) or a reset of the board"""
-
-
-WARNING_TEXT: Final[dict[WarningCode, str]] = {
-    WarningCode.GAP: "the text motion was shortened: neighbouring arms would come too close",
-    WarningCode.YAW: "the text motion was shortened: the arms would turn too far",
-    WarningCode.TILT: "the text motion was shortened: the head would tilt too far",
-    WarningCode.MOTORS_OFF: "the text motion was only counted: the motors are off",
-    WarningCode.BUSY: "a line of text was refused: too many lines are waiting",
-    WarningCode.HOME_UNKNOWN: "the text motion was refused: home was lost after @CALNOW; set the head upright and send @CALNOW again",
-    WarningCode.EMERGENCY: "text was refused: an emergency stop is latched until `beatrix reset` (the frame RESET) or a reset of the board",
-}
+    GAP = 1, "the text motion was shortened: neighbouring arms would come too close"
+    YAW = 2, "the text motion was shortened: the arms would turn too far"
+    TILT = 3, "the text motion was shortened: the head would tilt too far"
+    MOTORS_OFF = 4, "the text motion was only counted: the motors are off"
+    BUSY = 5, "a line of text was refused: too many lines are waiting"
+    HOME_UNKNOWN = (
+        6,
+        "the text motion was refused: home was lost after @CALNOW; set the head upright and send @CALNOW again",
+    )
+    EMERGENCY = (
+        7,
+        "text was refused: an emergency stop is latched until `beatrix reset` (the frame RESET) or a reset of the board",
+    )
 
 
 class BoardState(IntFlag):
