@@ -9,75 +9,62 @@ STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i16": "h", "i32": "i"}
 
 
 def frame_class(name: str, table: dict[str, object]) -> str:
-    fields: list[dict[str, object]] = list(table.get("fields", []))  # type: ignore[call-overload]
-    layout = "<"
-    lines = [f"class {name.title().replace('_', '')}(NamedTuple):", f'    """{table["doc"]}"""', ""]
-    pack, unpack, at = [], [], 0
-    const, tail = f"_{name}", ""
-    for field in fields:
-        if field["type"] == "text":
-            tail = str(field["name"])
-            lines += [f"    {tail}: bytes", f'    """{doc_of(field)}; at most {field["count"]} bytes"""']
-            continue
-        count, kind = int(str(field.get("count", 1))), str(field["type"])
-        layout += f"{count}s" if kind == "char" else (f"{count}" if count > 1 else "") + STRUCT[kind]
-        if kind == "char":
-            python, pack_one, unpack_one, used = "bytes", f"self.{field['name']}", f"values[{at}]", 1
-        elif count > 1:
-            python = f"tuple[{', '.join(['int'] * count)}]"
-            pack_one = f"*self.{field['name']}"
-            unpack_one = "(" + ", ".join(f"values[{at + k}]" for k in range(count)) + ")"
-            used = count
+    layout, counts = "<", list[int]()
+    fields = ""
+    for field in list(table["fields"]):  # type: ignore[call-overload]
+        count, kind = int(field.get("count", 1)), str(field["type"])
+        python, doc = "bytes", doc_of(field)
+        if kind == "text":
+            doc += f"; at most {count} bytes"
+        elif kind == "char":
+            layout += f"{count}s"
+            counts.append(1)
         else:
-            python, pack_one, unpack_one, used = "int", f"self.{field['name']}", f"values[{at}]", 1
-        lines += [f"    {field['name']}: {python}", f'    """{doc_of(field)}"""']
-        pack.append(pack_one)
-        unpack.append(unpack_one)
-        at += used
-    lines += [
-        "",
-        "    @property",
-        "    def kind(self) -> FrameType:",
-        '        """Frame type, the first byte of the frame."""',
-        f"        return FrameType.{name}",
-        "",
-        "    def pack(self) -> bytes:",
-        '        """Return the payload, without type, seq and checksum."""',
-    ]
-    lines += [f"        return {const}.pack({', '.join(pack)})" + (f" + self.{tail}" if tail else "")]
-    lines += [
-        "",
-        "    @classmethod",
-        f"    def unpack(cls, payload: bytes) -> {name.title().replace('_', '')}:",
-    ]
-    lines += ['        """Return the fields of a payload; raises struct.error if its length is wrong."""']
-    fixed = f"payload[: {const}.size]" if tail else "payload"
-    unpack += [f"payload[{const}.size :]"] if tail else []
-    lines += [f"        values = {const}.unpack({fixed})", f"        return cls({', '.join(unpack)})"]
-    before = f" before its {tail}" if tail else ""
-    size = f'{name}_SIZE: Final = {const}.size\n"""Payload bytes of {name}{before}."""\n'
-    return f'{const}: Final = Struct("{layout}")\n{size}\n\n' + "\n".join(lines)
+            layout += (f"{count}" if count > 1 else "") + STRUCT[kind]
+            counts.append(count)
+            python = f"tuple[{', '.join(['int'] * count)}]" if count > 1 else "int"
+        fields += f'    {field["name"]}: {python}\n    """{doc}"""\n'
+    return (
+        f'class {name.title().replace("_", "")}(Frame, frozen=True):\n    """{table["doc"]}"""\n\n'
+        f"    kind: ClassVar[FrameType] = FrameType.{name}\n    layout = struct.Struct({layout!r})\n    counts = {tuple(counts)}\n{fields}"
+    )
+
+
+CODE = '''
+
+class Code(IntEnum):
+    """A code with the text and the reason that programs give for it."""
+
+    text: str
+    reason: Reason
+
+    def __new__(cls, code: int, text: str = "", reason: Reason = Reason.OK) -> Self:
+        made = int.__new__(cls, code)
+        made._value_, made.text, made.reason = code, text, reason
+        return made
+'''
+
+
+def codes(title: str, key: str, rows: dict[str, dict[str, object]]) -> str:
+    out = f'\n\nclass {title}(Code):\n    """Codes of `{key}`."""\n\n'
+    for name, row in rows.items():
+        reason = f", Reason.{row['reason']}" if "reason" in row else ""
+        out += f"    {name} = {row['code']}, {row['doc']!r}{reason}\n"
+    return out
 
 
 def serial(contract: Contract) -> str:
     table = contract.serial
     out = HEADER.format(doc="Serial link between host and firmware.", source="serial.toml")
-    out += "from enum import IntEnum, IntFlag\nfrom struct import Struct\nfrom typing import Final, NamedTuple\n\n"
-    out += "from beatrix_zenoh.contract._generated.messages import Reason\n\n"
+    out += "import struct\nfrom enum import IntEnum, IntFlag\nfrom typing import ClassVar, Final, Self\n\n"
+    out += "from beatrix_zenoh.contract._generated.messages import Reason\n"
+    out += "from beatrix_zenoh.contract.rows import Frame\n\n"
     out += f'CONTRACT: Final = 0x{contract.serial_hash:08X}\n"""Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""\n'
     for name, row in table["link"].items():
         out += f'{name.upper()}: Final = {row["value"]}\n"""{doc_of(row)}"""\n'
-    for title, key in (("Error", "error"), ("BoardOutcome", "outcome")):
-        out += f'\n\nclass {title}(IntEnum):\n    """Codes of `{key}`."""\n\n'
-        out += "".join(f'    {n} = {r["code"]}\n    """{r["doc"]}"""\n' for n, r in table[key].items())
-        out += f"\n\n{key.upper()}_REASON: Final[dict[{title}, Reason]] = {{\n"
-        out += "".join(f"    {title}.{n}: Reason.{r['reason']},\n" for n, r in table[key].items()) + "}\n"
-        out += f"\n\n{key.upper()}_TEXT: Final[dict[{title}, str]] = {{\n"
-        out += "".join(f"    {title}.{n}: {r['doc']!r},\n" for n, r in table[key].items()) + "}\n"
-    out += '\n\nclass WarningCode(IntEnum):\n    """Codes of `warning`."""\n\n'
-    out += "".join(f'    {n} = {r["code"]}\n    """{r["doc"]}"""\n' for n, r in table["warning"].items())
-    out += "\n\nWARNING_TEXT: Final[dict[WarningCode, str]] = {\n"
-    out += "".join(f"    WarningCode.{n}: {r['doc']!r},\n" for n, r in table["warning"].items()) + "}\n"
+    out += CODE
+    for title, key in (("Error", "error"), ("BoardOutcome", "outcome"), ("WarningCode", "warning")):
+        out += codes(title, key, table[key])
     out += '\n\nclass BoardState(IntFlag):\n    """State bits of TELEMETRY."""\n\n'
     out += "".join(
         f'    {n} = {1 << int(str(r["bit"]))}\n    """{r["doc"]}"""\n' for n, r in table["state"].items()
@@ -85,10 +72,8 @@ def serial(contract: Contract) -> str:
     out += "\n    __and__ = __rand__ = int.__and__  # type: ignore[assignment] # quick: IntFlag makes a member each time\n"
     out += '\n\nclass FrameType(IntEnum):\n    """First byte of a frame."""\n\n'
     out += "".join(f'    {n} = 0x{r["type"]:02X}\n    """{r["doc"]}"""\n' for n, r in table["frame"].items())
-    for name, frame in table["frame"].items():
-        if "fields" in frame:
-            out += "\n\n" + frame_class(name, frame) + "\n"
-    return out
+    frames = {name: frame for name, frame in table["frame"].items() if "fields" in frame}
+    return out + "".join("\n\n" + frame_class(name, frame) for name, frame in frames.items())
 
 
 def python_value(value: object) -> tuple[str, str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from compiled import MEANING, TICK_HZ, compiled
 from contract import Contract
 
@@ -61,18 +63,11 @@ def frame(name: str, table: dict[str, object]) -> str:
         suffix = f"[{count}]" if count > 1 else ""
         unit = f" [{field['unit']}]" if field.get("unit") else ""
         members += f"  {CTYPE[kind]} {field_name}{suffix};  // {field['doc']}{unit}\n"
-        for lines, write in (("r", False), ("w", True)):
-            if count > 1:
-                at = f"{offset} + {WIDTH[kind]} * i"
-                text = f"    for (uint8_t i = 0; i < {count}; i++) " + access(
-                    kind, at, f"{field_name}[i]", write=write
-                )
-            else:
-                text = "    " + access(kind, str(offset), field_name, write=write)
-            if lines == "r":
-                reads += text + "\n"
-            else:
-                writes += text + "\n"
+        at = f"{offset} + {WIDTH[kind]} * i" if count > 1 else str(offset)
+        value = f"{field_name}[i]" if count > 1 else field_name
+        loop = f"for (uint8_t i = 0; i < {count}; i++) " if count > 1 else ""
+        reads += f"    {loop}{access(kind, at, value, write=False)}\n"
+        writes += f"    {loop}{access(kind, at, value, write=True)}\n"
         offset += WIDTH[kind] * count
     return (
         f"// {table['doc']}\nstruct {title} {{\n  static const uint8_t SIZE = {offset};\n{members}"
@@ -86,6 +81,11 @@ def limits(contract: Contract) -> str:
         f"static const int32_t {name} = {value};  // {MEANING[name]}\n"
         for name, value in compiled(contract.robot).items()
     )
+
+
+def enum(title: str, members: Mapping[str, tuple[object, object]]) -> str:
+    lines = "".join(f"  {name} = {code},  // {doc}\n" for name, (code, doc) in members.items())
+    return f"enum {title} : uint8_t {{\n{lines}}};\n\n"
 
 
 def header(contract: Contract) -> str:
@@ -104,23 +104,10 @@ def header(contract: Contract) -> str:
         out += f"static const {kind} {name.upper()} = {row['value']};  // {row['unit']}: {row['doc']}\n"
     out += "\n" + limits(contract) + "\n"
     for title, key in (("Error", "error"), ("Outcome", "outcome"), ("Warning", "warning")):
-        out += f"enum {title} : uint8_t {{\n"
-        out += (
-            "".join(f"  {title.upper()}_{n} = {r['code']},  // {r['doc']}\n" for n, r in table[key].items())
-            + "};\n\n"
-        )
-    out += "enum StateBit : uint8_t {\n"
-    out += (
-        "".join(
-            f"  STATE_{n} = {1 << int(str(r['bit']))},  // {r['doc']}\n" for n, r in table["state"].items()
-        )
-        + "};\n\n"
-    )
-    out += "enum FrameType : uint8_t {\n"
-    out += (
-        "".join(f"  FRAME_{n} = 0x{r['type']:02X},  // {r['doc']}\n" for n, r in table["frame"].items())
-        + "};\n\n"
-    )
+        out += enum(title, {f"{title.upper()}_{n}": (r["code"], r["doc"]) for n, r in table[key].items()})
+    bits = {f"STATE_{n}": (1 << int(str(r["bit"])), r["doc"]) for n, r in table["state"].items()}
+    types = {f"FRAME_{n}": (f"0x{r['type']:02X}", r["doc"]) for n, r in table["frame"].items()}
+    out += enum("StateBit", bits) + enum("FrameType", types)
     out += "static const uint8_t REPLY_BIT = 0x80;\nstatic const uint8_t TEXT_LAST = 1;\n\n" + CODEC
     out += "".join(frame(name, row) for name, row in table["frame"].items() if "fields" in row)
     return out + "}  // namespace beatrix\n\n#endif\n"

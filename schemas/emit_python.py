@@ -77,24 +77,25 @@ def struct_class(name: str, table: dict[str, object]) -> str:
 
 def enum_class(name: str, table: dict[str, object]) -> str:
     members = {key: text for key, text in table.items() if key != "doc"}
-    lines = [f"class {name}(StrEnum):", f'    """{table["doc"]}"""', ""]
+    lines = [f"class {name}({'Word' if name in SHOWN else 'StrEnum'}):", f'    """{table["doc"]}"""', ""]
     for key, text in members.items():
-        lines += [f'    {key.upper()} = "{key}"', f'    """{text}"""']
+        if name in SHOWN:
+            lines.append(f'    {key.upper()} = "{key}", {text!r}')
+        else:
+            lines += [f'    {key.upper()} = "{key}"', f'    """{text}"""']
     return "\n".join(lines)
 
 
 def messages(contract: Contract) -> str:
     out = HEADER.format(doc="Messages of the Zenoh contract.", source="messages.toml")
     out += "from enum import IntEnum, StrEnum\nfrom typing import Annotated, Final\n\nfrom msgspec import Meta, Struct\n\n"
+    out += "from beatrix_zenoh.contract.rows import Word\n\n"
     out += f'CONTRACT: Final = "{contract.bus_hash:08x}"\n"""Hash of messages and keys."""\n'
     out += FLOAT32
     for kind, row in contract.messages["text"].items():
         out += TEXT.format(alias=SCALARS[kind], kind=kind, **row)
     for name, table in contract.messages["enum"].items():
         out += "\n\n" + enum_class(name, table) + "\n"
-        if name in SHOWN:
-            texts = "".join(f"    {name}.{k.upper()}: {v!r},\n" for k, v in table.items() if k != "doc")
-            out += f"\n\n{name.upper()}_TEXT: Final[dict[{name}, str]] = {{\n{texts}}}\n"
     commands = contract.messages["command"]
     out += '\n\nclass Command(IntEnum):\n    """Numbers of CommandQuery."""\n\n'
     for name, row in commands.items():
@@ -107,19 +108,6 @@ def messages(contract: Contract) -> str:
     return out
 
 
-VALUE_ROW = '''class ValueRow(NamedTuple):
-    """One field of a message that a robot publishes: how programs show its value."""
-
-    title: str = ""
-    """Name of the value; empty: the words of the field."""
-    unit: str = ""
-    group: str = ""
-    """Values of one group are shown together; empty: none."""
-    decimals: int = 1
-    """Decimals in the unit that people read."""
-    on_change: bool = True
-    """Whether a change of this value alone is published at once: not of clocks, rates and the physics."""
-'''
 HOW = ("title", "unit", "group", "decimals", "on_change")
 """Entries of a row for the table of values."""
 
@@ -138,9 +126,10 @@ def values(contract: Contract) -> str:
     out = HEADER.format(
         doc="The values that robots publish, for all programs that show them.", source="messages.toml"
     )
-    out += "from typing import Final, NamedTuple\n\nfrom msgspec import Struct\n\n"
+    out += "from typing import Final\n\nfrom msgspec import Struct\n\n"
     names = published(contract)
-    out += f"from beatrix_zenoh.contract._generated.messages import {', '.join(sorted(names))}\n\n\n{VALUE_ROW}\n\n"
+    out += f"from beatrix_zenoh.contract._generated.messages import {', '.join(sorted(names))}\n"
+    out += "from beatrix_zenoh.contract.rows import ValueRow\n\n"
     out += "VALUES: Final[dict[type[Struct], dict[str, ValueRow]]] = {\n"
     for name in names:
         lines = ""
@@ -151,96 +140,30 @@ def values(contract: Contract) -> str:
     return out + "}\n"
 
 
-KEY_ROW = '''class KeyRow(NamedTuple):
-    """One row of keys.toml."""
-
-    key: str
-    kind: str
-    payload: str
-    reply: str
-    sides: tuple[str, ...]
-    session: str
-    """Traffic class of the session that answers or subscribes."""
-    publish: str
-    """Traffic class of the session that publishes; empty: none."""
-    priority: str
-    congestion: str
-    doc: str
-    rate_hz: int = 0
-    """Publications per second; 0: not at a constant rate."""
-
-
-class Parts(NamedTuple):
-    """The names in a key; a name that its row does not contain is empty."""
-
-    row: str
-    """Name of the row in KEYS."""
-'''
-
-PARSE = '''
-
-NAME: Final = re.compile(r"[a-z0-9-]{1,LONGEST}")
-"""Names of robots and seats."""
-_CHUNKS: Final = {name: row.key.split("/") for name, row in KEYS.items()}
-_VALID: Final = {"robot": NAME, "who": NAME, "side": re.compile("hw|sim")}
-
-
-@lru_cache(maxsize=1024)
-def parse(key: str) -> Parts | None:
-    """Return the row of a key and the names in it, which may be `*`.
-
-    None if the key matches no row, or contains an invalid name of a robot, side or seat.
-    """
-    chunks = key.split("/")
-    for name, pattern in _CHUNKS.items():
-        if (parts := _parts(name, pattern, chunks)) is not None:
-            return parts
-    return None
-
-
-def _parts(name: str, pattern: list[str], chunks: list[str]) -> Parts | None:
-    if len(pattern) != len(chunks):
-        return None
-    found: dict[str, str] = {}
-    for wanted, chunk in zip(pattern, chunks, strict=True):
-        if wanted[0] == "{":
-            valid = _VALID.get(wanted[1:-1])
-            if valid is not None and chunk != "*" and not valid.fullmatch(chunk):
-                return None
-            found[wanted[1:-1]] = chunk
-        elif wanted != chunk:
-            return None
-    if "robot" in found and "side" not in found:
-        found["side"] = pattern[2]
-    return Parts(name, **found)
-'''
-
-
-def parameters(contract: Contract) -> list[str]:
-    """Return the names in braces of all keys, in the order of their first use."""
-    chunks = [chunk for row in contract.keys.values() for chunk in str(row["key"]).split("/")]
-    return list(dict.fromkeys(chunk[1:-1] for chunk in chunks if chunk.startswith("{")))
+KEY_OPTIONS = ("publish", "sides", "priority", "congestion", "rate_hz")
+"""Fields of KeyRow that a row may leave out."""
 
 
 def keys(contract: Contract) -> str:
     out = HEADER.format(doc="Key expressions of the Zenoh contract.", source="keys.toml")
-    out += "import re\nfrom functools import lru_cache\nfrom typing import Final, NamedTuple\n\n\n" + KEY_ROW
-    out += "".join(f'    {name}: str = ""\n' for name in parameters(contract)) + "\n\n"
+    out += "import re\nfrom typing import Final\n\n"
+    out += "from beatrix_zenoh.contract.rows import KeyRow, parser\n\n"
     out += "KEYS: Final[dict[str, KeyRow]] = {\n"
     for name, row in contract.keys.items():
-        sides = (row["side"],) if "side" in row else ("hw", "sim")
-        first = [row[field] for field in ("key", "kind", "payload", "reply")]
-        values = (*first, sides, row["session"], row.get("publish", ""))
-        how = (row.get("priority", "data"), row.get("congestion", "drop"), row["doc"])
-        rate = f", rate_hz={row['rate_hz']}" if "rate_hz" in row else ""
-        out += f"    {name!r}: KeyRow({', '.join(map(repr, values + how))}{rate}),\n"
-    out += "}\n"
+        values = [repr(row[field]) for field in ("key", "kind", "payload", "reply", "session")]
+        given = {**row, "sides": (row["side"],)} if "side" in row else row
+        values += [f"{field}={given[field]!r}" for field in KEY_OPTIONS if field in given]
+        out += f"    {name!r}: KeyRow({', '.join(values)}),\n"
+    out += "}\n\n\nKEY_TEXT: Final[dict[str, str]] = {\n"
+    out += "".join(f"    {name!r}: {row['doc']!r},\n" for name, row in contract.keys.items()) + "}\n"
     for name, row in contract.keys.items():
         pattern = str(row["key"])
         names = [part[1:-1] for part in pattern.split("/") if part.startswith("{")]
         arguments = ", ".join(f"{argument}: str" for argument in names)
         out += f'\n\ndef {name}({arguments}) -> str:\n    """Return the key `{pattern}`.\n\n    {row["doc"]}\n    """\n    return f"{pattern}"\n'
-    out += PARSE.replace("LONGEST", str(contract.messages["text"]["name"]["longest"]))
+    longest = contract.messages["text"]["name"]["longest"]
+    out += f'\n\nNAME: Final = re.compile(r"[a-z0-9-]{{1,{longest}}}")\n"""Names of robots and seats."""\n'
+    out += "parse = parser(KEYS, NAME)\n"
     rates = {name: row["rate_hz"] for name, row in contract.keys.items() if "rate_hz" in row}
     out += "\n\n" + "".join(f"{name.upper()}_HZ: Final = {rate}\n" for name, rate in rates.items())
     return out

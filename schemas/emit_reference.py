@@ -29,13 +29,8 @@ def messages(contract: Contract) -> str:
         lines: list[list[object]] = []
         for field, row in rows(message).items():
             kind = f"list of {row['type']}" if row.get("list") else row["type"]
-            default = (
-                "may be missing"
-                if row.get("optional")
-                else f"default {row['default']}"
-                if "default" in row
-                else ""
-            )
+            default = f"default {row['default']}" if "default" in row else ""
+            default = "may be missing" if row.get("optional") else default
             lines.append([f"`{row.get('wire', field)}`", kind, row.get("unit", ""), default, row["doc"]])
         out += table(["field", "type", "unit", "", "meaning"], lines)
     out += "\n## Commands\n\n"

@@ -17,8 +17,6 @@ from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Detail, Head, Limit, PreviewReply, Reason
 from beatrix_zenoh.contract._generated.serial import (
-    OUTCOME_REASON,
-    OUTCOME_TEXT,
     BoardOutcome,
     BoardState,
     Move,
@@ -101,9 +99,7 @@ class _MotionSimulation(VirtualTime):
         """Return at most SAMPLES_MAX samples of the motion; raises Refused if the firmware stopped it."""
         outcome = BoardOutcome.DONE if self.telemetry is None else BoardOutcome(self.telemetry.outcome)
         if outcome is not BoardOutcome.DONE:
-            raise Refused(
-                OUTCOME_REASON[outcome], f"The firmware would end this motion {OUTCOME_TEXT[outcome]}."
-            )
+            raise Refused(outcome.reason, f"The firmware would end this motion {outcome.text}.")
         every = -(-len(self._samples) // SAMPLES_MAX)
         samples = self._samples[-1::-every][::-1]
         if samples[0][0]:

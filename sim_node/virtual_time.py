@@ -7,8 +7,6 @@ from collections.abc import Callable
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import (
-    ERROR_REASON,
-    ERROR_TEXT,
     HEARTBEAT_PERIOD,
     Error,
     FrameType,
@@ -57,6 +55,4 @@ class VirtualTime:
             elif FrameType.ACK <= frame.type < FrameType.TELEMETRY and frame.seq == _SEQ_ASK:
                 error = Error(frame.payload[0])
                 if error is not Error.OK:
-                    raise Refused(
-                        ERROR_REASON[error], f"The firmware refuses this motion: {ERROR_TEXT[error]}."
-                    )
+                    raise Refused(error.reason, f"The firmware refuses this motion: {error.text}.")

@@ -9,13 +9,11 @@ from typing import Final
 
 from beatrix_zenoh.board.connection import BoardConnection
 from beatrix_zenoh.board.link import SerialFrame, encode
-from beatrix_zenoh.board.state import BoardLink, Port, TelemetrySample, Turns, not_connected
+from beatrix_zenoh.board.state import Port, not_connected
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import (
-    ERROR_REASON,
-    ERROR_TEXT,
     BoardState,
     Error,
     FrameType,
@@ -33,12 +31,12 @@ _OK: Final = bytes([Error.OK])
 REPLY_S: Final = wire.REPLY_TIMEOUT / 1000
 
 
-class Board:
+class Board(BoardConnection):
     """A board on a port that may be unplugged and plugged in again.
 
     `on_telemetry` is called for the newest TELEMETRY that has arrived, after `sample` has been set; `on_link` when the
-    board is connected or lost; `on_text` for every line and warning of the text port, with the seq of its frame. All
-    callbacks run on the board's own thread, never on the thread that calls `request`. They must be quick and must not
+    board is connected or lost; `on_text` for every line and warning of the text port. All callbacks
+    run on the board's own thread, never on the thread that calls `request`. They must be quick and must not
     call the board.
 
     Telemetry from before a motion may arrive after the acknowledgement of the motion: wait for newer telemetry with
@@ -50,38 +48,19 @@ class Board:
         open_port: Callable[[], Port],
         on_telemetry: Callable[[Telemetry], None],
         on_link: Callable[[], None],
-        on_text: Callable[[int, Text | TextWarning], None] = lambda *_: None,
+        on_text: Callable[[Text | TextWarning], None] = lambda *_: None,
     ) -> None:
         """Store the callbacks; `start` opens the port."""
-        self._connection = BoardConnection(open_port, on_telemetry, on_link, self._receive)
+        super().__init__(open_port, on_telemetry, on_link)
         self._on_text = on_text
         self._lock = threading.Lock()
         self._pending: dict[tuple[int, int], queue.SimpleQueue[int]] = {}
         self._seq = 0
 
-    def start(self, turns: Turns | None = None) -> None:
-        """Open the port and start the board's thread, which runs the callbacks; with `turns` their thread runs them."""
-        self._connection.start(turns)
-
-    @property
-    def link(self) -> BoardLink:
-        """The present state of the connection."""
-        return self._connection.link
-
-    @property
-    def connected(self) -> bool:
-        """Whether the board is connected; quicker than `link`."""
-        return self._connection.connected
-
-    @property
-    def sample(self) -> TelemetrySample | None:
-        """The newest telemetry with its time; None before the first."""
-        return self._connection.sample
-
     @property
     def telemetry(self) -> Telemetry | None:
         """The newest telemetry; None before the first."""
-        sample = self._connection.sample
+        sample = self.sample
         return None if sample is None else sample.telemetry
 
     @property
@@ -92,20 +71,14 @@ class Board:
 
     def wait_for(self, holds: Callable[[Telemetry], bool], timeout_s: float) -> bool:
         """Wait until `holds` is true for the newest telemetry; return False if this takes longer than `timeout_s`."""
-        connection = self._connection
-        with connection.sample_changed:
-            return connection.sample_changed.wait_for(
-                lambda: connection.sample is not None and holds(connection.sample.telemetry),
-                timeout=timeout_s,
+        with self.sample_changed:
+            return self.sample_changed.wait_for(
+                lambda: self.sample is not None and holds(self.sample.telemetry), timeout=timeout_s
             )
 
     def move(self, move: Move | MoveStraight) -> None:
-        """Begin a motion; raises the errors of `request`."""
+        """Begin a motion; raises the errors of `request`. Call `wake` after the reply to the client."""
         self.request(move.kind, move.pack())
-
-    def wake(self) -> None:
-        """Give a virtual board a turn now. `move` does not, so that the reply to the client goes first."""
-        self._connection.wake()
 
     def enable(self, *, on: bool) -> None:
         """Switch the motors on or off; raises the errors of `request`."""
@@ -114,8 +87,8 @@ class Board:
     def send_text(self, line: bytes) -> None:
         """Send a line of text, given without its line end; raises NoAnswer: BOARD_LOST or CONTRACT_MISMATCH."""
         self.check_connected()
-        self._connection.write(line + b"\r")  # not `write_frame`: text does not count as a heartbeat
-        self._connection.wake()
+        self.write(line + b"\r")  # not `write_frame`: text does not count as a heartbeat
+        self.wake()
 
     def check_connected(self) -> None:
         """Raise NoAnswer (BOARD_LOST or CONTRACT_MISMATCH) unless the board is connected."""
@@ -147,14 +120,14 @@ class Board:
             NoAnswer: BOARD_LOST or CONTRACT_MISMATCH.
         """
         # STOP and EMERGENCY_STOP are the same in every contract: send them to any firmware.
-        if kind not in STOPS and not self._connection.understood:
+        if kind not in STOPS and not self.understood:
             raise not_connected(self.link)
         slot: queue.SimpleQueue[int] = queue.SimpleQueue()
         with self._lock:
             self._seq = seq = self._seq % 255 + 1
             self._pending[kind | FrameType.ACK, seq] = slot
         try:
-            code = self._exchange(kind, seq, payload, slot)
+            code = self._ask(kind, seq, payload, slot)
         finally:
             self._pending.pop((kind | FrameType.ACK, seq), None)
         if code is None:
@@ -164,9 +137,7 @@ class Board:
             )
         check_acknowledged(kind, code)
 
-    def _exchange(
-        self, kind: FrameType, seq: int, payload: bytes, slot: queue.SimpleQueue[int]
-    ) -> int | None:
+    def _ask(self, kind: FrameType, seq: int, payload: bytes, slot: queue.SimpleQueue[int]) -> int | None:
         """Send a request up to TRIES times; return the code of the acknowledgement, None if there is none.
 
         `write_frame` returns the answer of a virtual board. For a motion this thread finds the acknowledgement
@@ -175,40 +146,36 @@ class Board:
         """
         frame = encode(kind, seq, payload)
         for attempt in range(wire.TRIES):
-            self._connection.retries += attempt > 0
-            answer = self._connection.write_frame(frame)
-            self._connection.request_sent()
+            self.retries += attempt > 0
+            answer = self.write_frame(frame)
+            self.request_sent()
             if kind in MOTIONS and answer and answer.startswith(encode(kind | FrameType.ACK, seq, _OK)):
                 return Error.OK
-            self._connection.wake()
+            self.wake()
             try:
                 return slot.get(timeout=REPLY_S)
             except queue.Empty:
                 continue
         return None
 
-    def _receive(self, frame: SerialFrame) -> None:
+    def _handle(self, frame: SerialFrame) -> None:
         if frame.type == FrameType.TEXT and len(frame.payload) > 1:
-            self._on_text(frame.seq, Text.unpack(frame.payload))
-        elif frame.type == FrameType.TEXT_WARNING and len(frame.payload) == wire.TEXT_WARNING_SIZE:
-            self._on_text(frame.seq, TextWarning.unpack(frame.payload))
+            self._on_text(Text.unpack(frame.payload))
+        elif frame.type == FrameType.TEXT_WARNING and len(frame.payload) == TextWarning.layout.size:
+            self._on_text(TextWarning.unpack(frame.payload))
         elif FrameType.ACK <= frame.type < FrameType.TELEMETRY and frame.payload:  # a reply
             slot = self._pending.get((frame.type, frame.seq))
             if slot is not None:
                 slot.put(frame.payload[0])
-
-    def close(self) -> None:
-        """Close the port; the state of the board does not change."""
-        self._connection.close()
 
 
 def check_acknowledged(kind: FrameType, code: int) -> None:
     """Raise Refused unless the error code of an acknowledgement is OK."""
     if code == Error.OK:
         return
-    if code not in ERROR_REASON:
+    if code not in list(Error):
         raise Refused(
             Reason.CONTRACT_MISMATCH, f"The firmware answered {kind.name} with the unknown error code {code}."
         )
     error = Error(code)
-    raise Refused(ERROR_REASON[error], f"The firmware refused {kind.name}: {ERROR_TEXT[error]}.")
+    raise Refused(error.reason, f"The firmware refused {kind.name}: {error.text}.")

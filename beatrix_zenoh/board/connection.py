@@ -42,8 +42,8 @@ LOST_S: Final = 0.4
 class BoardConnection:
     """A thread that opens the port, sends handshake and heartbeat, and decodes the frames of the board.
 
-    `on_frame` is called for every frame that is neither HELLO_REPLY nor TELEMETRY, `on_telemetry` for the newest
-    TELEMETRY that has arrived, `on_link` when the board is connected or lost; all on this thread.
+    `on_telemetry` is called for the newest TELEMETRY that has arrived, `on_link` when the board is connected or lost, and
+    `_handle` for all other frames but HELLO_REPLY; all on this thread.
     """
 
     def __init__(
@@ -51,11 +51,10 @@ class BoardConnection:
         open_port: Callable[[], Port],
         on_telemetry: Callable[[Telemetry], None],
         on_link: Callable[[], None],
-        on_frame: Callable[[SerialFrame], None],
     ) -> None:
         """Store the callbacks; `start` opens the port."""
         self._open_port = open_port
-        self._on_telemetry, self._on_link, self._on_frame = on_telemetry, on_link, on_frame
+        self._on_telemetry, self._on_link = on_telemetry, on_link
         self.sample_changed = threading.Condition()
         self.sample: TelemetrySample | None = None
         self.connected = False
@@ -214,7 +213,7 @@ class BoardConnection:
         return data
 
     def _receive(self, frame: SerialFrame, received_ns: int) -> None:
-        if frame.type == FrameType.TELEMETRY and len(frame.payload) == wire.TELEMETRY_SIZE:
+        if frame.type == FrameType.TELEMETRY and len(frame.payload) == Telemetry.layout.size:
             hello = self._hello
             if hello is None or not same_contract(hello):
                 self._set_connected(connected=False)
@@ -229,10 +228,13 @@ class BoardConnection:
                 self.sample_changed.notify_all()
             self._set_connected(connected=True)
             self._on_telemetry(telemetry)
-        elif frame.type == FrameType.HELLO_REPLY and len(frame.payload) == wire.HELLO_REPLY_SIZE:
+        elif frame.type == FrameType.HELLO_REPLY and len(frame.payload) == HelloReply.layout.size:
             self._hello = HelloReply.unpack(frame.payload)
         else:
-            self._on_frame(frame)
+            self._handle(frame)
+
+    def _handle(self, frame: SerialFrame) -> None:
+        """Handle a frame that is neither HELLO_REPLY nor TELEMETRY."""
 
     def _set_connected(self, *, connected: bool) -> None:
         if connected != self.connected:

@@ -66,21 +66,18 @@ class Handshake:
 _WRAP: Final = 2**16
 _MS: Final = 1_000_000
 _WINDOW_NS: Final = 1_000_000_000
-"""Age up to which a minimum is used. In this time a drift of 1000 ppm shifts it by 1 ms, which `_slope` corrects."""
+"""Age up to which a minimum is used; in this time a drift of 1000 ppm shifts it by 1 ms."""
 _JUMP_NS: Final = 60_000_000
 """_JUMPS offsets in a row that exceed the minimum by more than this are not delays: the board's time was paused."""
 _JUMPS: Final = 3
 _SILENCE_NS: Final = 30_000_000_000
 """Silence after which the estimate restarts, because the tick may have wrapped round."""
-_SLOPE_WINDOWS: Final = 20
-_SLOPE_MAX: Final = 0.003
 
 
 class BoardClock:
     """Maps the board's tick, ms modulo 65536, to `time.monotonic_ns()` of the host.
 
-    Telemetry arrives with a varying delay. The smallest delay of the last second therefore gives the offset between the
-    clocks; the change of that minimum from second to second gives their drift.
+    Telemetry arrives with a varying delay; the smallest one of the last second gives the offset between the clocks.
     """
 
     def __init__(self) -> None:
@@ -92,76 +89,32 @@ class BoardClock:
         self._board_ns = 0
         """Board time since the estimate began: the tick without wrap-around."""
         self._received_ns = 0
-        self._slope = 0.0
-        """Growth of the offset, ns per ns of board time."""
         self._least: deque[tuple[int, int]] = deque()
-        """(board ns, offset ns): times ascending, slope-corrected offsets ascending; the first is the minimum."""
-        self._minima: deque[tuple[int, int]] = deque(maxlen=_SLOPE_WINDOWS)
-        self._window: tuple[int, int] | None = None
-        self._window_end_ns = _WINDOW_NS
-        self._late: list[tuple[int, int]] = []
+        """(board ns, offset ns), both ascending; the first is the minimum."""
+        self._jumps = 0
 
     def feed(self, tick: int, received_ns: int) -> int:
         """Add the tick of a TELEMETRY and its arrival time; return the time of the tick, in monotonic ns.
 
         The result is never later than `received_ns`.
         """
-        if self._tick is None or received_ns - self._received_ns > _SILENCE_NS:
-            self.restart()
-        elif (tick - self._tick) % _WRAP >= _WRAP // 2:
+        passed = 0 if self._tick is None else (tick - self._tick) % _WRAP
+        if received_ns - self._received_ns > _SILENCE_NS or passed >= _WRAP // 2:
             self.restart()  # the tick went backwards: the board was reset
-        else:
-            self._board_ns += (tick - self._tick) % _WRAP * _MS
+            passed = 0
+        self._board_ns += passed * _MS
         self._tick, self._received_ns = tick, received_ns
-        self._add(self._board_ns, received_ns - self._board_ns)
-        at, offset = self._least[0]
-        moment_ns = self._board_ns + offset + round(self._slope * (self._board_ns - at))
-        return min(moment_ns, received_ns)
-
-    def _add(self, at: int, offset: int) -> None:
-        if self._least:
-            first_at, first = self._least[0]
-            if offset - first - self._slope * (at - first_at) > _JUMP_NS:
-                self._late.append((at, offset))
-                if len(self._late) < _JUMPS:
-                    return
-                self._least.clear()
-                self._minima.clear()
-                self._window = None
-                self._window_end_ns = at + _WINDOW_NS
-                late, self._late = self._late, []
-                for sample in late:
-                    self._keep(*sample)
-                return
-        self._late.clear()
-        self._keep(at, offset)
-        self._follow_drift(at, offset)
+        self._keep(self._board_ns, received_ns - self._board_ns)
+        return min(self._board_ns + self._least[0][1], received_ns)
 
     def _keep(self, at: int, offset: int) -> None:
         """Add a sample, and keep only samples that may become the minimum when older ones leave the window."""
-        while self._least and offset <= self._least[-1][1] + self._slope * (at - self._least[-1][0]):
+        late = bool(self._least) and offset - self._least[0][1] > _JUMP_NS
+        self._jumps = self._jumps + 1 if late else 0
+        if self._jumps == _JUMPS:
+            self._least.clear()
+        while self._least and offset <= self._least[-1][1]:
             self._least.pop()
         self._least.append((at, offset))
         while at - self._least[0][0] > _WINDOW_NS:
             self._least.popleft()
-
-    def _follow_drift(self, at: int, offset: int) -> None:
-        if at >= self._window_end_ns:
-            if self._window is not None:
-                self._minima.append(self._window)
-                self._fit()
-            self._window, self._window_end_ns = None, at + _WINDOW_NS
-        if self._window is None or offset < self._window[1] + self._slope * (at - self._window[0]):
-            self._window = at, offset
-
-    def _fit(self) -> None:
-        """Set the slope by a least-squares line through the minima of the last windows."""
-        if len(self._minima) < 3:
-            return
-        begin, base = self._minima[0]
-        xs = [at - begin for at, _ in self._minima]
-        ys = [offset - base for _, offset in self._minima]
-        mean_x, mean_y = sum(xs) / len(xs), sum(ys) / len(ys)
-        spread = sum((x - mean_x) ** 2 for x in xs)
-        slope = sum((x - mean_x) * (y - mean_y) for x, y in zip(xs, ys, strict=True)) / spread
-        self._slope = max(-_SLOPE_MAX, min(_SLOPE_MAX, slope))

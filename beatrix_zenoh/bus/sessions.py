@@ -23,6 +23,7 @@ from beatrix_zenoh.bus.session import Bus
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import ProgramInfo, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.contract.rows import KeyRow
 
 MEDIA = "media"
 """Traffic class of pictures and sound, in which a node only publishes. Nodes of one process share its session and no
@@ -175,7 +176,7 @@ class Sessions:
             end()
 
 
-def _row(key: str) -> keys.KeyRow:
+def _row(key: str) -> KeyRow:
     parts = keys.parse(key)
     if parts is None:
         raise ValueError(f"{key!r} is not a key of schemas/keys.toml")

@@ -32,9 +32,9 @@ from beatrix_zenoh.client.subscription import (
 )
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys, messages
-from beatrix_zenoh.contract._generated.keys import KeyRow
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer
+from beatrix_zenoh.contract.rows import KeyRow
 from beatrix_zenoh.contract.sentences.events import sentence
 from beatrix_zenoh.contract.values import as_data, values
 from beatrix_zenoh.output import columns, print_json, say

@@ -14,7 +14,7 @@ from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.stopping import StopEvents
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, Reason, Status
+from beatrix_zenoh.contract._generated.messages import Fault, Reason, Status
 from beatrix_zenoh.contract.errors import Interrupted, NoAnswer, naming
 from beatrix_zenoh.contract.names import TEACHER
 
@@ -74,7 +74,7 @@ def check_board(status: Status) -> None:
     """Raise NoAnswer unless the robot is connected to its board."""
     if not status.board.connected:
         reason = Reason.CONTRACT_MISMATCH if status.fault is Fault.CONTRACT_MISMATCH else Reason.BOARD_LOST
-        raise NoAnswer(reason, " ".join(status.warnings[:1]) or FAULT_TEXT[status.fault])
+        raise NoAnswer(reason, " ".join(status.warnings[:1]) or status.fault.text)
 
 
 def check_holder(status: Status, seat: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from enum import StrEnum
 from typing import Final, TypeVar
@@ -72,22 +71,15 @@ def decode(data: bytes, kind: type[M]) -> M:
         message = msgspec.msgpack.decode(data, type=kind)
     except UNREADABLE as error:
         raise bad_value(kind, str(error)) from error
-    if not is_request(kind):
-        return printable.message(message)
-    if not _is_flat(data):
-        _check_names(msgpack.unpackb(data, object_pairs_hook=tuple, strict_map_key=False), kind)
-    return message
+    return message if kind.__struct_config__.forbid_unknown_fields else printable.message(message)
 
 
 def decode_json(data: bytes, kind: type[M]) -> M:
     """Decode a message from JSON text; raises the errors of `decode`."""
     try:
-        message = msgspec.json.decode(data, type=kind)
+        return msgspec.json.decode(data, type=kind)
     except UNREADABLE as error:
         raise bad_value(kind, str(error)) from error
-    if is_request(kind):
-        _check_names(json.loads(data, object_pairs_hook=tuple), kind)
-    return message
 
 
 def from_text(fields: dict[str, object], kind: type[M]) -> M:
@@ -121,11 +113,6 @@ def field_names(data: bytes, *, json: bool) -> frozenset[str]:
     except UNREADABLE:
         return frozenset()
     return frozenset(map(str, value)) if isinstance(value, dict) else frozenset()
-
-
-def is_request(kind: type[msgspec.Struct]) -> bool:
-    """Return whether messages of `kind` are requests, which may contain only known fields, each of them once."""
-    return kind.__struct_config__.forbid_unknown_fields
 
 
 def bad_value(kind: type[msgspec.Struct], what: str) -> Refused:
@@ -168,38 +155,4 @@ def _struct_of(kind: object) -> type[msgspec.Struct] | None:
     for candidate in (kind, *getattr(kind, "__args__", ())):
         if isinstance(candidate, type) and issubclass(candidate, msgspec.Struct):
             return candidate
-    return None
-
-
-def _is_flat(data: bytes) -> bool:
-    """Return whether msgpack is a map of up to 15 distinct fields without maps in it, as most requests are."""
-    value = msgspec.msgpack.decode(data)
-    # The first byte is 0x80 plus the number of fields, and the decoder keeps one of equal names.
-    distinct = isinstance(value, dict) and data[0] == 0x80 + len(value)
-    return distinct and not any(isinstance(one, dict | list) for one in value.values())
-
-
-def _check_names(value: object, kind: type[msgspec.Struct]) -> None:
-    """Raise Refused if a map in a decoded message, given as a tuple of pairs, contains a field twice."""
-    path = _repeated(value, "")
-    if path is not None:
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"{kind.__name__}: the field `{path}` is given twice. Give it once.",
-            Detail(field=path[:QUOTED]),
-        )
-
-
-def _repeated(value: object, path: str) -> str | None:
-    """Return the path of the first repeated field; None if no field is repeated."""
-    if not isinstance(value, tuple):
-        return None
-    seen = set()
-    for name, inner in value:
-        field = f"{path}.{name}" if path else str(name)
-        if name in seen:
-            return field
-        seen.add(name)
-        if (found := _repeated(inner, field)) is not None:
-            return found
     return None

@@ -11,7 +11,8 @@ from typing import NamedTuple
 
 from msgspec import Struct
 
-from beatrix_zenoh.contract._generated.values import VALUES, ValueRow
+from beatrix_zenoh.contract._generated.values import VALUES
+from beatrix_zenoh.contract.rows import ValueRow
 
 DEGREES = {"rad": "°", "rad/s": "°/s", "rad/s2": "°/s2"}
 """Units that people do not read, and those that they do."""

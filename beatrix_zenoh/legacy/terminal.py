@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import os
 import select
-import socket
 import sys
 import threading
 import time
@@ -74,7 +72,7 @@ class Terminal:
                 "--legacy needs a pseudo-terminal, which Windows does not have. Run this node on Linux or macOS.",
             )
         self.path = path
-        self._claim = claim(path)
+        remove_leftover(path)
         self._master, slave = os.openpty()
         self._device = os.ttyname(slave)
         tty.setraw(slave)
@@ -85,7 +83,6 @@ class Terminal:
             link(path, self._device)
         except Refused:
             os.close(self._master)
-            self._claim.close()
             raise
         self._lock = threading.Lock()
         self._open = False
@@ -193,7 +190,6 @@ class Terminal:
             self._open = False
             self._unread = b""
             os.close(self._master)
-        self._claim.close()
 
 
 def hung_up(events: list[tuple[int, int]]) -> bool:
@@ -226,47 +222,26 @@ try:
 except ImportError:  # Windows, which has no pseudo-terminals either
     grp = None  # type: ignore[assignment]
 
-LINK_PREFIX: Final = "/dev/.."
-"""Prefix of the targets of our links, by which they are recognised: no other program writes targets in this way."""
 GROUP: Final = "dialout"
 """On Linux the group of users who may open serial ports."""
 GROUP_MODE: Final = 0o660
 
 
-def claim(path: Path) -> socket.socket:
-    """Reserve `path` for this node until the returned socket is closed or the process ends; only on Linux.
-
-    Raises:
-        Refused: BAD_VALUE: another node has reserved it.
-    """
-    held = socket.socket(socket.AF_UNIX)
-    where = str(path.parent.resolve() / path.name)
-    try:
-        if sys.platform == "linux":  # only Linux has socket names that disappear with their process
-            held.bind(b"\0beatrix-legacy-" + hashlib.sha256(os.fsencode(where)).hexdigest().encode())
-    except OSError as error:
-        held.close()
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"--legacy {path} is used by another node. Choose another path for this robot.",
-        ) from error
-    return held
+def remove_leftover(path: Path) -> None:
+    """Remove a link that a node has left behind: the device that it names has gone with the node."""
+    if path.is_symlink() and not path.exists():
+        with contextlib.suppress(OSError):  # `link` says what to do
+            path.unlink()
 
 
 def link(path: Path, device: str) -> None:
-    """Link the claimed `path` to `device`; replace a link that an earlier node has left behind.
-
-    Raises:
-        Refused: BAD_VALUE: another file has this path, or this user may not write there.
-    """
+    """Link `path` to `device`; raises Refused (BAD_VALUE): another file has this path, or this user may not write there."""
     try:
-        if sys.platform == "linux" and path.is_symlink() and str(path.readlink()).startswith(LINK_PREFIX):
-            path.unlink()
-        path.symlink_to(LINK_PREFIX + device)
+        path.symlink_to(device)
     except FileExistsError as error:
         raise Refused(
             Reason.BAD_VALUE,
-            f"--legacy {path} already exists. Choose another path, or remove it if no program uses it.",
+            f"--legacy {path} already exists. Choose another path for this robot, or remove it if no program uses it.",
         ) from error
     except OSError as error:
         raise Refused(
@@ -279,7 +254,7 @@ def link(path: Path, device: str) -> None:
 def unlink(path: Path, device: str) -> None:
     """Remove `path` if it still leads to `device`."""
     with contextlib.suppress(OSError):
-        if str(path.readlink()) == LINK_PREFIX + device:
+        if str(path.readlink()) == device:
             path.unlink()
 
 

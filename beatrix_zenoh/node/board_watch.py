@@ -47,7 +47,7 @@ class BoardWatch(Component):
         self._owner, self._schedule = owner, schedule
         self._hardware, self._access, self._queue = hardware, access, queue
         self._observers: list[Observer] = []
-        self._on_text: Callable[[int, Text | TextWarning], None] = lambda *_: None
+        self._on_text: Callable[[Text | TextWarning], None] = lambda *_: None
         self._last_state: tuple[int, ...] = ()
         self.board = Board(hardware.open_port, self._telemetry, self._link, self._text)
 
@@ -55,7 +55,7 @@ class BoardWatch(Component):
         """Add an observer; call this before `start`."""
         self._observers.append(observer)
 
-    def on_text(self, handle: Callable[[int, Text | TextWarning], None]) -> None:
+    def on_text(self, handle: Callable[[Text | TextWarning], None]) -> None:
         """Pass lines and warnings of the text port to `handle`, on the board's thread; call this before `start`."""
         self._on_text = handle
 
@@ -114,5 +114,5 @@ class BoardWatch(Component):
     def _enqueue(self, observer: Observer) -> None:
         (self._queue.post_urgent if observer.urgent else self._queue.post_event)(observer.observe)
 
-    def _text(self, seq: int, frame: Text | TextWarning) -> None:
-        self._on_text(seq, frame)
+    def _text(self, frame: Text | TextWarning) -> None:
+        self._on_text(frame)

@@ -16,8 +16,6 @@ import msgspec
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract._generated.serial import (
-    OUTCOME_REASON,
-    OUTCOME_TEXT,
     BoardOutcome,
     BoardState,
     FrameType,
@@ -43,7 +41,7 @@ CLOSE_S = 0.8
 class StopCause(Enum):
     """Causes for which a node stops a motion: the reason in the last reply, and the words after `Ended`."""
 
-    STOP = Reason.STOPPED, OUTCOME_TEXT[BoardOutcome.STOPPED]
+    STOP = Reason.STOPPED, BoardOutcome.STOPPED.text
     TAKEN = Reason.STOPPED, "by the teacher, who has taken the robot"
     FROZEN = Reason.STOPPED, "by the teacher, who has frozen the robot"
     MUTED = Reason.STOPPED, "by the teacher, who has muted this seat"
@@ -275,19 +273,19 @@ def motion_end(code: int, cause: StopCause, arms: Arms, presser: str = "") -> tu
     """
     by_seat = f" of {presser}" if presser else ""
     where = degrees(arms)
-    if code not in OUTCOME_TEXT:
+    if code not in list(BoardOutcome):
         return Reason.CONTRACT_MISMATCH, f"Ended with an unknown outcome ({code}); the arms rest at {where}."
     outcome = BoardOutcome(code)
     if outcome is BoardOutcome.DONE:
         return Reason.OK, f"Arrived; the arms rest at {where}."
     if outcome in POWERLESS:
         first = "reset, enable" if outcome is BoardOutcome.EMERGENCY else "enable"
-        return OUTCOME_REASON[outcome], (
-            f"Ended {OUTCOME_TEXT[outcome]}{by_seat if outcome is BoardOutcome.EMERGENCY else ''}. The arms were at {where}; without power the head may have sunk: set it "
+        return outcome.reason, (
+            f"Ended {outcome.text}{by_seat if outcome is BoardOutcome.EMERGENCY else ''}. The arms were at {where}; without power the head may have sunk: set it "
             f"upright, {first}, calibrate."
         )
     if outcome is BoardOutcome.STOPPED:
         reason, words = cause.value
         by_seat = by_seat if cause is StopCause.STOP else ""
         return reason, f"Ended {words}{by_seat}; the arms rest at {where}."
-    return OUTCOME_REASON[outcome], f"Ended {OUTCOME_TEXT[outcome]}; the arms rest at {where}."
+    return outcome.reason, f"Ended {outcome.text}; the arms rest at {where}."

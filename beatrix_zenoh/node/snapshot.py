@@ -9,6 +9,8 @@ import time
 from collections.abc import Sequence
 from importlib import metadata
 
+from msgspec.structs import replace
+
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.state import NO_TELEMETRY, TelemetrySample
 from beatrix_zenoh.contract._generated import keys
@@ -55,7 +57,7 @@ class Snapshot:
         sample = self._board.sample or NO_SAMPLE
         telemetry = sample.telemetry
         if not self._board.connected:
-            telemetry = telemetry._replace(velocity=(0, 0, 0))
+            telemetry = replace(telemetry, velocity=(0, 0, 0))
         pose = self._hardware.pose(telemetry, sample.t_mono_ns)
         t_mono_ns, t_wall_ns = pose.t_mono_ns, pose.t_mono_ns + time.time_ns() - time.monotonic_ns()
         with self._lock:
@@ -128,16 +130,16 @@ class Snapshot:
             geometry=geometry_info(self._planner.robot.geometry),
             fingerprint=fingerprint(self._planner.robot),
             commands=[f"{code.value} {code.name}: {text}" for code, text in msg.COMMAND_TEXT.items()],
-            reasons=[f"{reason}: {text}" for reason, text in msg.REASON_TEXT.items()],
+            reasons=[f"{reason}: {reason.text}" for reason in msg.Reason],
             keys=[
                 msg.KeyInfo(
                     key=row.key.format_map(names),
                     kind=row.kind,
                     payload=row.payload,
                     reply=row.reply,
-                    doc_=row.doc,
+                    doc_=keys.KEY_TEXT[name],
                 )
-                for row in keys.KEYS.values()
+                for name, row in keys.KEYS.items()
                 if side in row.sides
             ],
             examples=examples(self.name, side, self._endpoint),

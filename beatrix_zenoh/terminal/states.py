@@ -13,7 +13,7 @@ from beatrix_zenoh.client.request import infos as answered_infos
 from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract import printable
-from beatrix_zenoh.contract._generated.messages import FAULT_TEXT, Fault, FollowState, Info, Status
+from beatrix_zenoh.contract._generated.messages import Fault, FollowState, Info, Status
 from beatrix_zenoh.contract.values import as_data
 from beatrix_zenoh.output import typed
 
@@ -96,7 +96,7 @@ def problems(status: Status | None) -> list[str]:
     if len(status.warnings) > WARNINGS:
         found.append(f"It has {len(status.warnings) - WARNINGS} more warnings.")
     if status.fault is not Fault.NONE and not (status.fault in BOARD_FAULTS and status.warnings):
-        found.insert(0, FAULT_TEXT[status.fault])
+        found.insert(0, status.fault.text)
     return [printable.line(problem, PROBLEM) for problem in found]
 
 

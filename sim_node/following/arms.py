@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from msgspec.structs import replace
+
 from beatrix_zenoh.contract._generated.serial import Move, MoveStraight
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node.access import Access
@@ -65,7 +67,7 @@ class OwnArms:
         controller = self._controller
         if follows(self._controller.access):
             controller.follows, controller.last_goal = True, None
-            controller.send(lambda number: frame._replace(motion=number))
+            controller.send(lambda number: replace(frame, motion=number))
             self._board.wake()
             self._last = frame
 

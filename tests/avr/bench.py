@@ -74,13 +74,6 @@ class Work(NamedTuple):
     """Cycle at which the last call began."""
 
 
-class Byte(NamedTuple):
-    """A byte from the board, and the cycle at which its stop bit ended."""
-
-    cycle: int
-    byte: int
-
-
 @cache
 def _library() -> ctypes.CDLL:
     """Return the library of mega.c, compiled if mega.c is newer; processes may compile it at the same time."""
@@ -105,7 +98,6 @@ def _library() -> ctypes.CDLL:
     for name in ("close", "reset", "report", "edges", "sent", "in_main", "hang"):
         getattr(found, f"bench_{name}").argtypes = [pointer]
     found.bench_eeprom.argtypes = [pointer, ctypes.c_char_p, number]
-    found.bench_analogue.argtypes = [pointer, ctypes.c_uint8, number]
     found.bench_mend.argtypes = [pointer, number]
     return found
 
@@ -244,10 +236,6 @@ class Avr:
         held = ctypes.create_string_buffer(EEPROM_SIZE)
         self._c.bench_eeprom(self._board, held, EEPROM_SIZE)
         return held.raw
-
-    def analogue(self, pin: int, millivolts: int) -> None:
-        """Apply a voltage to one of the inputs A0 to A15; resets do not change it."""
-        self._c.bench_analogue(self._board, pin, millivolts)
 
     def hang(self) -> int:
         """Replace the next instruction of the main loop by a jump to itself; return the old one, for `mend`.

@@ -1,15 +1,12 @@
-"""BoardStatus while the connection to the board is disturbed, on the bodies whose connection a test can disturb."""
+"""BoardStatus while the connection to the board is cut."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
 
 import pytest
 from published import at_once, published_statuses, regular
-from robots import Process, Stage, ready
+from robots import Stage, ready
 from threaded_board import ThreadedHardware
 
 from beatrix_zenoh import Robot
@@ -20,62 +17,36 @@ LOST_NS = 0.5e9
 """Longest time after the last byte of a board until it counts as lost (ns)."""
 
 
-@dataclass
 class Cable:
-    """A robot whose connection to a simulated Mega or a virtual board can be disturbed."""
+    """The connection of a virtual board, which can be cut."""
 
-    robot: Robot
-    mega: Process | None
-    frozen: bool = False
+    def __init__(self, board: Port, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.cut = False
+        self._read, self._write = board.read, board.write
+        monkeypatch.setattr(board, "read", self.read)
+        monkeypatch.setattr(board, "write", self.write)
 
-    def freeze(self, *, frozen: bool) -> None:
-        """Suspend the board, or let it continue."""
-        self._send("freeze" if frozen else "go")
-        self.frozen = frozen
+    def read(self, timeout_s: float) -> bytes:
+        data = self._read(timeout_s)
+        return b"" if self.cut else data
 
-    def _send(self, word: str) -> None:
-        if self.mega is not None:
-            self.mega.say(word)
-            self.mega.expect(word)
-
-    def patch(self, board: Port, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Disturb the bytes between a node of this process and its virtual board."""
-        read, write = board.read, board.write
-
-        def disturbed_read(timeout_s: float) -> bytes:
-            data = read(timeout_s)
-            return b"" if self.frozen else data
-
-        def disturbed_write(data: bytes) -> bytes:
-            return b"" if self.frozen else write(data)
-
-        monkeypatch.setattr(board, "read", disturbed_read)
-        monkeypatch.setattr(board, "write", disturbed_write)
-
-
-@pytest.fixture(
-    params=["in-process", pytest.param("mega", marks=pytest.mark.long("firmware of the Mega in real time"))]
-)
-def cable(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cable]:
-    with Stage() as stage:
-        if request.param == "mega":
-            mega = stage.mega(tmp_path / "board")
-            stage.hardware("bea", str(tmp_path / "board"))
-            yield Cable(ready(stage.robot("bea", "hw")), mega)
-        else:
-            body = ThreadedHardware("bea")
-            stage.node("bea", body)
-            cable = Cable(ready(stage.robot("bea", "hw")), None)
-            cable.patch(body.open_port(), monkeypatch)
-            yield cable
+    def write(self, data: bytes) -> bytes:
+        return b"" if self.cut else self._write(data)
 
 
 @pytest.mark.measures_time
-def test_connected_follows_the_board_and_is_published_at_once(cable: Cable) -> None:
-    statuses = published_statuses(cable.robot)
+def test_connected_follows_the_board_and_is_published_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    with Stage() as stage:
+        body = ThreadedHardware("bea")
+        stage.node("bea", body)
+        check_a_lost_board(ready(stage.robot("bea", "hw")), Cable(body.open_port(), monkeypatch))
+
+
+def check_a_lost_board(robot: Robot, cable: Cable) -> None:
+    statuses = published_statuses(robot)
     before = regular(statuses)
     frozen_ns = time.monotonic_ns()
-    cable.freeze(frozen=True)
+    cable.cut = True
     lost = statuses.next(lambda status: not status.board.connected)
     at_once(lost, frozen_ns + LOST_NS)
     assert (lost.enabled, lost.calibrated, lost.moving) == (False, False, False), (
@@ -87,7 +58,7 @@ def test_connected_follows_the_board_and_is_published_at_once(cable: Cable) -> N
         (before.board.port, 0),
         (before.board.port, before.board.boot),
     }
-    cable.freeze(frozen=False)
+    cable.cut = False
     back = statuses.next(lambda status: status.board.connected)
     assert back.fault is Fault.NONE
     assert back.board.boot == before.board.boot

@@ -161,9 +161,9 @@ def test_info_lists_commands_reasons_keys_and_examples(body: Body, robot: Robot)
         f"{command.value} {command.name}" for command in Command
     ]
     assert [line.partition(":")[0] for line in info.reasons] == [str(reason) for reason in Reason]
-    rows = [row for row in keys.KEYS.values() if body.side in row.sides]
+    rows = {name: row for name, row in keys.KEYS.items() if body.side in row.sides}
     assert [(key.kind, key.payload, key.reply, key.doc_) for key in info.keys] == [
-        (row.kind, row.payload, row.reply, row.doc) for row in rows
+        (row.kind, row.payload, row.reply, keys.KEY_TEXT[name]) for name, row in rows.items()
     ]
     listed = [key.key for key in info.keys]
     assert keys.positions(body.name, body.side) in listed

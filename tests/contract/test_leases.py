@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import threading
 from collections.abc import Iterator
 
 import pytest
@@ -60,23 +59,6 @@ def test_the_seat_that_waits_gets_the_robot_when_the_holder_leaves(body: Body, r
     until(lambda: robot.status().holder == "dora", "handed over")
     with dora.lease(wait_s=1.0):
         dora.look(yaw=2, speed=60)
-
-
-def test_a_waiting_seat_that_loses_its_place_waits_again(body: Body, robot: Robot) -> None:
-    """Another program of the seat gives its place back; a restart of the node or a suspended computer does the same."""
-    holder, dora, another = body.robot("cleo"), body.robot("dora"), body.robot("dora")
-    held = holder.lease()
-    taken: list[int] = []
-    waiter = threading.Thread(target=lambda: taken.append(lease.take(dora, 15.0)))
-    waiter.start()
-    until(lambda: robot.status().waiting == ["dora"], "dora waits")
-    lease.ask(another, LeaseAction.GIVE_BACK)
-    until(lambda: robot.status().waiting == ["dora"], "dora waits again")
-    held.close()
-    waiter.join(20.0)
-    assert taken
-    assert robot.status().holder == "dora"
-    lease.ask(dora, LeaseAction.GIVE_BACK)
 
 
 def test_a_frozen_robot_moves_for_the_teacher_only(body: Body, robot: Robot) -> None:

@@ -66,10 +66,10 @@ def run(folder: Path, *words: str) -> str:
     return done.stdout
 
 
-def test_a_switch_in_five_files_is_shown_by_all_programs(stage: Stage, tmp_path: Path) -> None:
+def test_a_switch_in_four_files_is_shown_by_all_programs(stage: Stage, tmp_path: Path) -> None:
     changes = "".join(re.findall(r"^```diff\n(.*?)^```", PAGE.read_text(), re.MULTILINE | re.DOTALL))
     _, *parts = FILE.split(changes)
-    assert len(parts) == 2 * 5
+    assert len(parts) == 2 * 4
     folder = tmp_path / "beatrix"
     for part in ("beatrix_zenoh", "hw_node", "gui", "schemas", "firmware/beatrix", "docs/reference"):
         copytree(ROOT / part, folder / part, ignore=ignore_patterns("__pycache__"))

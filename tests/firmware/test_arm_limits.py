@@ -56,44 +56,6 @@ def test_arms_that_turn_too_far_on_their_path_are_stopped(ready: Rig) -> None:
     assert YAW_SUM_MAX - 300 <= sum(ready.steps) <= YAW_SUM_MAX
 
 
-def test_the_yaw_limit_includes_the_extreme_position_of_an_arm_that_turns_back(ready: Rig) -> None:
-    assert ready.move((2000, 2000, 2900), straight=True) == Error.OK
-    ready.run()
-    assert ready.move((2400, 2400, 2000), (2000, 2000, 3600)) == Error.OK
-    for tick in range(2000):
-        if tick % 400 == 0:
-            ready.ask(FrameType.PING)
-        ready.tick()
-        assert sum(ready.steps) <= YAW_SUM_MAX
-    assert ready.outcome == BoardOutcome.YAW
-
-
-def test_a_motion_back_from_a_limit_is_accepted(ready: Rig) -> None:
-    ready.move((1500, 1500, 1500), (SPEED_MAX, 400, SPEED_MAX))
-    ready.run()
-    assert ready.move((0, 0, 0), straight=True) == Error.OK
-    ready.run()
-    assert (ready.steps, ready.outcome) == ((0, 0, 0), BoardOutcome.DONE)
-
-
-@pytest.mark.parametrize("ms", [1900, 1980])
-def test_a_straight_motion_near_the_limit_can_be_replaced(ready: Rig, ms: int) -> None:
-    # With full ramps, as in a motion that replaces another, the slow arm ahead would rest so early that the fast one
-    # behind comes too close. So the arms brake on their line first, then start the new motion.
-    assert ready.move((2100, 1050, 1575), straight=True) == Error.OK
-    for _ in range(ms // 20):
-        ready.ask(FrameType.PING)
-        ready.tick(20)
-    assert ready.move((2080, 1050, 1575), straight=True) == Error.OK
-    assert BoardState.STOPPING in ready.state
-    for tick in range(3000):
-        if tick % 400 == 0:
-            ready.ask(FrameType.PING)
-        ready.tick()
-        assert least_gap(ready.steps) >= GAP_MIN
-    assert (ready.steps, ready.outcome) == ((2080, 1050, 1575), BoardOutcome.DONE)
-
-
 @pytest.fixture(scope="module")
 def probe(build: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     """The core and probe.cpp as a library."""

@@ -1,70 +1,13 @@
-"""Serial line of the Mega: damaged frames, noise, floods and partial frames never move a motor."""
+"""Serial line of the Mega: floods delay neither requests nor a stop."""
 
 from __future__ import annotations
-
-import random
 
 import pytest
 from avr.bench import CYCLES_PER_MS
 from avr.mega import Mega
-from firmware_host import damaged
 
 from beatrix_zenoh.board.link import encode
-from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState, Error, FrameType, Move
-
-MOVE = encode(FrameType.MOVE, 7, Move(513, (100, -200, 300), (1400, 1400, 1400)).pack())
-
-
-@pytest.mark.long("a search, cycle by cycle")
-def test_none_of_3000_damaged_moves_is_executed_and_the_next_frame_is_answered() -> None:
-    chance, whole = random.Random(1), MOVE.strip(b"\0")
-    with Mega() as mega:
-        mega.ready()
-        served = 0
-        for seq in range(3000):
-            data = damaged(MOVE, chance)
-            while whole in data.split(b"\0"):
-                data = damaged(MOVE, chance)
-            replies = mega.raw(data + b"\0" + encode(FrameType.PING, seq % 256, b""))
-            served += (replies[-1].type, replies[-1].seq, replies[-1].payload) == (0x82, seq % 256, b"\0")
-            # A `@` at the beginning of a frame and a later line end form an unknown line of text.
-            assert {reply.payload for reply in replies[:-1]} <= {bytes([Error.BAD_LENGTH]), b"\x01NACK\n"}
-        mega.tick(50)
-        assert served == 3000
-        assert mega.steps == (0, 0, 0)
-        assert mega.last.motion == 0
-        assert BoardState.MOVING not in mega.state
-
-
-@pytest.mark.long("a minute, cycle by cycle")
-def test_a_minute_of_noise_changes_neither_the_state_nor_the_position() -> None:
-    chance = random.Random(2)
-    minute = 60 * 16_000_000
-    with Mega() as mega:
-        mega.ready()
-        while mega.avr.cycle < minute:
-            match chance.randrange(5):
-                case 0:
-                    data = chance.randbytes(chance.randint(1, 200))
-                case 1:
-                    data = b"\0" + MOVE[1 : chance.randint(2, len(MOVE) - 2)]
-                case 2:
-                    data = b"\0@MOVRX 100 100" + b" " * chance.randint(0, 60)
-                case 3:
-                    data = b"\0@" + b"A" * 500 + b"\r"
-                case _:
-                    data = bytes(chance.randint(1, 80))
-            mega.avr.send(data)
-            mega.avr.run_ms(chance.randint(0, 60))
-        mega.avr.run_ms(100)
-        # After two seconds without a valid frame, only lines are answered, as in 2023.
-        assert set(mega.core.transmit().rpartition(b"\0")[2].split()) == {b"ACK", b"NACK"}
-        mega.discard_interrupted_frame()
-        assert mega.raw(b"\0") == []
-        assert mega.ask(FrameType.PING) == Error.OK
-        assert mega.steps == (0, 0, 0)
-        assert mega.state == BoardState.ENABLED | BoardState.CALIBRATED
-        assert mega.avr.resets == 0
+from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState, FrameType, Move
 
 
 def test_a_full_serial_line_loses_no_request_and_no_reply() -> None:

@@ -148,34 +148,6 @@ def test_a_straight_move_from_rest_is_straight_and_all_arms_arrive_together(
     assert max(ends) - min(ends) <= 2
 
 
-def test_an_arm_slowed_for_a_straight_line_brakes_with_its_full_ramp_afterwards() -> None:
-    watched = Watched()
-    watched.rig.move((1500, 750, 0), 4000, straight=True)
-    watched.tick(800)
-    x, y, _ = watched.steps[-1]
-    begin = len(watched.path)
-    watched.rig.move((x + 500, y + 100, 0), 4000)
-    watched.run()
-    moves = watched.moves()[begin:]
-    last = max(tick for tick, move in enumerate(moves) if move[1])
-    # The arm starts at half speed, accelerates and brakes over a distance of 100 steps. With acceleration a this takes
-    # at least sqrt(2 (2 a distance + v^2)) / a - v / a ticks.
-    best = (math.sqrt(2 * (2 * ACCELERATION * 100 + 0.25)) - 0.5) / ACCELERATION
-    assert last == pytest.approx(best, abs=3)
-
-
-def test_an_arm_that_only_turns_back_keeps_a_minimum_speed(ready: Rig) -> None:
-    ready.move((0, 400, 0))
-    ready.tick(400)
-    way = ready.steps[1]
-    assert ready.move((1000, way, 0), straight=True) == Error.OK
-    for _ in range(10):
-        ready.tick(300)
-        ready.ask(FrameType.PING)
-    # At a sixteenth of the top speed, the arm has turned back by the 168 steps that it needed to stop.
-    assert ready.outcome == BoardOutcome.DONE
-
-
 @settings(max_examples=10)
 @given(TARGETS, SPEEDS, st.booleans(), st.integers(1, 1500))
 def test_stop_slows_every_arm_in_the_next_tick(target: Steps, speed: Steps, straight: bool, ms: int) -> None:

@@ -11,7 +11,6 @@ from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import (
     HOST_GONE,
-    TELEMETRY_SIZE,
     Enable,
     FrameType,
     MoveStraight,
@@ -40,7 +39,7 @@ def test_telemetry_ends_two_seconds_after_the_last_frame_of_the_host() -> None:
     "data",
     [
         b"\0\x05\x02\xff\x70\xcd\0",
-        encode(FrameType.TELEMETRY, 1, bytes(TELEMETRY_SIZE)),
+        encode(FrameType.TELEMETRY, 1, bytes(Telemetry.layout.size)),
         b"@PING\r",
         b"\0\0\0",
     ],
@@ -64,28 +63,6 @@ def test_losing_the_host_stops_the_text_motion_and_cancels_the_queued_ones() -> 
     program.core.tick(5000)
     assert program.core.steps() == at
     assert program.core.transmit()[-20:].count(b"\0") > 0  # the last bytes were frames
-
-
-@pytest.mark.parametrize("cut", [1, 7, 13])
-def test_a_frame_inside_a_line_discards_the_line_and_is_executed(cut: int) -> None:
-    program = Program(framed=True)
-    line = b"@COMSTATUS   \r"
-    program.send(line[:cut] + encode(FrameType.PING, 9, b""))
-    assert (program.others[-1].type, program.others[-1].seq) == (FrameType.PING | 0x80, 9)
-    assert program.new() == []
-    assert program.say("@COMSTATUS") == DONE
-
-
-def test_noise_that_looks_like_a_frame_blocks_text_for_at_most_two_seconds() -> None:
-    program = Program()
-    program.send(b"\0" + b"\x05noise")
-    for _ in range(20):
-        program.send(b"@COMSTATUS\r")
-        program.tick(100)
-    assert len(program.new()) >= 2 * 13  # answered once the noise is longer than a frame
-    program.send(b"\0" + b"\x05noise")
-    program.tick(2001)
-    assert program.say("@COMSTATUS") == DONE
 
 
 @pytest.mark.parametrize("seed", range(5))

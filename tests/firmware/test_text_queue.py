@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from firmware_host import Core
 from text_port_programs import Program
 
 from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState
@@ -45,17 +44,6 @@ def test_stopall_stops_at_once(framed: Program) -> None:
     assert framed.telemetry[-1].outcome == BoardOutcome.STOPPED
 
 
-def test_stopall_cancels_motions_when_every_queue_slot_is_used(program: Program) -> None:
-    program.send(b"@MOVRX 1000\r" + b"@MOVRX 10\r" * 32 + b"@FOO\r@CALX\r" * 40)
-    program.tick(500)
-    program.send(b"@STOPALL\r")
-    program.tick(110)
-    answers = program.new()
-    assert answers[: 2 + 32 * 2] == REFUSED * 33
-    assert len(answers) >= 33 * 2 + 40 * 3 - 40
-    assert program.say("@COMSTATUS") == DONE
-
-
 @pytest.mark.parametrize("ms", [0, 1, 30, 100, 250, 480])
 def test_stopall_at_any_time_leaves_two_replies_for_each_line(program: Program, ms: int) -> None:
     program.send(b"@MOVRALL 40 -20 9\r")
@@ -65,22 +53,3 @@ def test_stopall_at_any_time_leaves_two_replies_for_each_line(program: Program, 
     answers = program.new()
     assert answers in (REFUSED + DONE * 2, DONE * 3)
     assert answers == REFUSED + DONE * 2 or program.position == (40, -20, 9)
-
-
-@pytest.mark.parametrize("framed", [False, True])
-def test_moves_sent_every_150_ms_for_a_minute_are_all_answered(framed: bool, body: Core) -> None:
-    """Firmware 1.0 executed 5 of 30 such moves and then crashed."""
-    program = Program(body, framed=framed).ready()
-    sent = [100, -100, 60, 150, -50] * 80
-    for x in sent:
-        program.send(f"@MOVAALL {x} 0 {-x} 220 220 220\r".encode("ascii"))
-        program.tick(150)
-    program.tick(60_000)
-    answers = program.new()
-    assert len(answers) == 2 * len(sent)
-    assert set(answers[::2]) == {ACK}
-    assert (
-        answers.count(NACK) < 320
-    )  # refused because the queue was full; there is time for some 90 such moves
-    x, y, z = program.position
-    assert (y, z) == (0, -x)

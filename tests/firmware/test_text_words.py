@@ -10,8 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from text_port_programs import Program
 
-from beatrix_zenoh.legacy.outcomes import misread
-
 ACK, NACK = "ACK\n", "NACK\n"
 DONE, REFUSED, UNKNOWN = [ACK, ACK], [ACK, NACK], [NACK]
 SOURCE = "firmware/beatrix/src/core/text_command.cpp"
@@ -42,20 +40,6 @@ def test_the_guide_lists_every_word() -> None:
     words = re.findall(r'{"@(\w+)"', (ROOT / SOURCE).read_text(encoding="utf-8"))
     assert len(words) == 25
     assert [word for word in words if not re.search(rf"`@{word}\b", guide)] == []
-
-
-@given(st.text("0123456789+-.,;eN ", max_size=6))
-def test_the_node_knows_how_the_firmware_reads_a_word(word: str) -> None:
-    program = Program().ready()
-    line = f"@MOVAY {word}"
-    program.send(line.encode() + b"\r")
-    program.tick(LONG)
-    said = misread(line.encode())
-    wanted = int(float(word.split(" ", maxsplit=1)[0])) if not said else 0
-    if found := re.search(r"read as (-?\d+)", said):
-        wanted = int(found[1])
-    if abs(wanted) < 50:
-        assert program.position == (0, wanted, 0)
 
 
 @pytest.mark.parametrize("argument", ["32768", "-32768", "65537", "99999999999999999"])

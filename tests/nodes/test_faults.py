@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import socket
 import threading
 import time
 from collections.abc import Iterator
@@ -61,17 +60,6 @@ def test_one_of_several_nodes_started_together_under_a_name_serves(stage: Stage)
             node.close()
         assert len(serving) == 1
         assert {end.reason for end in ends if isinstance(end, Refused)} == {Reason.NAME_TAKEN}
-
-
-def test_silent_connections_do_not_block_clients(stage: Stage) -> None:
-    _, host, port = zbus.parse_endpoint(stage.endpoint)
-    silent = [socket.create_connection((host, port), 5) for _ in range(150)]
-    try:
-        with zbus.connect(stage.endpoint) as bus:
-            assert bus.connected
-    finally:
-        for connection in silent:
-            connection.close()
 
 
 def test_a_killed_node_is_lost_at_once_and_may_return(stage: Stage) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import pytest
+from msgspec.structs import replace
 from robots import Stage, ready, until
 from threaded_board import ThreadedHardware
 
@@ -55,7 +56,7 @@ class FaultyPort:
             payload = frame.payload
             if self.always_moving and frame.type == FrameType.TELEMETRY:
                 telemetry = Telemetry.unpack(payload)
-                payload = telemetry._replace(state=telemetry.state | BoardState.MOVING).pack()
+                payload = replace(telemetry, state=telemetry.state | BoardState.MOVING).pack()
             if not self.no_acks or frame.type & ~FrameType.ACK not in MOVES:
                 sent += encode(frame.type, frame.seq, payload)
         return sent

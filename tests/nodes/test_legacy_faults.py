@@ -85,9 +85,7 @@ def test_lines_to_a_lost_board_are_answered_nack_and_its_return_clears_the_zero(
             wait_status(robot, lambda status: status.board.connected, "back")
             assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
             assert program.say("@MOVRX 5 5") == ["ACK\n", "NACK\n"]
-            wait_status(
-                robot, lambda status: "its zero for this program" in " ".join(status.warnings), "the warning"
-            )
+            wait_status(robot, lambda status: "need @CALNOW" in " ".join(status.warnings), "the warning")
             until(lambda: robot.status().holder == "", "free")
             ready(robot)
             program.port.close()

@@ -12,9 +12,7 @@ from typing import Self
 
 from ticking_board import RealTimeTicker
 
-from beatrix_zenoh.board.link import Decoder
 from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
-from beatrix_zenoh.contract._generated.serial import FrameType
 
 
 class PtyBoard:
@@ -23,9 +21,6 @@ class PtyBoard:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.boots = 0
-        self.deaf = False
-        self.lost_text = 0
-        """Number of the TEXT frame that will be lost: 1 is the next, 0 none."""
         self._over = threading.Event()
         self._threads: list[threading.Thread] = []
         self.plug()
@@ -49,28 +44,14 @@ class PtyBoard:
         while not self._over.is_set():
             if select.select([self._master], [], [], 0.05)[0]:
                 with contextlib.suppress(OSError):
-                    data = os.read(self._master, 4096)
-                    if not self.deaf:
-                        self.board.write(data)
+                    self.board.write(os.read(self._master, 4096))
 
     def _send(self) -> None:
         while not self._over.is_set():
             data = self.board.read(0.05)
-            if data and not self.deaf:
+            if data:
                 with contextlib.suppress(OSError):
-                    os.write(self._master, self._arriving(data))
-
-    def _arriving(self, data: bytes) -> bytes:
-        """Return the bytes without lost frames; the board returns whole frames."""
-        kept = b""
-        for block in data.split(b"\0"):
-            text = any(frame.type == FrameType.TEXT for frame in Decoder().feed(block + b"\0"))
-            if text and self.lost_text == 1:
-                self.lost_text = 0
-                continue
-            self.lost_text -= text and self.lost_text > 0
-            kept += block + b"\0"
-        return kept
+                    os.write(self._master, data)
 
     def unplug(self) -> None:
         """Remove the port and end the board."""

@@ -22,7 +22,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Operation
-from beatrix_zenoh.node.callers import ENDED_SESSIONS, Caller
+from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.lease_queries import take
 from sim_node.following.arms import follows
 
@@ -93,15 +93,6 @@ def test_each_situation_allows_callers_their_actions(
 # -- lease ---------------------------------------------------------------------------------------
 
 
-def test_the_refusal_has_the_holder_and_the_waiting_time(access: Access) -> None:
-    finish_motion(access, ANA, 10)
-    with pytest.raises(Refused) as refused:
-        access.authorize(Operation.MOVE, BEN, 10.5)
-    assert refused.value.detail is not None
-    assert refused.value.detail.holder == "ana"
-    assert refused.value.detail.wait_s == pytest.approx(LINGER_S - 0.5)
-
-
 def test_the_lease_ends_exactly_linger_s_after_the_motion(access: Access) -> None:
     finish_motion(access, ANA, 10)
     assert access.lease.holder(10 + LINGER_S - 0.001) == "ana"
@@ -122,14 +113,6 @@ def test_undo_take_restores_the_previous_lease(access: Access) -> None:
 
 
 # -- emergency latch ----------------------------------------------------------------------------
-
-
-def test_the_refusal_under_the_latch_lists_reset_first(access: Access) -> None:
-    access.latch(0)
-    with pytest.raises(Refused) as refused:
-        access.authorize(Operation.ENABLE, ANA, 1)
-    assert refused.value.detail is not None
-    assert refused.value.detail.needs[0] == "RESET"
 
 
 def test_only_reset_clears_the_latch(access: Access) -> None:
@@ -181,13 +164,6 @@ def test_the_end_of_a_token_of_another_seat_ends_no_session(access: Access) -> N
     begin_motion(access, ANA, 0)
     assert not access.session_changed(Caller("ben", ANA.session), 0, alive=False)
     assert refusal(access, ANA, 0) is Reason.OK
-
-
-def test_only_the_newest_ended_sessions_are_remembered(access: Access) -> None:
-    for number in range(ENDED_SESSIONS + 1):
-        access.session_changed(Caller("x", f"s{number}"), 0, alive=False)
-    assert refusal(access, Caller("x", "s0"), 0) is Reason.OK
-    assert refusal(access, Caller("x", "s1"), 0) is Reason.CLIENT_LOST
 
 
 # -- a simulation that follows ----------------------------------------------------------------------

@@ -6,20 +6,16 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
-from lossy_board import LossyPort, Rig
+from lossy_board import Rig
 from robots import until
-from ticking_board import RealTimeTicker
 
 from beatrix_zenoh import NoAnswer, Refused
-from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.link import encode
-from beatrix_zenoh.board.state import not_connected
 from beatrix_zenoh.board.timing import LOADER_S
-from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
+from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import (
     BoardOutcome,
-    BoardState,
     FrameType,
     HelloReply,
     MoveStraight,
@@ -90,23 +86,6 @@ def test_requests_to_firmware_of_another_contract_raise_contract_mismatch(rig: R
         assert refusal.value.reason is Reason.CONTRACT_MISMATCH
 
 
-def test_firmware_with_unreadable_telemetry_is_a_contract_mismatch_not_a_silent_board() -> None:
-    """Frames of that firmware may have other lengths: only HELLO and the stop frames are the same in all versions."""
-    port = LossyPort(VirtualBoard(Firmware(boot=1)))
-    port.lose = [FrameType.HELLO_REPLY] * 100
-    port.instead = encode(FrameType.HELLO_REPLY, 0, FOREIGN.pack())
-    board = Board(lambda: port, lambda _: None, lambda: None)
-    board.start()
-    try:
-        assert not board.wait_for(lambda _: True, 0.5)  # board time stands still: no telemetry
-        assert "00000bad" in board.link.trouble
-        refusal = not_connected(board.link)
-        assert (refusal.reason, "beatrix flash" in refusal.message) == (Reason.CONTRACT_MISMATCH, True)
-        board.request(FrameType.STOP)
-    finally:
-        board.close()
-
-
 def test_firmware_of_another_contract_can_be_stopped(rig: Rig) -> None:
     rig.board.enable(on=True)
     rig.board.request(FrameType.CALIBRATE)
@@ -115,19 +94,6 @@ def test_firmware_of_another_contract_can_be_stopped(rig: Rig) -> None:
     rig.board.request(FrameType.STOP)
     assert rig.rest() < (500, 500, 500)
     rig.board.request(FrameType.EMERGENCY_STOP)
-
-
-def test_a_boot_number_above_255_is_matched_to_its_lowest_byte_in_telemetry() -> None:
-    virtual = VirtualBoard(Firmware(boot=2**16 + 300))
-    ticker = RealTimeTicker(virtual)
-    board = Board(lambda: LossyPort(virtual), lambda _: None, lambda: None)
-    board.start()
-    try:
-        assert board.wait_for(lambda telemetry: telemetry.boot == 300 % 256, 10.0)
-        assert (board.link.connected, board.link.boot) == (True, 2**16 + 300)
-    finally:
-        board.close()
-        ticker.close()
 
 
 def test_the_handshake_is_repeated_after_a_loss(rig: Rig) -> None:
@@ -141,15 +107,6 @@ def test_the_handshake_is_repeated_after_a_loss(rig: Rig) -> None:
     rig.port.unplugged = False
     rig.board.wait_for(lambda _: rig.board.link.connected, 10.0)
     assert rig.board.link.hello is not None
-
-
-def test_text_does_not_replace_the_heartbeat(rig: Rig) -> None:
-    rig.board.enable(on=True)
-    rig.board.request(FrameType.CALIBRATE)
-    rig.board.move(MoveStraight(7, (500, 500, 500), 1600))
-    while not rig.board.wait_for(lambda telemetry: not telemetry.state & BoardState.MOVING, 0.02):
-        rig.board.send_text(b"@GETXPOS")
-    assert rig.samples[-1].position == (500, 500, 500)
 
 
 def test_only_a_reply_to_the_request_answers_it(rig: Rig) -> None:
@@ -207,7 +164,7 @@ def test_stop_is_sent_to_a_lost_board_and_postpones_its_handshake(rig: Rig) -> N
     sent = time.monotonic()
     with pytest.raises(NoAnswer, match="does not answer"):
         rig.board.request(FrameType.STOP)
-    assert not rig.board._connection._handshake.due(sent + LOADER_S + 0.1), (
+    assert not rig.board._handshake.due(sent + LOADER_S + 0.1), (
         "the request is sent three times, the last 0.2 s after the first"
     )
     rig.port.mute = False

@@ -44,7 +44,7 @@ class FakeBoard:
         self.frames: list[str] = []
         self.reached: Callable[[], None] = lambda: None
         """called before each use of the board"""
-        self._telemetry = NO_TELEMETRY._replace(state=BoardState.ENABLED | BoardState.CALIBRATED)
+        self._telemetry = replace(NO_TELEMETRY, state=BoardState.ENABLED | BoardState.CALIBRATED)
 
     @property
     def link(self) -> BoardLink:

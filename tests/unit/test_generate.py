@@ -51,13 +51,9 @@ def contract(folder: Path, robot: str) -> int:
     [
         "[drive]\nmicrosteps = 16",
         "[drive]\ngear_ring = 67",
-        "[drive]\ngear_pinion = 25",
         "[geometry]\narm_spacing = 119.0",
         "[limits]\nguard_gap_min = 20.0",
-        "[limits]\nguard_yaw_max = 300.0",
         "[limits]\nspeed_max = 91.0",
-        "[limits]\nacceleration = 181.0",
-        "[limits]\ntext_speed = 201.0",
         "[limits]\ntilt_gap_min = 50.0",
     ],
 )

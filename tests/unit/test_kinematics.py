@@ -74,18 +74,6 @@ def test_forward_undoes_inverse(neck: Neck, yaw: float, share: float, direction:
     assert neck.forward(neck.inverse(yaw, pitch, roll)) == pytest.approx((yaw, pitch, roll), abs=1e-9)
 
 
-@pytest.mark.no_cover
-@pytest.mark.parametrize("neck", NECKS)
-@pytest.mark.parametrize("tilt_share", [0.0, 0.5, 1.0])
-def test_arms_follow_five_turns_without_a_jump(neck: Neck, tilt_share: float) -> None:
-    pitch, roll = pose(reachable(neck, tilt_share), 1.0)
-    step = math.tau / 90
-    ways = [neck.inverse(i * step, pitch, roll) for i in range(-450, 451)]
-    for before, after in itertools.pairwise(ways):
-        assert [b - a for a, b in zip(before, after, strict=True)] == pytest.approx([step] * 3)
-    assert neck.forward(ways[-1])[0] == pytest.approx(5 * math.tau, abs=1e-9)
-
-
 @pytest.mark.parametrize(
     ("tilt", "gap", "off_mean"),
     [(0, 120, 0), (20, 80.7, 21.2), (30, 55.2, 34.5), (35, 39.8, 42.6), (40, 21.8, 52.8)],
@@ -161,18 +149,6 @@ def test_the_refusal_of_a_pose_out_of_reach_names_the_reach() -> None:
     with pytest.raises(Refused, match=r"would lean 50\.0°; at most 45\.0°") as caught:
         SHIPPED.inverse(0, math.radians(50), 0)
     assert caught.value.reason == Reason.OUT_OF_REACH
-
-
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-@pytest.mark.parametrize("place", [0, 1, 2])
-def test_angles_that_are_not_finite_are_refused(bad: float, place: int) -> None:
-    angles = tuple3([bad if i == place else 0.0 for i in range(3)])
-    with pytest.raises(Refused) as caught:
-        SHIPPED.inverse(*angles)
-    assert caught.value.reason == Reason.BAD_VALUE
-    with pytest.raises(BeatrixError) as caught_too:
-        SHIPPED.forward(angles)
-    assert caught_too.value.reason == Reason.BAD_VALUE
 
 
 @pytest.mark.parametrize(

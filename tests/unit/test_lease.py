@@ -62,13 +62,6 @@ def test_a_lease_ends_with_its_session_and_the_first_waiting_seat_gets_the_robot
     assert (now.holder, now.lease, now.waiting) == ("cleo", 2, ())
 
 
-def test_a_motion_with_the_number_of_an_ended_lease_is_refused(access: Access) -> None:
-    take(access, ANA, 0)
-    give_back(access, ANA)
-    assert refusal(access, ANA, 1) is Reason.OK
-    assert refusal(access, ANA, 1, lease=1) is Reason.NOT_HOLDER
-
-
 def test_an_idle_holder_loses_the_robot_only_to_a_seat_that_waits(access: Access) -> None:
     take(access, ANA, 0)
     assert standing(access, 2 * IDLE_S).holder == "ana"
@@ -179,13 +172,6 @@ def test_another_program_of_the_seat_begins_no_new_turn(access: Access) -> None:
     assert standing(access, 50).turn_s == TURN_S - 50
 
 
-def test_who_returns_after_a_turn_waits_behind_the_others(access: Access) -> None:
-    take(access, ANA, 0)
-    take(access, BEN, 0, wait=True)
-    assert standing(access, TURN_S).holder == "ben"
-    assert take(access, ANA, TURN_S, wait=True) == 0
-
-
 def test_the_turn_of_the_teacher_has_no_end(access: Access) -> None:
     take(access, BOSS, 0)
     take(access, ANA, 0, wait=True)
@@ -256,11 +242,3 @@ def test_a_lost_router_stops_the_clock(access: Access) -> None:
     assert standing(access, 500).holder == "ana"
     access.router_changed(500, connected=True)
     assert standing(access, 501).turn_s == TURN_S - 1
-
-
-def test_the_teacher_sets_the_length(access: Access) -> None:
-    take(access, ANA, 0)
-    take(access, BEN, 0, wait=True)
-    access.lease.turn.limit_s = 15
-    assert standing(access, 14).turn_s == 1
-    assert standing(access, 15).holder == "ben"

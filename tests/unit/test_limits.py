@@ -18,9 +18,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import MotionLimits
-from beatrix_zenoh.motion.limits.path_check import TOLERANCE
 from beatrix_zenoh.motion.limits.region import border, reach
-from beatrix_zenoh.motion.rotation import tilt_of
 from beatrix_zenoh.motion.trajectory import Trajectory
 
 NECK = Neck()
@@ -82,11 +80,6 @@ def may_rest(arms: Arms) -> bool:
     except Refused:
         return False
     return True
-
-
-def tilt(arms: Arms) -> float:
-    _, pitch, roll = NECK.forward(arms)
-    return tilt_of(pitch, roll)
 
 
 @pytest.mark.parametrize(
@@ -186,13 +179,6 @@ def test_a_limit_may_be_exceeded_by_half_the_tolerance() -> None:
     assert refused(arms_at(180.07, 180.07, 180.07), start=pose(179, 0, 0)).reason == Reason.YAW_LIMIT
 
 
-def test_the_goal_itself_is_checked() -> None:
-    refusal = refused(pose(0, 35.07, 0), start=pose(0, 35, 0), straight=True)
-    detail = detail_of(refusal)
-    assert (detail.limit, detail.at_goal) == (Limit.TILT, True)
-    assert math.degrees(detail.value or 0.0) == pytest.approx(35.07, abs=0.001)
-
-
 def test_a_goal_is_refused_for_a_limit_that_it_exceeds() -> None:
     """Unequal speeds tilt the head too far on the path, but the goal exceeds only the yaw limit."""
     with pytest.raises(Refused) as caught:
@@ -200,18 +186,6 @@ def test_a_goal_is_refused_for_a_limit_that_it_exceeds() -> None:
     detail = detail_of(caught.value)
     assert (detail.limit, detail.at_goal) == (Limit.YAW, True)
     assert math.degrees(detail.value or 0.0) == pytest.approx(190.0)
-
-
-def test_many_small_motions_do_not_add_up_beyond_a_limit() -> None:
-    here, step = pose(0, 35, 0), math.radians(0.03)
-    for i in range(100):
-        target = NECK.inverse(0, math.radians(35) + step * (i + 1), 0)
-        try:
-            allowed(target, start=here)
-        except Refused:
-            break
-        here = target
-    assert tilt(here) <= LIMITS.tilt_max + TOLERANCE
 
 
 def test_the_refusal_of_arms_that_fit_no_orientation_of_the_head_explains_what_to_do() -> None:
@@ -237,22 +211,6 @@ def test_extreme_numbers_are_refused_within_a_second(value: float) -> None:
     assert time.process_time() - began < 1.0
 
 
-@pytest.mark.parametrize("bad", [0.0, -1.0, 1e-4, 1.6])
-def test_speeds_outside_the_limit_are_refused(bad: float) -> None:
-    with pytest.raises(Refused) as caught:
-        LIMITS.check_speed((1.0, bad, 1.0))
-    detail = detail_of(caught.value)
-    assert caught.value.reason == Reason.SPEED_LIMIT
-    assert detail == Detail(
-        limit=Limit.SPEED,
-        value=bad,
-        low=LIMITS.speed_min,
-        high=LIMITS.speed_max,
-        unit="rad/s",
-        arms=["middle"],
-    )
-
-
 def test_the_speed_limit_itself_is_accepted() -> None:
     LIMITS.check_speed([LIMITS.speed_max] * 3)
     LIMITS.check_speed([1.5707964] * 3)  # 90 deg/s as float32
@@ -262,22 +220,6 @@ def test_the_speed_limit_itself_is_accepted() -> None:
 def test_a_neck_that_cannot_reach_its_tilt_limit_is_refused() -> None:
     with pytest.raises(Refused, match=r"'tilt_max' is 35\.0°; with these rods at most 29\.0°"):
         MotionLimits(RobotData(geometry=GeometryData(rod_twist=80, mount_angle=85)))
-
-
-@pytest.mark.parametrize(
-    "geometry",
-    [
-        GeometryData(hand=-1),
-        GeometryData(arm_spacing=-120),
-        GeometryData(arm_angle=54),
-        GeometryData(rod_twist=85, mount_angle=88),
-    ],
-)
-def test_other_necks_are_checked_by_their_own_geometry(geometry: GeometryData) -> None:
-    limits, neck = MotionLimits(RobotData(geometry=geometry)), Neck(geometry)
-    limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max, 0), SPEED, straight=True)
-    with pytest.raises(Refused):
-        limits.check_motion(REST, REST, neck.inverse(0.5, limits.tilt_max + 0.01, 0), SPEED, straight=True)
 
 
 # -- the border of the orientations in which the head may rest agrees with the limits of the node --

@@ -16,7 +16,7 @@ from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.motion.limits.path_check import TOLERANCE
-from beatrix_zenoh.motion.rotation import leaning, tilt_of
+from beatrix_zenoh.motion.rotation import tilt_of
 from beatrix_zenoh.motion.trajectory import Trajectory
 from beatrix_zenoh.motion.trajectory import plan as time_law
 
@@ -94,32 +94,6 @@ def test_paths_near_the_last_one_keep_the_limits_or_are_refused(
         assert_keeps(limits, outcome)
 
 
-@pytest.mark.parametrize("limits", [LIMITS, CLOSE_ARMS])
-def test_short_paths_of_one_arm_near_a_limit_are_checked_correctly(limits: MotionLimits) -> None:
-    for index in range(6):
-        arm = index % 3
-        start = tilted(limits, math.tau * index / 6)
-        for way in (-0.1, -0.015, 0.015, 0.1):
-            x, y, z = (way if i == arm else 0.0 for i in range(3))
-            target = (start[0] + x, start[1] + y, start[2] + z)
-            thrown = (10 * x, 10 * y, 10 * z)
-            for velocity, goal in ((REST, target), (thrown, start), (thrown, target)):
-                outcome = verdict(limits, start, velocity, goal, SPEED, straight=False)
-                if isinstance(outcome, Refused):
-                    assert exceeds(limits, outcome.reason, start, velocity, goal, SPEED, straight=False)
-                else:
-                    assert_keeps(limits, outcome)
-
-
-def tilted(limits: MotionLimits, direction: float) -> Arms:
-    """Return arms (rad) with allowed gaps, as close to the tilt limit in this direction as possible."""
-    for tenths in range(349, 0, -2):
-        arms = NECK.inverse(0, *leaning(math.radians(tenths / 10), direction))
-        if min(NECK.gaps(arms)) > limits.gap_min:
-            return arms
-    raise AssertionError
-
-
 def verdict(
     limits: MotionLimits, start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
 ) -> Trajectory | Refused:
@@ -172,20 +146,6 @@ def test_poses_read_back_from_steps_are_accepted(target: Arms) -> None:
     position = gear.to_rad(gear.to_steps(target))
     LIMITS.check_motion(position, REST, position, SPEED, straight=True)
     LIMITS.check_motion(position, REST, target, SPEED, straight=True)
-
-
-@given(directions)
-def test_a_pose_at_the_tilt_limit_is_accepted_and_one_just_beyond_is_not(direction: float) -> None:
-    def towards(degrees: float) -> Arms:
-        level = math.sin(math.radians(degrees))
-        upright = math.sqrt(1 - level * level)
-        return NECK.inverse(
-            0, math.asin(level * math.cos(direction)), math.atan2(level * math.sin(direction), upright)
-        )
-
-    LIMITS.check_pose(towards(35.0))
-    with pytest.raises(Refused):
-        LIMITS.check_pose(towards(35.1))
 
 
 def test_the_bound_of_curvature_holds_everywhere_within_the_limits() -> None:

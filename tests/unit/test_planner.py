@@ -96,11 +96,11 @@ def boards(draw: st.DrawFn) -> Telemetry:
     direction, tilt = draw(st.floats(0, math.tau)), draw(st.floats(0, 0.6))
     arms = PLANNER.neck.inverse(draw(st.floats(-3, 3)), *leaning(tilt, direction))
     velocity = draw(st.just((0, 0, 0)) | st.tuples(*(st.integers(-1000, 1000),) * 3))
-    return at(0)._replace(position=PLANNER.gear.to_steps(arms), velocity=velocity)
+    return structs.replace(at(0), position=PLANNER.gear.to_steps(arms), velocity=velocity)
 
 
 SLOW = MotionQuery(position=Vector3(-0.808, -0.0508, -0.5168), speed=Vector3(0.00109, 0.000731, 0.000864))
-MOVING = at(0)._replace(position=(797, 905, 1051), velocity=(-413, -475, 492))
+MOVING = structs.replace(at(0), position=(797, 905, 1051), velocity=(-413, -475, 492))
 
 
 @pytest.mark.no_cover
@@ -240,15 +240,6 @@ def test_the_slowest_speed_is_a_quarter_of_a_microstep_per_second() -> None:
     refusal = refusal_of(PoseQuery(yaw=step, speed=0.9 * slowest), at(0))
     assert refusal is not None
     assert refusal.reason is Reason.SPEED_LIMIT
-
-
-def test_the_largest_step_count_of_a_frame_is_allowed() -> None:
-    furthest, stay = 2**15 - 1, MotionQuery(absolute=False, position=Vector3(0.0, 0.0, 0.0))
-    goal = PLANNER.goal(stay, at(furthest))
-    assert goal.steps == (furthest,) * 3
-    assert Move.unpack(goal.frame(1).pack()) == goal.frame(1)
-    with pytest.raises(Refused, match="can be sent to the board"):
-        PLANNER.goal(stay, at(furthest + 1))
 
 
 TENTH = Vector3(0.1, 0.1, 0.1)

@@ -21,8 +21,9 @@ from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract import values
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Head, SeatCount, Status
-from beatrix_zenoh.contract._generated.values import VALUES, ValueRow
+from beatrix_zenoh.contract._generated.values import VALUES
 from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.rows import ValueRow
 from beatrix_zenoh.motion.rotation import rotation_of
 from gui.console.state.pills import details
 from gui.console.texts import Texts

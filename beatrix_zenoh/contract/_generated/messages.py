@@ -10,6 +10,8 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
+from beatrix_zenoh.contract.rows import Word
+
 CONTRACT: Final = "37f94b0d"
 """Hash of messages and keys."""
 
@@ -27,118 +29,59 @@ Text = Annotated[str, Meta(extra={"wire": "string", "longest": 1000})]
 """Sentence for people. At most 1000 characters."""
 
 
-class Reason(StrEnum):
+class Reason(Word):
     """Why a request was refused or how a motion ended; one table for SDK, command line, window and replies."""
 
-    OK = "OK"
-    """Done."""
-    BAD_VALUE = "BAD_VALUE"
-    """A field is missing, unknown, of the wrong type, not finite or out of range."""
-    NOT_ENABLED = "NOT_ENABLED"
-    """The motors are off."""
-    NOT_CALIBRATED = "NOT_CALIBRATED"
-    """Home is not known: the robot has not been calibrated since the motors were switched or the board was reset."""
-    OUT_OF_REACH = "OUT_OF_REACH"
-    """The neck cannot take this pose: it tilts too far or no arm angles reach it."""
-    ARM_GAP = "ARM_GAP"
-    """Two neighbouring arms would come too close."""
-    YAW_LIMIT = "YAW_LIMIT"
-    """The head would turn further than its cables allow."""
-    SPEED_LIMIT = "SPEED_LIMIT"
-    """The speed is zero, negative or above the limit."""
-    NOT_HOLDER = "NOT_HOLDER"
-    """Another seat holds the robot."""
-    FROZEN = "FROZEN"
-    """The teacher has frozen the robot: only the teacher moves it."""
-    FOLLOWING = "FOLLOWING"
-    """The simulation follows the hardware and takes no motions of its own."""
-    MUTED = "MUTED"
-    """The teacher has muted this seat: it watches only."""
-    TEACHER_ONLY = "TEACHER_ONLY"
-    """Only the seat `teacher` may send this request."""
-    NOT_AT_REST = "NOT_AT_REST"
-    """The arms are moving."""
-    HOME_KNOWN = "HOME_KNOWN"
-    """Home is known, and the arms are far from it."""
-    BUSY = "BUSY"
-    """Too many requests are waiting."""
-    BOARD_LOST = "BOARD_LOST"
-    """The board does not answer its node."""
-    HOST_LOST = "HOST_LOST"
-    """The board received no frame of its node for too long and stopped the arms."""
-    CLIENT_LOST = "CLIENT_LOST"
-    """The client that requested this motion is gone; the node has stopped the arms."""
-    STOPPED = "STOPPED"
-    """STOP was pressed."""
-    REPLACED = "REPLACED"
-    """A newer motion replaced this one."""
-    FAULT = "FAULT"
-    """The robot reports a fault."""
-    UNKNOWN_COMMAND = "UNKNOWN_COMMAND"
-    """There is no command with this number."""
-    EMERGENCY = "EMERGENCY"
-    """EMERGENCY_STOP is latched; send RESET first."""
-    CONTRACT_MISMATCH = "CONTRACT_MISMATCH"
-    """The firmware is of another version than the node, or was built for another robot."""
-    NO_ANSWER = "NO_ANSWER"
-    """No answer: the robot is not online."""
-    NO_SUCH_ROBOT = "NO_SUCH_ROBOT"
-    """No robot of this name is online, but others are."""
-    NODE_LOST = "NODE_LOST"
-    """The robot is no longer online: its node has crashed or ended, or hangs, or has lost its router."""
-    NODE_HANGS = "NODE_HANGS"
-    """The robot is online, but its node neither answers nor publishes."""
-    TIMED_OUT = "TIMED_OUT"
-    """The robot is online, but did not answer in time."""
-    ACCESS_DENIED = "ACCESS_DENIED"
-    """The router's access rules refuse this request from this account."""
-    ACCOUNT_REFUSED = "ACCOUNT_REFUSED"
-    """The router does not accept the account of this program."""
-    NO_ROUTER = "NO_ROUTER"
-    """There is no Zenoh router at this endpoint."""
-    NAME_TAKEN = "NAME_TAKEN"
-    """A robot of this name is already online."""
-    SHUTDOWN = "SHUTDOWN"
-    """The node is closing."""
-
-
-REASON_TEXT: Final[dict[Reason, str]] = {
-    Reason.OK: "Done.",
-    Reason.BAD_VALUE: "A field is missing, unknown, of the wrong type, not finite or out of range.",
-    Reason.NOT_ENABLED: "The motors are off.",
-    Reason.NOT_CALIBRATED: "Home is not known: the robot has not been calibrated since the motors were switched or the board was reset.",
-    Reason.OUT_OF_REACH: "The neck cannot take this pose: it tilts too far or no arm angles reach it.",
-    Reason.ARM_GAP: "Two neighbouring arms would come too close.",
-    Reason.YAW_LIMIT: "The head would turn further than its cables allow.",
-    Reason.SPEED_LIMIT: "The speed is zero, negative or above the limit.",
-    Reason.NOT_HOLDER: "Another seat holds the robot.",
-    Reason.FROZEN: "The teacher has frozen the robot: only the teacher moves it.",
-    Reason.FOLLOWING: "The simulation follows the hardware and takes no motions of its own.",
-    Reason.MUTED: "The teacher has muted this seat: it watches only.",
-    Reason.TEACHER_ONLY: "Only the seat `teacher` may send this request.",
-    Reason.NOT_AT_REST: "The arms are moving.",
-    Reason.HOME_KNOWN: "Home is known, and the arms are far from it.",
-    Reason.BUSY: "Too many requests are waiting.",
-    Reason.BOARD_LOST: "The board does not answer its node.",
-    Reason.HOST_LOST: "The board received no frame of its node for too long and stopped the arms.",
-    Reason.CLIENT_LOST: "The client that requested this motion is gone; the node has stopped the arms.",
-    Reason.STOPPED: "STOP was pressed.",
-    Reason.REPLACED: "A newer motion replaced this one.",
-    Reason.FAULT: "The robot reports a fault.",
-    Reason.UNKNOWN_COMMAND: "There is no command with this number.",
-    Reason.EMERGENCY: "EMERGENCY_STOP is latched; send RESET first.",
-    Reason.CONTRACT_MISMATCH: "The firmware is of another version than the node, or was built for another robot.",
-    Reason.NO_ANSWER: "No answer: the robot is not online.",
-    Reason.NO_SUCH_ROBOT: "No robot of this name is online, but others are.",
-    Reason.NODE_LOST: "The robot is no longer online: its node has crashed or ended, or hangs, or has lost its router.",
-    Reason.NODE_HANGS: "The robot is online, but its node neither answers nor publishes.",
-    Reason.TIMED_OUT: "The robot is online, but did not answer in time.",
-    Reason.ACCESS_DENIED: "The router's access rules refuse this request from this account.",
-    Reason.ACCOUNT_REFUSED: "The router does not accept the account of this program.",
-    Reason.NO_ROUTER: "There is no Zenoh router at this endpoint.",
-    Reason.NAME_TAKEN: "A robot of this name is already online.",
-    Reason.SHUTDOWN: "The node is closing.",
-}
+    OK = "OK", "Done."
+    BAD_VALUE = "BAD_VALUE", "A field is missing, unknown, of the wrong type, not finite or out of range."
+    NOT_ENABLED = "NOT_ENABLED", "The motors are off."
+    NOT_CALIBRATED = (
+        "NOT_CALIBRATED",
+        "Home is not known: the robot has not been calibrated since the motors were switched or the board was reset.",
+    )
+    OUT_OF_REACH = (
+        "OUT_OF_REACH",
+        "The neck cannot take this pose: it tilts too far or no arm angles reach it.",
+    )
+    ARM_GAP = "ARM_GAP", "Two neighbouring arms would come too close."
+    YAW_LIMIT = "YAW_LIMIT", "The head would turn further than its cables allow."
+    SPEED_LIMIT = "SPEED_LIMIT", "The speed is zero, negative or above the limit."
+    NOT_HOLDER = "NOT_HOLDER", "Another seat holds the robot."
+    FROZEN = "FROZEN", "The teacher has frozen the robot: only the teacher moves it."
+    FOLLOWING = "FOLLOWING", "The simulation follows the hardware and takes no motions of its own."
+    MUTED = "MUTED", "The teacher has muted this seat: it watches only."
+    TEACHER_ONLY = "TEACHER_ONLY", "Only the seat `teacher` may send this request."
+    NOT_AT_REST = "NOT_AT_REST", "The arms are moving."
+    HOME_KNOWN = "HOME_KNOWN", "Home is known, and the arms are far from it."
+    BUSY = "BUSY", "Too many requests are waiting."
+    BOARD_LOST = "BOARD_LOST", "The board does not answer its node."
+    HOST_LOST = "HOST_LOST", "The board received no frame of its node for too long and stopped the arms."
+    CLIENT_LOST = (
+        "CLIENT_LOST",
+        "The client that requested this motion is gone; the node has stopped the arms.",
+    )
+    STOPPED = "STOPPED", "STOP was pressed."
+    REPLACED = "REPLACED", "A newer motion replaced this one."
+    FAULT = "FAULT", "The robot reports a fault."
+    UNKNOWN_COMMAND = "UNKNOWN_COMMAND", "There is no command with this number."
+    EMERGENCY = "EMERGENCY", "EMERGENCY_STOP is latched; send RESET first."
+    CONTRACT_MISMATCH = (
+        "CONTRACT_MISMATCH",
+        "The firmware is of another version than the node, or was built for another robot.",
+    )
+    NO_ANSWER = "NO_ANSWER", "No answer: the robot is not online."
+    NO_SUCH_ROBOT = "NO_SUCH_ROBOT", "No robot of this name is online, but others are."
+    NODE_LOST = (
+        "NODE_LOST",
+        "The robot is no longer online: its node has crashed or ended, or hangs, or has lost its router.",
+    )
+    NODE_HANGS = "NODE_HANGS", "The robot is online, but its node neither answers nor publishes."
+    TIMED_OUT = "TIMED_OUT", "The robot is online, but did not answer in time."
+    ACCESS_DENIED = "ACCESS_DENIED", "The router's access rules refuse this request from this account."
+    ACCOUNT_REFUSED = "ACCOUNT_REFUSED", "The router does not accept the account of this program."
+    NO_ROUTER = "NO_ROUTER", "There is no Zenoh router at this endpoint."
+    NAME_TAKEN = "NAME_TAKEN", "A robot of this name is already online."
+    SHUTDOWN = "SHUTDOWN", "The node is closing."
 
 
 class Phase(StrEnum):
@@ -150,28 +93,17 @@ class Phase(StrEnum):
     """The motion has ended; `result` is true only if the arms have reached the goal."""
 
 
-class Fault(StrEnum):
+class Fault(Word):
     """A fault of the robot; reported until it is repaired."""
 
-    NONE = "NONE"
-    """No fault."""
-    EMERGENCY = "EMERGENCY"
-    """EMERGENCY_STOP is latched: motors off. Look at the robot, then `beatrix reset`."""
-    BOARD_LOST = "BOARD_LOST"
-    """The board does not answer."""
-    CONTRACT_MISMATCH = "CONTRACT_MISMATCH"
-    """The board's firmware is of another version, or was built for another robot: end the programs that use the board, then run `beatrix flash`."""
-    ASSEMBLY_LEFT = "ASSEMBLY_LEFT"
-    """The simulated neck snapped out of its home assembly and was put back."""
-
-
-FAULT_TEXT: Final[dict[Fault, str]] = {
-    Fault.NONE: "No fault.",
-    Fault.EMERGENCY: "EMERGENCY_STOP is latched: motors off. Look at the robot, then `beatrix reset`.",
-    Fault.BOARD_LOST: "The board does not answer.",
-    Fault.CONTRACT_MISMATCH: "The board's firmware is of another version, or was built for another robot: end the programs that use the board, then run `beatrix flash`.",
-    Fault.ASSEMBLY_LEFT: "The simulated neck snapped out of its home assembly and was put back.",
-}
+    NONE = "NONE", "No fault."
+    EMERGENCY = "EMERGENCY", "EMERGENCY_STOP is latched: motors off. Look at the robot, then `beatrix reset`."
+    BOARD_LOST = "BOARD_LOST", "The board does not answer."
+    CONTRACT_MISMATCH = (
+        "CONTRACT_MISMATCH",
+        "The board's firmware is of another version, or was built for another robot: end the programs that use the board, then run `beatrix flash`.",
+    )
+    ASSEMBLY_LEFT = "ASSEMBLY_LEFT", "The simulated neck snapped out of its home assembly and was put back."
 
 
 class FollowState(StrEnum):

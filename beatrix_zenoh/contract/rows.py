@@ -1,0 +1,133 @@
+"""The types of the rows of the generated tables: keys, values and frames; and what is read by them."""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Callable, Mapping
+from enum import StrEnum
+from functools import lru_cache
+from itertools import islice
+from typing import Any, ClassVar, NamedTuple, Self
+
+from msgspec import Struct
+from msgspec.structs import astuple
+
+
+class KeyRow(NamedTuple):
+    """One row of keys.toml; its purpose is in KEY_TEXT."""
+
+    key: str
+    kind: str
+    payload: str
+    reply: str
+    session: str
+    """Traffic class of the session that answers or subscribes."""
+    publish: str = ""
+    """Traffic class of the session that publishes; empty: none."""
+    sides: tuple[str, ...] = ("hw", "sim")
+    priority: str = "data"
+    congestion: str = "drop"
+    rate_hz: int = 0
+    """Publications per second; 0: not at a constant rate."""
+
+
+class Parts(NamedTuple):
+    """The names in a key; a name that its row does not contain is empty."""
+
+    row: str
+    """Name of the row in KEYS."""
+    robot: str = ""
+    side: str = ""
+    who: str = ""
+    eye: str = ""
+    arm: str = ""
+    session: str = ""
+    lesson: str = ""
+
+
+def parser(rows: Mapping[str, KeyRow], name: re.Pattern[str]) -> Callable[[str], Parts | None]:
+    """Return a function that returns the row of a key and the names in it, which may be `*`.
+
+    It returns None if the key matches no row, or contains an invalid name of a robot, side or seat. `name` is the
+    pattern of names of robots and seats.
+    """
+    known = {row_name: row.key.split("/") for row_name, row in rows.items()}
+    valid = {"robot": name, "who": name, "side": re.compile("hw|sim")}
+
+    def parts_of(row_name: str, pattern: list[str], chunks: list[str]) -> Parts | None:
+        found: dict[str, str] = {}
+        for wanted, chunk in zip(pattern, chunks, strict=True):
+            field = wanted[1:-1]
+            if wanted[0] == "{":
+                if field in valid and chunk != "*" and not valid[field].fullmatch(chunk):
+                    return None
+                found[field] = chunk
+            elif wanted != chunk:
+                return None
+        if "robot" in found and "side" not in found:
+            found["side"] = pattern[2]
+        return Parts(row_name, **found)
+
+    @lru_cache(maxsize=1024)
+    def parse(key: str) -> Parts | None:
+        chunks = key.split("/")
+        same_length = (
+            (row_name, pattern) for row_name, pattern in known.items() if len(pattern) == len(chunks)
+        )
+        matches = (parts_of(row_name, pattern, chunks) for row_name, pattern in same_length)
+        return next((parts for parts in matches if parts is not None), None)
+
+    return parse
+
+
+class Word(StrEnum):
+    """A word of messages with the sentence that explains it to users."""
+
+    _value_: str
+    text: str
+
+    def __new__(cls, word: str, text: str = "") -> Self:
+        """Make a word; only the class itself gives a text."""
+        made = str.__new__(cls, word)
+        made._value_, made.text = word, text
+        return made
+
+
+class ValueRow(NamedTuple):
+    """One field of a message that a robot publishes: how programs show its value."""
+
+    title: str = ""
+    """Name of the value; empty: the words of the field."""
+    unit: str = ""
+    group: str = ""
+    """Values of one group are shown together; empty: none."""
+    decimals: int = 1
+    """Decimals in the unit that people read."""
+    on_change: bool = True
+    """Whether a change of this value alone is published at once: not of clocks, rates and the physics."""
+
+
+class Frame(Struct, frozen=True):
+    """The payload of a frame."""
+
+    layout: ClassVar[struct.Struct]
+    """The fields without a text of any length, which may follow them."""
+    counts: ClassVar[tuple[int, ...]]
+    """How many numbers each of these fields has."""
+
+    def pack(self) -> bytes:
+        """Return the payload, without type, seq and checksum."""
+        parts: list[Any] = []
+        for value in astuple(self):
+            parts.extend(value if isinstance(value, tuple) else (value,))
+        fixed = sum(self.counts)
+        return self.layout.pack(*parts[:fixed]) + b"".join(parts[fixed:])
+
+    @classmethod
+    def unpack(cls, payload: bytes) -> Self:
+        """Return the fields of a payload; raises struct.error or TypeError if its length is wrong."""
+        fixed, text = payload[: cls.layout.size], payload[cls.layout.size :]
+        parts = iter(cls.layout.unpack(fixed))
+        values = [next(parts) if count == 1 else tuple(islice(parts, count)) for count in cls.counts]
+        return cls(*values, *([text] if text else []))
