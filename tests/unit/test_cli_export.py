@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 import signal
 from pathlib import Path
 
 import pandas as pd
 import pytest
-import written_recordings
 from shell import settings_of_this_process
-from written_recordings import BEGAN_NS, write_lesson
+from written_recordings import write_lesson
 
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.recording import export
@@ -69,32 +67,15 @@ def test_a_signal_leaves_no_incomplete_file(
     assert [path.name for path in lesson.parent.iterdir()] == ["lesson.rrd"]
 
 
-def test_the_pauses_between_files_are_named(
-    lesson: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    later, csv = lesson.with_name("later.rrd"), lesson.with_suffix(".csv")
-    monkeypatch.setattr(written_recordings, "BEGAN_NS", BEGAN_NS + 10_500_000_000)
-    write_lesson(later, PLACES, rows=50)
-    assert app.run(["export", str(lesson), str(later), str(csv)]) == 0
-    assert capsys.readouterr().out.splitlines() == [
-        f"{csv}: 575 rows of ada (hw), ada (sim), bob (sim).",
-        "Between the files nothing was recorded: 4.5 s from 6.0 s on.",
-    ]
-    assert app.run(["export", str(lesson), str(later), str(lesson.with_name("p.csv")), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["pauses"] == [{"from_s": 5.98, "lasts_s": 4.52}]
-    assert app.run(["export", str(lesson), str(later), str(lesson.with_name("q.csv")), "--to", "5"]) == 0
-    assert "nothing was recorded" not in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [
         (["lesson.csv"], 2, "lesson.csv is not the name of a recording"),
         (["lesson.rrd"], 2, "must end with .csv or .parquet"),
         (["lesson.rrd", "lesson.xlsx"], 2, "must end with .csv or .parquet"),
-        (["lesson.rrd", "lesson.mp4"], 2, "is the name of a film: write --video lesson.mp4"),
+        (["lesson.rrd", "lesson.mp4"], 2, "A film is named by --video"),
         (["new.csv", "lesson.rrd"], 2, "named last"),
-        (["lesson.rrd", "./lesson.rrd", "new.csv"], 2, "given twice"),
+        (["lesson.rrd", "./lesson.rrd", "new.csv"], 1, "contain the same time of ada (hw)"),
         (["lesson.rrd", "new.csv", "--from", "3", "--to", "2"], 2, "--to 2 is before --from 3"),
         (["lesson.rrd", "new.csv", "--to", "nan"], 2, "nan is not a finite number"),
         (["lesson.rrd", "kept.csv"], 1, "kept.csv exists and is not overwritten"),
@@ -115,28 +96,3 @@ def test_refusals_name_the_cure_and_write_nothing(
     assert says in " ".join(capsys.readouterr().err.split())
     assert sorted(path.name for path in lesson.parent.iterdir()) == ["kept.csv", "lesson.rrd"]
     assert Path("kept.csv").read_text() == "mine"
-
-
-# -- `beatrix record` with the name of another kind of file names the command for it ---------------
-
-
-@pytest.mark.parametrize(
-    ("words", "says", "says_not"),
-    [
-        (["q.csv"], "To write a motion file for `beatrix replay`, add --motion;", "--repair"),
-        (["q.CSV"], "record, and then `beatrix export FILE.rrd q.CSV`.", "--repair"),
-        (["q.parquet"], "record, and then `beatrix export FILE.rrd q.parquet`.", "--motion"),
-        (["q.mp4"], "it must end with .rrd.", "--motion"),
-        (["q.csv", "--repair"], "it must end with .rrd.", "--motion"),
-    ],
-)
-def test_a_wrong_ending_names_the_command_for_it(
-    words: list[str], says: str, says_not: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
-    monkeypatch.chdir(tmp_path)
-    assert app.run(["record", *words]) == 2
-    err = " ".join(capsys.readouterr().err.split())
-    assert says in err
-    assert says_not not in err
-    assert list(tmp_path.iterdir()) == []

@@ -13,9 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording import rows
-from beatrix_zenoh.recording.export import Span, Table, at, table
+from beatrix_zenoh.recording.export import Table, at, table
 from beatrix_zenoh.recording.samples import Floats, Note, Recorded, Samples
 
 BEGAN_NS = 1_763_000_000_000_000_000
@@ -30,7 +29,8 @@ def samples(times_ns: list[int], arms: Floats | None = None, **changes: object) 
     n = len(times_ns)
     angles = np.zeros((n, 3)) if arms is None else arms
     times = BEGAN_NS + np.array(times_ns, np.int64)
-    made = Samples(times, times - 7, angles, angles + 1, angles + 2, None, np.full((n, 3), 4.0), np.arange(n))
+    unknown, velocity, none = np.full((n, 3), np.nan), np.full((n, 3), 4.0), np.zeros(n, np.int64)
+    made = Samples(times, times - 7, angles, angles + 1, angles + 2, unknown, velocity, np.arange(n), none)
     return replace(made, **changes)  # type: ignore[arg-type]
 
 
@@ -88,7 +88,7 @@ def test_a_head_that_turns_through_180_degrees_takes_the_short_way() -> None:
 def test_robots_stand_side_by_side_with_units_in_the_names() -> None:
     times = [5_000_000 + k * STEP_NS for k in range(11)]
     arms = np.outer(np.arange(11.0), (1, 2, 3))
-    found = grid(table([recorded({HW: samples(times, arms), SIM: samples(times, -arms)})], Span()))
+    found = grid(table([recorded({HW: samples(times, arms), SIM: samples(times, -arms)})]))
     assert list(found) == [
         "time_s", "unix_time_s",
         *(
@@ -108,12 +108,6 @@ def test_robots_stand_side_by_side_with_units_in_the_names() -> None:
     np.testing.assert_allclose(found["bea_sim_yaw_deg"], -(np.arange(10) + 0.75) + 2)
 
 
-def test_recordings_of_the_same_time_are_refused() -> None:
-    one = recorded({SIM: samples([0, 2_000_000_000])})
-    with pytest.raises(Refused, match="not parts of one recording"):
-        table([one, one], Span())
-
-
 def test_notes_are_in_the_first_row_after_them() -> None:
     texts = {
         -1_000_000_000: "trial 1",
@@ -126,15 +120,15 @@ def test_notes_are_in_the_first_row_after_them() -> None:
     made = recorded({SIM: samples([k * STEP_NS for k in range(6)])})
     first, second = replace(made, notes=tuple(notes[3:])), recorded({HW: samples([0])})
     parts = [first, replace(second, notes=tuple(notes[:3]))]
-    assert [note for block in table(parts, Span()).grid() for note in block["note"]] == [
+    assert [note for block in table(parts).grid() for note in block["note"]] == [
         "trial 1", None, "trial 2; again", "trial 3", None, "end"
     ]  # fmt: skip
-    (part,) = table(parts, Span(0.02, 0.06)).grid()
+    (part,) = table(parts, 0.02, 0.06).grid()
     assert part["note"] == [None, "trial 2; again", "trial 3"]
-    assert "note" not in next(table([made], Span()).grid())
+    assert "note" not in next(table([made]).grid())
 
 
 def test_a_note_is_no_formula_of_a_spreadsheet() -> None:
     made = recorded({SIM: samples([0])})
-    (block,) = table([replace(made, notes=(Note(BEGAN_NS, "ana", "=1+1"),))], Span()).grid()
+    (block,) = table([replace(made, notes=(Note(BEGAN_NS, "ana", "=1+1"),))]).grid()
     assert block["note"] == [" =1+1"]
