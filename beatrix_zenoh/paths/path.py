@@ -66,7 +66,9 @@ class ArmPath:
         return self.begin_s + t * self.factor
 
     def beginning(self, given_s: float) -> ArmPath:
-        """Return the path from a time of the file or recording (s) on; raises WrongUsage outside of its times."""
+        """Return the path from a time of the file or recording (s) on, 0: all of it; raises WrongUsage outside its times."""
+        if given_s == 0:
+            return self
         begin, end = self.begin_s, self.given_s(self.duration_s)
         if not begin <= given_s < end:
             raise WrongUsage(

@@ -38,7 +38,6 @@ def test_a_replay_with_a_lead_is_compared_live_and_from_its_recording(
     done = free.run("replay", turn, "--on", "both", "--lead", "0.3")
     assert done.returncode == 0, done.stderr
     assert "Checked: 2.0 s" in done.stderr
-    assert "Replay: 0 of 2 s." in done.stderr
     output, _ = compare.communicate(timeout=END_S)
     live = json.loads(output.splitlines()[-1])
     assert compare.returncode == 1, output
@@ -77,7 +76,6 @@ def test_signals_end_a_recording_of_a_motion_with_its_summary(
     record = free.start("record", "--motion", str(path), "--on", "hw", background=background)
     until(path.exists, "it records")
     free.good("look", "--yaw", "8", "--speed", "40", "--on", "hw")
-    until(lambda: ended_at(path) == pytest.approx((8, 0, 0), abs=0.2), "the motion is in the file")
     record.send_signal(number)
     output, _ = record.communicate(timeout=END_S)
     assert record.returncode == 0, output

@@ -75,8 +75,7 @@ def replay(
     with open_targets(Selection(name, connect, who), on, acts=True) as targets:
         robots = targets.robots()
         infos = [robot.info() for robot in robots]
-        path = path_for(targets.name, infos[0])
-        path = path.beginning(begin) if begin else path
+        path = path_for(targets.name, infos[0]).beginning(begin)
         following = plan_path(path.at_speed(speed_factor), infos)
         with stop_on_interrupt(robots, as_json=as_json), progress(following) as passed:
             if len(robots) > 1:
