@@ -83,7 +83,7 @@ def test_both_robots_stand_beside_each_other(folder: Path, capsys: pytest.Captur
     assert app.run(words) == 0
     assert json.loads(capsys.readouterr().out) == {
         "result": True, "robots": ["ada (hw)", "ada (sim)"], "file": "lesson.csv", "rows": 23, "video": "both.mp4",
-        "frames": 12,
+        "frames": 12, "left_out": 0,
     }  # fmt: skip
     times_s, pictures = decoded(folder / "both.mp4")
     assert times_s == pytest.approx([k / 25 for k in range(12)], abs=1 / 45_000)
@@ -99,11 +99,14 @@ def test_both_robots_stand_beside_each_other(folder: Path, capsys: pytest.Captur
     assert np.abs(right.astype(int) - EMPTY).max() < 12
 
 
-def test_a_film_of_an_eye_has_each_whole_picture_at_its_time(tmp_path: Path) -> None:
+def test_a_film_of_an_eye_has_each_whole_picture_at_its_time_and_says_how_many_it_leaves_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     whole = [jpeg(colour) for colour in COLOURS]
     path = tmp_path / "lesson.rrd"
     write_lesson(path, (SIM, HW), rows=101, more=eye(SIM, "left", [whole[0], whole[1][:50], *whole[2:]]))
     assert app.run(["export", str(path), "--video", str(tmp_path / "eye.mp4"), "--eye", "left"]) == 0
+    assert capsys.readouterr().out.endswith(" 1 damaged or repeated pictures are left out.\n")
     times_s, pictures = decoded(tmp_path / "eye.mp4")
     assert times_s == pytest.approx([ms / 1000 for ms in TIMES_MS if ms != TIMES_MS[1]], abs=1e-3)
     assert np.abs(pictures[1][24, 32].astype(int) - COLOURS[2]).max() < 12

@@ -22,7 +22,7 @@ from beatrix_zenoh.terminal.options import Json, Names, Which, finite
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.export import Table
     from beatrix_zenoh.recording.film import FilmFrame
-    from beatrix_zenoh.recording.samples import EyePictures
+    from beatrix_zenoh.recording.samples import EyePicture, EyePictures
     from beatrix_zenoh.recording.sound import WrittenSound
 
 WAV = ".wav"
@@ -109,9 +109,10 @@ def export(
             document |= {"file": str(out), "rows": rows}
             lines.append(f"{out}: {rows} rows of {', '.join(robots_of(found))}.")
         if video is not None:
-            frames, shows = written_film(video, recordings, found, eye, on)
-            document |= {"video": str(video), "frames": frames}
-            lines.append(f"{video}: {frames} frames of {shows}.")
+            frames, left_out, shows = written_film(video, recordings, found, eye, on)
+            document |= {"video": str(video), "frames": frames, "left_out": left_out}
+            without = f" {left_out} damaged or repeated pictures are left out." if left_out else ""
+            lines.append(f"{video}: {frames} frames of {shows}.{without}")
         if sound is not None:
             heard = write_sound(sound, recordings, found, on)
             document |= {"sound": str(sound), "seconds": heard.seconds, "lost_s": heard.lost_s}
@@ -202,8 +203,10 @@ def check_options(video: Path | None, sound: Path | None, eye: EyeName | None, o
 
 def written_film(
     path: Path, recordings: Sequence[Path], table: Table, eye: EyeName | None, on: Which | None
-) -> tuple[int, str]:
-    """Write a film of an eye, or of both robots of a name, completely or not at all; return frames and description.
+) -> tuple[int, int, str]:
+    """Write a film of an eye, or of both robots of a name, completely or not at all.
+
+    Returns the number of frames, that of pictures of the eye that are not in it, and a description.
 
     Raises:
         Refused: BAD_VALUE, the choice is not unique, there are no pictures, or the file cannot be written.
@@ -213,18 +216,20 @@ def written_film(
 
     name = only_name(table)
     eyes = read_eyes(recordings, list(table.robots), table.first_ns, table.last_ns)
+    pictures: Sequence[EyePicture] = ()
     if eye is None:
         sides = [SIDE_TITLES[side] for side in SIDES if (name, side) in table.robots]
-        pictures = "" if any(robot == name for robot, _, _ in eyes) else NO_PICTURES
-        shows, frames = f"{name}, {' and '.join(sides)}{pictures}", side_by_side(table, name, eyes)
+        without = "" if any(robot == name for robot, _, _ in eyes) else NO_PICTURES
+        shows, frames = f"{name}, {' and '.join(sides)}{without}", side_by_side(table, name, eyes)
     else:
         side = side_of_eye(eyes, name, eye, on)
-        shows, frames = f"the {eye} eye of {name} ({side})", eye_frames(eyes[name, side, eye])
+        pictures = eyes[name, side, eye]
+        shows, frames = f"the {eye} eye of {name} ({side})", eye_frames(pictures)
     with new_file(path) as unfinished:
         count = write_video(unfinished, watched(frames, table))
         if not count:
             raise Refused(Reason.BAD_VALUE, f"{path} is not written: this span contains no whole picture.")
-    return count, shows
+    return count, max(0, len(pictures) - count), shows
 
 
 def only_name(table: Table) -> str:
