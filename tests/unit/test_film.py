@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import shutil
 import wave
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,7 +12,6 @@ import av
 import numpy as np
 import numpy.typing as npt
 import pytest
-from golden import same
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
@@ -62,34 +60,22 @@ def eye(place: tuple[str, str], which: str, pictures: Sequence[bytes] = ()) -> l
     ]
 
 
-@pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A recording of 2 s of both robots, of which the simulation has an eye."""
-    path = tmp_path_factory.mktemp("film") / "lesson.rrd"
-    write_lesson(path, (SIM, HW), rows=101, more=eye(SIM, "left"))
-    return path
-
-
-@pytest.fixture
-def folder(written: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with only that recording."""
+def test_both_robots_stand_beside_each_other(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
-    shutil.copy(written, tmp_path)
-    return tmp_path
-
-
-def test_both_robots_stand_beside_each_other(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["export", "lesson.rrd", "lesson.csv", "--video", "both.mp4", "--to", "0.44", "--json"]
-    assert app.run(words) == 0
+    write_lesson(Path("lesson.rrd"), (SIM, HW), rows=101, more=eye(SIM, "left"))
+    words = "export lesson.rrd lesson.csv --video both.mp4 --to 0.44 --json"
+    assert app.run(words.split()) == 0
     assert json.loads(capsys.readouterr().out) == {
         "result": True, "robots": ["ada (hw)", "ada (sim)"], "file": "lesson.csv", "rows": 23, "video": "both.mp4",
         "frames": 12, "left_out": 0,
     }  # fmt: skip
-    times_s, pictures = decoded(folder / "both.mp4")
+    times_s, pictures = decoded(Path("both.mp4"))
     assert times_s == pytest.approx([k / 25 for k in range(12)], abs=1 / 45_000)
     last = pictures[-1]
     assert last.shape == (PANEL[1] + EYE[1], 2 * PANEL[0], 3)
-    samples = read(folder / "lesson.rrd").robots[SIM]
+    samples = read(Path("lesson.rrd")).robots[SIM]
     wanted = PoseRenderer(Figure(), *PANEL).picture(samples.arms[22], samples.head[22])
     for column in (0, PANEL[0]):
         shown = last[60 : PANEL[1], column : column + PANEL[0]]
@@ -110,39 +96,6 @@ def test_a_film_of_an_eye_has_each_whole_picture_at_its_time_and_says_how_many_i
     times_s, pictures = decoded(tmp_path / "eye.mp4")
     assert times_s == pytest.approx([ms / 1000 for ms in TIMES_MS if ms != TIMES_MS[1]], abs=1e-3)
     assert np.abs(pictures[1][24, 32].astype(int) - COLOURS[2]).max() < 12
-
-
-@pytest.mark.parametrize(
-    ("words", "code", "says"),
-    [
-        (["--video", "new.avi"], 2, "must end in .mp4"),
-        (["--eye", "left"], 2, "--eye needs --video FILE.mp4"),
-        (["--video", "new.mp4", "--on", "hw"], 2, "--on chooses the robot of --eye or --sound"),
-        (["--video", "new.mp4", "--eye", "right"], 1, "it has pictures of: left (ada, sim)"),
-        (["--video", "new.mp4", "--eye", "left", "--from", "1.6"], 1, "it has pictures of: none"),
-        (["--video", "new.mp4", "--samples"], 2, "--samples needs a table"),
-        (["--video", "kept.mp4"], 1, "kept.mp4 exists and is not overwritten"),
-        (["--video", "missing/new.mp4", "--to", "0.1"], 1, "cannot be written: No such file"),
-    ],
-)
-def test_refusals_name_the_cure_and_write_nothing(
-    folder: Path, words: list[str], code: int, says: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    Path("kept.mp4").write_text("mine")
-    assert app.run(["export", "lesson.rrd", *words]) == code
-    assert says in " ".join(capsys.readouterr().err.split())
-    assert sorted(path.name for path in folder.iterdir()) == ["kept.mp4", "lesson.rrd"]
-
-
-def test_the_robot_of_a_film_is_chosen(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    both = tmp_path / "both.rrd"
-    write_lesson(both, (SIM, ("bob", "sim")), more=[*eye(SIM, "left"), *eye(("bob", "sim"), "left")])
-    assert app.run(["export", str(both), "--video", str(tmp_path / "new.mp4")]) == 1
-    same("film.the robot of a film is chosen 1", capsys.readouterr().err)
-    sides = tmp_path / "twins.rrd"
-    write_lesson(sides, (SIM, HW), more=[*eye(SIM, "left"), *eye(HW, "left")])
-    assert app.run(["export", str(sides), "--video", str(tmp_path / "new.mp4"), "--eye", "left"]) == 1
-    same("film.the robot of a film is chosen 2", capsys.readouterr().err)
 
 
 # -- sound in recordings: a real file gives back the published numbers, and a WAV file in which no--
@@ -241,28 +194,6 @@ def test_export_writes_a_wav_file(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert (document["seconds"], document["lost_s"]) == (0.1, 0.02)
     expected = np.vstack([pcm(0), pcm(1), pcm(2), np.zeros_like(pcm(3)), pcm(4)])
     assert np.array_equal(read_wav(sound), expected)
-
-
-@pytest.mark.parametrize(
-    ("words", "about"),
-    [
-        (["--sound", "b.wav"], "two robots"),
-        (["--sound", "b.wav", "--name", "bob"], "no sound"),
-        (["b.wav"], "named as a table"),
-    ],
-)
-def test_a_refused_sound_says_what_to_do(
-    words: list[str],
-    about: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    write_lesson(Path("a.rrd"), [SIM, HW, ("bob", "sim")], 50, [*rows([0]), *rows([0], HW)])
-    assert app.run(["export", "a.rrd", *words]) != 0
-    same(f"recording sound.{about}", capsys.readouterr().err)
-    assert not Path("b.wav").exists()
 
 
 def test_a_recording_with_sound_has_a_tab_for_it(tmp_path: Path) -> None:
