@@ -6,7 +6,7 @@ import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from beatrix_zenoh import threads
@@ -79,8 +79,7 @@ class Recorder:
         self._last: dict[Place, tuple[int, int]] = {}
         """Newest positions of each robot (ns): arrival by our monotonic clock, and time by our wall clock."""
         self._picture_due_ns: dict[str, int] = {}
-        self._with_pictures: frozenset[Place] = frozenset()
-        self._with_sound: frozenset[Place] = frozenset()
+        self._shown = RobotSet({})
         self.samples = 0
         """Number of positions that were converted."""
         self._failure: Exception | None = None
@@ -139,7 +138,7 @@ class Recorder:
             output.write(rows)
         restarted = [output for output in self._outputs if output.update(now_s)]
         for output in restarted:
-            output.show(self._robot_set)
+            output.show(self._shown)
             output.describe(self._about)
         if restarted:
             again = [row for rows_of_robot in self._rows.values() for row in rows_of_robot.begin_again()]
@@ -150,8 +149,9 @@ class Recorder:
         """Use the answer of a robot; yield the rows of the publications that were kept until then."""
         waiting = list(self._arrivals.answered(answer))
         if answer.place not in self._rows:
-            self._rows[answer.place] = RobotRows(answer.place, Figure(answer.geometry))
-            self._show_robots()
+            figure = Figure(answer.geometry)
+            self._rows[answer.place] = RobotRows(answer.place, figure)
+            self._show(replace(self._shown, robots={**self._shown.robots, answer.place: figure}))
         if answer.info is not None:
             self._describe(self._about.with_robot(answer.place, answer.info))
         if answer.offset is not None:
@@ -173,14 +173,12 @@ class Recorder:
             for output in self._outputs:
                 output.describe(about)
 
-    @property
-    def _robot_set(self) -> RobotSet:
-        figures = {place: rows.figure for place, rows in self._rows.items()}
-        return RobotSet(figures, self._with_pictures, self._with_sound)
-
-    def _show_robots(self) -> None:
-        for output in self._outputs:
-            output.show(self._robot_set)
+    def _show(self, robots: RobotSet) -> None:
+        """Let the outputs show what is new about the robots."""
+        if robots != self._shown:
+            self._shown = robots
+            for output in self._outputs:
+                output.show(robots)
 
     def _convert(self, timed: Timed) -> Iterator[RecordingRow]:
         arrival, time_ns, stale = timed
@@ -204,9 +202,7 @@ class Recorder:
             case CameraImage():
                 yield from self._picture(place, value, time_ns)
             case Sound():
-                if place not in self._with_sound:
-                    self._with_sound |= {place}
-                    self._show_robots()
+                self._show(replace(self._shown, with_sound=self._shown.with_sound | {place}))
                 yield from rows_of_sound(place, value, time_ns)
 
     def _difference(
@@ -224,9 +220,7 @@ class Recorder:
         if time_ns < due_ns - self._picture_period_ns // 8:
             return
         self._picture_due_ns[path] = max(due_ns, time_ns - self._picture_period_ns) + self._picture_period_ns
-        if place not in self._with_pictures:
-            self._with_pictures |= {place}
-            self._show_robots()
+        self._show(replace(self._shown, with_pictures=self._shown.with_pictures | {place}))
         yield Frame(path, time_ns, image.t_wall_ns, image.jpeg)
 
     def _lost_robots(self) -> Iterator[RecordingRow]:

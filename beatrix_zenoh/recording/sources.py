@@ -83,7 +83,10 @@ class RobotSubscriptions:
                     images(client, name, "*", eye, timeout_s=None, length=PICTURES) for eye in EYES
                 ]
             if microphones:
-                self._subscriptions.append(blocks(client, name))
+                key = keys.microphones(name, "*")
+                self._subscriptions.append(
+                    Subscription(client, key, sound, timeout_s=None, length=BLOCKS, bus=client.media)
+                )
 
     def take(self) -> list[Arrival[Value]]:
         """Return all publications since the last call, in the order of arrival."""
@@ -106,12 +109,6 @@ class RobotSubscriptions:
         """End the subscriptions."""
         for subscription in self._subscriptions:
             subscription.close()
-
-
-def blocks(client: Client, name: str) -> Subscription[Sound]:
-    """Subscribe to the sound of both sides as it arrives; `*` stands for all robots."""
-    key = keys.microphones(name, "*")
-    return Subscription(client, key, sound, timeout_s=None, length=BLOCKS, bus=client.media)
 
 
 AGAIN_S: Final = 30.0

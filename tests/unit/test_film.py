@@ -65,14 +65,14 @@ def test_both_robots_stand_beside_each_other(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     write_lesson(Path("lesson.rrd"), (SIM, HW), rows=101, more=eye(SIM, "left"))
-    words = "export lesson.rrd lesson.csv --video both.mp4 --to 0.44 --json"
+    words = "export lesson.rrd lesson.csv --video both.mp4 --from 0.36 --to 0.44 --json"
     assert app.run(words.split()) == 0
     assert json.loads(capsys.readouterr().out) == {
-        "result": True, "robots": ["ada (hw)", "ada (sim)"], "file": "lesson.csv", "rows": 23, "video": "both.mp4",
-        "frames": 12, "left_out": 0,
+        "result": True, "robots": ["ada (hw)", "ada (sim)"], "file": "lesson.csv", "rows": 5, "video": "both.mp4",
+        "frames": 3, "left_out": 0,
     }  # fmt: skip
     times_s, pictures = decoded(Path("both.mp4"))
-    assert times_s == pytest.approx([k / 25 for k in range(12)], abs=1 / 45_000)
+    assert times_s == pytest.approx([k / 25 for k in range(3)], abs=1 / 45_000)
     last = pictures[-1]
     assert last.shape == (PANEL[1] + EYE[1], 2 * PANEL[0], 3)
     samples = read(Path("lesson.rrd")).robots[SIM]

@@ -177,11 +177,11 @@ def test_late_samples_are_written_with_their_true_times(rig: Rig) -> None:
     rig.publish(positions())
     until(lambda: len(rig.arms()) == 1, "the robot is known")
     for _ in range(2):
-        rig.publish(positions(AHEAD_NS - 3_000_000_000))  # under way for 3 s
+        rig.publish(positions(AHEAD_NS - 60_000_000_000))  # under way for a minute
     until(lambda: len(rig.queries.requests) == 1, "the clock offset is measured again")
     rig.answer(AHEAD_NS)
     until(lambda: len(rig.arms()) == 3, "late samples are written")
-    assert rig.arms()[1].time_ns - rig.arms()[0].time_ns < -2_000_000_000
+    assert rig.arms()[1].time_ns - rig.arms()[0].time_ns < -50_000_000_000
     assert total(rig.thread.counts).late == 2
     assert total(rig.thread.counts).unwritten == 0
     until(lambda: bool(rig.messages), "the message")

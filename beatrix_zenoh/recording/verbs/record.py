@@ -12,7 +12,8 @@ import typer
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.files import check_new
 from beatrix_zenoh.output import FAILED, exit_code, note, print_json, say, typed
 from beatrix_zenoh.recording.losses import CONTESTED, PICTURES, SOUND, Count, Stream, findings, total
 from beatrix_zenoh.recording.verbs.files import RECORDING, repair_recording
@@ -225,11 +226,7 @@ def write_motion(
         raise typer.BadParameter(f"{file} is not the name of a motion file: it must end with {MOTION_FILE}.")
     if len(names) > 1 or on is Which.BOTH:
         raise typer.BadParameter("--motion records one robot: give one --name, and --on sim or --on hw.")
-    if file.exists():
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"{file} exists already and is not overwritten: name another file, or delete it.",
-        )
+    check_new(file)
     with open_targets(selection, on) as targets:
         (robot,) = targets.robots()
         shutdown = Shutdown()
