@@ -247,7 +247,7 @@ def of_wiring() -> list[Case]:
         Case(
             "short and middle exchanged",
             changed(lambda _t, arms: arms[:, [1, 0, 2]]),
-            UNKNOWN,
+            0.0,
             ((Cause.EXCHANGED, ("short", "middle"), UNKNOWN),),
             alike=False,
         ),
@@ -284,6 +284,7 @@ def of_standing() -> list[Case]:
             0.0,
             ((Cause.STOOD_STILL, (), UNKNOWN),),
             alike=False,
+            checks=((Thresholds(lag_s=9.0), False),),  # the lag of most motions is unknown
         ),
         Case(
             "long stands still from 10 s on",

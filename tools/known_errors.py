@@ -30,9 +30,6 @@ FEW_S = 0.1
 TOLERANCE = {
     Cause.OFFSET: 0.05,
     Cause.SCALE: 0.005,
-    Cause.DRIFT: 0.001,
-    Cause.CLOCK: 0.01,
-    Cause.JUMP: 0.02,
     Cause.CREEP: 0.1,
     Cause.BEGAN_APART: 0.3,
     Cause.LOSS: 0.03,

@@ -206,8 +206,7 @@ def as_recordings(
 ) -> tuple[Recording, Recording]:
     """Return the recordings of both robots as of a live comparison."""
     sim, hw = (
-        recording(known.positions(requested, seconds), 0.0, known.events if events else None)
-        for known in both
+        recording(known.positions(requested, seconds), 0.0, known.events if events else ()) for known in both
     )
     return sim, hw
 

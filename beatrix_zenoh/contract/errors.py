@@ -71,7 +71,7 @@ class NoAnswer(BeatrixError):
 
 @contextmanager
 def naming(robot: str) -> Iterator[None]:
-    """Prefix the message of an error with the name of its robot."""
+    """Prefix the message of an error with the name of its robot, or its place in a file."""
     try:
         yield
     except BeatrixError as error:

@@ -9,8 +9,8 @@ is just beyond the braking distance, and the speed that brings the arm back onto
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -20,7 +20,7 @@ from beatrix_zenoh.client.degrees import RobotInfo, motion_query, robot_of
 from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason
 from beatrix_zenoh.contract._generated.robot import RobotData
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, naming
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.paths.path import ArmPath, Floats
@@ -101,7 +101,7 @@ def follow(path: ArmPath, robot: RobotData) -> Following:
     path.check_length()
     limits = MotionLimits(robot)
     for t, arms in zip(path.t, path.arms, strict=True):
-        with _placing(path, float(t)):
+        with naming(path.where(float(t))):
             limits.check_pose([math.radians(angle) for angle in arms])
     try:
         targets, way = planned(path, limits)
@@ -137,7 +137,7 @@ def planned(path: ArmPath, limits: MotionLimits) -> tuple[list[TimedTarget], Flo
     for at in range(0, round((LEAD_IN_S + path.duration_s) / STEP_S) + every, every):
         t = at * STEP_S - LEAD_IN_S
         goal, speed = _aim(grid[at:], position, velocity, limits)
-        with _placing(path, t):
+        with naming(path.where(t)):
             trajectory = limits.check_motion(
                 position, velocity, _radians(goal), _radians(speed), straight=False
             )
@@ -218,15 +218,6 @@ def advice(path: ArmPath, limits: MotionLimits) -> str:
             planned(path.at_speed(factor), limits)
             return f"Give the path more time, for example with --speed-factor {path.factor * factor:.2g}."
     return "Give the path more time: put its points further apart."
-
-
-@contextmanager
-def _placing(path: ArmPath, t: float) -> Iterator[None]:
-    """Prefix the message of an error with the time `t` (s) and the line in the path."""
-    try:
-        yield
-    except BeatrixError as error:
-        raise type(error)(error.reason, f"{path.where(t)}: {error.message}", error.detail) from error
 
 
 def _radians(angles: Sequence[float] | Floats) -> Arms:

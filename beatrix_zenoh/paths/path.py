@@ -12,11 +12,11 @@ import numpy.typing as npt
 
 from beatrix_zenoh.client.choreography import Choreography, Pose, Step
 from beatrix_zenoh.client.degrees import DAY_S, REST_DEG, ArmAngles, HeadAngles, checked_factor
-from beatrix_zenoh.client.motion_file import SPEED, MotionFile, Place, Point, WrongLine
+from beatrix_zenoh.client.motion_file import SPEED, MotionFile, Place, WrongLine
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.contract._generated.serial import Telemetry
-from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage, naming
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.node.planner import Planner
@@ -66,7 +66,9 @@ class ArmPath:
         return self.begin_s + t * self.factor
 
     def beginning(self, given_s: float) -> ArmPath:
-        """Return the path from a time of the file or recording (s) on; raises WrongUsage outside of its times."""
+        """Return the path from a time of the file or recording (s) on, 0: all of it; raises WrongUsage outside its times."""
+        if given_s == 0:
+            return self
         begin, end = self.begin_s, self.given_s(self.duration_s)
         if not begin <= given_s < end:
             raise WrongUsage(
@@ -159,19 +161,13 @@ def path_of(read: MotionFile, limits: MotionLimits) -> ArmPath:
                 f"{read.source}, line {after.line}: t_s is {after.t:g}, the same as in the line before. Times of a path "
                 "must increase from point to point.",
             )
-    arms = np.array([arms_at(read.source, point, limits) for point in points])
+    arms = []
+    for point in points:
+        with naming(f"{read.source}, line {point.line} (t = {point.t:.2f} s)"):
+            arms.append(arms_of(point.place, limits))
     t = np.array([point.t for point in points])
     lines = tuple(point.line for point in points)
-    return ArmPath(read.source, t - t[0], arms, lines, begin_s=points[0].t)
-
-
-def arms_at(source: str, point: Point, limits: MotionLimits) -> tuple[float, float, float]:
-    """Return the arm angles (deg) of a point; raises Refused, which names the line, if the point is out of reach."""
-    try:
-        return arms_of(point.place, limits)
-    except BeatrixError as error:
-        where = f"{source}, line {point.line} (t = {point.t:.2f} s)"
-        raise type(error)(error.reason, f"{where}: {error.message}", error.detail) from error
+    return ArmPath(read.source, t - t[0], np.array(arms), lines, begin_s=points[0].t)
 
 
 def arms_of(place: Place, limits: MotionLimits) -> tuple[float, float, float]:
@@ -220,12 +216,9 @@ def check_choreography(choreography: Choreography, robot: RobotData) -> None:
     planner = Planner(robot)
     here: Arms | None = None
     for index, (_title, step) in enumerate(choreography.steps):
-        try:
+        with naming(choreography.where(index)):
             start = first_arms(step, planner) if here is None else here
             here = planner.goal(step.query(), resting(planner.gear.to_steps(start))).target
-        except BeatrixError as error:
-            where = choreography.where(index)
-            raise type(error)(error.reason, f"{where}: {error.message}", error.detail) from error
 
 
 def first_arms(step: Step, planner: Planner) -> Arms:

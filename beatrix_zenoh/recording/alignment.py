@@ -5,7 +5,6 @@ Motions are matched by their requests, or by their movement if the requests were
 
 from __future__ import annotations
 
-import bisect
 import itertools
 import math
 from collections.abc import Sequence
@@ -22,8 +21,7 @@ from beatrix_zenoh.recording.motion_shifts import (
     NEAR_S,
     Expected,
     MovedPart,
-    all_measured,
-    lag,
+    measured,
 )
 from beatrix_zenoh.recording.requests import NOT_ASKED, Alone, MotionRequest, Shared, alone, pairs, shared
 from beatrix_zenoh.recording.series import GRID_S, Flags, Floats, Recording, resample, resting, runs
@@ -79,24 +77,22 @@ class Alignment:
 def aligned(first: Recording, second: Recording) -> Alignment:
     """Match the motions of both robots and measure the shift of each."""
     ways = movements(first), movements(second)
-    matched: list[Shared] = []
     single: list[Alone] = []
     followed: list[Alone] = []
-    if first.requests is not None and second.requests is not None:
-        asked = within(first)
-        span = float(first.t[0]), float(min(first.t[-1], second.t[-1]))
-        both = pairs(asked, within(second), *span)
-        matched = shared(both)
-        for motion in alone(both, *span):
-            (followed if follows(motion, ways[0], asked) else single).append(motion)
-        ways = (
-            parted(ways[0], [each.request.t for each in single if not each.hardware]),
-            parted(ways[1], [each.request.t for each in single if each.hardware]),
-        )
-    expected = [*of_requests(ways[0], matched), *of_movement(first, second, ways, matched, single)]
+    asked = within(first)
+    span = float(first.t[0]), float(min(first.t[-1], second.t[-1]))
+    both = pairs(asked, within(second), *span)
+    matched = shared(both)
+    for motion in alone(both, *span):
+        (followed if follows(motion, ways[0], asked) else single).append(motion)
+    ways = (
+        parted(ways[0], [each.request.t for each in single if not each.hardware]),
+        parted(ways[1], [each.request.t for each in single if each.hardware]),
+    )
+    expected = [*of_requests(ways[0], matched), *of_movement(first, ways, matched, single)]
     expected.sort(key=lambda motion: motion.begin_s)
     expected = [replace(motion, begin_s=max(motion.begin_s, float(first.t[0]))) for motion in expected]
-    parts = all_measured(first, second, expected)
+    parts = tuple(measured(first, second, motion) for motion in expected)
     known = [part.shift_s for part in parts if not part.why and not part.lead_s]
     shift_s = float(np.median(known)) if known else 0.0
     early = tuple(motion for motion in matched if ended_early(motion))
@@ -112,7 +108,7 @@ def within(recorded: Recording) -> list[MotionRequest]:
     """Return the requests during a recording, and those before and after it that belong to them."""
     return [
         request
-        for request in recorded.requests or ()
+        for request in recorded.requests
         if recorded.t[0] - BEGUN_S <= request.t <= recorded.t[-1] + FAR_S
     ]
 
@@ -193,7 +189,6 @@ def contains(way: Interval, t: float) -> bool:
 
 def of_movement(
     first: Recording,
-    second: Recording,
     ways: tuple[list[Interval], list[Interval]],
     matched: Sequence[Shared],
     single: Sequence[Alone],
@@ -203,37 +198,30 @@ def of_movement(
     answered = [motion.hw.t for motion in matched] + [each.request.t for each in single if each.hardware]
     mine = [way for way in ways[0] if not any(contains(way, t) for t in asked)]
     theirs = [way for way in ways[1] if not any(contains(way, t) for t in answered)]
-    whole_s = 0.0 if matched else lag(first.arms, second.arms)
-    shifts = expected_shifts(mine, theirs, 0.0 if math.isnan(whole_s) else whole_s)
-    asked_before = first.requests is not None and second.requests is not None
     return [
         Expected(
             *way,
             shift_s,
-            unknown=BEGUN if asked_before and way[0] < first.t[0] else "",
+            unknown=BEGUN if way[0] < first.t[0] else "",
             limits_s=(LOCAL_S, NEAR_S, FAR_S),
             requested=False,
         )
-        for way, shift_s in zip(mine, shifts, strict=True)
+        for way, shift_s in zip(mine, expected_shifts(mine, theirs), strict=True)
     ]
 
 
-def expected_shifts(mine: Sequence[Interval], theirs: Sequence[Interval], whole_s: float) -> list[float]:
-    """Return the expected shift of each movement: that of the movement of the second with the same number, or near it."""
+def expected_shifts(mine: Sequence[Interval], theirs: Sequence[Interval]) -> list[float]:
+    """Return the expected shift of each movement: to the movement of the second with the same number, or the nearest."""
     begins = [way[0] for way in theirs]
-    if len(mine) == len(theirs) and all(
-        abs(begin_s - way[0]) <= FAR_S for way, begin_s in zip(mine, begins, strict=True)
-    ):
-        return [begin_s - way[0] for way, begin_s in zip(mine, begins, strict=True)]
     found, last_s = [], -math.inf
-    for way in mine:
-        free = [begin_s - way[0] for begin_s in begins[bisect.bisect_right(begins, last_s) :]]
-        shift_s = min(free, key=lambda each: abs(each - whole_s), default=math.inf)
-        if abs(shift_s - whole_s) <= FAR_S:
-            last_s = way[0] + shift_s
-        else:
-            shift_s = whole_s
-        found.append(shift_s)
+    for i, (begin_s, _) in enumerate(mine):
+        free = [each for each in begins if each > last_s]
+        if len(mine) == len(theirs):
+            free = begins[i : i + 1]
+        other_s = min(free, key=lambda each: abs(each - begin_s), default=math.inf)
+        near = abs(other_s - begin_s) <= FAR_S
+        found.append(other_s - begin_s if near else 0.0)
+        last_s = other_s if near else last_s
     return found
 
 

@@ -30,9 +30,6 @@ class Cause(StrEnum):
     OFFSET = "offset"
     MISSED_STEPS = "missed steps"
     CREEP = "creep"
-    DRIFT = "drift"
-    CLOCK = "clock"
-    JUMP = "jump"
     LOSS = "loss"
     NEW_HOME = "new home"
     FOLLOWED = "followed"
@@ -46,8 +43,8 @@ class Finding:
     sentence: str
     arms: tuple[str, ...] = ()
     value: float = math.nan
-    """deg of BEGAN_APART, OFFSET and CREEP, full steps of MISSED_STEPS at the end, hardware / simulation - 1 of SCALE, s per s
-    of DRIFT, s of CLOCK and JUMP, share of LOSS, number of motions of NOT_ASKED"""
+    """deg of BEGAN_APART, OFFSET and CREEP, full steps of MISSED_STEPS at the end, hardware / simulation - 1 of SCALE,
+    share of LOSS, number of motions of NOT_ASKED"""
     t: float = math.nan
     """time since the begin of the comparison (s), if the cause has one"""
 
@@ -92,14 +89,10 @@ class ComparedSamples(NamedTuple):
     first: Floats
     second: Floats
     rest: Flags
-    slip: Floats
-    """distance of the first from its set points"""
 
     def where(self, kept: Flags) -> ComparedSamples:
         """Return only some of the samples."""
-        return ComparedSamples(
-            self.t[kept], self.first[kept], self.second[kept], self.rest[kept], self.slip[kept]
-        )
+        return ComparedSamples(self.t[kept], self.first[kept], self.second[kept], self.rest[kept])
 
 
 class Explanation(NamedTuple):
@@ -120,7 +113,6 @@ class Binned(NamedTuple):
     t: Floats
     mine: Floats
     apart: Floats
-    slip: Floats
     rest: Flags
 
 
@@ -161,16 +153,11 @@ def averaged(seen: ComparedSamples, arm: int) -> Binned:
     """Return the averages of an arm; a bin is at rest if all of its samples are."""
     _, begins = np.unique(np.floor(seen.t / BIN_S), return_index=True)
     sizes = np.diff([*begins, len(seen.t)])
-    mine, apart, slip, rest = (
+    mine, apart, rest = (
         np.add.reduceat(each, begins) / sizes
-        for each in (
-            seen.first[:, arm],
-            (seen.second - seen.first)[:, arm],
-            seen.slip[:, arm],
-            seen.rest * 1.0,
-        )
+        for each in (seen.first[:, arm], (seen.second - seen.first)[:, arm], seen.rest * 1.0)
     )
-    return Binned(seen.t[begins], mine, apart, slip, rest == 1.0)
+    return Binned(seen.t[begins], mine, apart, rest == 1.0)
 
 
 def constant(binned: Binned) -> Explanation:
@@ -224,12 +211,11 @@ def stepped(binned: Binned, name: str) -> Iterator[Explanation]:
         if any(np.count_nonzero(rest) * BIN_S < REST_S for rest in at_rest):
             yield Explanation(effects, left, [], 0.0)
             continue
-        levels, slips = (
-            np.array([np.median(each[part][rest]) for part, rest in zip(parts, at_rest, strict=True)])
-            for each in (binned.apart, binned.slip)
+        levels = np.array(
+            [np.median(binned.apart[part][rest]) for part, rest in zip(parts, at_rest, strict=True)]
         )
         times = [float(binned.t[edge]) for edge in edges[1:-1]]
-        yield Explanation(effects, left, missed_steps(name, times, levels, slips), float(levels[0]))
+        yield Explanation(effects, left, missed_steps(name, times, levels), float(levels[0]))
 
 
 def split(apart: Floats, begin: int) -> tuple[float, int]:
@@ -241,31 +227,27 @@ def split(apart: Floats, begin: int) -> tuple[float, int]:
     return float(explained[best]), begin + best + 1
 
 
-def missed_steps(name: str, times: list[float], levels: Floats, slips: Floats) -> list[Finding]:
+def missed_steps(name: str, times: list[float], levels: Floats) -> list[Finding]:
     """Return the finding that an arm lost whole steps at some times (s); empty: a change is no whole number of them.
 
     Args:
         name: the arm.
         times: the k times of changes (s).
         levels: k + 1 differences at rest (deg) before, between and after the changes.
-        slips: distances of the simulation's arm from its set points (deg), as `levels`; NaN: unknown.
     """
     changes = np.diff(levels)
     steps = np.round(changes / FULL_STEP_DEG)
     if not steps.all() or np.any(np.abs(changes - steps * FULL_STEP_DEG) > WHOLE_DEG):
         return []
-    if np.all(np.abs(np.diff(slips) + changes) < APART_DEG):
-        why = "the simulation's arm missed steps (the hardware would not notice its own)"
-    elif np.all(np.abs(np.diff(slips)) < APART_DEG):
-        why = "the hardware's count of steps changed (it would not notice a missed step)"
-    else:
-        why = "the simulation's arm missed steps, or the hardware's count of steps changed"
     total = int(steps.sum())
     off = " and ".join(
         f"{level:+.2f}° off from {t:.1f} s on" for level, t in zip(levels[1:], times, strict=True)
     )
     all_of_them = " in all" * (len(times) > 1)
-    sentence = f"{name.capitalize()} is {off}, {count(abs(total), 'full step')}{all_of_them}: {why}. Move both home and calibrate."
+    sentence = (
+        f"{name.capitalize()} is {off}, {count(abs(total), 'full step')}{all_of_them}: the simulation's arm missed steps, or the "
+        "hardware's count of steps changed (it notices no missed step). Move both home and calibrate."
+    )
     return [Finding(Cause.MISSED_STEPS, sentence, (name,), float(total), times[0])]
 
 

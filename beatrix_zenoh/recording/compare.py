@@ -12,7 +12,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.alignment import Alignment, aligned
-from beatrix_zenoh.recording.motion_shifts import LOCAL_S, MovedPart, best_shift, chosen, jump, window
+from beatrix_zenoh.recording.motion_shifts import LOCAL_S, MovedPart, best_shift, chosen, differ, window
 from beatrix_zenoh.recording.requests import Alone, Shared
 from beatrix_zenoh.recording.series import (
     AXES,
@@ -66,7 +66,7 @@ class Comparison:
 
     lag_s: float
     """median lag (s) of the set points of the second robot behind those of the first, or of its positions if its set
-    points were not recorded, without the leads; NaN: unknown, or it jumps"""
+    points were not recorded, without the leads; NaN: unknown, or those of the motions differ"""
     moved: tuple[MovedPart, ...]
     """the motions, each with the lead and the lag of its positions"""
     alone: tuple[Alone, ...]
@@ -84,14 +84,12 @@ class Comparison:
     second_after: Floats
     """angles of the second robot after removal of each motion's lead and lag, as `first`"""
     asked: tuple[bool, bool]
-    """for each robot, whether it accepted a request, or its requests were not recorded"""
+    """for each robot, whether it accepted a request"""
     compared: Flags
     """at which times the differences were taken: where both robots were recorded without a gap, and asked for the
     same movement"""
     rest: Flags
     """at which of these times both rest"""
-    slip: Floats
-    """(n, 3) distance of the arms of the first robot from their set points (deg); NaN: not recorded"""
     shared_s: float
     """time (s) that the recordings share"""
     apart_s: float
@@ -151,7 +149,6 @@ def compare(first: Recording, second: Recording) -> Comparison:
         asked=(asked(first), asked(second)),
         compared=compared,
         rest=rest,
-        slip=off(first, t),
         apart_s=float(np.count_nonzero(~comparable)) * GRID_S,
         shared_s=float(min(each.t[-1] for each in whole) - max(each.t[0] for each in whole)),
         axes=tuple(
@@ -171,8 +168,8 @@ def compare(first: Recording, second: Recording) -> Comparison:
 
 
 def asked(recorded: Recording) -> bool:
-    """Return whether a robot accepted a request of a motion, or its requests are unknown."""
-    return recorded.requests is None or any(not request.refused for request in recorded.requests)
+    """Return whether a robot accepted a request of a motion."""
+    return any(not request.refused for request in recorded.requests)
 
 
 def columns(row: int) -> tuple[int, ...]:
@@ -182,14 +179,14 @@ def columns(row: int) -> tuple[int, ...]:
 
 def median_lag(first: Recording, second: Recording, found: Alignment, axes: tuple[int, ...]) -> float:
     """Return the median lag (s) of some axes in all motions whose lag is known; NaN if there are none."""
-    if jump(found.parts) is not None:
+    if differ(found.parts):
         return math.nan
     one, other = chosen(first, axes), chosen(second, axes)
     lags = []
     for part in found.parts:
         if math.isnan(part.lag_s):
             continue
-        shift = best_shift(one, other, window(first, second, part), part.shift_s, LOCAL_S, scaled=True)
+        shift = best_shift(one, other, window(first, second, part), part.shift_s, LOCAL_S)
         if shift.explains:
             lags.append(shift.s - (part.lead_s or 0.0))
     return float(np.median(lags)) if lags else math.nan
@@ -251,7 +248,7 @@ class Thresholds:
 
     def exceeded(self, found: Comparison, slipped: int | None) -> list[str]:
         """Return a sentence for each threshold that is exceeded or cannot be checked."""
-        return [*self._lag(found), *self._numbers(found), *self._axes(found), *self._missed(slipped)]
+        return [*self._lag(found), *self._axes(found), *self._missed(slipped)]
 
     def _lag(self, found: Comparison) -> Iterator[str]:
         if self.lag_s is None:
@@ -266,11 +263,6 @@ class Thresholds:
         elif abs(found.lag_s) > self.lag_s:
             lag = distinct(found.lag_s, self.lag_s, "+")
             yield f"The lag is {lag} s; at most {self.lag_s:g} s in either direction is allowed."
-
-    def _numbers(self, found: Comparison) -> Iterator[str]:
-        unknown = sum(regular.without_numbers for regular in found.regularity)
-        if unknown and any(limit is not None for limit in (self.rms_deg, self.largest_deg, self.rest_deg)):
-            yield f"{unknown} sample{'s' * (unknown != 1)} had angles that are no numbers, so the differences there are not known."
 
     def _axes(self, found: Comparison) -> Iterator[str]:
         limited = any(limit is not None for limit in (self.rms_deg, self.largest_deg, self.rest_deg))
@@ -289,20 +281,16 @@ class Thresholds:
         for what, field, allowed in checks:
             if allowed is None:
                 continue
-            values = {axis.axis: float(getattr(axis, field)) for axis in found.axes}
-            if all(math.isnan(value) for value in values.values()):
+            worst = max(found.axes, key=lambda axis: float(getattr(axis, field)))
+            value = float(getattr(worst, field))
+            if math.isnan(value):
                 yield (
                     f"At most {allowed:g}° of {what} is allowed, but the robots never rested at the same time: let both rest "
                     "for a second."
                 )
-                continue
-            above = sorted(
-                (name for name in values if not values[name] <= allowed), key=lambda name: -values[name]
-            )
-            if above:
-                also = f" (and {', '.join(above[1:])})" if above[1:] else ""
-                value = distinct(values[above[0]], allowed)
-                yield f"The {what} is {value}° in {above[0]}{also}; at most {allowed:g}° is allowed."
+            elif value > allowed:
+                shown = distinct(value, allowed)
+                yield f"The {what} is {shown}° in {worst.axis}; at most {allowed:g}° is allowed."
 
     def _missed(self, slipped: int | None) -> Iterator[str]:
         if self.missed_steps is None:
@@ -330,8 +318,8 @@ def why_no_lag(found: Comparison) -> str:
         return "nothing moved. Move both robots during the comparison."
     if not found.moved:
         return "no motion was made by both robots. Move both during the comparison."
-    jumped = jump(found.moved)
-    if jumped is not None:
-        return f"it changes by {jumped[1] * 1e3:+.0f} ms at {jumped[0] - found.t[0]:.1f} s."
+    if differ(found.moved):
+        lags_ms = [part.lag_s * 1e3 for part in found.moved if not math.isnan(part.lag_s)]
+        return f"the lags of the motions differ, from {min(lags_ms):.0f} to {max(lags_ms):.0f} ms."
     reasons = list(dict.fromkeys(part.why for part in found.moved if part.why))
     return f"{'; '.join(reasons[:MOST]) or 'the set points of the two robots do not agree'}."

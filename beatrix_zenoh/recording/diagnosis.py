@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator
 from typing import Final
 
@@ -25,7 +24,6 @@ from beatrix_zenoh.recording.arm_causes import (
     scale,
 )
 from beatrix_zenoh.recording.compare import Comparison
-from beatrix_zenoh.recording.motion_shifts import EQUAL_S, FEWEST, jump
 
 BEGAN_DEG: Final = 1.0
 """Robots that begin further apart began in different poses."""
@@ -59,7 +57,7 @@ def findings(found: Comparison) -> list[Finding]:
     swapped = exchanged(seen)
     if swapped:
         return [*result, *swapped]
-    return [*result, *arm_by_arm(seen), *clocks(found)]
+    return [*result, *arm_by_arm(seen)]
 
 
 def samples(found: Comparison) -> ComparedSamples:
@@ -72,7 +70,6 @@ def samples(found: Comparison) -> ComparedSamples:
         found.first[kept, arms],
         found.second_after[kept, arms],
         found.rest[kept],
-        found.slip[kept],
     )
 
 
@@ -187,14 +184,6 @@ def arm_by_arm(seen: ComparedSamples) -> list[Finding]:
     return result
 
 
-DRIFT: Final = 0.002
-"""Smallest drift (s per s) that is reported."""
-CLOCK_S: Final = 1.0
-"""All motions late by more than this: clocks that differ, or a lead that no request says."""
-SURE: Final = 12.0
-"""A drift is so many times its standard error: lags that only jitter show that in less than 1 of 700 recordings."""
-
-
 def lost_samples(found: Comparison) -> Iterator[Finding]:
     """Yield a finding for each robot of which samples are missing."""
     for name, regular in zip(("simulation", "hardware"), found.regularity, strict=True):
@@ -204,12 +193,6 @@ def lost_samples(found: Comparison) -> Iterator[Finding]:
                 Cause.LOSS,
                 f"{regular.lost} samples of the {name} are missing ({share:.1%}): the network, or a busy computer, lost them.",
                 value=share,
-            )
-        if regular.without_numbers:
-            yield Finding(
-                Cause.LOSS,
-                f"{count(regular.without_numbers, 'sample')} of the {name} had angles that are no numbers, and are left out.",
-                value=regular.without_numbers / (regular.without_numbers + regular.samples),
             )
 
 
@@ -269,47 +252,3 @@ def stopped(found: Comparison) -> Iterator[Finding]:
                 value=len(ends),
                 t=ends[0].sim.t - float(found.t[0]),
             )
-
-
-def clocks(found: Comparison) -> Iterator[Finding]:
-    """Yield a finding if the lags change once, grow steadily, or are all so large that clocks must differ."""
-    jumped = jump(found.moved)
-    if jumped is not None:
-        t, value = jumped[0] - float(found.t[0]), jumped[1]
-        side = "later" if value > 0 else "earlier"
-        yield Finding(
-            Cause.JUMP,
-            f"From {t:.1f} s on the hardware is {abs(value):.2f} s {side} than before: its clock was set, or its requests came "
-            f"{side}.",
-            value=value,
-            t=t,
-        )
-        return
-    known = [part for part in found.moved if not math.isnan(part.lag_s)]
-    if not known:
-        return
-    lags = np.array([part.lag_s for part in known])
-    begins = np.array([part.begin_s for part in known])
-    if len(known) >= FEWEST:
-        since = begins - begins[0]
-        line = np.polyfit(since, lags, 1)
-        growth, left = line[0], lags - np.polyval(line, since)
-        error = math.sqrt(np.sum(left**2) / (len(known) - 2) / np.sum((since - since.mean()) ** 2))
-        if abs(growth) > max(DRIFT, SURE * error) and abs(lags[-1] - lags[0]) > EQUAL_S:
-            way = "fast" if growth > 0 else "slow"
-            yield Finding(
-                Cause.DRIFT,
-                f"The hardware's clock runs {abs(growth):.1%} {way}: the lag changes from {lags[0] * 1e3:.0f} to "
-                f"{lags[-1] * 1e3:.0f} ms.",
-                value=float(growth),
-            )
-            return
-    typical = float(np.median(lags))
-    if abs(typical) > CLOCK_S and np.ptp(lags) < EQUAL_S:
-        side = "late" if typical > 0 else "early"
-        yield Finding(
-            Cause.CLOCK,
-            f"Every motion of the hardware is {abs(typical):.2f} s {side}: its clock differs, or it had a lead that no "
-            "request names.",
-            value=typical,
-        )

@@ -5,10 +5,11 @@ Tables are made in blocks of rows, so that a long recording of a class needs lit
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -28,18 +29,11 @@ from beatrix_zenoh.recording.samples import (
     Recorded,
     Samples,
     joined,
-    measured,
-    numbers,
-    spans_of,
-    union,
 )
 from beatrix_zenoh.recording.series import HEAD
 
 BLOCK: Final = 3000
 """Rows of a block: one minute of the grid."""
-DAY_NS: Final = 86_400_000_000_000
-LONGEST_NS: Final = 7 * DAY_NS
-"""Longest table, of 30 million rows: wrong times in a file must not fill the disk."""
 DECIMALS: Final = 6
 """Decimals of interpolated values: finer than the float32 of a robot's message, and still short as text."""
 FORMULA: Final = ("=", "+", "-", "@", "\t")
@@ -48,21 +42,6 @@ FORMULA: Final = ("=", "+", "-", "@", "\t")
 Values = Floats | Nanoseconds | list[str] | list[str | None]
 Block = dict[str, Values]
 """Columns of equal length by name."""
-
-
-@dataclass(frozen=True)
-class Span:
-    """A part of a recording, in seconds from its start; both ends are included."""
-
-    from_s: float = 0.0
-    to_s: float = float("inf")
-
-
-class Pause(NamedTuple):
-    """A time between two files in which no robot was recorded, in seconds from the start of the recording."""
-
-    from_s: float
-    lasts_s: float
 
 
 @dataclass(frozen=True)
@@ -78,8 +57,6 @@ class Table:
     """last time of the exported part"""
     notes: tuple[Note, ...] = ()
     """notes of this part in the order of time; those before and after all samples belong to its ends"""
-    pauses: tuple[Pause, ...] = ()
-    """times of this part between two files without samples"""
 
     def grid(self) -> Iterator[Block]:
         """Yield one row for each point of the grid of 20 ms, with the robots side by side."""
@@ -96,8 +73,10 @@ class Table:
             if self.notes:
                 block["note"] = [texts.get(step) for step in steps.tolist()]
             for (name, side), samples in self.robots.items():
-                for column, values in quantities(samples, robot=f"{name}_{side}_"):
-                    block[column] = at(samples.time_ns, values, times, circle=column.endswith(HEAD_NAMES))
+                for column, values in quantities(samples):
+                    if not np.isnan(values).all():  # it was recorded
+                        circle = column.endswith(HEAD_NAMES)
+                        block[f"{name}_{side}_{column}"] = at(samples.time_ns, values, times, circle=circle)
             yield block
 
     def _notes_by_step(self, first: int, last: int) -> dict[int, str]:
@@ -123,23 +102,27 @@ class Table:
                 yield {
                     "robot": [name] * count,
                     "side": [side] * count,
-                    "seq": numbers(samples.seq, len(samples.time_ns))[rows],
-                    "repeats": numbers(samples.repeats, len(samples.time_ns))[rows],
+                    "seq": samples.seq[rows],
+                    "repeats": samples.repeats[rows],
                     "time_s": (times - self.start_ns) / 1e9,
                     "time_ns": times,
                     "robot_time_ns": samples.robot_ns[rows],
-                    **{column: values[rows] for column, values in every_quantity(samples)},
+                    **{column: values[rows] for column, values in quantities(samples)},
                 }
 
 
 HEAD_NAMES: Final = tuple(f"{axis}{what}_deg" for axis in HEAD for what in ("", "_measured"))
 
 
-def table(parts: Sequence[Recorded], span: Span, names: Sequence[str] = ()) -> Table:
+def table(
+    parts: Sequence[Recorded], from_s: float = 0.0, to_s: float = math.inf, names: Sequence[str] = ()
+) -> Table:
     """Return the table of a recording, whose files are `parts`, for robots of these names; all robots if there is none.
 
+    `from_s`, `to_s`: the exported part, in seconds from the start of the recording; both ends are included.
+
     Raises:
-        Refused: BAD_VALUE, no such robot, parts that overlap, no sample in this span, or a span of weeks.
+        Refused: BAD_VALUE, no such robot, parts that overlap, or no sample from `from_s` on.
     """
     robots = joined(parts)
     chosen = {place: samples for place, samples in robots.items() if not names or place[0] in names}
@@ -153,61 +136,32 @@ def table(parts: Sequence[Recorded], span: Span, names: Sequence[str] = ()) -> T
     last_ns = max(int(samples.time_ns[-1]) for samples in robots.values())
     start_ns = first_ns // GRID_NS * GRID_NS
     lasts_s = (last_ns - start_ns) / 1e9
-    if span.from_s > lasts_s:
+    if from_s > lasts_s:
         raise Refused(
             Reason.BAD_VALUE,
-            f"The recording lasts {lasts_s:.1f} s and has no samples from {span.from_s:g} s on: give a smaller --from.",
+            f"The recording lasts {lasts_s:.1f} s and has no samples from {from_s:g} s on: give a smaller --from.",
         )
-    to_s = min(span.to_s, lasts_s)
-    from_ns = max(first_ns, start_ns + round(span.from_s * 1e9))
-    to_ns = min(last_ns, start_ns + round(to_s * 1e9))
-    if to_ns - from_ns > LONGEST_NS:
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"The recording lasts {lasts_s / 86400:.0f} days: choose at most {LONGEST_NS // DAY_NS} with --from and --to.",
-        )
+    from_ns = max(first_ns, start_ns + round(from_s * 1e9))
+    to_ns = min(last_ns, start_ns + round(min(to_s, lasts_s) * 1e9))
     notes = [
         note
         for part in parts
         for note in part.notes
-        if (not span.from_s or note.time_ns >= from_ns) and (span.to_s > lasts_s or note.time_ns <= to_ns)
+        if (not from_s or note.time_ns >= from_ns) and (to_s > lasts_s or note.time_ns <= to_ns)
     ]
-    return Table(
-        chosen,
-        start_ns,
-        from_ns,
-        to_ns,
-        # Files of `rerun rrd split` contain the last note before the cut again.
-        tuple(sorted(dict.fromkeys(notes), key=lambda note: note.time_ns)),
-        tuple(pauses(parts, start_ns, from_ns, to_ns)),
-    )
+    # Files of `rerun rrd split` contain the last note before the cut again.
+    in_order = tuple(sorted(dict.fromkeys(notes), key=lambda note: note.time_ns))
+    return Table(chosen, start_ns, from_ns, to_ns, in_order)
 
 
-def pauses(parts: Sequence[Recorded], start_ns: int, from_ns: int, to_ns: int) -> Iterator[Pause]:
-    """Yield the pauses between the files of a recording, within a part of it."""
-    spans = sorted(union(spans_of(part).values()) for part in parts)
-    end_ns = spans[0][1]
-    for begin_ns, last_ns in spans:
-        if begin_ns - end_ns > GAP_NS and begin_ns > from_ns and end_ns < to_ns:
-            yield Pause(round((end_ns - start_ns) / 1e9, 3), round((begin_ns - end_ns) / 1e9, 3))
-        end_ns = max(end_ns, last_ns)
-
-
-def quantities(samples: Samples, robot: str = "") -> Iterator[tuple[str, Floats]]:
-    """Yield name and values (n,) of each quantity that was recorded; `robot` begins each name."""
-    for column, values in every_quantity(samples):
-        if not np.isnan(values).all():
-            yield robot + column, values
-
-
-def every_quantity(samples: Samples) -> Iterator[tuple[str, Floats]]:
+def quantities(samples: Samples) -> Iterator[tuple[str, Floats]]:
     """Yield name and values (n,) of each quantity; NaN where it was not recorded."""
     for axes, values, name in (
         (ARMS, samples.arms, "{}_deg"),
         (ARMS, samples.commanded, "{}_commanded_deg"),
         (ARMS, samples.velocity, "{}_velocity_deg_s"),
         (HEAD, samples.head, "{}_deg"),
-        (HEAD, measured(samples), "{}_measured_deg"),
+        (HEAD, samples.head_measured, "{}_measured_deg"),
     ):
         for index, axis in enumerate(axes):
             yield name.format(axis), values[:, index]
@@ -272,7 +226,7 @@ def record_batch(block: Block) -> pa.RecordBatch:
         if isinstance(values, list):
             columns[name] = pa.array(values, pa.string())
         else:
-            missing = values < 0 if name in ("seq", "repeats", "robot_time_ns") else np.isnan(values)
+            missing = values < 0 if values.dtype == np.int64 else np.isnan(values)
             # Adding 0 turns -0.0, which would be "-0" in a cell, into 0.
             columns[name] = pa.array(values + values.dtype.type(0), mask=missing)
     return pa.RecordBatch.from_pydict(columns)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+import functools
 import io
 import itertools
 import math
@@ -67,13 +68,10 @@ class PoseRenderer:
         """Return the picture of a pose: angles of the arms, and yaw, pitch and roll of the head (deg)."""
         pose = (*arms_deg.tolist(), *head_deg.tolist())
         if self._last is None or max(abs(a - b) for a, b in zip(pose, self._last[0], strict=True)) > 0.02:
-            self._last = pose, self._drawn(pose)
+            short, middle, long, *head = (math.radians(angle) for angle in pose)
+            turns = self._figure.orientations((short, middle, long), rotation_of(*head))
+            self._last = pose, averaged(rendered(meshes(self._figure), turns, self.screen, BACKGROUND))
         return self._last[1]
-
-    def _drawn(self, pose: tuple[float, ...]) -> Pixels:
-        short, middle, long, *head = (math.radians(angle) for angle in pose)
-        turns = self._figure.orientations((short, middle, long), rotation_of(*head))
-        return averaged(rendered(meshes(self._figure), turns, self.screen, BACKGROUND))
 
 
 def averaged(fine: Pixels) -> Pixels:
@@ -102,7 +100,6 @@ def side_by_side(table: Table, name: str, eyes: EyePictures) -> Iterator[FilmFra
     sides = [side for side in SIDES if (name, side) in table.robots]
     drawings = {side: PoseRenderer(Figure(), *PANEL) for side in sides}
     with_eyes = any(key[:1] == (name,) for key in eyes)
-    shown = {key: EyeTile(pictures) for key, pictures in eyes.items()}
     canvas = Image.new("RGB", (PANEL[0] * len(sides), PANEL[1] + EYE[1] * with_eyes), BACKGROUND)
     for time_ns, time_s, block, row in frame_rows(table):
         for column, side in enumerate(sides):
@@ -112,8 +109,7 @@ def side_by_side(table: Table, name: str, eyes: EyePictures) -> Iterator[FilmFra
                 (left, 0),
             )
             for index, eye in enumerate(EYES if with_eyes else ()):
-                tile = shown.get((name, side, eye))
-                picture = no_picture(eye) if tile is None else tile.at(time_ns, eye)
+                picture = eye_tile(eyes.get((name, side, eye), []), time_ns, eye)
                 canvas.paste(picture, (left + index * EYE[0], PANEL[1]))
         write(canvas, (canvas.width - 16, 12), f"{time_s:.2f} s", anchor="ra")
         yield FilmFrame(time_ns, np.asarray(canvas))
@@ -131,7 +127,8 @@ def frame_rows(table: Table) -> Iterator[tuple[int, float, Block, int]]:
 def panel(drawing: PoseRenderer, block: Block, row: int, robot: str, title: str) -> Image.Image:
     """Return the drawing of one robot with its title."""
     arms, head = (
-        np.array([value(block, row, f"{robot}{axis}_deg") for axis in axes]) for axes in (ARMS, HEAD)
+        np.array([np.asarray(block[f"{robot}{axis}_deg"], np.float64)[row] for axis in axes])
+        for axes in (ARMS, HEAD)
     )
     if np.isnan(arms).any() or np.isnan(head).any():
         image = Image.new("RGB", PANEL, BACKGROUND)
@@ -142,43 +139,21 @@ def panel(drawing: PoseRenderer, block: Block, row: int, robot: str, title: str)
     return image
 
 
-def value(block: Block, row: int, column: str) -> float:
-    """Return a number of a block; NaN if it has no such column."""
-    values: Array = np.asarray(block[column], np.float64) if column in block else np.array([])
-    return float(values[row]) if row < len(values) else float("nan")
-
-
-class EyeTile:
-    """The pictures of one eye, of which the newest is shown."""
-
-    def __init__(self, pictures: Sequence[EyePicture]) -> None:
-        self._pictures = pictures
-        self._times = [picture.time_ns for picture in pictures]
-        self._index = -1
-        self._image: Image.Image | None = None
-
-    def at(self, time_ns: int, eye: str) -> Image.Image:
-        """Return the newest picture at a time, in the size EYE."""
-        index = bisect.bisect_right(self._times, time_ns) - 1
-        if index < 0 or time_ns - self._times[index] > OLD_NS:
-            return no_picture(eye)
-        if index != self._index:
-            image = decoded(self._pictures[index].jpeg)
-            self._index, self._image = index, None if image is None else image.resize(EYE)
-        if self._image is None:
-            return no_picture(eye)
-        return self._image
-
-
-def no_picture(eye: str) -> Image.Image:
-    """Return the tile of an eye without a picture."""
+def eye_tile(pictures: Sequence[EyePicture], time_ns: int, eye: str) -> Image.Image:
+    """Return the newest picture of an eye at a time, in the size EYE, or a tile that says that there is none."""
+    index = bisect.bisect_right(pictures, time_ns, key=lambda picture: picture.time_ns) - 1
+    old = index < 0 or time_ns - pictures[index].time_ns > OLD_NS
+    seen = None if old else decoded(pictures[index].jpeg)
+    if seen is not None:
+        return seen.resize(EYE)
     image = Image.new("RGB", EYE, EMPTY)
     write(image, (EYE[0] // 2, EYE[1] // 2), f"no picture of the {eye} eye", anchor="mm", colour=PALE)
     return image
 
 
+@functools.lru_cache(maxsize=4)
 def decoded(jpeg: bytes) -> Image.Image | None:
-    """Return a picture; None if it is damaged."""
+    """Return a picture; None if it is damaged. Each eye shows its newest one in many frames of a film."""
     try:
         return Image.open(io.BytesIO(jpeg)).convert("RGB")
     except OSError:

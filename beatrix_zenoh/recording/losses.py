@@ -13,7 +13,7 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.contract.publishers import Order, Publishers
-from beatrix_zenoh.recording.rows import RECORDER, Line, Numbers, RecordingRow, Say
+from beatrix_zenoh.recording.rows import RECORDER, Line, Say
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix record --help`
     from beatrix_zenoh.client.sound import Sound
@@ -170,47 +170,38 @@ def findings(counts: Mapping[Stream, Count]) -> dict[tuple[Stream, str], str]:
     return found
 
 
-REPORT_S: Final = 5.0
 LASTS_S: Final = 1.0
 """Time (s) for which a cause must be there before the user reads it: the numbers of two programs look like losses first."""
 LOG: Final = f"{RECORDER}/log"
 
 
 class LossReport:
-    """Reports each stream and cause once, LASTS_S after it occurs, and the numbers of publications at most every REPORT_S."""
+    """Reports each stream and cause once, LASTS_S after it occurs, and again with its final number."""
 
     def __init__(self, say: Say) -> None:
         self._say = say
-        self._reported: dict[tuple[Stream, str], str] = {}
-        self._reported_s = 0.0
+        self._reported: set[tuple[Stream, str]] = set()
         self._since_s: dict[tuple[Stream, str], float] = {}
 
-    def rows(
+    def lines(
         self, counts: Mapping[Stream, Count], time_ns: int, now_s: float, *, last: bool
-    ) -> Iterator[RecordingRow]:
-        """Show the user what is new; yield its lines, and the numbers of dropped and of lost publications.
+    ) -> Iterator[Line]:
+        """Show the user what is new, and yield its lines of the log.
 
         Args:
             counts: the publications so far.
-            time_ns: time of the rows by the recorder's wall clock.
+            time_ns: time of the lines by the recorder's wall clock.
             now_s: the recorder's monotonic clock.
-            last: the recording ends: write the final numbers; the user reads them in the summary.
+            last: the recording ends: yield the final numbers; the user reads them in the summary.
         """
         found = findings(counts)
         self._since_s = {key: self._since_s.get(key, now_s) for key in found}
-        if not last:
-            found = {key: text for key, text in found.items() if now_s - self._since_s[key] >= LASTS_S}
-        if found == self._reported or (now_s < self._reported_s + REPORT_S and not last):
-            return
         for key, text in found.items():
-            if last and text != self._reported.get(key):
+            contested, known = key[1] == CONTESTED, key in self._reported
+            if last and not (contested and known):
                 yield Line(LOG, time_ns, time_ns, text, "WARN")
-            elif not last and key not in self._reported:
-                so_far = text if key[1] == CONTESTED else f"So far: {text}"
+            elif not (last or known) and now_s - self._since_s[key] >= LASTS_S:
+                self._reported.add(key)
+                so_far = text if contested else f"So far: {text}"
                 self._say(so_far)
                 yield Line(LOG, time_ns, time_ns, so_far, "WARN")
-        self._reported, self._reported_s = found, now_s
-        one = total(counts)
-        yield Numbers(f"{RECORDER}/dropped", time_ns, time_ns, (float(one.unwritten),))
-        if not one.contested:
-            yield Numbers(f"{RECORDER}/lost", time_ns, time_ns, (float(one.lost),))

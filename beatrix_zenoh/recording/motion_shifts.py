@@ -84,19 +84,10 @@ def chosen(recorded: Recording, columns: Sequence[int]) -> Recording:
     return replace(recorded, angles=recorded.angles[:, list(columns)], commanded=None)
 
 
-def gains(first: Recording, second: Recording, t: Floats, seconds: Floats) -> Floats:
-    """Return for each axis how much further the second turns at times `seconds` (s) than the first at times t, in GAINS."""
-    one, other = resample(first, t), resample(second, seconds)
-    one, other = one - one.mean(axis=0), other - other.mean(axis=0)
-    return np.asarray(np.clip(np.sum(one * other, axis=0) / np.maximum(np.sum(one**2, axis=0), TINY), *GAINS))
-
-
-def best_shift(
-    first: Recording, second: Recording, t: Floats, around_s: float, limit_s: float, *, scaled: bool = False
-) -> Shift:
+def best_shift(first: Recording, second: Recording, t: Floats, around_s: float, limit_s: float) -> Shift:
     """Return the best shift of the second at times t (s), within `limit_s` of `around_s`, where it was recorded.
 
-    With `scaled` each axis of the second may turn further, or less far, than that of the first, within GAINS.
+    Each axis of the second may turn further, or less far, than that of the first, within GAINS.
     """
     t = t[:: 1 + len(t) // MOST]
     if len(t) < 2:
@@ -114,8 +105,7 @@ def best_shift(
     def apart(shift_s: float) -> float:
         moved = resample(second, t + shift_s)
         moved -= moved.mean(axis=0)
-        if scaled:
-            moved /= np.clip(np.sum(moved * still, axis=0) / np.maximum(power, TINY), *GAINS)
+        moved /= np.clip(np.sum(moved * still, axis=0) / np.maximum(power, TINY), *GAINS)
         return float(np.sum((moved - still) ** 2))
 
     shifts = np.arange(lowest, highest, GRID_S)
@@ -181,10 +171,8 @@ CLEARLY = 0.4
 """One explanation is clearly better than another if it leaves less than this share of what the other leaves."""
 ALIKE = 0.8
 """Two explanations are alike if one leaves more than this share of what the other leaves."""
-FEWEST = 5
-"""Number of motions from which a change of the lag can be told from chance."""
-EQUAL_S = 0.05
-"""Lags that differ by less than this (s) are equal."""
+DIFFER_S = 0.15
+"""If the lags of the middle three of five motions differ by more than this (s), no lag is that of all motions."""
 
 
 @dataclass(frozen=True)
@@ -220,24 +208,6 @@ class Expected:
     """whether one request, or an unknown number of requests, caused it"""
     requested: bool = True
     """whether it was recorded which request caused it"""
-
-
-def all_measured(first: Recording, second: Recording, expected: Sequence[Expected]) -> tuple[MovedPart, ...]:
-    """Measure the shift of each motion; if none is found, with each arm of the second in the scale of the first."""
-    parts = tuple(measured(first, second, motion) for motion in expected)
-    if any(part.measured for part in parts):
-        return parts
-    windows = [window(first, second, part) for part in parts]
-    t = np.concatenate([np.empty(0), *windows])
-    if len(t) < 2:
-        return parts
-    one, other = (chosen(each, range(len(ARMS))) for each in (first, second))
-    shifts = np.repeat([part.shift_s for part in parts], [len(each) for each in windows])
-    factors = gains(one, other, t, t + shifts)
-    rescaled = tuple(
-        measured(first, replace(other, angles=other.angles / factors), motion) for motion in expected
-    )
-    return rescaled if any(not part.why for part in rescaled) else parts
 
 
 def window(
@@ -323,9 +293,6 @@ def slower(first: Recording, second: Recording, motion: Expected, left: float) -
     way = float(np.ptp(resample(first, t), axis=0).max())
     if abs(found.ratio - 1) < STRETCH or abs(found.ratio - 1) * way < AGREE_DEG:
         return math.nan, ""
-    left = min(left, best_shift(first, second, t, motion.shift_s, NEAR_S, scaled=True).left)
-    if not found.left < ALIKE * left:
-        return math.nan, ""
     lasts = f"movement lasts {found.ratio:.2f} times as long as the simulation's"
     why = (
         f"the hardware's {lasts}" if found.left < CLEARLY * left else f"the hardware is late, or its {lasts}"
@@ -360,15 +327,7 @@ def by_arm(one: Recording, other: Recording, t: Floats, shift: Shift, around_s: 
     return own[others[0]].s, f"{moves} the others"
 
 
-def jump(parts: Sequence[MovedPart]) -> tuple[float, float] | None:
-    """Return time (s) and size (s) of the change if the lag changes once, and is constant before and after; else None."""
-    known = [part for part in parts if not math.isnan(part.lag_s)]
-    if len(known) < FEWEST:
-        return None
-    lags = np.array([part.lag_s for part in known])
-    at = int(np.argmax(np.abs(np.diff(lags)))) + 1
-    size_s = float(np.median(lags[at:]) - np.median(lags[:at]))
-    varies_s = max(np.ptp(lags[:at]), np.ptp(lags[at:]))
-    if abs(size_s) < max(EQUAL_S, 4 * varies_s) or not 2 <= at <= len(known) - 2:
-        return None
-    return known[at].begin_s, size_s
+def differ(parts: Sequence[MovedPart]) -> bool:
+    """Return whether the lags of the motions differ so much that their median is no lag of all motions."""
+    known = [part.lag_s for part in parts if not math.isnan(part.lag_s)]
+    return bool(known) and float(np.ptp(np.percentile(known, (20, 80)))) > DIFFER_S

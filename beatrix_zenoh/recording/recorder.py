@@ -6,7 +6,8 @@ import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from typing import Final, Self
+from dataclasses import dataclass, replace
+from typing import Final
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.body.figure import Figure
@@ -46,8 +47,12 @@ END_S: Final = 15.0
 """The longest time that `close` waits for a disk or a viewer."""
 
 
-class RecordingThread:
-    """Converts new publications to rows 20 times a second, and passes the rows to the outputs."""
+class Recorder:
+    """Converts new publications to rows 20 times a second, in a thread of its own, and passes the rows to the outputs.
+
+    Robots may come and go. Memory is bounded: publications that arrive faster than they are written are dropped, the
+    oldest first, and counted.
+    """
 
     def __init__(
         self,
@@ -59,7 +64,8 @@ class RecordingThread:
         about: About,
         notes: NoteInbox | None = None,
     ) -> None:
-        self._subscriptions, self._queries, self._outputs, self._say = subscriptions, queries, outputs, say
+        """Start; `start_recording` says what the arguments are. `close` closes all of them."""
+        self._subscriptions, self._queries, self._outputs = subscriptions, queries, outputs
         self._picture_period_ns = round(1e9 / cameras_hz) if cameras_hz else 0
         self._timebase = Timebase(time.monotonic_ns(), time.time_ns())
         self._losses = Losses()
@@ -73,12 +79,11 @@ class RecordingThread:
         self._last: dict[Place, tuple[int, int]] = {}
         """Newest positions of each robot (ns): arrival by our monotonic clock, and time by our wall clock."""
         self._picture_due_ns: dict[str, int] = {}
-        self._with_pictures: frozenset[Place] = frozenset()
-        self._with_sound: frozenset[Place] = frozenset()
+        self._shown = RobotSet({})
         self.samples = 0
         """Number of positions that were converted."""
-        self.failure: Exception | None = None
-        """The exception that has ended the thread, if any."""
+        self._failure: Exception | None = None
+        self._closed: bool | None = None
         self._ending = threading.Event()
         self._thread = threads.start(self._run, "recorder")
 
@@ -92,14 +97,23 @@ class RecordingThread:
         """Robots in the recording so far."""
         return sorted(self._rows)
 
+    def check(self) -> None:
+        """Raise the exception that has ended the thread, if any."""
+        if self._failure is not None:
+            raise self._failure
+
     def close(self) -> bool:
         """Write the publications that have arrived, and close all outputs; return False if an output does not close."""
-        self._ending.set()
-        self._thread.join(END_S)
-        if self._thread.is_alive():
-            return False
-        closed = [output.close() for output in self._outputs]
-        return all(closed)
+        if self._closed is None:
+            if self._notes is not None:
+                self._notes.close()
+            self._ending.set()
+            self._thread.join(END_S)
+            closed = [not self._thread.is_alive() and output.close() for output in self._outputs]
+            self._closed = all(closed)
+            self._subscriptions.close()
+            self._queries.close()
+        return self._closed
 
     def _run(self) -> None:
         try:
@@ -107,7 +121,7 @@ class RecordingThread:
                 self._step()
             self._step(last=True)
         except Exception as error:  # noqa: BLE001 # the main thread reports it and ends
-            self.failure = error
+            self._failure = error
 
     def _step(self, *, last: bool = False) -> None:
         rows: list[RecordingRow] = []
@@ -119,12 +133,12 @@ class RecordingThread:
         rows += self._noted()
         rows += self._lost_robots()
         now_s = time.monotonic()
-        rows += self._report.rows(self.counts, self._timebase.own_ns(time.monotonic_ns()), now_s, last=last)
+        rows += self._report.lines(self.counts, self._timebase.own_ns(time.monotonic_ns()), now_s, last=last)
         for output in self._outputs:
             output.write(rows)
         restarted = [output for output in self._outputs if output.update(now_s)]
         for output in restarted:
-            output.show(self._robot_set)
+            output.show(self._shown)
             output.describe(self._about)
         if restarted:
             again = [row for rows_of_robot in self._rows.values() for row in rows_of_robot.begin_again()]
@@ -135,8 +149,9 @@ class RecordingThread:
         """Use the answer of a robot; yield the rows of the publications that were kept until then."""
         waiting = list(self._arrivals.answered(answer))
         if answer.place not in self._rows:
-            self._rows[answer.place] = RobotRows(answer.place, Figure(answer.geometry))
-            self._show_robots()
+            figure = Figure(answer.geometry)
+            self._rows[answer.place] = RobotRows(answer.place, figure)
+            self._show(replace(self._shown, robots={**self._shown.robots, answer.place: figure}))
         if answer.info is not None:
             self._describe(self._about.with_robot(answer.place, answer.info))
         if answer.offset is not None:
@@ -158,14 +173,12 @@ class RecordingThread:
             for output in self._outputs:
                 output.describe(about)
 
-    @property
-    def _robot_set(self) -> RobotSet:
-        figures = {place: rows.figure for place, rows in self._rows.items()}
-        return RobotSet(figures, self._with_pictures, self._with_sound)
-
-    def _show_robots(self) -> None:
-        for output in self._outputs:
-            output.show(self._robot_set)
+    def _show(self, robots: RobotSet) -> None:
+        """Let the outputs show what is new about the robots."""
+        if robots != self._shown:
+            self._shown = robots
+            for output in self._outputs:
+                output.show(robots)
 
     def _convert(self, timed: Timed) -> Iterator[RecordingRow]:
         arrival, time_ns, stale = timed
@@ -189,9 +202,7 @@ class RecordingThread:
             case CameraImage():
                 yield from self._picture(place, value, time_ns)
             case Sound():
-                if place not in self._with_sound:
-                    self._with_sound |= {place}
-                    self._show_robots()
+                self._show(replace(self._shown, with_sound=self._shown.with_sound | {place}))
                 yield from rows_of_sound(place, value, time_ns)
 
     def _difference(
@@ -209,9 +220,7 @@ class RecordingThread:
         if time_ns < due_ns - self._picture_period_ns // 8:
             return
         self._picture_due_ns[path] = max(due_ns, time_ns - self._picture_period_ns) + self._picture_period_ns
-        if place not in self._with_pictures:
-            self._with_pictures |= {place}
-            self._show_robots()
+        self._show(replace(self._shown, with_pictures=self._shown.with_pictures | {place}))
         yield Frame(path, time_ns, image.t_wall_ns, image.jpeg)
 
     def _lost_robots(self) -> Iterator[RecordingRow]:
@@ -222,91 +231,47 @@ class RecordingThread:
                 yield from self._rows[place].lost(time_ns)
 
 
-CAMERAS_HZ = 5.0
+@dataclass(frozen=True)
+class RecordingOptions:
+    """What is recorded."""
+
+    names: Sequence[str]
+    """names of robots; empty: all robots"""
+    cameras_hz: float
+    """pictures per second of each eye; 0: no pictures"""
+    sound: bool = False
+    """whether to switch the microphones of the robots on, and to record what they hear"""
+    title: str = ""
+    """empty: the name of the file"""
+    note: str = ""
+    """what the user writes about the recording"""
 
 
-class Recorder:
-    """Records until it is closed.
+def start_recording(
+    client: Client,
+    outputs: Sequence[Output],
+    say: Say,
+    options: RecordingOptions,
+    file: Callable[[], str] | None = None,
+) -> Recorder:
+    """Start recording.
 
-        with Client(settings) as client, Recorder(client, [FileOutput(path, print)], print) as recorder:
-            shutdown.wait(recorder.check)
+    Args:
+        client: the session.
+        outputs: files and viewers that get the rows.
+        say: shows a sentence to the user; called by the recorder's own thread.
+        options: what is recorded.
+        file: returns the name of the present file; the recorder then takes notes of all seats. None: it takes none.
 
-    Robots may come and go. Memory is bounded: publications that arrive faster than they are written are dropped, the
-    oldest first, and counted. The recorder closes its outputs.
+    Raises:
+        WrongUsage: the client was closed.
     """
-
-    def __init__(
-        self,
-        client: Client,
-        outputs: Sequence[Output],
-        say: Say,
-        *,
-        names: Sequence[str] = (),
-        cameras_hz: float = CAMERAS_HZ,
-        sound: bool = False,
-        title: str = "",
-        note: str = "",
-        file: Callable[[], str] | None = None,
-    ) -> None:
-        """Start recording.
-
-        Args:
-            client: the session.
-            outputs: files and viewers that get the rows.
-            say: shows a sentence to the user; called by the recorder's own thread.
-            names: names of robots; empty: all robots.
-            cameras_hz: pictures per second of each eye; 0: no pictures.
-            sound: switch the microphones of the robots on, and record what they hear.
-            title: title of the recording; empty: the name of its file.
-            note: what the user writes about the recording.
-            file: returns the name of the present file; the recorder then takes notes of all seats. None: it takes none.
-
-        Raises:
-            WrongUsage: the client was closed.
-        """
-        self._subscriptions = RobotSubscriptions(client, names, cameras=cameras_hz > 0, microphones=sound)
-        self._queries = RobotQueries(client)
-        facts = about(time.time_ns(), title=title, note=note, seat=client.settings.who)
-        self._notes = None if file is None else NoteInbox(client, file, title)
-        if self._notes is not None and note:
-            self._notes.add(client.settings.who, note)
-        self._thread = RecordingThread(
-            self._subscriptions, self._queries, outputs, say, cameras_hz, facts, self._notes
-        )
-        self._closed: bool | None = None
-
-    @property
-    def counts(self) -> dict[Stream, Count]:
-        """Publications of each stream so far: received, lost on the way, dropped here, late."""
-        return self._thread.counts
-
-    @property
-    def samples(self) -> int:
-        """Number of positions that were recorded so far."""
-        return self._thread.samples
-
-    @property
-    def robots(self) -> list[Place]:
-        """Robots in the recording so far."""
-        return self._thread.robots
-
-    def check(self) -> None:
-        """Raise the exception that has ended the recorder's thread, if any."""
-        if self._thread.failure is not None:
-            raise self._thread.failure
-
-    def close(self) -> bool:
-        """Write the publications that have arrived, and close all outputs; return False if an output does not close."""
-        if self._closed is None:
-            if self._notes is not None:
-                self._notes.close()
-            self._closed = self._thread.close()
-            self._subscriptions.close()
-            self._queries.close()
-        return self._closed
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self.close()
+    subscriptions = RobotSubscriptions(
+        client, options.names, cameras=options.cameras_hz > 0, microphones=options.sound
+    )
+    queries = RobotQueries(client)
+    facts = about(time.time_ns(), title=options.title, note=options.note, seat=client.settings.who)
+    notes = None if file is None else NoteInbox(client, file, options.title)
+    if notes is not None and options.note:
+        notes.add(client.settings.who, options.note)
+    return Recorder(subscriptions, queries, outputs, say, options.cameras_hz, facts, notes)

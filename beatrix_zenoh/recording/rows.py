@@ -267,7 +267,7 @@ class RobotRows:
         self.angles: tuple[float, ...] = ()
         """Arms and head of the newest positions (deg)."""
         self._clock: tuple[int, float, float] | None = None
-        self._written: Positions | None = None
+        self._written_ns: int | None = None
         self._repeats = 0
         self._repeats_row: int | None = None
 
@@ -280,18 +280,11 @@ class RobotRows:
         """Return whether positions only repeat those of the last rows: the node had no new telemetry.
 
         They get no rows, because tools that merge rows of one time would lose sequence numbers; the next rows contain
-        their number. Nodes of earlier versions do not mark them. `stale`: they repeat others of long ago.
+        their number. `stale`: they repeat others of long ago.
         """
-        last = self._written
-        same = (
-            last is not None
-            and positions.t_mono_ns == last.t_mono_ns
-            and (positions.repeated or positions.position == last.position)
-        )
-        if not same and not stale:
-            return False
-        self._repeats += 1
-        return True
+        repeated = stale or (positions.repeated and positions.t_mono_ns == self._written_ns)
+        self._repeats += repeated
+        return repeated
 
     def positions(self, positions: Positions, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the numbers of a publication in deg and deg/s, its sequence number, and the bodies that have turned.
@@ -309,7 +302,7 @@ class RobotRows:
         }
         if self._repeats or self._repeats_row != 0:
             numbers["repeats"] = (float(self._repeats),)
-        self._written, self._repeats_row, self._repeats = positions, self._repeats, 0
+        self._written_ns, self._repeats_row, self._repeats = positions.t_mono_ns, self._repeats, 0
         self.angles = numbers["arms"] + numbers["head"]
         body = positions.head
         if positions.head_measured is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from datetime import UTC, datetime
 from importlib import metadata
 from typing import Final, NamedTuple
@@ -153,21 +153,20 @@ class Samples:
     """(n, 3) the firmware's set points (deg)"""
     head: Floats
     """(n, 3) yaw, pitch, roll (deg), from the arms"""
-    head_measured: Floats | None
-    """(n, 3) the measured orientation of the head (deg); None: not measured"""
+    head_measured: Floats
+    """(n, 3) the measured orientation of the head (deg); NaN: not measured"""
     velocity: Floats
-    """(n, 3) velocity of the arms (deg/s); NaN: not recorded"""
-    seq: Nanoseconds | None
-    """(n,) sequence numbers; a gap that `repeats` does not explain means lost samples (`lost`); -1: unknown; None: not
-    recorded, a file of an earlier version"""
-    repeats: Nanoseconds | None = None
+    """(n, 3) velocity of the arms (deg/s)"""
+    seq: Nanoseconds
+    """(n,) sequence numbers; a gap that `repeats` does not explain means lost samples (`lost`); -1: unknown"""
+    repeats: Nanoseconds
     """(n,) number of publications before each sample that only repeated the sample before it and are no samples of their
-    own: the node had no new telemetry; None: not recorded, they are samples with equal times"""
+    own: the node had no new telemetry"""
 
     @property
     def lost(self) -> int | None:
         """Number of missing sequence numbers; None: not known."""
-        return None if self.seq is None else lost(self.seq, self.repeats)
+        return lost(self.seq, self.repeats)
 
 
 @dataclass(frozen=True)
@@ -196,7 +195,7 @@ class Recorded:
     """events of each robot in the order of time: what was requested, and what came of it"""
     notes: tuple[Note, ...] = ()
     about: About | None = None
-    """title, versions, robots and seats; None: a file of an earlier version"""
+    """title, versions, robots and seats; None: another program has left them out"""
 
 
 class EyePicture(NamedTuple):
@@ -276,31 +275,11 @@ def joined(parts: Sequence[Recorded]) -> dict[Place, Samples]:
 
 def concatenated(parts: Sequence[Samples]) -> Samples:
     """Return the samples of one robot from several files; a sample that several files contain comes once."""
-    time_ns = np.concatenate([part.time_ns for part in parts])
+    whole = {
+        field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Samples)
+    }
     source = np.repeat(np.arange(len(parts)), [len(part.time_ns) for part in parts])
-    order = np.argsort(time_ns, kind="stable")
-    again = (np.diff(time_ns[order]) == 0) & (np.diff(source[order]) != 0)
+    order = np.argsort(whole["time_ns"], kind="stable")
+    again = (np.diff(whole["time_ns"][order]) == 0) & (np.diff(source[order]) != 0)
     order = order[np.append(True, ~again)]
-    return Samples(
-        time_ns[order],
-        np.concatenate([part.robot_ns for part in parts])[order],
-        np.concatenate([part.arms for part in parts])[order],
-        np.concatenate([part.commanded for part in parts])[order],
-        np.concatenate([part.head for part in parts])[order],
-        None
-        if all(part.head_measured is None for part in parts)
-        else np.concatenate([measured(part) for part in parts])[order],
-        np.concatenate([part.velocity for part in parts])[order],
-        np.concatenate([numbers(part.seq, len(part.time_ns)) for part in parts])[order],
-        np.concatenate([numbers(part.repeats, len(part.time_ns)) for part in parts])[order],
-    )  # fmt: skip
-
-
-def numbers(values: Nanoseconds | None, count: int) -> Nanoseconds:
-    """Return whole numbers (n,); -1: not recorded."""
-    return np.full(count, -1, np.int64) if values is None else values
-
-
-def measured(samples: Samples) -> Floats:
-    """Return the measured orientation of the head (n, 3; deg); NaN: not measured."""
-    return np.full_like(samples.head, np.nan) if samples.head_measured is None else samples.head_measured
+    return Samples(**{name: values[order] for name, values in whole.items()})

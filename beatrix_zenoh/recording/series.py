@@ -59,12 +59,10 @@ class Recording:
     """(n, 3) in deg, the firmware's set points of the arms; None: not recorded"""
     lost: int | None = None
     """number of published samples that are missing; None: not known"""
-    requests: tuple[MotionRequest, ...] | None = None
-    """the requests of motions, with times as in `t`; None: not recorded, a file of an earlier version"""
+    requests: tuple[MotionRequest, ...] = ()
+    """the requests of motions, with times as in `t`"""
     homes_s: tuple[float, ...] = ()
     """times (s) at which the present position was declared home"""
-    without_numbers: int = 0
-    """number of samples that were left out because an angle is not a number"""
 
     @property
     def arms(self) -> Recording:
@@ -87,59 +85,43 @@ class Regularity:
     gaps: int
     """number of periods longer than 1.6 times `period_ms`"""
     longest_ms: float
-    without_numbers: int
-    """samples that were left out because an angle is not a number"""
 
 
 def recording(
-    positions: Sequence[Positions], clock_s: float = 0.0, events: Sequence[Event] | None = None
+    positions: Sequence[Positions], clock_s: float = 0.0, events: Sequence[Event] = ()
 ) -> Recording:
     """Convert published positions to a recording in degrees.
 
     Args:
         positions: those of one robot, in order. Of several with the same time stamp the first is kept.
         clock_s: the source's monotonic clock minus the clock of the result (s).
-        events: those of the robot, in order; None: not recorded.
+        events: those of the robot, in order.
     """
     if not positions:
         return Recording(np.empty(0), np.empty((0, len(AXES))), np.empty((0, len(ARMS))))
     times, kept = np.unique([each.t_mono_ns for each in positions], return_index=True)
     readings = [reading(positions[i]) for i in kept]
     angles = np.array([(*r.arms, *r.head) for r in readings], dtype=np.float64)
-    timed = None if events is None else [(event.t_mono_ns / 1e9 - clock_s, event) for event in events]
+    timed = [(event.t_mono_ns / 1e9 - clock_s, event) for event in events]
     commanded = np.array([r.commanded for r in readings], dtype=np.float64)
     return _recording(times / 1e9 - clock_s, angles, commanded, lost([each.seq for each in positions]), timed)
 
 
-def of_samples(samples: Samples, begin_ns: int, events: Sequence[TimedEvent] | None = None) -> Recording:
-    """Convert positions that were read from a file; the result has times in s since `begin_ns` (ns since 1970).
-
-    Without `events` the requests of motions are unknown.
-    """
+def of_samples(samples: Samples, begin_ns: int, events: Sequence[TimedEvent] = ()) -> Recording:
+    """Convert positions that were read from a file; the result has times in s since `begin_ns` (ns since 1970)."""
     times, kept = np.unique(samples.time_ns, return_index=True)
     angles = np.hstack([samples.arms, samples.head])[kept]
-    timed = None if events is None else [((each.time_ns - begin_ns) / 1e9, each.event) for each in events]
+    timed = [((each.time_ns - begin_ns) / 1e9, each.event) for each in events]
     return _recording((times - begin_ns) / 1e9, angles, samples.commanded[kept], samples.lost, timed)
 
 
 def _recording(
-    t: Floats,
-    angles: Floats,
-    commanded: Floats,
-    missing: int | None,
-    events: Sequence[tuple[float, Event]] | None,
+    t: Floats, angles: Floats, commanded: Floats, missing: int | None, events: Sequence[tuple[float, Event]]
 ) -> Recording:
-    """Return the recording of the samples whose angles are numbers; arguments as the fields of `Recording`."""
-    known = np.isfinite(angles).all(axis=1) & np.isfinite(commanded).all(axis=1)
-    return Recording(
-        t[known],
-        np.unwrap(angles[known], period=360, axis=0),
-        commanded[known],
-        missing,
-        None if events is None else requests(events),
-        homes_set(events or ()),
-        int(np.count_nonzero(~known)),
-    )
+    """Return the recording of the samples whose angles are numbers; the others are gaps."""
+    known = np.isfinite(np.hstack([angles, commanded])).all(axis=1)
+    unwrapped = np.unwrap(angles[known], period=360, axis=0)
+    return Recording(t[known], unwrapped, commanded[known], missing, requests(events), homes_set(events))
 
 
 def regularity(recorded: Recording) -> Regularity:
@@ -153,7 +135,6 @@ def regularity(recorded: Recording) -> Regularity:
         jitter_ms=float(np.std(periods)) * 1e3,
         gaps=int(np.count_nonzero(periods > GAP * usual)),
         longest_ms=float(np.max(periods)) * 1e3,
-        without_numbers=recorded.without_numbers,
     )
 
 
@@ -327,22 +308,12 @@ def record_robots(
 def live_recording(
     robot: Robot, positions: Sequence[Positions], events: Sequence[Event], offset: Offset, before: Status
 ) -> LiveRecording:
-    """Return the recording of one robot, with times by this computer's clock.
-
-    The offset of the clocks is measured again; the more exact of both measurements is used.
-    """
+    """Return the recording of one robot, with times by this computer's clock."""
     with naming(str(robot)):
-        after, status = offset_of(robot), robot.status()
-    better = min(offset, after, key=lambda each: each.bound)
-    clock_s = better.certain
-    drifted_s = abs(after.offset - offset.offset) if clock_s else 0.0
-    return LiveRecording(
-        robot.name,
-        robot.side,
-        recording(positions, clock_s, events),
-        better.bound + drifted_s if clock_s else 0.0,
-        slipped_between(before, status),
-    )
+        slipped = slipped_between(before, robot.status())
+    clock_s = offset.certain
+    found = recording(positions, clock_s, events)
+    return LiveRecording(robot.name, robot.side, found, offset.bound if clock_s else 0.0, slipped)
 
 
 def slipped_between(before: Status, after: Status) -> int | None:

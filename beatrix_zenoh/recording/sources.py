@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import queue
 import time
 from collections import deque
@@ -84,7 +83,10 @@ class RobotSubscriptions:
                     images(client, name, "*", eye, timeout_s=None, length=PICTURES) for eye in EYES
                 ]
             if microphones:
-                self._subscriptions.append(blocks(client, name))
+                key = keys.microphones(name, "*")
+                self._subscriptions.append(
+                    Subscription(client, key, sound, timeout_s=None, length=BLOCKS, bus=client.media)
+                )
 
     def take(self) -> list[Arrival[Value]]:
         """Return all publications since the last call, in the order of arrival."""
@@ -109,12 +111,6 @@ class RobotSubscriptions:
             subscription.close()
 
 
-def blocks(client: Client, name: str) -> Subscription[Sound]:
-    """Subscribe to the sound of both sides as it arrives; `*` stands for all robots."""
-    key = keys.microphones(name, "*")
-    return Subscription(client, key, sound, timeout_s=None, length=BLOCKS, bus=client.media)
-
-
 AGAIN_S: Final = 30.0
 """Period of the queries: clocks of two computers drift apart by up to about 0.1 ms/s, which is 3 ms in this time."""
 ANSWER_S: Final = 1.0
@@ -125,9 +121,9 @@ class RobotAnswer:
     """Clock offset, geometry and description of a robot."""
 
     place: Place
-    offset: Offset | None
+    offset: Offset | None = None
     """offset of the robot's monotonic clock; None: the robot did not answer"""
-    geometry: GeometryData
+    geometry: GeometryData = ROBOT.geometry
     """the default geometry if the robot did not answer"""
     info: Info | None = None
     """what the robot says of itself; None: it did not answer"""
@@ -139,8 +135,7 @@ class RobotQueries:
     def __init__(self, client: Client) -> None:
         self._client = client
         self._requests: queue.SimpleQueue[Place | None] = queue.SimpleQueue()
-        self._answers: queue.SimpleQueue[RobotAnswer] = queue.SimpleQueue()
-        self._geometries: dict[Place, GeometryData] = {}
+        self._answers: deque[RobotAnswer] = deque()
         self._thread = threads.start(self._run, "recorder-queries")
 
     def request(self, place: Place) -> None:
@@ -149,11 +144,7 @@ class RobotQueries:
 
     def answers(self) -> list[RobotAnswer]:
         """Return the answers since the last call."""
-        found = []
-        with contextlib.suppress(queue.Empty):
-            while True:
-                found.append(self._answers.get_nowait())
-        return found
+        return [self._answers.popleft() for _ in range(len(self._answers))]
 
     def close(self) -> None:
         """End the thread after its running query."""
@@ -177,17 +168,15 @@ class RobotQueries:
             self._query(place, again=False)
 
     def _query(self, place: Place, *, again: bool) -> None:
-        info = None
         try:
             offset = clock_offsets(self._client, *place, timeout_s=ANSWER_S).mono
             info = ask(self._client, place, keys.info(*place), None, Info, ANSWER_S)
-            if info.geometry is not None:
-                self._geometries.setdefault(place, geometry_of(info.geometry))
         except BeatrixError:
-            if again:  # The robot does not answer now, but its earlier values are still valid.
-                return
-            offset = None
-        self._answers.put(RobotAnswer(place, offset, self._geometries.get(place, ROBOT.geometry), info))
+            if not again:  # otherwise the robot does not answer now, but its earlier values are still valid
+                self._answers.append(RobotAnswer(place))
+            return
+        geometry = ROBOT.geometry if info.geometry is None else geometry_of(info.geometry)
+        self._answers.append(RobotAnswer(place, offset, geometry, info))
 
 
 LATE_NS: Final = 2_000_000_000

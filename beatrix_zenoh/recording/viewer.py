@@ -35,15 +35,6 @@ SERVER_MEMORY: Final = "200MB"
 """Memory of the viewer's server for windows that are opened later."""
 SOURCE: Final = re.compile(r"^.*\.rs:\d+: ")
 """Source position that precedes Rerun's error messages; users do not need it."""
-WITHOUT_GRAPHICS: Final = re.compile(
-    r"Failed to get render context|Failed to create (render state|surface)|[Gg]raphics adapter|graphics driver is lacking"
-)
-"""Messages of a viewer that finds neither a graphics card nor Vulkan in software."""
-GRAPHICS: Final = "the graphics library Vulkan" + (
-    "; on Debian run `sudo apt install mesa-vulkan-drivers`, which needs no graphics card"
-    if sys.platform == "linux"
-    else ", which comes with the driver of the graphics card"
-)
 MAGIC: Final = b"RRF"
 """First bytes of a recording; a digit follows."""
 FOOTER: Final = b"RRF2FOOT"
@@ -221,12 +212,11 @@ class Viewer:
             return f"The Rerun viewer was ended by signal {-self.code}."
         self._words.seek(0)
         text = self._words.read().decode("utf-8", "replace")
-        if WITHOUT_GRAPHICS.search(text):
-            return f"The Rerun viewer cannot draw on this computer. It needs {GRAPHICS}. `beatrix view --web` shows recordings in a browser."
         lines = [line for line in text.splitlines() if line.strip()]
         reason = SOURCE.sub("", lines[-1]).strip().rstrip(".") if lines else f"code {self.code}"
         return (
-            f"The Rerun viewer has ended: {reason}. On a computer without a screen use `beatrix view --web`."
+            f"The Rerun viewer has ended: {reason}. On a computer without a screen, or without the graphics library Vulkan, "
+            "use `beatrix view --web`."
         )
 
     def __enter__(self) -> Self:

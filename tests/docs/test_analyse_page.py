@@ -13,7 +13,7 @@ from written_recordings import BEGAN_NS, STEP_NS, times, write_lesson
 
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.recording import film
-from beatrix_zenoh.recording.export import every_quantity
+from beatrix_zenoh.recording.export import quantities
 from beatrix_zenoh.recording.rows import Frame, Numbers
 from beatrix_zenoh.recording.rrd.read import read
 
@@ -70,7 +70,7 @@ def test_the_python_of_the_page_loads_a_recording(folder: Path, capsys: pytest.C
 
 def test_every_column_is_named_on_the_page(folder: Path) -> None:
     samples = read(folder / "lesson.rrd").robots["bea1", "sim"]
-    for column, _ in every_quantity(samples):
+    for column, _ in quantities(samples):
         axis, kind = column.split("_", 1)
         first = {"middle": "short", "long": "short", "pitch": "yaw", "roll": "yaw"}.get(axis, axis)
         assert f"bea1_sim_{first}_{kind}" in TEXT

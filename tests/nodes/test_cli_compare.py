@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 from PIL import Image
 from robots import END_S, until
-from shell import Shell, beatrix
+from shell import Shell
 
+from beatrix_zenoh.cli import app
 from beatrix_zenoh.client import motion_file
 
 TURN = "t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n0.8,20,0,0\n1.2,20,0,0\n2,0,0,0\n"
@@ -38,7 +39,6 @@ def test_a_replay_with_a_lead_is_compared_live_and_from_its_recording(
     done = free.run("replay", turn, "--on", "both", "--lead", "0.3")
     assert done.returncode == 0, done.stderr
     assert "Checked: 2.0 s" in done.stderr
-    assert "Replay: 0 of 2 s." in done.stderr
     output, _ = compare.communicate(timeout=END_S)
     live = json.loads(output.splitlines()[-1])
     assert compare.returncode == 1, output
@@ -77,7 +77,6 @@ def test_signals_end_a_recording_of_a_motion_with_its_summary(
     record = free.start("record", "--motion", str(path), "--on", "hw", background=background)
     until(path.exists, "it records")
     free.good("look", "--yaw", "8", "--speed", "40", "--on", "hw")
-    until(lambda: ended_at(path) == pytest.approx((8, 0, 0), abs=0.2), "the motion is in the file")
     record.send_signal(number)
     output, _ = record.communicate(timeout=END_S)
     assert record.returncode == 0, output
@@ -100,7 +99,10 @@ def test_signals_end_a_recording_of_a_motion_with_its_summary(
         (("replay", "none.csv", "--from", "-1"), 2, "'--from': -1.0 is not in the range"),
     ],
 )
-def test_the_error_for_wrong_arguments_names_the_cause(words: tuple[str, ...], code: int, what: str) -> None:
-    done = beatrix(*words)
-    assert (done.returncode, done.stdout) == (code, "")
-    assert what in " ".join(done.stderr.split())
+def test_the_error_for_wrong_arguments_names_the_cause(
+    words: tuple[str, ...], code: int, what: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert app.run(list(words)) == code
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert what in " ".join(printed.err.split())

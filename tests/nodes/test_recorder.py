@@ -78,6 +78,30 @@ def lesson(stage: Stage, tmp_path_factory: pytest.TempPathFactory) -> Lesson:
     return Lesson(path, read(path), published, process.lines)
 
 
+def test_a_recorder_killed_after_seconds_loses_no_more_than_one(
+    stage: Stage, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "killed.rrd"
+    process = recorder(stage, path, "--name", "bea", "--cameras", "0")
+    process.expect_all("Recording bea (hw).", "Recording bea (sim).")
+    with positions(stage.client("witness"), "bea", "hw") as subscription:
+        begun = subscription.next(1.0).t_wall_ns
+        until(
+            lambda: subscription.latest is not None and subscription.latest.t_wall_ns > begun + 1_500_000_000,
+            "1.5 s",
+        )
+        last = subscription.take()[-1]
+        process.end(signal.SIGKILL)
+    assert verify(path) != ""
+    assert app.run(["record", "--repair", str(path)]) == 0
+    assert capsys.readouterr().out.startswith(f"{path} is repaired")
+    assert verify(path) == ""
+    assert path.with_name("killed.rrd.damaged").exists()
+    assert read(path).robots[HW].robot_ns[-1] > last.t_wall_ns - 1_000_000_000
+    assert app.run(["record", "--repair", str(path)]) == 0
+    assert capsys.readouterr().out.startswith(f"{path} is complete: there is nothing to repair")
+
+
 def test_the_file_is_complete(lesson: Lesson) -> None:
     assert verify(lesson.path) == ""
     assert read_sound([lesson.path], [SIM], 0, 2**62) == {}, "microphones stay off without --sound"
@@ -109,30 +133,6 @@ def test_the_code_of_the_page_reads_a_recording(
     )
 
 
-def test_a_recorder_killed_after_seconds_loses_no_more_than_one(
-    stage: Stage, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "killed.rrd"
-    process = recorder(stage, path, "--name", "bea", "--cameras", "0")
-    process.expect_all("Recording bea (hw).", "Recording bea (sim).")
-    with positions(stage.client("witness"), "bea", "hw") as subscription:
-        begun = subscription.next(1.0).t_wall_ns
-        until(
-            lambda: subscription.latest is not None and subscription.latest.t_wall_ns > begun + 1_500_000_000,
-            "1.5 s",
-        )
-        last = subscription.take()[-1]
-        process.end(signal.SIGKILL)
-    assert verify(path) != ""
-    assert app.run(["record", "--repair", str(path)]) == 0
-    assert capsys.readouterr().out.startswith(f"{path} is repaired")
-    assert verify(path) == ""
-    assert path.with_name("killed.rrd.damaged").exists()
-    assert read(path).robots[HW].robot_ns[-1] > last.t_wall_ns - 1_000_000_000
-    assert app.run(["record", "--repair", str(path)]) == 0
-    assert capsys.readouterr().out.startswith(f"{path} is complete: there is nothing to repair")
-
-
 def run(stage: Stage, *words: str, code: int = 0) -> str:
     """Run a verb, assert its exit code, and return its output."""
     process = stage.process("beatrix_zenoh.cli", *words)
@@ -143,20 +143,8 @@ def run(stage: Stage, *words: str, code: int = 0) -> str:
 @pytest.mark.long("records for eight seconds")
 def test_rotated_files_are_complete(stage: Stage, tmp_path: Path) -> None:
     path = tmp_path / "day.rrd"
-    output = run(
-        stage,
-        "record",
-        str(path),
-        "--connect",
-        stage.endpoint,
-        "--rotate",
-        "0.1",
-        "--seconds",
-        "8",
-        "--cameras",
-        "0",
-        "--json",
-    )
+    options = "--rotate 0.1 --seconds 8 --cameras 0 --json"
+    output = run(stage, "record", str(path), "--connect", stage.endpoint, *options.split())
     first, second = (tmp_path / name for name in ("day-001.rrd", "day-002.rrd"))
     assert '"dropped":0' in output
     assert verify(first) == verify(second) == ""

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from golden import same
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
@@ -17,10 +16,9 @@ from beatrix_zenoh.contract._generated.messages import Head, Positions, Vector3
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.motion.trajectory import plan
-from beatrix_zenoh.recording.compare import Thresholds, compare, why_no_lag
+from beatrix_zenoh.recording.compare import Thresholds, compare
 from beatrix_zenoh.recording.series import (
     AXES,
-    Floats,
     Recording,
     heads_apart,
     recording,
@@ -29,33 +27,6 @@ from beatrix_zenoh.recording.series import (
 )
 
 HZ = 50
-
-
-def movement(targets: list[tuple[float, float, float]], t: Floats) -> Floats:
-    """Return the angles (n, 6; deg) of a robot that turns to each target in turn from t = 1 s, and rests at each."""
-    here, begin = (0.0, 0.0, 0.0), 1.0
-    arms = np.zeros((len(t), 3))
-    for target in targets:
-        way = plan(here, (0.0, 0.0, 0.0), target, (60.0, 60.0, 60.0), 180.0, straight=True)
-        late = t >= begin
-        arms[late] = [way.at(moment - begin)[0] for moment in t[late]]
-        here, begin = target, begin + way.duration + 0.4
-    return np.hstack([arms, arms])
-
-
-def recorded(
-    targets: list[tuple[float, float, float]], lag_s: float, phase_s: float, noise: float = 0.0, seed: int = 0
-) -> Recording:
-    """Return a recording of a robot that is late by `lag_s`: 50 samples a second from `phase_s` on, noise in deg."""
-    t = np.arange(0.0, 12.0, 1 / HZ) + phase_s
-    jitter = np.random.default_rng(seed).normal(0.0, noise, (len(t), 6))
-    return Recording(t, movement(targets, t - lag_s) + jitter)
-
-
-def test_two_different_movements_have_no_lag() -> None:
-    found = compare(recorded([(30.0, 30.0, 30.0)], 0.0, 0.0), recorded([(-30.0, 10.0, -30.0)], 0.0, 0.0))
-    assert math.isnan(found.lag_s)
-    same("compare.two different movements have no lag", why_no_lag(found))
 
 
 def shaken(lags_s: Sequence[float], offset: float = 0.0) -> Recording:
@@ -112,23 +83,11 @@ def test_each_exceeded_threshold_is_reported() -> None:
     assert "short" not in sentences
 
 
-def test_as_many_missed_steps_as_allowed_are_no_failure() -> None:
-    found = compare(shaken([0.0] * 3), shaken([0.0] * 3))
-    assert [len(Thresholds(missed_steps=3).exceeded(found, slipped=n)) for n in (-4, -3, 3, 4)] == [
-        1,
-        0,
-        0,
-        1,
-    ]
-
-
-def test_a_threshold_names_all_axes_in_one_sentence_and_never_an_equal_figure() -> None:
+def test_a_figure_that_exceeds_its_threshold_never_looks_equal_to_it() -> None:
     found = compare(shaken([0.0] * 3), shaken([0.05004] * 3))
-    (lag_sentence, largest) = Thresholds(lag_s=0.05, largest_deg=0.0).exceeded(found, None)
-    assert "The lag is +0.0500" in lag_sentence
-    assert "+0.050 s" not in lag_sentence
-    assert largest.count("allowed") == 1
-    assert "(and " in largest
+    (sentence,) = Thresholds(lag_s=0.05, missed_steps=3).exceeded(found, -3)
+    assert "The lag is +0.0500" in sentence
+    assert "+0.050 s" not in sentence
 
 
 def test_thresholds_that_cannot_be_checked_are_reported() -> None:

@@ -19,7 +19,6 @@ from beatrix_zenoh.contract.publishers import NUMBERS
 from beatrix_zenoh.recording.losses import (
     EVENTS,
     POSITIONS,
-    REPORT_S,
     Count,
     Losses,
     LossReport,
@@ -27,8 +26,8 @@ from beatrix_zenoh.recording.losses import (
     findings,
     total,
 )
-from beatrix_zenoh.recording.rows import Line, Numbers, RecordingRow
-from beatrix_zenoh.recording.samples import Samples
+from beatrix_zenoh.recording.rows import Line
+from beatrix_zenoh.recording.samples import lost
 from beatrix_zenoh.recording.verbs.record import missing, outcome
 
 
@@ -66,7 +65,6 @@ def test_silence_up_to_the_end_is_a_gap() -> None:
 
 BEA = ("bea", "hw")
 ARMS: Stream = (BEA, POSITIONS)
-NONE = np.empty((0, 3))
 
 
 def counted(*seqs: int, dropped: int = 0) -> Count:
@@ -81,7 +79,7 @@ def lost_in_file(*seqs: int, repeats: tuple[int, ...] | None = None) -> int | No
     """Return the losses that a reader of a file finds in these numbers."""
     numbers = np.array(seqs, dtype=np.int64)
     again = np.zeros(len(seqs), np.int64) if repeats is None else np.array(repeats, dtype=np.int64)
-    return Samples(numbers, numbers, NONE, NONE, NONE, None, NONE, numbers, again).lost
+    return lost(numbers, again)
 
 
 @given(first=st.integers(0, NUMBERS - 1), arrives=st.lists(st.booleans(), max_size=60))
@@ -127,18 +125,17 @@ def test_only_gaps_are_losses(seqs: tuple[int, ...], lost: int) -> None:
 def test_two_programs_under_one_name_are_named_once_and_no_loss_is_counted() -> None:
     losses, said = Losses(), list[str]()
     report = LossReport(said.append)
-    rows: list[RecordingRow] = []
+    rows: list[Line] = []
     for k in range(200):
         for first in (1000, 7000):
             losses.received(ARMS, first + k)
             losses.received((BEA, EVENTS), first + 2 * k)
-        rows += report.rows(losses.counts({}), k, 10 * REPORT_S + k / 50, last=False)
+        rows += report.lines(losses.counts({}), k, 50 + k / 50, last=False)
     counts = losses.counts({})
-    rows += report.rows(counts, 200, 200 * REPORT_S, last=True)
+    rows += report.lines(counts, 200, 1000, last=True)
     words = "Two programs publish the positions of bea (hw), so lost ones cannot be counted. End one of them."
     assert said == [words]
-    assert [row.text for row in rows if isinstance(row, Line)] == [words]
-    assert not [row for row in rows if isinstance(row, Numbers) and row.path.endswith("lost")]
+    assert [row.text for row in rows] == [words]
     assert list(findings(counts).values()) == [words]
     same(
         "recording losses.two programs under one name are named once and no loss is counted", missing(counts)

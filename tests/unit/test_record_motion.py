@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from beatrix_zenoh.client.degrees import ArmAngles
-from beatrix_zenoh.recording.record_motion import Thinning, Timed
+from beatrix_zenoh.recording.record_motion import Timed, thinned
 
 TURNS = st.lists(
     st.tuples(st.floats(-30, 30), st.integers(1, 60), st.integers(0, 60)), min_size=1, max_size=4
@@ -22,11 +22,6 @@ def published(turns: list[tuple[float, int, int]]) -> list[Timed]:
         angles += [angles[-1] + by * (k + 1) / moving for k in range(moving)]
         angles += [angles[-1]] * resting
     return [(k * 0.02, ArmAngles(angle, 0.0, 0.0)) for k, angle in enumerate(angles)]
-
-
-def thinned(points: list[Timed], period_s: float) -> list[Timed]:
-    thinning = Thinning(period_s)
-    return [kept for point in points for kept in thinning.add(point)] + thinning.last()
 
 
 @given(TURNS, st.sampled_from([0.02, 0.04, 0.05, 0.1]))
@@ -51,15 +46,11 @@ def test_rests_at_start_and_end_are_shortened(
 ) -> None:
     assume(any(abs(by) > 1 for by, _, _ in turns))
     whole = published([(0.0, before + 1, 0), *turns, (0.0, after + 1, 0)])
-    thinning = Thinning(0.04, 0.5)
-    kept = [point for given in whole for point in thinning.add(given)] + thinning.last()
+    kept = thinned(whole, 0.04, 0.5)
     moved = [t for t, place in whole if abs(place[0]) > 0.01]
     begin_s = max(0.0, moved[0] - 0.02 - 0.5)
     assert kept[0] == (0.0, whole[0][1])
-    expected = [(t - begin_s, place) for t, place in thinned(whole, 0.04) if t >= begin_s]
-    places = {round(t, 6): place for t, place in kept}
-    assert all(places.get(round(t, 6), place) == place for t, place in expected)
-    assert kept[-1][1] == whole[-1][1]
-    still = [t for t, place in kept if abs(place[0] - kept[-1][1][0]) <= 0.01]
-    assert kept[-1][0] <= whole[-1][0] - begin_s + 1e-9
-    assert still[-1] - still[max(0, len(still) - 2)] <= 0.5 + 1e-9
+    assert [place for _, place in kept] == [place for _, place in thinned(whole, 0.04)]
+    inner = [(t - begin_s, place) for t, place in thinned(whole, 0.04)][1:-1]
+    assert np.array([t for t, _ in kept[1:-1]]) == pytest.approx([t for t, _ in inner])
+    assert kept[-1][0] - kept[-2][0] <= 0.5 + 1e-9

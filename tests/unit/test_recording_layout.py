@@ -50,33 +50,22 @@ def rows_of(place: Place) -> list[RecordingRow]:
     ]
 
 
-def recorded(folder: Path, *places: Place, pictures: bool = True) -> Path:
-    """Return a recording of these robots."""
-    path = folder / "lesson.rrd"
+@pytest.fixture(scope="module")
+def sides(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording of both robots, which appear one after the other, and their pictures last."""
+    path = tmp_path_factory.mktemp("sides") / "lesson.rrd"
     stream = RowStream("one", "lesson")
     stream.to_file(path)
-    for number in range(len(places)):  # the robots appear one after the other, and their pictures last
-        stream.show(RobotSet({place: Figure() for place in places[: number + 1]}))
-    if pictures:
-        stream.show(RobotSet({place: Figure() for place in places}, frozenset(places)))
-    for place in places:
-        stream.send(rows_of(place))
-    for name in {name for name, _ in places}:
-        stream.send(
-            [Numbers(of_difference(name, what), BEGAN_NS, BEGAN_NS, ANGLES) for what in ("arms", "head")]
-        )
+    both = {SIM: Figure(), HW: Figure()}
+    for shown in (RobotSet({SIM: Figure()}), RobotSet(both), RobotSet(both, frozenset(both))):
+        stream.show(shown)
+    stream.send([*rows_of(SIM), *rows_of(HW)])
+    stream.send(
+        [Numbers(of_difference("bea", what), BEGAN_NS, BEGAN_NS, ANGLES) for what in ("arms", "head")]
+    )
     assert stream.flush(30.0)
     stream.close()
     return path
-
-
-@pytest.fixture(scope="module")
-def sides(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return recorded(tmp_path_factory.mktemp("sides"), SIM, HW)
-
-
-def bodies() -> set[str]:
-    return set(Figure.paths)
 
 
 def shape(part: Box | View) -> object:
@@ -92,7 +81,7 @@ def test_the_tabs_are_those_of_the_page(sides: Path) -> None:
 def test_overlay_draws_the_hardware_and_the_simulation_as_a_ghost(sides: Path) -> None:
     (view,) = tabs_of(sides)["Overlay"].views
     assert (view.kind, view.title) == ("3D", "bea: hardware, and the simulation as a blue ghost")
-    assert set(solids(HW, "solid", view.draws)) == set(solids(SIM, "ghost", view.draws)) == bodies()
+    assert set(solids(HW, "solid", view.draws)) == set(solids(SIM, "ghost", view.draws)) == set(Figure.paths)
     assert not list(solids(SIM, "solid", view.draws))
 
 
@@ -110,7 +99,7 @@ def test_side_by_side_draws_each_robot_in_a_view_of_its_own_and_its_eyes_beside_
     sim, hw = tab.views[2:4]
     assert (sim.kind, hw.kind, {view.kind for view in pictures}) == ("3D", "3D", {"2D"})
     for view, own in ((sim, SIM), (hw, HW)):
-        assert set(solids(own, "solid", view.draws)) == bodies()
+        assert set(solids(own, "solid", view.draws)) == set(Figure.paths)
         assert all(
             entity.startswith((f"/{'/'.join(own)}/model/", f"/{'/'.join(own)}/mechanism/"))
             and not entity.endswith("/ghost")

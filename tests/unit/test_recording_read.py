@@ -54,24 +54,32 @@ def sample(place: tuple[str, str], index: int) -> list[RecordingRow]:
     ]
 
 
-def test_samples_of_both_robots_are_read(tmp_path: Path) -> None:
+def test_samples_events_states_and_differences_are_written_and_read(tmp_path: Path) -> None:
     path = tmp_path / "lesson.rrd"
-    write_lesson(
-        path,
-        [SIM, HW],
-        0,
-        [row for index in range(10) for place in (SIM, HW) for row in sample(place, index)],
-    )
+    other = [
+        Line(of_robot(SIM, "events"), BEGAN_NS, BEGAN_NS, "ana stop: At rest.", "ERROR"),
+        Line(of_robot(SIM, "events"), BEGAN_NS, BEGAN_NS, "ben look: Refused.", "WARN"),  # at the same time
+        Bar(of_robot(SIM, "state"), BEGAN_NS, BEGAN_NS, "ready"),
+        Bar(of_robot(SIM, "state"), BEGAN_NS + STEP_NS, BEGAN_NS, "moving"),
+        Numbers(of_difference("bea", "arms"), BEGAN_NS, BEGAN_NS, (1.0, 2.0, 3.0)),
+    ]
+    samples = [row for index in range(10) for place in (SIM, HW) for row in sample(place, index)]
+    write_lesson(path, [SIM, HW], 0, [*samples, *other])
     assert verify(path) == ""
     recorded = read(path)
     assert list(recorded.robots) == [HW, SIM]
-    for samples in recorded.robots.values():
-        assert samples.time_ns.tolist() == [BEGAN_NS + index * STEP_NS for index in range(10)]
-        assert samples.robot_ns.tolist() == [BEGAN_NS + index * STEP_NS - 7 for index in range(10)]
-        np.testing.assert_array_equal(samples.arms, [(index, 0, -index) for index in range(10)])
-        np.testing.assert_array_equal(samples.commanded, [(index + 1, 1, -index) for index in range(10)])
-        np.testing.assert_array_equal(samples.head, [(index + 2, 2, -index) for index in range(10)])
-        assert samples.head_measured is None
+    for found in recorded.robots.values():
+        assert found.time_ns.tolist() == [BEGAN_NS + index * STEP_NS for index in range(10)]
+        assert found.robot_ns.tolist() == [BEGAN_NS + index * STEP_NS - 7 for index in range(10)]
+        for k, angles in enumerate((found.arms, found.commanded, found.head)):
+            np.testing.assert_array_equal(angles, [(index + k, k, -index) for index in range(10)])
+        assert np.isnan(found.head_measured).all()
+    for entity, component, values in (
+        (of_robot(SIM, "events"), TEXT, ["ana stop: At rest.", "ben look: Refused."]),
+        (of_robot(SIM, "state"), STATE, ["ready", "moving"]),
+        (of_difference("bea", "arms"), SCALARS, [1.0, 2.0, 3.0]),
+    ):
+        assert recorded_values(path, entity, component) == values
 
 
 def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
@@ -114,38 +122,18 @@ def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
     same("recording read.a recording says what it is", warning)
 
 
-def test_events_states_and_differences_are_written(tmp_path: Path) -> None:
-    path = tmp_path / "lesson.rrd"
-    other = [
-        Line(of_robot(SIM, "events"), BEGAN_NS, BEGAN_NS, "ana stop: At rest.", "ERROR"),
-        Line(of_robot(SIM, "events"), BEGAN_NS, BEGAN_NS, "ben look: Refused.", "WARN"),  # at the same time
-        Bar(of_robot(SIM, "state"), BEGAN_NS, BEGAN_NS, "ready"),
-        Bar(of_robot(SIM, "state"), BEGAN_NS + STEP_NS, BEGAN_NS, "moving"),
-        Numbers(of_difference("bea", "arms"), BEGAN_NS, BEGAN_NS, (1.0, 2.0, 3.0)),
-        Numbers(of_difference("bea", "head"), BEGAN_NS, BEGAN_NS, (4.0, 5.0, 6.0)),
-    ]
-    write_lesson(path, [SIM], 0, [*sample(SIM, 0), *other])
-    texts = recorded_values(path, of_robot(SIM, "events"), TEXT)
-    assert texts == ["ana stop: At rest.", "ben look: Refused."]
-    assert recorded_values(path, of_robot(SIM, "state"), STATE) == ["ready", "moving"]
-    assert recorded_values(path, of_difference("bea", "arms"), SCALARS) == [1.0, 2.0, 3.0]
-    assert recorded_values(path, of_difference("bea", "head"), SCALARS) == [4.0, 5.0, 6.0]
-
-
 def test_a_file_that_is_no_recording_of_positions_is_refused(tmp_path: Path) -> None:
-    names = ("missing.rrd", "text.rrd", "nothing.rrd", "mine.csv", "empty.rrd")
-    missing, text, nothing, motion, empty = (tmp_path / name for name in names)
-    text.write_text("no recording")
-    nothing.touch()
-    motion.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n")
-    write_lesson(empty, [], 0)
-    for path, words in (
-        (missing, "there is no such file"),
-        (text, "is not a recording"),
-        (nothing, "is empty"),
-        (motion, "is a motion file.* use `beatrix replay"),
-        (empty, "no positions"),
+    for name, content, words in (
+        ("missing.rrd", None, "there is no such file"),
+        ("text.rrd", "no recording", "is not a recording"),
+        ("nothing.rrd", "", "is empty"),
+        ("mine.csv", "t_s,yaw_deg,pitch_deg,roll_deg\n", "is a motion file.* use `beatrix replay"),
+        ("empty.rrd", None, "no positions"),
     ):
+        if content is not None:
+            (tmp_path / name).write_text(content)
+        elif name == "empty.rrd":
+            write_lesson(tmp_path / name, [], 0)
         with pytest.raises(Refused, match=words) as refused:
-            read(path)
+            read(tmp_path / name)
         assert "--repair" not in str(refused.value)

@@ -20,14 +20,12 @@ from beatrix_zenoh.contract._generated.messages import (
     Phase,
     Positions,
     Reason,
-    Status,
     Vector3,
 )
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.recording.rows import (
     GRID_NS,
     WAITING,
-    AngleDifference,
     Bar,
     BarState,
     Difference,
@@ -115,24 +113,15 @@ def test_each_status_is_converted_to_one_state(fields: dict[str, object], state:
     assert state_of(msgspec.structs.replace(READY, **fields)) is state
 
 
-def states(rows_of_robot: RobotRows, *happenings: Status | Event | Positions | None) -> list[str]:
-    """Return the state bars that follow from these publications; None stands for the end of positions."""
-    bars = []
-    for happening in happenings:
-        if isinstance(happening, Status):
-            rows = list(rows_of_robot.status(happening, NOW_NS))
-        elif isinstance(happening, Event):
-            rows = list(rows_of_robot.event(happening, NOW_NS))
-        elif happening is None:
-            rows = list(rows_of_robot.lost(NOW_NS))
-        else:
-            rows = list(rows_of_robot.back(NOW_NS, NOW_NS))
-        bars += [row.state for row in rows if isinstance(row, Bar)]
-    return bars
-
-
 def test_a_robot_without_positions_is_lost_until_they_return(rows_of_robot: RobotRows) -> None:
-    assert states(rows_of_robot, READY, None, None, positions(), READY) == ["ready", "lost", "ready"]
+    rows = [
+        *rows_of_robot.status(READY, NOW_NS),
+        *rows_of_robot.lost(NOW_NS),
+        *rows_of_robot.lost(NOW_NS),
+        *rows_of_robot.back(NOW_NS, NOW_NS),
+        *rows_of_robot.status(READY, NOW_NS),
+    ]
+    assert [row.state for row in rows if isinstance(row, Bar)] == ["ready", "lost", "ready"]
 
 
 @pytest.mark.parametrize(
@@ -163,12 +152,6 @@ MS = 1_000_000
 BEA = ("bea", "sim")
 
 
-def fed(samples: list[tuple[str, int, float]]) -> list[AngleDifference]:
-    """Return all differences of these samples: twin, time in ms, angle in deg."""
-    difference = Difference()
-    return [apart for side, ms, angle in samples for apart in difference.add(side, ms * MS, (angle,))]
-
-
 def test_the_number_of_waiting_samples_is_bounded() -> None:
     difference = Difference()
     for index in range(10 * WAITING):
@@ -180,7 +163,10 @@ def test_the_number_of_waiting_samples_is_bounded() -> None:
 
 @given(st.lists(st.tuples(st.sampled_from(("sim", "hw")), st.integers(0, 300)), max_size=60))
 def test_every_point_of_the_grid_is_returned_once_and_in_order(samples: list[tuple[str, int]]) -> None:
-    times = [apart.time_ns for apart in fed([(side, ms, math.sin(ms)) for side, ms in samples])]
+    difference = Difference()
+    times = [
+        apart.time_ns for side, ms in samples for apart in difference.add(side, ms * MS, (math.sin(ms),))
+    ]
     assert times == sorted(set(times))
     assert all(time_ns % GRID_NS == 0 for time_ns in times)
 

@@ -38,6 +38,7 @@ from beatrix_zenoh.recording.samples import (
     EyePicture,
     EyePictures,
     Floats,
+    Nanoseconds,
     Note,
     Recorded,
     Samples,
@@ -48,18 +49,15 @@ from beatrix_zenoh.recording.samples import (
 )
 from beatrix_zenoh.recording.sound import RecordedBlock
 
-ANGLES: Final[Components] = {SCALARS: 3}
+WIDTHS: Final = {"commanded": 3, "head": 3, "head_measured": 3, "velocity": 3, "seq": 1, "repeats": 1}
+"""Numbers in a row of the entities of a robot, beside its arms."""
 OF_ROBOT: Final[Mapping[str, Components]] = {
-    **dict.fromkeys(("arms", "commanded", "head", "head_measured", "velocity"), ANGLES),
-    "seq": {SCALARS: 1},
-    "repeats": {SCALARS: 1},
+    **{what: {SCALARS: width} for what, width in {"arms": 3, **WIDTHS}.items()},
     "events": {EVENT: 1},
 }
 """Components of the entities of a robot."""
-NONE: Final[Components] = {}
+OTHERS: Final[Mapping[str, Components]] = {ABOUT_ENTITY: {ABOUT: 1}, f"/{NOTES}": {EVENT: 1}}
 SOUND: Final = (PCM, RATE, NUMBER)
-RATE_MAX: Final = 384_000
-"""Frames per second; no sound card is faster."""
 SoundBlocks = dict[Place, list[RecordedBlock]]
 M = TypeVar("M", bound=msgspec.Struct)
 
@@ -74,11 +72,8 @@ def read(path: Path) -> Recorded:
     columns = _columns(path)
     robots: dict[Place, Samples] = {}
     for name, side, what in [_parts(entity) for entity, _ in columns]:
-        root = f"/{name}/{side}"
-        # A recorder that was killed just after its start may have written only some of these columns.
-        complete = all((f"{root}/{other}", SCALARS) in columns for other in ("commanded", "head"))
-        if side in SIDES and what == "arms" and complete:
-            samples = _samples(columns, root)
+        if side in SIDES and what == "arms":
+            samples = _samples(columns, f"/{name}/{side}")
             if len(samples.time_ns):
                 robots[name, side] = samples
     if not robots:
@@ -101,22 +96,10 @@ def read_about(path: Path) -> About | None:
     return _about(path, joined((key, column) for _, key, column in parts))
 
 
-def holds_samples(path: Path) -> bool:
-    """Return whether a recording contains positions of any robot; False if it cannot be read."""
-    try:
-        return bool(read(path).robots)
-    except Refused:
-        return False
-
-
 def _components(entity: str) -> Components:
     """Return the components of an entity that `read` reads."""
     _, side, what = _parts(entity)
-    if entity == ABOUT_ENTITY:
-        return {ABOUT: 1}
-    if entity == f"/{NOTES}":
-        return {EVENT: 1}
-    return OF_ROBOT.get(what, NONE) if side in SIDES else NONE
+    return OTHERS.get(entity) or (OF_ROBOT.get(what, {}) if side in SIDES else {})
 
 
 def _columns(path: Path) -> Columns:
@@ -134,34 +117,34 @@ def _columns(path: Path) -> Columns:
 
 
 def _samples(columns: Columns, root: str) -> Samples:
-    """Return the complete samples of one robot; incomplete ones are left out.
-
-    In files of earlier versions, a node without new telemetry makes two samples of the same time stamp.
-    """
-    arms, commanded, head = (columns[f"{root}/{what}", SCALARS] for what in ("arms", "commanded", "head"))
-    values = [_at(column, arms) for column in (commanded, head)]
-    whole = ~np.isnan(np.hstack(values)).any(axis=1)
-    measured, velocity, numbers, repeats = (
-        columns.get((f"{root}/{what}", SCALARS)) for what in ("head_measured", "velocity", "seq", "repeats")
-    )
+    """Return the complete samples of one robot: a killed recorder may have written some of its columns only."""
+    arms = columns[f"{root}/arms", SCALARS]
+    found = {
+        what: _at(columns.get((f"{root}/{what}", SCALARS)), arms.time_ns, width)
+        for what, width in WIDTHS.items()
+    }
+    whole = ~np.isnan(np.hstack([found["commanded"], found["head"]])).any(axis=1)
+    commanded, head, measured, velocity, seq, repeats = (values[whole] for values in found.values())
     return Samples(
         arms.time_ns[whole],
         arms.robot_ns[whole],
         arms.values[whole].astype(np.float64),
-        values[0][whole],
-        values[1][whole],
-        None if measured is None else _at(measured, arms)[whole],
-        np.full_like(values[0], np.nan)[whole] if velocity is None else _at(velocity, arms)[whole],
-        None if numbers is None else np.nan_to_num(_at(numbers, arms)[whole, 0], nan=-1).astype(np.int64),
-        None if repeats is None else np.nan_to_num(_at(repeats, arms)[whole, 0]).astype(np.int64),
+        commanded,
+        head,
+        measured,
+        velocity,
+        np.nan_to_num(seq[:, 0], nan=-1).astype(np.int64),
+        np.nan_to_num(repeats[:, 0]).astype(np.int64),
     )
 
 
-def _at(column: Column, other: Column) -> Floats:
-    """Return the column's values at the times of another column; NaN where it has no row of the same time."""
-    found = np.searchsorted(column.time_ns, other.time_ns, side="right") - 1
+def _at(column: Column | None, times_ns: Nanoseconds, width: int) -> Floats:
+    """Return the values (n, width) of a column at other times; NaN where it has no row of the same time."""
+    if column is None:
+        return np.full((len(times_ns), width), np.nan)
+    found = np.searchsorted(column.time_ns, times_ns, side="right") - 1
     values = column.values.astype(np.float64)[found]
-    values[column.time_ns[found] != other.time_ns] = np.nan
+    values[column.time_ns[found] != times_ns] = np.nan
     return values
 
 
@@ -222,8 +205,6 @@ def read_sound(paths: Sequence[Path], places: Sequence[Place], first_ns: int, la
             for component in SOUND
         )
         for at in sorted(blocks.keys() & rates.keys() & numbers.keys()):
-            if not 0 < rates[at] <= RATE_MAX:
-                raise foreign(paths[0], entity)
             found.setdefault(place, []).append(
                 RecordedBlock(at, blocks[at], int(rates[at]), int(numbers[at]))
             )

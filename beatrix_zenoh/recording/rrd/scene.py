@@ -34,31 +34,19 @@ LEVEL_WIDTHS = (6.0, 2.0)
 """Widths (points) of the levels of the left and the right ear: equal ones cover each other."""
 MARK_COLOURS = ((88, 96, 110), (116, 124, 138))
 """Colours of notes on the time line."""
-STATE_SIGNS = {
-    BarState.DISABLED: "○",
-    BarState.ENABLED: "◐",
-    BarState.READY: "●",
-    BarState.MOVING: "▶",
-    BarState.FOLLOWING: "»",
-    BarState.PARTED: "≠",
-    BarState.STOPPED: "■",
-    BarState.EMERGENCY: "✖",
-    BarState.FAULT: "⚠",
-    BarState.LOST: "?",
+STATES = {
+    BarState.DISABLED: ("○", (120, 125, 130)),
+    BarState.ENABLED: ("◐", (214, 190, 80)),
+    BarState.READY: ("●", (70, 150, 90)),
+    BarState.MOVING: ("▶", (60, 130, 230)),
+    BarState.FOLLOWING: ("»", (40, 160, 170)),
+    BarState.PARTED: ("≠", (225, 80, 110)),
+    BarState.STOPPED: ("■", (235, 140, 40)),
+    BarState.EMERGENCY: ("✖", (215, 45, 45)),
+    BarState.FAULT: ("⚠", (170, 50, 160)),
+    BarState.LOST: ("?", (60, 62, 66)),
 }
-"""Signs before the words of the states, which remain when the viewer cuts the word of a short state."""
-STATE_COLOURS = {
-    BarState.DISABLED: (120, 125, 130),
-    BarState.ENABLED: (214, 190, 80),
-    BarState.READY: (70, 150, 90),
-    BarState.MOVING: (60, 130, 230),
-    BarState.FOLLOWING: (40, 160, 170),
-    BarState.PARTED: (225, 80, 110),
-    BarState.STOPPED: (235, 140, 40),
-    BarState.EMERGENCY: (215, 45, 45),
-    BarState.FAULT: (170, 50, 160),
-    BarState.LOST: (60, 62, 66),
-}
+"""Sign and colour of each state; the signs remain when the viewer cuts the word of a short state."""
 
 
 def of_place(place: Place, figure: Figure) -> Iterator[Item]:
@@ -84,9 +72,9 @@ def of_place(place: Place, figure: Figure) -> Iterator[Item]:
     yield (
         of_robot(place, "state"),
         rr.StateConfiguration(
-            values=[state.value for state in BarState],
-            labels=[f"{STATE_SIGNS[state]} {state.value}" for state in BarState],
-            colors=[STATE_COLOURS[state] for state in BarState],
+            values=[state.value for state in STATES],
+            labels=[f"{sign} {state.value}" for state, (sign, _) in STATES.items()],
+            colors=[colour for _, colour in STATES.values()],
         ),
     )
 

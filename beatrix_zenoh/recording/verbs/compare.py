@@ -130,14 +130,11 @@ def recorded(path: Path, name: str | None) -> tuple[LiveRecording, LiveRecording
     )
     chosen = only_robot(path, [robot for robot in both if name in (None, robot)], found)
     begin_ns = int(found.robots[chosen, "sim"].time_ns[0])
-    told = any(found.events.get((chosen, side)) for side in SIDES)
     sim, hw = (
         LiveRecording(
             chosen,
             side,
-            of_samples(
-                found.robots[chosen, side], begin_ns, found.events.get((chosen, side), ()) if told else None
-            ),
+            of_samples(found.robots[chosen, side], begin_ns, found.events.get((chosen, side), ())),
             0.0,
             None,
         )

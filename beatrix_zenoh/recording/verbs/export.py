@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,13 +22,12 @@ from beatrix_zenoh.terminal.options import Json, Names, Which, finite
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.export import Table
     from beatrix_zenoh.recording.film import FilmFrame
-    from beatrix_zenoh.recording.samples import EyePictures
+    from beatrix_zenoh.recording.samples import EyePicture, EyePictures
     from beatrix_zenoh.recording.sound import WrittenSound
 
 WAV = ".wav"
 FILM = ".mp4"
-OF_ONE_EYE = "with what the eyes saw (--eye left or --eye right: a film of one eye alone)"
-NO_PICTURES = "without pictures of the eyes, which were not recorded (`beatrix record --cameras 5`)"
+NO_PICTURES = ", without pictures of the eyes, which were not recorded (`beatrix record --cameras 5`)"
 
 
 class EyeName(StrEnum):
@@ -35,21 +35,6 @@ class EyeName(StrEnum):
 
     LEFT = "left"
     RIGHT = "right"
-
-
-class Film(NamedTuple):
-    """A film that was written: number of frames, length, a description, and pictures of the eye that are not in it."""
-
-    frames: int
-    lasts_s: float
-    shows: str
-    left_out: int
-
-    @property
-    def text(self) -> str:
-        """Frames, length, description, and what is left out."""
-        left_out = f" {self.left_out} damaged or repeated pictures are left out." if self.left_out else ""
-        return f"{self.frames} frames, {self.lasts_s:.1f} s of {self.shows}.{left_out}"
 
 
 TABLES = (".csv", ".parquet")
@@ -107,8 +92,7 @@ def export(
     columns; docs/how-to/analyse.md lists them. --video shows the models of both robots with the pictures of their eyes, or
     with --eye one eye.
     """
-    check_sound(sound)
-    check_video(video, eye, on if sound is None or eye is not None else None)
+    check_options(video, sound, eye, on)
     recordings, out = sources_and_table(files, alone=video is not None or sound is not None)
     if samples and out is None:
         raise typer.BadParameter("--samples needs a table: name a .csv or .parquet file, too.")
@@ -125,26 +109,18 @@ def export(
             document |= {"file": str(out), "rows": rows}
             lines.append(f"{out}: {rows} rows of {', '.join(robots_of(found))}.")
         if video is not None:
-            film = written_film(video, recordings, found, eye, on)
-            document |= {"video": str(video), "frames": film.frames, "left_out": film.left_out}
-            lines.append(f"{video}: {film.text}")
+            frames, left_out, shows = written_film(video, recordings, found, eye, on)
+            document |= {"video": str(video), "frames": frames, "left_out": left_out}
+            without = f" {left_out} damaged or repeated pictures are left out." if left_out else ""
+            lines.append(f"{video}: {frames} frames of {shows}.{without}")
         if sound is not None:
             heard = write_sound(sound, recordings, found, on)
             document |= {"sound": str(sound), "seconds": heard.seconds, "lost_s": heard.lost_s}
             lines.append(f"{sound}: {heard}.")
-    if found.pauses:
-        document["pauses"] = [{"from_s": pause.from_s, "lasts_s": pause.lasts_s} for pause in found.pauses]
-        lines.append(pauses_of(found))
     if as_json:
         print_json(document)
     else:
         say("\n".join(lines))
-
-
-def pauses_of(found: Table) -> str:
-    """Return a sentence about the pauses between the files of a recording."""
-    pauses = ", ".join(f"{pause.lasts_s:.1f} s from {pause.from_s:.1f} s on" for pause in found.pauses)
-    return f"Between the files nothing was recorded: {pauses}."
 
 
 def sources_and_table(files: Sequence[Path], *, alone: bool) -> tuple[list[Path], Path | None]:
@@ -156,28 +132,24 @@ def sources_and_table(files: Sequence[Path], *, alone: bool) -> tuple[list[Path]
     others = [path for path in files if path.suffix != RECORDING]
     if not recordings:
         raise typer.BadParameter(f"{files[0]} is not the name of a recording: it must end with {RECORDING}.")
-    if len({path.resolve() for path in recordings}) < len(recordings):
-        raise typer.BadParameter("A recording is given twice: give each file once.")
     if alone and not others:
         return recordings, None
-    if film_named := [path for path in others if path.suffix.lower() == FILM]:
-        raise typer.BadParameter(f"{film_named[0]} is the name of a film: write --video {film_named[0]}.")
-    if sound_named := [path for path in others if path.suffix.lower() == WAV]:
-        raise typer.BadParameter(f"{sound_named[0]} is the name of a sound: write --sound {sound_named[0]}.")
     if len(others) != 1 or files[-1] != others[0] or others[0].suffix.lower() not in TABLES:
         given = ", ".join(map(str, others)) or "none is given"
         raise typer.BadParameter(
-            f"One table is written, and named last: it must end with {' or '.join(TABLES)} ({given})."
+            f"One table is written, and named last: it must end with {' or '.join(TABLES)} ({given}). A film is named by "
+            "--video FILE.mp4, a sound by --sound FILE.wav."
         )
     return recordings, others[0]
 
 
 def opened(recordings: Sequence[Path], begin: float, end: float | None, names: Sequence[str]) -> Table:
     """Read the files of a recording; raises Refused if one cannot be read, or if Rerun is not installed."""
-    from beatrix_zenoh.recording.export import Span, table
+    from beatrix_zenoh.recording.export import table
 
-    span = Span(begin) if end is None else Span(begin, end)
-    return table([read_recording(path) for path in recordings], span, names)
+    return table(
+        [read_recording(path) for path in recordings], begin, math.inf if end is None else end, names
+    )
 
 
 def written(path: Path, found: Table, *, samples: bool) -> int:
@@ -203,30 +175,23 @@ def robots_of(found: Table) -> list[str]:
     return [f"{name} ({side})" for name, side in found.robots]
 
 
-def check_video(path: Path | None, eye: EyeName | None, on: Which | None) -> None:
-    """Check the options of a film before anything is read; the path is None if none is asked for.
+def check_options(video: Path | None, sound: Path | None, eye: EyeName | None, on: Which | None) -> None:
+    """Check the options of films and sounds before anything is read; a path is None if none is asked for.
 
     Raises:
         BadParameter: wrong options.
         Refused: BAD_VALUE, the library for films is not installed.
     """
-    if path is None:
-        if eye is not None or on is not None:
-            raise typer.BadParameter(
-                "--eye and --on choose the pictures of a film: give --video FILE.mp4, too."
-            )
+    for option, path, ending in (("--video", video, FILM), ("--sound", sound, WAV)):
+        if path is not None and path.suffix.lower() != ending:
+            raise typer.BadParameter(f"{option} {path}: the name must end in {ending}.")
+    if (eye is not None and video is None) or (on is not None and eye is None and sound is None):
+        raise typer.BadParameter(
+            "--eye needs --video FILE.mp4; --on chooses the robot of --eye or --sound: give --eye left, --eye right or "
+            "--sound FILE.wav, too. Without --eye a film shows simulation and hardware."
+        )
+    if video is None:
         return
-    if path.suffix.lower() != FILM:
-        raise typer.BadParameter(f"--video {path}: the name must end in {FILM}.")
-    if on is not None and eye is None:
-        raise typer.BadParameter(
-            "--on chooses the robot of an eye: give --eye left or --eye right, too. Without --eye the film shows "
-            "simulation and hardware."
-        )
-    if on is Which.BOTH:
-        raise typer.BadParameter(
-            "--on both: a film shows an eye of one robot. Give sim or hw; without --eye both robots are beside each other."
-        )
     try:
         import beatrix_zenoh.recording.film  # noqa: F401
     except ModuleNotFoundError as error:
@@ -238,30 +203,33 @@ def check_video(path: Path | None, eye: EyeName | None, on: Which | None) -> Non
 
 def written_film(
     path: Path, recordings: Sequence[Path], table: Table, eye: EyeName | None, on: Which | None
-) -> Film:
+) -> tuple[int, int, str]:
     """Write a film of an eye, or of both robots of a name, completely or not at all.
+
+    Returns the number of frames, that of pictures of the eye that are not in it, and a description.
 
     Raises:
         Refused: BAD_VALUE, the choice is not unique, there are no pictures, or the file cannot be written.
     """
-    from beatrix_zenoh.recording.film import side_by_side, write_video
+    from beatrix_zenoh.recording.film import eye_frames, side_by_side, write_video
     from beatrix_zenoh.recording.rrd.read import read_eyes
 
     name = only_name(table)
     eyes = read_eyes(recordings, list(table.robots), table.first_ns, table.last_ns)
-    times: list[int] = []
-    pictures_of_eye = 0
+    pictures: Sequence[EyePicture] = ()
     if eye is None:
         sides = [SIDE_TITLES[side] for side in SIDES if (name, side) in table.robots]
-        pictures = OF_ONE_EYE if any(robot == name for robot, _, _ in eyes) else NO_PICTURES
-        shows, frames = f"{name}, {' and '.join(sides)}, {pictures}", side_by_side(table, name, eyes)
+        without = "" if any(robot == name for robot, _, _ in eyes) else NO_PICTURES
+        shows, frames = f"{name}, {' and '.join(sides)}{without}", side_by_side(table, name, eyes)
     else:
-        shows, pictures_of_eye, frames = of_eye(eyes, name, eye, on)
+        side = side_of_eye(eyes, name, eye, on)
+        pictures = eyes[name, side, eye]
+        shows, frames = f"the {eye} eye of {name} ({side})", eye_frames(pictures)
     with new_file(path) as unfinished:
-        count = write_video(unfinished, watched(frames, times, table))
+        count = write_video(unfinished, watched(frames, table))
         if not count:
             raise Refused(Reason.BAD_VALUE, f"{path} is not written: this span contains no whole picture.")
-    return Film(count, (times[-1] - times[0]) / 1e9, shows, max(0, pictures_of_eye - count))
+    return count, max(0, len(pictures) - count), shows
 
 
 def only_name(table: Table) -> str:
@@ -275,16 +243,11 @@ def only_name(table: Table) -> str:
     return names[0]
 
 
-def of_eye(
-    eyes: EyePictures, name: str, eye: EyeName, on: Which | None
-) -> tuple[str, int, Iterator[FilmFrame]]:
-    """Return a description, the number of pictures and the frames of an eye.
-
-    Raises Refused unless exactly one robot has pictures of it.
-    """
-    from beatrix_zenoh.recording.film import eye_frames
-
-    sides = [side for robot, side, of in eyes if (robot, of) == (name, eye) and on in (None, side)]
+def side_of_eye(eyes: EyePictures, name: str, eye: EyeName, on: Which | None) -> str:
+    """Return the side that has pictures of an eye; raises Refused unless there is exactly one."""
+    sides = [
+        side for robot, side, of in eyes if (robot, of) == (name, eye) and on in (None, Which.BOTH, side)
+    ]
     if len(sides) > 1:
         raise Refused(
             Reason.BAD_VALUE, f"Both robots have pictures of the {eye} eye: choose --on sim or --on hw."
@@ -296,25 +259,17 @@ def of_eye(
             f"This part of the recording has no such pictures of the {eye} eye; it has pictures of: {held}. "
             "Choose another eye, robot or part; `beatrix record --cameras 5` records pictures.",
         )
-    pictures = eyes[name, sides[0], eye]
-    return f"the {eye} eye of {name} ({sides[0]})", len(pictures), eye_frames(pictures)
+    return sides[0]
 
 
-def watched(frames: Iterable[FilmFrame], times: list[int], table: Table) -> Iterator[FilmFrame]:
-    """Yield frames, add their times to a list, and show the progress."""
+def watched(frames: Iterable[FilmFrame], table: Table) -> Iterator[FilmFrame]:
+    """Yield frames, and show the progress."""
     lasts_s = (table.last_ns - table.first_ns) / 1e9
     with progress_bar("Writing the film", lasts_s) as bar:
         for frame in frames:
-            times.append(frame.time_ns)
             if bar is not None:
                 bar((frame.time_ns - table.first_ns) / 1e9)
             yield frame
-
-
-def check_sound(path: Path | None) -> None:
-    """Check the name of a sound, None if none is asked for; raises BadParameter."""
-    if path is not None and path.suffix.lower() != WAV:
-        raise typer.BadParameter(f"--sound {path}: the name must end in {WAV}.")
 
 
 def write_sound(path: Path, recordings: Sequence[Path], table: Table, on: Which | None) -> WrittenSound:

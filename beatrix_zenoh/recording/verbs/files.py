@@ -60,35 +60,29 @@ def repair_recording(path: Path, *, as_json: bool) -> None:
         Refused: BAD_VALUE, it contains no readable positions, is not of BEATRIX, or Rerun is not installed.
     """
     program()  # raises before any file is changed
-    from beatrix_zenoh.recording.rrd.read import holds_samples, read
+    from beatrix_zenoh.recording.rrd.read import read
 
     check_exists(path)
     if not verify(path):
         read(path)
-        show_repaired(path, f"{path} is complete: there is nothing to repair.", None, as_json=as_json)
+        if as_json:
+            print_json({"result": True, "file": str(path), "damaged": None})
+        else:
+            say(f"{path} is complete: there is nothing to repair.")
         return
     unfinished, kept = path.with_suffix(f".repaired{RECORDING}"), path.with_name(path.name + DAMAGED)
     try:
-        why = repair(path, unfinished)
-        if not why and not holds_samples(unfinished):
-            why = EMPTY
-        if why:
+        if why := repair(path, unfinished):
             raise Refused(Reason.BAD_VALUE, f"{path} cannot be repaired: {why}")
+        try:
+            read(unfinished)
+        except Refused as error:
+            raise Refused(Reason.BAD_VALUE, f"{path} cannot be repaired: {EMPTY}") from error
         path.replace(kept)
         unfinished.replace(path)
     finally:
         unfinished.unlink(missing_ok=True)
-    show_repaired(
-        path,
-        f"{path} is repaired. The damaged file is kept as {kept}; you can delete it.",
-        kept,
-        as_json=as_json,
-    )
-
-
-def show_repaired(path: Path, text: str, kept: Path | None, *, as_json: bool) -> None:
-    """Print the result; `kept` is the damaged file, None if there was nothing to repair."""
     if as_json:
-        print_json({"result": True, "file": str(path), "damaged": None if kept is None else str(kept)})
+        print_json({"result": True, "file": str(path), "damaged": str(kept)})
     else:
-        say(text)
+        say(f"{path} is repaired. The damaged file is kept as {kept}; you can delete it.")

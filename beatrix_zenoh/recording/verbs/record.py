@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,7 +12,8 @@ import typer
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.files import check_new
 from beatrix_zenoh.output import FAILED, exit_code, note, print_json, say, typed
 from beatrix_zenoh.recording.losses import CONTESTED, PICTURES, SOUND, Count, Stream, findings, total
 from beatrix_zenoh.recording.verbs.files import RECORDING, repair_recording
@@ -26,7 +26,7 @@ from beatrix_zenoh.terminal.targets import Selection, open_targets
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.outputs import FileOutput
-    from beatrix_zenoh.recording.recorder import Recorder
+    from beatrix_zenoh.recording.recorder import Recorder, RecordingOptions
     from beatrix_zenoh.recording.rows import Output
     from beatrix_zenoh.recording.viewer import Viewer
 
@@ -84,27 +84,6 @@ Repair = Annotated[
 ]
 
 
-@dataclass(frozen=True)
-class RecordingOptions:
-    """Options of a recording: its file, robots, length and pictures."""
-
-    file: Path
-    robots: Sequence[str]
-    """names; empty: all robots"""
-    seconds: float
-    """0: until Ctrl-C"""
-    rotate_s: float
-    """length of each file (s); 0: one file"""
-    cameras_hz: float
-    """pictures per second of each eye; 0: none"""
-    sound: bool
-    """whether to record the microphones"""
-    viewer_port: int | None
-    """None: no viewer"""
-    title: str = ""
-    note: str = ""
-
-
 def record(
     file: File,
     name: Names = None,
@@ -140,64 +119,65 @@ def record(
     if keep_rest:
         raise typer.BadParameter("--keep-rest needs --motion: a recording contains all rests.")
     if file.suffix != RECORDING:
-        raise typer.BadParameter(not_a_recording(file, repair=repair))
+        raise typer.BadParameter(
+            f"{file} is not the name of a recording: it must end with {RECORDING}. A motion file for `beatrix replay` needs "
+            "--motion; `beatrix export` makes tables, films and sounds of a recording."
+        )
     if repair:
         repair_recording(file, as_json=as_json)
         return
+    program()  # raises before any file is written
+    from beatrix_zenoh.recording.recorder import RecordingOptions
+
     robots = [names.check_name(robot) for robot in name or []]
-    options = RecordingOptions(
-        file, robots, seconds, rotate * 60, cameras, sound, port if view else None, title, remark
-    )
-    write_recording(resolve(None, connect, who), options, as_json=as_json)
+    options = RecordingOptions(robots, cameras, sound, title, remark)
+    settings = resolve(None, connect, who)
+    write_recording(settings, file, options, seconds, rotate * 60, port if view else None, as_json=as_json)
 
 
-def not_a_recording(file: Path, *, repair: bool) -> str:
-    """Return the sentence about a name with a wrong ending."""
-    text = f"{file} is not the name of a recording: it must end with {RECORDING}."
-    if repair or file.suffix.lower() not in (MOTION_FILE, ".parquet"):
-        return text
-    table = f"to get a table of a recording, record, and then `{typed('beatrix', 'export', f'FILE{RECORDING}', file)}`"
-    if file.suffix.lower() != MOTION_FILE:
-        return f"{text} It is the name of a table: {table}."
-    return f"{text} To write a motion file for `beatrix replay`, add --motion; {table}."
-
-
-def write_recording(settings: Settings, options: RecordingOptions, *, as_json: bool) -> None:
+def write_recording(
+    settings: Settings,
+    path: Path,
+    options: RecordingOptions,
+    seconds: float,
+    rotate_s: float,
+    viewer_port: int | None,
+    *,
+    as_json: bool,
+) -> None:
     """Record, print a summary, and end the verb with its exit code.
+
+    Args:
+        settings: of the session.
+        path: name of the recording.
+        options: what is recorded.
+        seconds: length; 0: until Ctrl-C.
+        rotate_s: length of each file (s); 0: one file.
+        viewer_port: None: no viewer.
+        as_json: whether the summary is JSON.
 
     Raises:
         Refused: BAD_VALUE, the file exists already or cannot be written, or Rerun is not installed.
         NoAnswer: NO_ROUTER.
     """
-    program()  # raises before any file is written
     from beatrix_zenoh.recording.outputs import FileOutput, LiveOutput
-    from beatrix_zenoh.recording.recorder import Recorder
+    from beatrix_zenoh.recording.recorder import start_recording
 
     shutdown = Shutdown()
     shutdown.handle_signals()
     with Client(settings, announce=False) as client:
-        file = FileOutput(options.file, note, rotate_s=options.rotate_s)
+        file = FileOutput(path, note, rotate_s=rotate_s)
         outputs: list[Output] = [file]
         viewer: Viewer | None = None
-        if options.viewer_port is not None:
-            viewer = viewer_if_possible(options.viewer_port)
-            outputs.append(LiveOutput(options.viewer_port, note))
-        recorder = Recorder(
-            client,
-            outputs,
-            note,
-            names=options.robots,
-            cameras_hz=options.cameras_hz,
-            sound=options.sound,
-            title=options.title,
-            note=options.note,
-            file=lambda: file.files[-1].name,
-        )
+        if viewer_port is not None:
+            viewer = viewer_if_possible(viewer_port)
+            outputs.append(LiveOutput(viewer_port, note))
+        recorder = start_recording(client, outputs, note, options, lambda: file.files[-1].name)
         began_s = time.monotonic()
         try:
             if not as_json:
                 say(f"ready {file.files[0]}")
-            wait(recorder, shutdown, options.seconds, file)
+            wait(recorder, shutdown, seconds, file)
         finally:
             lasted_s = time.monotonic() - began_s
             closed = recorder.close()
@@ -246,11 +226,7 @@ def write_motion(
         raise typer.BadParameter(f"{file} is not the name of a motion file: it must end with {MOTION_FILE}.")
     if len(names) > 1 or on is Which.BOTH:
         raise typer.BadParameter("--motion records one robot: give one --name, and --on sim or --on hw.")
-    if file.exists():
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"{file} exists already and is not overwritten: name another file, or delete it.",
-        )
+    check_new(file)
     with open_targets(selection, on) as targets:
         (robot,) = targets.robots()
         shutdown = Shutdown()
@@ -258,7 +234,7 @@ def write_motion(
         note(f"Recording {robot} into {file}. Move the robot; Ctrl-C ends the recording.")
         deadline_s = time.monotonic() + seconds if seconds else float("inf")
 
-        def going(_points: int) -> bool:
+        def going() -> bool:
             return time.monotonic() < deadline_s and not shutdown.requested(0.0)
 
         points = record_motion(robot, file, keep_rest=keep_rest, going=going)

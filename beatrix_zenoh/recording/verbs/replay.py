@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from beatrix_zenoh.client import motion_file
-from beatrix_zenoh.client.degrees import FASTEST, SLOWEST, RobotInfo, checked_factor
+from beatrix_zenoh.client.degrees import FASTEST, SLOWEST, RobotInfo, checked_factor, robot_of
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
@@ -20,7 +20,6 @@ from beatrix_zenoh.recording.verbs.files import RECORDING, read_recording
 from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.terminal.targets import (
     Selection,
-    Targets,
     check_lead,
     open_targets,
     show_positions,
@@ -32,8 +31,6 @@ if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
     from beatrix_zenoh.paths.path import ArmPath
     from beatrix_zenoh.recording.samples import Recorded
 
-PROGRESS_S = 5.0
-"""Period of the progress notes if stderr is not a terminal."""
 LONG_S = 60.0
 """Length of a path (s) above which a note is printed before the check, which then takes seconds."""
 
@@ -78,12 +75,13 @@ def replay(
     with open_targets(Selection(name, connect, who), on, acts=True) as targets:
         robots = targets.robots()
         infos = [robot.info() for robot in robots]
-        path = path_for(targets.name, infos[0])
-        path = path.beginning(begin) if begin else path
+        path = path_for(targets.name, infos[0]).beginning(begin)
         following = plan_path(path.at_speed(speed_factor), infos)
         with stop_on_interrupt(robots, as_json=as_json), progress(following) as passed:
             if len(robots) > 1:
-                replay_both(targets, following, passed, lead)
+                settings = targets.client.settings
+                with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
+                    perform(twin, following, passed, lead_s=lead)
             else:
                 perform(robots[0], following, passed)
         show_positions(robots, as_json=as_json)
@@ -99,26 +97,15 @@ def read_path(file: Path) -> Callable[[str, RobotInfo], ArmPath]:
     if file.suffix == RECORDING:
         found = read_recording(file)
         return lambda name, _info: recorded_path(found, file, name)
-    read = read_motion_file(file)
-    return lambda _name, info: path_of_file(read, info)
+    from beatrix_zenoh.paths.path import path_of
 
-
-def read_motion_file(file: Path) -> motion_file.MotionFile:
-    """Read a motion file; raises WrongUsage if it cannot be read."""
     try:
-        return motion_file.read(file)
+        read = motion_file.read(file)
     except OSError as error:
         raise WrongUsage(
             Reason.BAD_VALUE, f"{file} cannot be read: {error.strerror}. Name a motion file or a recording."
         ) from error
-
-
-def path_of_file(read: motion_file.MotionFile, info: RobotInfo) -> ArmPath:
-    """Return the path of a motion file; raises Refused, which names the line, for a head that tilts too far."""
-    from beatrix_zenoh.client.degrees import robot_of
-    from beatrix_zenoh.paths.path import path_of
-
-    return path_of(read, MotionLimits(robot_of(info)))
+    return lambda _name, info: path_of(read, MotionLimits(robot_of(info)))
 
 
 def recorded_path(found: Recorded, file: Path, name: str) -> ArmPath:
@@ -162,38 +149,22 @@ def plan_path(path: ArmPath, infos: list[RobotInfo]) -> Following:
     return following
 
 
-def replay_both(targets: Targets, following: Following, passed: Callable[[float], None], lead: float) -> None:
-    """Replay on both robots, the simulation first."""
-    from beatrix_zenoh.paths.replay import replay as perform
-
-    settings = targets.client.settings
-    with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
-        perform(twin, following, passed, lead_s=lead)
-
-
 @contextmanager
 def progress(following: Following) -> Iterator[Callable[[float], None]]:
-    """Yield a function that shows the time passed: in a bar or, if stderr is not a terminal, in notes.
-
-    If the block raises, print a note with the option that continues the replay.
-    """
-    duration_s = following.duration_s
-    latest_s = next_s = 0.0
+    """Yield a function that shows the time passed; if the block raises, print a note with the option that continues."""
+    latest_s = 0.0
 
     def show(passed_s: float) -> None:
-        nonlocal latest_s, next_s
+        nonlocal latest_s
         latest_s = passed_s
         if bar is not None:
             bar(passed_s)
-        elif passed_s >= next_s:
-            note(f"Replay: {passed_s:.0f} of {duration_s:.0f} s.")
-            next_s += PROGRESS_S
 
     try:
-        with progress_bar("Replay", duration_s) as bar:
+        with progress_bar("Replay", following.duration_s) as bar:
             yield show
     except (BeatrixError, KeyboardInterrupt):
-        if 0.0 < latest_s < duration_s:
+        if 0.0 < latest_s < following.duration_s:
             given_s = following.path.given_s(latest_s)
             note(f"The replay ended at {given_s:.1f} s; --from {given_s:.1f} continues there.")
         raise

@@ -116,9 +116,10 @@ def show_live(
     with Client(settings, announce=False) as client:
         viewer = open_viewer(port, web_port=web_port)
         from beatrix_zenoh.recording.outputs import LiveOutput
-        from beatrix_zenoh.recording.recorder import Recorder
+        from beatrix_zenoh.recording.recorder import RecordingOptions, start_recording
 
-        recorder = Recorder(client, [LiveOutput(port, note)], note, names=robots, cameras_hz=cameras)
+        options = RecordingOptions(robots, cameras)
+        recorder = start_recording(client, [LiveOutput(port, note)], note, options)
         try:
             announce(port, web_port, "live robots")
             wait_for(viewer, shutdown, recorder)
