@@ -28,7 +28,7 @@ DUE_S: Final = 60.0
 A killed recorder loses the rows that are not due yet. But each chunk takes 0.3 kB of the file beside its rows, and 1.4 kB
 of memory until the file is complete, because Rerun keeps a table of all chunks for the end of the file.
 """
-CHUNK_BYTES: Final = 2_000_000
+CHUNK_BYTES: Final = 500_000
 """Pictures and sound of this size are due at once."""
 FLUSH_S: Final = 5.0
 CLOSE_S: Final = 10.0
@@ -100,8 +100,7 @@ class FileOutput:
         return done
 
     def _write(self, *, everything: bool) -> None:
-        self._send(everything=everything)
-        written = self._stream.flush(FLUSH_S)
+        written = self._send(everything=everything) and self._stream.flush(FLUSH_S)
         spare = shutil.disk_usage(self.files[-1].parent).free
         if not written or spare < SPARE_BYTES:
             self.full = True
@@ -113,9 +112,13 @@ class FileOutput:
             )
             self._say(f"The recording ends here: {why}. Delete files, or record to another disk.")
 
-    def _send(self, *, everything: bool) -> None:
-        due = [path for path, batch in self._batches.items() if everything or batch.bytes >= CHUNK_BYTES]
-        self._stream.send_batches({path: self._batches.pop(path) for path in due})
+    def _send(self, *, everything: bool) -> bool:
+        """Send what is due, one batch after the other: what waits to be written takes memory for the rest of the time."""
+        written = True
+        for path in [path for path, batch in self._batches.items() if everything or batch.bytes >= CHUNK_BYTES]:
+            self._stream.send_batches({path: self._batches.pop(path)})
+            written = written and self._stream.flush(FLUSH_S)
+        return written
 
     def _begin(self) -> RowStream:
         path = self._path
