@@ -114,8 +114,9 @@ class FileOutput:
 
     def _send(self, *, everything: bool) -> bool:
         """Send what is due, one batch after the other: what waits to be written takes memory for the rest of the time."""
+        due = [path for path, batch in self._batches.items() if everything or batch.bytes >= CHUNK_BYTES]
         written = True
-        for path in [path for path, batch in self._batches.items() if everything or batch.bytes >= CHUNK_BYTES]:
+        for path in due:
             self._stream.send_batches({path: self._batches.pop(path)})
             written = written and self._stream.flush(FLUSH_S)
         return written
