@@ -195,11 +195,13 @@ class Dispatcher:
     def call(self, do: Callable[[], object], at_s: float = 0.0) -> None:
         """Run `do` in the dispatcher's thread, not before `at_s` (monotonic clock, s)."""
         with self._lock:
-            if self._closed:
-                return
-            if self._thread is None:
+            closed = self._closed
+            if self._thread is None and not closed:
                 self._thread = threads.start(self._run, "callbacks")
-        self._calls.put((at_s, do))
+        if not closed:
+            self._calls.put((at_s, do))
+        elif threading.current_thread() is self._thread and not at_s:
+            self._do(do)
 
     def _run(self) -> None:
         later: list[tuple[float, int, Callable[[], object]]] = []
@@ -227,7 +229,7 @@ class Dispatcher:
             LOG.exception("A callback failed.")
 
     def close(self) -> None:
-        """Run the calls that are due and end the thread; all other calls are dropped."""
+        """Run the calls that are due, and those that they ask for, and end the thread; all other calls are dropped."""
         with self._lock:
             self._closed = True
             thread = self._thread

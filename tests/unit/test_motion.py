@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable, Iterator
 
 import pytest
+from robots import until
 
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.session import Dispatcher
@@ -182,3 +183,21 @@ def test_ctrl_c_stops_the_robot_and_reports_the_reply(
     with pytest.raises(KeyboardInterrupt, match=r"bea \(hw\): Stopped."):
         setting.motion.wait()
     assert setting.stops == 1
+
+
+def test_what_the_last_callback_asks_for_is_called_before_the_end() -> None:
+    dispatcher, begun, goes, called = Dispatcher(), threading.Event(), threading.Event(), threading.Event()
+
+    def last() -> None:
+        begun.set()
+        goes.wait(5.0)
+        dispatcher.call(called.set)
+
+    dispatcher.call(last)
+    assert begun.wait(5.0)
+    closing = threading.Thread(target=dispatcher.close)
+    closing.start()
+    until(lambda: dispatcher._closed, "it is being closed")
+    goes.set()
+    closing.join(5.0)
+    assert called.is_set()
