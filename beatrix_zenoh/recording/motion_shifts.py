@@ -171,6 +171,8 @@ CLEARLY = 0.4
 """One explanation is clearly better than another if it leaves less than this share of what the other leaves."""
 ALIKE = 0.8
 """Two explanations are alike if one leaves more than this share of what the other leaves."""
+FEWEST = 5
+"""Number of motions from which lags that differ can be told from chance."""
 DIFFER_S = 0.15
 """If the lags of the middle three of five motions differ by more than this (s), no lag is that of all motions."""
 
@@ -330,4 +332,4 @@ def by_arm(one: Recording, other: Recording, t: Floats, shift: Shift, around_s: 
 def differ(parts: Sequence[MovedPart]) -> bool:
     """Return whether the lags of the motions differ so much that their median is no lag of all motions."""
     known = [part.lag_s for part in parts if not math.isnan(part.lag_s)]
-    return bool(known) and float(np.ptp(np.percentile(known, (20, 80)))) > DIFFER_S
+    return len(known) >= FEWEST and float(np.ptp(np.percentile(known, (20, 80)))) > DIFFER_S
