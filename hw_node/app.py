@@ -76,10 +76,7 @@ def hw(
     names a camera, the eyes of a virtual board show a test picture. --microphones is `microphones` in beatrix.toml, by
     default off.
     """
-    if port == VIRTUAL.rstrip(":"):
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"--port {port}: write `{VIRTUAL}` with a colon for a virtual board."
-        )
+    check_port(port, legacy)
     settings = resolve(name, connect)
     robot = values.load(robot_file)
     words = camera or settings.cameras
@@ -88,11 +85,6 @@ def hw(
     ears = choose(settings.microphones if microphones is None else microphones)
     if ears is not None:
         sensors.append(lambda node: MicrophoneSensor(node, ears))
-    if port and legacy is not None and Path(port).resolve() == legacy.resolve():
-        raise WrongUsage(
-            Reason.BAD_VALUE,
-            f"--legacy {legacy} is the board's own port: choose a path that does not exist yet, for example /tmp/beatrix.",
-        )
     raise typer.Exit(
         serve(
             lambda name: build(port, name, robot, sensors),
@@ -103,6 +95,19 @@ def hw(
             log_file=log_file,
         )
     )
+
+
+def check_port(port: str, legacy: Path | None) -> None:
+    """Raise WrongUsage (BAD_VALUE) for a virtual board without its colon, or a port that is for old programs, too."""
+    if port == VIRTUAL.rstrip(":"):
+        raise WrongUsage(
+            Reason.BAD_VALUE, f"--port {port}: write `{VIRTUAL}` with a colon for a virtual board."
+        )
+    if port and legacy is not None and Path(port).resolve() == legacy.resolve():
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"--legacy {legacy} is the board's own port: choose a path that does not exist yet, for example /tmp/beatrix.",
+        )
 
 
 def main(words: list[str] | None = None) -> int:
