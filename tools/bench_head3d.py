@@ -29,7 +29,11 @@ PICTURES: Final = 60
 
 def view_at(view: HeadView, t_s: float, *, both: bool) -> HeadView:
     """Return the view at a time of a motion: the hardware follows the simulation, 0.5 s later."""
-    return replace(view, sim=_moving(t_s), hw=_moving(t_s - 0.5) if both else None, target=_moving(t_s + 0.5))
+    sim, hw = _moving(t_s), _moving(t_s - 0.5) if both else None
+    solid = "hw" if both else "sim"
+    return replace(
+        view, sim=sim, hw=hw, solid=solid, shown=hw or sim, silent=False, target=_moving(t_s + 0.5)
+    )
 
 
 def _moving(t_s: float) -> HeadOrientation:

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt
-from PyQt5.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
+from PyQt5.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF, QRadialGradient
 
 from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.scene import HeadDrawing, Screen, draw, hull
@@ -150,6 +150,11 @@ class Marks:
         furthest = reach(self.view.drag.border, target.pitch, target.roll)
         return math.hypot(target.pitch, target.roll) / furthest
 
+    @property
+    def twist(self) -> float:
+        """Yaw of the target, divided by the limit."""
+        return abs(self.view.target.yaw) / self.view.yaw_max
+
 
 def paint_marks(painter: QPainter, marks: Marks, texts: Texts, *, focused: bool) -> None:
     """Draw the border, the outline of the target and the handles."""
@@ -193,10 +198,24 @@ def _paint_border(painter: QPainter, marks: Marks) -> None:
             glow.setAlpha(opacity)
             painter.setPen(QPen(glow, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
             painter.drawPolyline(_polygon(near))
+    if marks.twist > GLOW:
+        _glow_at(painter, on_screen(marks.screen, marks.view.target, NOSE), marks)
+
+
+def _glow_at(painter: QPainter, place: Floats, marks: Marks) -> None:
+    """Let the nose glow where the yaw ends."""
+    middle, colour = QPointF(place[0], place[1]), QColor(marks.style.warn)
+    gradient = QRadialGradient(middle, 30.0)
+    gradient.setColorAt(0.0, colour)
+    colour.setAlpha(0)
+    gradient.setColorAt(1.0, colour)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(gradient)
+    painter.drawEllipse(middle, 30.0, 30.0)
 
 
 def _paint_outline(painter: QPainter, marks: Marks) -> None:
-    """Draw the outline of the head at the target."""
+    """Draw the outline of the head at the target, with eyes if they are turned to the viewer."""
     screen, target = marks.screen, marks.view.target
     rows = np.array(turned(target))
     (head,) = (mesh for mesh in meshes(_figure()) if mesh.body == "head")
@@ -205,6 +224,11 @@ def _paint_outline(painter: QPainter, marks: Marks) -> None:
     refused = marks.strain > 1
     painter.setPen(QPen(QColor(marks.style.bad if refused else marks.style.text), 2.5))
     painter.drawPolygon(_polygon(hull(screen.place(skull)[:, :2])))
+    if float(screen.camera.axes[2] @ rows[:, 0]) > 0.1:
+        size = _figure().size
+        for side in (1, -1):
+            eye = on_screen(screen, target, (0.1, side * size.eye_baseline / 2, size.centre_height + 0.018))
+            painter.drawEllipse(QPointF(eye[0], eye[1]), screen.scale * 0.02, screen.scale * 0.02)
 
 
 def _paint_handles(painter: QPainter, marks: Marks, *, aims: bool) -> None:
