@@ -122,7 +122,7 @@ class FileOutput:
             self._stream.send_batches({path: self._batches.pop(path)})
             written = written and self._stream.flush(FLUSH_S)
         if everything and sys.platform == "linux":
-            # The allocator of Linux keeps what is freed, 3 MB in twenty minutes; others (musl) have no such function.
+            # The allocator of Linux keeps what is freed, 4 MB in an hour; others (musl) have no such function.
             getattr(ctypes.CDLL(None), "malloc_trim", int)(0)
         return written
 
