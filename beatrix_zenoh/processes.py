@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import os
 import shutil
 import signal
@@ -31,13 +30,8 @@ READY_S = 20.0
 """Time (s) after which a start is reported as slow; a busy computer that imports MuJoCo may need all of it."""
 CRASHES_S = 60.0
 """A robot that crashes twice within this time (s) is not started again."""
-ENDED = {
-    **dict.fromkeys((0, INTERRUPTED), "has ended"),
-    **dict.fromkeys(
-        (FAILED, USAGE, CODES[Reason.ACCOUNT_REFUSED], CODES[Reason.ACCESS_DENIED]), "was refused"
-    ),
-}
-"""Why a child with one of these exit codes has ended, which would end in the same way again; others have crashed."""
+REFUSALS = (FAILED, USAGE, CODES[Reason.ACCOUNT_REFUSED], CODES[Reason.ACCESS_DENIED])
+"""Exit codes of a process that cannot do what it was started for; it would end in the same way again."""
 END_S = 4.0
 """Time to end (s), in which a node also stops its robot; after this time the child is killed."""
 KILL_S = 0.4
@@ -57,6 +51,25 @@ class Role(Enum):
     REQUIRED = "all children end"
     ROBOT = "it is started again after a crash; the other children continue"
     WINDOW = "the other children continue"
+
+
+class Ending(Enum):
+    """Why a child has ended."""
+
+    ON_REQUEST = "has ended"
+    REFUSED = "was refused"
+    CRASHED = "has crashed"
+    CRASHED_AGAIN = "has crashed again"
+
+
+def classify(code: int, at_s: float, last_crash_s: float | None) -> Ending:
+    """Return why a child has ended with this exit code, at `at_s`, after a crash at `last_crash_s` (None: no crash)."""
+    if code in (0, INTERRUPTED):
+        return Ending.ON_REQUEST
+    if code in REFUSALS:
+        return Ending.REFUSED
+    again = last_crash_s is not None and at_s - last_crash_s < CRASHES_S
+    return Ending.CRASHED_AGAIN if again else Ending.CRASHED
 
 
 def in_words(code: int) -> str:
@@ -230,18 +243,22 @@ class Supervisor:
 
     def _replace(self, child: Child, code: int) -> str:
         """Start a crashed robot again, or remove the child; return a report for the user."""
-        now_s, crashed = time.monotonic(), code not in ENDED
-        again = crashed and now_s - self._crashed_s.get(child.title, -math.inf) < CRASHES_S
-        if crashed and not again:
+        now_s = time.monotonic()
+        ending = classify(code, now_s, self._crashed_s.get(child.title))
+        if ending is Ending.CRASHED:
             self._crashed_s[child.title] = now_s
-        ending = "has crashed again" if again else ENDED.get(code, "has crashed")
-        cause, output = f"The {child.title} {ending} ({in_words(code)})", self.output_of(child)
+        cause = f"The {child.title} {ending.value} ({in_words(code)})"
+        output = f" {self.output_of(child)}"
         self.finish(child)
-        if crashed and not again and child.role is Role.ROBOT:
-            self.start(child.title, *child.arguments, role=child.role)
-            return f"{cause}. It is started again, as if it had just been switched on. {output}"
+        if ending is Ending.CRASHED and child.role is Role.ROBOT:
+            try:
+                self.start(child.title, *child.arguments, role=child.role)
+            except OSError as error:
+                output += f"\nIt cannot be started again: {error}."
+            else:
+                return f"{cause}. It is started again, as if it had just been switched on.{output}"
         others = "; the robots continue to run" if child.role is Role.WINDOW else " and stays down"
-        return f"{cause}{others}. {output}\nTo start it again: {typed('beatrix', *child.arguments)}"
+        return f"{cause}{others}.{output}\nTo start it again: {typed('beatrix', *child.arguments)}"
 
     def new_lines(self) -> list[str]:
         """Return the lines that the children have written since the last call, each with the title of its child."""

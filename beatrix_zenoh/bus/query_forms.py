@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 from typing import Final, TypeVar
 from urllib.parse import unquote
@@ -60,6 +61,11 @@ class RawQuery(msgspec.Struct, frozen=True):
     payload: bytes
     encoding: str
     parameters: str
+
+    def __post_init__(self) -> None:
+        """Remove the byte order mark, with which PowerShell and editors of Windows begin a text."""
+        if not self.binary:
+            msgspec.structs.force_setattr(self, "payload", self.payload.removeprefix(codecs.BOM_UTF8))
 
     @property
     def binary(self) -> bool:

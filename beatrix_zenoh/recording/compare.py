@@ -281,8 +281,9 @@ class Thresholds:
         for what, field, allowed in checks:
             if allowed is None:
                 continue
-            worst = max(found.axes, key=lambda axis: float(getattr(axis, field)))
-            value = float(getattr(worst, field))
+            values = {axis.axis: float(getattr(axis, field)) for axis in found.axes}
+            worst = max(values, key=lambda axis: (math.isnan(values[axis]), values[axis]))
+            value = values[worst]
             if math.isnan(value):
                 yield (
                     f"At most {allowed:g}° of {what} is allowed, but the robots never rested at the same time: let both rest "
@@ -290,7 +291,7 @@ class Thresholds:
                 )
             elif value > allowed:
                 shown = distinct(value, allowed)
-                yield f"The {what} is {shown}° in {worst.axis}; at most {allowed:g}° is allowed."
+                yield f"The {what} is {shown}° in {worst}; at most {allowed:g}° is allowed."
 
     def _missed(self, slipped: int | None) -> Iterator[str]:
         if self.missed_steps is None:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import cast
 
 import typer
+from typer.core import TyperOption
 
 from beatrix_zenoh import hiding
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -57,6 +58,7 @@ def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
     as_json = "--json" in words  # read here, because typer may fail before it reads the option
     command = typer.main.get_command(app)
     try:
+        _check_repeated_options(command, words)
         with command.make_context(program, list(words)) as context:
             command.invoke(context)
     except typer.Exit as end:
@@ -64,7 +66,7 @@ def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except USAGE_ERROR as error:
-        error.message = _with_options(error)
+        error.message = _with_value(command, words, _with_options(error))
         if as_json:
             print_failure(Reason.BAD_VALUE, error.format_message())
         else:
@@ -79,6 +81,40 @@ def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
             note(message)
         return USAGE if isinstance(error, WrongUsage) else exit_code(error.reason)
     return 0
+
+
+def _check_repeated_options(command: object, words: Sequence[str]) -> None:
+    """Raise BadParameter for an option with a value that is given twice: typer would silently use the last value."""
+    for option in _options(command, words):
+        if option.multiple or option.is_flag:
+            continue
+        given = [name for name in (word.partition("=")[0] for word in words) if name in option.opts]
+        if len(given) > 1:
+            raise typer.BadParameter(f"{given[0]} is given {len(given)} times: give it once.")
+
+
+def _options(command: object, words: Sequence[str]) -> list[TyperOption]:
+    """Return the options of the verb, which may be one of a group (`lesson check`)."""
+    verb = command
+    for word in words:
+        if word not in (inner := getattr(verb, "commands", {})):
+            break
+        verb = inner[word]
+    return [parameter for parameter in getattr(verb, "params", ()) if isinstance(parameter, TyperOption)]
+
+
+def _with_value(command: object, words: Sequence[str], message: str) -> str:
+    """Return the message; add the form of the value if an option has none (`export lesson.rrd --video`)."""
+    for option in _options(command, words):
+        name = max(option.opts, key=len)
+        if message == f"Option {name!r} requires an argument.":
+            form = (
+                option.metavar
+                or "|".join(map(str, getattr(option.type, "choices", ())))
+                or option.type.name.upper()
+            )
+            return f"Option {name!r} needs a value: {name} {form}."
+    return message
 
 
 def _with_options(error: typer.BadParameter) -> str:

@@ -42,7 +42,14 @@ def run_failing_verb(error: BaseException, *words: str) -> int:
         (WrongUsage(Reason.BAD_VALUE, "rejected locally"), 2),
         (Interrupted(Reason.STOPPED, "stopped"), 1),
         (NoAnswer(Reason.BOARD_LOST, "no board"), 1),
-        *((NoAnswer(reason), code) for reason, code in CODES.items()),
+        (NoAnswer(Reason.NO_ROUTER), 3),
+        (NoAnswer(Reason.TIMED_OUT), 4),
+        (NoAnswer(Reason.NO_ANSWER), 5),
+        (NoAnswer(Reason.NO_SUCH_ROBOT), 6),
+        (NoAnswer(Reason.ACCOUNT_REFUSED), 7),
+        (NoAnswer(Reason.ACCESS_DENIED), 8),
+        (NoAnswer(Reason.NODE_LOST), 9),
+        (NoAnswer(Reason.NODE_HANGS), 10),
         (typer.BadParameter("nonsense"), 2),
         (typer.Exit(4), 4),
         (KeyboardInterrupt(), 130),
@@ -80,16 +87,22 @@ def test_a_failure_as_json_is_one_document_on_stdout(capsys: pytest.CaptureFixtu
     ("words", "wrong"),
     [
         (("look", "--yaw", "left"), "left"),
+        (("look", "--nonsense"), "--nonsense"),
         (("look", "--on", "moon"), "moon"),
         (("move", "1", "2"), "long"),
         (("dance",), "dance"),
         (("up", "--no-sim"), "--hw PORT"),
+        (("up", "--name", "Bea 1"), "bea-1"),
         (("look", "--who", "Ana"), "'ana'"),
         (("look", "--name", "a/b"), "a-b"),
         (("ls", "--connect", "localhost"), "protocol/host:port"),
+        (("stop", "--connect", "tcp/127.0.0.1:99999"), "protocol/host:port"),
         (("doctor", "--connect", "http/127.0.0.1:80"), "protocol is tcp"),
         (("sim", "--nonsense"), "--nonsense"),
         (("look", "20"), "(20). A value follows the name of its option: --yaw, --pitch, --roll"),
+        (("hw", "--nonsense"), "--nonsense"),
+        (("look", "--yaw", "20", "--yaw=30"), "--yaw is given 2 times"),
+        (("hw", "--legacy", "COM4", "--legacy", "COM5"), "--legacy is given 2 times"),
     ],
 )
 def test_wrong_usage_with_json_prints_one_json_document(
@@ -102,6 +115,21 @@ def test_wrong_usage_with_json_prints_one_json_document(
     assert wrong.lower() in document["message"].lower()
 
 
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["export", "a.rrd", "--video"], "Option '--video' needs a value: --video FILE.mp4."),
+        (["export", "a.rrd", "--video", "a.mp4", "--eye"], "needs a value: --eye left|right."),
+        (["look", "--yaw"], "needs a value: --yaw FLOAT."),
+    ],
+)
+def test_the_error_for_an_option_without_value_shows_its_form(
+    words: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert app.run(words) == 2
+    assert says in capsys.readouterr().err
+
+
 def test_a_file_with_an_unknown_setting_is_wrong_usage(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -112,9 +140,13 @@ def test_a_file_with_an_unknown_setting_is_wrong_usage(
 
 
 @pytest.mark.parametrize("name", VERBS)
-def test_every_verb_has_help(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_verb_has_help_with_its_units(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert app.run([name, "--help"]) == 0
-    assert capsys.readouterr().out.startswith(f"Usage: beatrix {name} [OPTIONS]")
+    text = capsys.readouterr().out
+    assert text.startswith(f"Usage: beatrix {name} [OPTIONS]")
+    assert not set(text) & set("│╭")
+    if name in ("look", "move", "info", "echo", "top"):
+        assert "egrees" in text
 
 
 def test_help_lists_every_verb_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
@@ -133,19 +165,21 @@ def test_the_error_without_typer_names_the_extra_to_install(
     assert 'pip install ".[cli]"' in capsys.readouterr().err
 
 
-def test_a_full_disk_is_reported_in_one_line() -> None:
+@pytest.mark.parametrize("words", [("--help",), ("look", "--nonsense", "--json")])
+def test_a_full_disk_is_reported_in_one_line(words: tuple[str, ...]) -> None:
     with Path("/dev/full").open("w", encoding="utf-8") as full:
-        done = subprocess.run([*CLI, "--help"], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run([*CLI, *words], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.returncode == 1
     assert done.stderr.count("\n") == 1
     assert "No space left" in done.stderr
 
 
-def test_a_closed_pipe_ends_the_verb_without_a_message() -> None:
+@pytest.mark.parametrize("words", [("--help",), ("look", "--nonsense", "--json")])
+def test_a_closed_pipe_ends_the_verb_without_a_message(words: tuple[str, ...]) -> None:
     end, pipe = os.pipe()
     os.close(end)
     with open(pipe, "wb") as closed:  # noqa: PTH123 - a file descriptor has no path
-        done = subprocess.run([*CLI, "--help"], stdout=closed, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run([*CLI, *words], stdout=closed, stderr=subprocess.PIPE, text=True, check=False)
     assert (done.returncode, done.stderr) == (141, "")
 
 
@@ -153,12 +187,19 @@ def test_a_closed_pipe_ends_the_verb_without_a_message() -> None:
     "words",
     [
         ("record", "mine.rrd", "--seconds"),
+        ("record", "mine.csv", "--motion", "--seconds"),
+        ("record", "mine.rrd", "--cameras"),
+        ("record", "mine.rrd", "--rotate"),
         ("compare", "--seconds"),
+        ("compare", "--max-rms"),
         ("hz", "--seconds"),
         ("sim", "--eyes-hz"),
         ("replay", "mine.csv", "--speed-factor"),
+        ("replay", "mine.csv", "--on", "both", "--lead"),
         ("look", "--yaw"),
+        ("look", "--speed"),
         ("play", "hello", "--speed"),
+        ("play", "hello", "--on", "both", "--lead"),
     ],
 )
 def test_a_number_that_is_not_finite_is_wrong_usage_and_leaves_no_file(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import tempfile
 from pathlib import Path
 
@@ -11,8 +12,10 @@ from robots import free_endpoint, until
 from beatrix_zenoh import NoAnswer, Refused, processes
 from beatrix_zenoh.cli.serving import UpOptions, start_robots
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.processes import Role, Supervisor
+from beatrix_zenoh.output import CODES
+from beatrix_zenoh.processes import CRASHES_S, Ending, Role, Supervisor, classify
 from beatrix_zenoh.settings import Settings
+from beatrix_zenoh.shutdown import FAULT
 
 
 @pytest.fixture(autouse=True)
@@ -33,6 +36,31 @@ def query_failed_router(supervisor: Supervisor) -> None:
     router = supervisor.start("router", "router", "--nonsense")
     until(lambda: router.code is not None, "the router ends", 10)
     raise NoAnswer(Reason.NO_ANSWER, "No router.")
+
+
+@pytest.mark.parametrize(
+    ("code", "last_crash_s", "ending"),
+    [
+        (0, None, Ending.ON_REQUEST),
+        (0, 99.0, Ending.ON_REQUEST),
+        (130, None, Ending.ON_REQUEST),
+        (1, None, Ending.REFUSED),
+        (2, 99.0, Ending.REFUSED),
+        (CODES[Reason.ACCOUNT_REFUSED], None, Ending.REFUSED),
+        (CODES[Reason.ACCESS_DENIED], None, Ending.REFUSED),
+        (CODES[Reason.NO_ROUTER], None, Ending.CRASHED),
+        (FAULT, None, Ending.CRASHED),
+        (-signal.SIGKILL, None, Ending.CRASHED),
+        (-signal.SIGSEGV, 100.0 - CRASHES_S, Ending.CRASHED),
+        (-signal.SIGSEGV, 100.1 - CRASHES_S, Ending.CRASHED_AGAIN),
+        (FAULT, 99.9, Ending.CRASHED_AGAIN),
+        (0xC0000005, None, Ending.CRASHED),  # a segmentation fault on Windows
+    ],
+)
+def test_exit_code_and_time_say_why_a_child_has_ended(
+    code: int, last_crash_s: float | None, ending: Ending
+) -> None:
+    assert classify(code, 100.0, last_crash_s) is ending
 
 
 def test_a_refused_child_is_reported_and_not_started_again() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -100,6 +101,15 @@ def test_thresholds_that_cannot_be_checked_are_reported() -> None:
         ),
         "At most 0 missed steps are allowed, but this source does not measure them: only a live simulation does.",
     ]
+
+
+@pytest.mark.parametrize("unknown", [0, -1])
+def test_a_threshold_fails_if_one_axis_is_unknown(unknown: int) -> None:
+    found = compare(shaken([0.0] * 3), shaken([0.0] * 3))
+    assert Thresholds(rest_deg=1.0).exceeded(found, None) == []
+    axes = list(found.axes)
+    axes[unknown] = replace(axes[unknown], at_rest=math.nan)
+    assert len(Thresholds(rest_deg=1.0).exceeded(replace(found, axes=tuple(axes)), None)) == 1
 
 
 @pytest.mark.parametrize("value", [-1.0, math.nan, math.inf])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 
 import msgpack
 import pytest
@@ -34,6 +35,22 @@ def refusal_of(raw: RawQuery, kind: type[MotionQuery | PoseQuery | CommandQuery]
 def field_of(refusal: Refused) -> str:
     assert refusal.detail is not None
     return refusal.detail.field
+
+
+@pytest.mark.parametrize("text", ['{"yaw":0.3}', '{"yawn":0.3}', "0.3"])
+@pytest.mark.parametrize(
+    "read", [query_forms.read_motion_or_pose, lambda raw: query_forms.read(raw, PoseQuery)]
+)
+def test_a_byte_order_mark_before_a_text_changes_nothing(
+    text: str, read: Callable[[RawQuery], MotionQuery | PoseQuery]
+) -> None:
+    def outcome(payload: bytes) -> object:
+        try:
+            return read(RawQuery(payload, "", ""))
+        except Refused as refusal:
+            return refusal.message
+
+    assert outcome(text.encode("utf-8-sig")) == outcome(text.encode())
 
 
 KINDS = st.sampled_from([MotionQuery, PoseQuery, CommandQuery])
