@@ -30,23 +30,10 @@ def frame_class(name: str, table: dict[str, object]) -> str:
     )
 
 
-CODE = '''
-
-class Code(IntEnum):
-    """A code with the text and the reason that programs give for it."""
-
-    text: str
-    reason: Reason
-
-    def __new__(cls, code: int, text: str = "", reason: Reason = Reason.OK) -> Self:
-        made = int.__new__(cls, code)
-        made._value_, made.text, made.reason = code, text, reason
-        return made
-'''
-
-
 def codes(title: str, key: str, rows: dict[str, dict[str, object]]) -> str:
     out = f'\n\nclass {title}(Code):\n    """Codes of `{key}`."""\n\n'
+    if any("reason" in row for row in rows.values()):
+        out += "    reason: Reason\n\n"
     for name, row in rows.items():
         reason = f", Reason.{row['reason']}" if "reason" in row else ""
         out += f"    {name} = {row['code']}, {row['doc']!r}{reason}\n"
@@ -56,13 +43,12 @@ def codes(title: str, key: str, rows: dict[str, dict[str, object]]) -> str:
 def serial(contract: Contract) -> str:
     table = contract.serial
     out = HEADER.format(doc="Serial link between host and firmware.", source="serial.toml")
-    out += "import struct\nfrom enum import IntEnum, IntFlag\nfrom typing import ClassVar, Final, Self\n\n"
+    out += "import struct\nfrom enum import IntEnum, IntFlag\nfrom typing import ClassVar, Final\n\n"
     out += "from beatrix_zenoh.contract._generated.messages import Reason\n"
-    out += "from beatrix_zenoh.contract.rows import Frame\n\n"
+    out += "from beatrix_zenoh.contract.rows import Code, Frame\n\n"
     out += f'CONTRACT: Final = 0x{contract.serial_hash:08X}\n"""Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""\n'
     for name, row in table["link"].items():
         out += f'{name.upper()}: Final = {row["value"]}\n"""{doc_of(row)}"""\n'
-    out += CODE
     for title, key in (("Error", "error"), ("BoardOutcome", "outcome"), ("WarningCode", "warning")):
         out += codes(title, key, table[key])
     out += '\n\nclass BoardState(IntFlag):\n    """State bits of TELEMETRY."""\n\n'

@@ -155,6 +155,10 @@ class Query:
         finally:
             self.close()
 
+    def is_answered(self, lasts_s: float) -> bool:
+        """Return whether a reply arrives within `lasts_s` (s), then close the query."""
+        return next(self.replies(lasts_s), None) is not None
+
     def notify(self, notify: Callable[[], None]) -> None:
         """Call `notify` on Zenoh's thread after each reply and at the end; and now, in this thread, if one has come.
 

@@ -121,7 +121,7 @@ class PendingDecisions:
         lease = keys.lease(parts.robot, parts.side, names.TEACHER)
         for kind, decision in [*self._kept[key].items()]:
             query = self._bus.query(lease, codec.encode(decision), codec.MSGPACK, timeout_s=ANSWER_S)
-            if next(query.replies(ANSWER_S), None) is None:
+            if not query.is_answered(ANSWER_S):
                 return
             del self._kept[key][kind]
             self._write()

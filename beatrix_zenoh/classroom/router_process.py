@@ -114,8 +114,7 @@ class RouterProcess:
             time.sleep(POLL_S)
 
     def _other_answers(self) -> bool:
-        query = zbus.Query(self._session, CHECK_KEY, None, None, timeout_s=CHECK_S)
-        return next(query.replies(CHECK_S), None) is not None
+        return zbus.Query(self._session, CHECK_KEY, None, None, timeout_s=CHECK_S).is_answered(CHECK_S)
 
     def _on_link(self, common_name: str, address: str, opened: bool) -> None:  # noqa: FBT001
         def handle() -> None:

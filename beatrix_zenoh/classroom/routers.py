@@ -358,11 +358,8 @@ class Answering:
                 continue
             with bus:
                 while not self._ended.wait(PERIOD_S):
-                    self.failures = 0 if self._asked(bus) else self.failures + 1
-
-    def _asked(self, bus: zbus.Bus) -> bool:
-        query = bus.query(CHECK_KEY, timeout_s=ANSWER_S)
-        return next(query.replies(ANSWER_S), None) is not None
+                    answered = bus.query(CHECK_KEY, timeout_s=ANSWER_S).is_answered(ANSWER_S)
+                    self.failures = 0 if answered else self.failures + 1
 
     def close(self) -> None:
         """End the queries; call it after the end of the router, which may let no session close."""

@@ -1,11 +1,11 @@
-"""The types of the rows of the generated tables: keys, values and frames; and what is read by them."""
+"""The types of the rows of the generated tables: keys, words, codes, values and frames; and what is read by them."""
 
 from __future__ import annotations
 
 import re
 import struct
 from collections.abc import Callable, Mapping
-from enum import StrEnum
+from enum import IntEnum, StrEnum
 from functools import lru_cache
 from itertools import islice
 from typing import Any, ClassVar, NamedTuple, Self
@@ -91,6 +91,19 @@ class Word(StrEnum):
         """Make a word; only the class itself gives a text."""
         made = str.__new__(cls, word)
         made._value_, made.text = word, text
+        return made
+
+
+class Code(IntEnum):
+    """A code of the serial link with its text, and the reason that programs give for it, if it is a refusal."""
+
+    text: str
+    reason: Word | None
+
+    def __new__(cls, code: int, text: str = "", reason: Word | None = None) -> Self:
+        """Make a code; only the class itself gives text and reason."""
+        made = int.__new__(cls, code)
+        made._value_, made.text, made.reason = code, text, reason
         return made
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from enum import Enum, auto
 from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import Detail, EventKind, Phase, Reason, Source
@@ -21,19 +20,8 @@ from beatrix_zenoh.node.planner import vector
 CALLER: Final = Caller(OLD_PROGRAMS, TEXT_SESSION)
 
 
-class Effect(Enum):
-    """Effect of a line on the robot."""
-
-    NONE = auto()
-    MOVE = auto()
-    ENABLE = auto()
-    DISABLE = auto()
-    CALIBRATE = auto()
-    STOP = auto()
-
-
-KINDS: Final = {Effect.MOVE: EventKind.MOTION, Effect.STOP: EventKind.STOP}
-"""Kinds of the events of these effects; events of other effects have the kind COMMAND."""
+KINDS: Final = {Operation.MOVE: EventKind.MOTION, Operation.STOP: EventKind.STOP}
+"""Kinds of the events of these operations; events of others have the kind COMMAND."""
 
 
 class Driving:
@@ -63,7 +51,7 @@ class Driving:
         self._access.old_program_began()
         self.moves_ended()
 
-    def authorize(self, effect: Effect) -> None:
+    def authorize(self, operation: Operation) -> None:
         """Check that the program may act now; with MOVE it becomes the holder, with CALIBRATE the robot gets ready.
 
         Raises:
@@ -71,13 +59,13 @@ class Driving:
             NoAnswer: BOARD_LOST; NO_ROUTER for a motion, because no client could stop it.
         """
         access, controller = self._access, self._controller
-        access.authorize(Operation[effect.name], CALLER, time.monotonic(), resting=not controller.moving)
+        access.authorize(operation, CALLER, time.monotonic(), resting=not controller.moving)
         self._board.check_connected()
-        if effect is Effect.CALIBRATE:
+        if operation is Operation.CALIBRATE:
             self._hardware.straighten()
             controller.last_goal = None
             controller.calibrations += 1
-        if effect is not Effect.MOVE:
+        if operation is not Operation.MOVE:
             return
         if not self._has_router():
             raise NoAnswer(Reason.NO_ROUTER, "The router is lost, so no client could stop a motion.")
@@ -115,7 +103,7 @@ class Driving:
     def record(
         self,
         line: bytes,
-        effect: Effect,
+        operation: Operation | None,
         error: BeatrixError | None = None,
         *,
         since_s: float | None = None,
@@ -126,7 +114,7 @@ class Driving:
 
         Args:
             line: the text of the line.
-            effect: its effect; lines without one are not recorded.
+            operation: what it does; None: nothing, and it is not recorded.
             error: why it was not carried out.
             since_s: time at which it was sent and now has ended; None: it begins now, or was refused before.
             remark: how it was changed.
@@ -135,12 +123,12 @@ class Driving:
         why, text = error.message if error else remark, line.decode("ascii", "replace")
         if why and not silent:
             self.warn(why)
-        if effect is Effect.NONE:
+        if operation is None:
             return
-        moved = effect is Effect.MOVE and since_s is not None
-        phase = Phase.DONE if moved else Phase.ACCEPTED if effect is Effect.MOVE else None
+        moved = operation is Operation.MOVE and since_s is not None
+        phase = Phase.DONE if moved else Phase.ACCEPTED if operation is Operation.MOVE else None
         self._events.add(
-            KINDS.get(effect, EventKind.COMMAND),
+            KINDS.get(operation, EventKind.COMMAND),
             action=text.partition(" ")[0],
             caller=CALLER,
             phase=phase,

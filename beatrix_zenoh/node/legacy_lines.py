@@ -23,7 +23,8 @@ from beatrix_zenoh.contract._generated.serial import (
     WarningCode,
 )
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
-from beatrix_zenoh.node.legacy_driving import Driving, Effect
+from beatrix_zenoh.node.access import Operation
+from beatrix_zenoh.node.legacy_driving import Driving
 
 ACK, NACK = b"ACK\n", b"NACK\n"
 UNKNOWN: Final = (NACK,)
@@ -53,7 +54,7 @@ class ProgramLine:
     """A line in the queue; two lines with the same text are different lines."""
 
     text: bytes
-    effect: Effect = field(init=False)
+    operation: Operation | None = field(init=False)
     sent_s: float | None = None
     """when it was sent to the board (s, monotonic clock); None: not sent"""
     refusal: tuple[bytes, ...] = ()
@@ -66,7 +67,7 @@ class ProgramLine:
     """whether the first line of the answer was written"""
 
     def __post_init__(self) -> None:
-        self.effect = effect_of(self.text)
+        self.operation = operation_of(self.text)
 
     @property
     def sent(self) -> bool:
@@ -79,18 +80,18 @@ class ProgramLine:
         return self.sent_s is None and not self.refusal
 
 
-def effect_of(text: bytes) -> Effect:
-    """Return the effect of a line; unknown words that begin with @MOV count as motions."""
+def operation_of(text: bytes) -> Operation | None:
+    """Return what a line does, None: nothing that needs a right; unknown words that begin with @MOV count as motions."""
     words = text.split(b" ")
     if text == b"@STOPALL":
-        return Effect.STOP
+        return Operation.STOP
     if text == b"@CALNOW":
-        return Effect.CALIBRATE
+        return Operation.CALIBRATE
     if words[0].startswith(b"@MOV"):
-        return Effect.MOVE
+        return Operation.MOVE
     if words[0] == b"@ENMOTORS":
-        return Effect.DISABLE if words[1:2] == [b"OFF"] else Effect.ENABLE
-    return Effect.NONE
+        return Operation.DISABLE if words[1:2] == [b"OFF"] else Operation.ENABLE
+    return None
 
 
 def readable(text: bytes) -> bool:
@@ -124,19 +125,19 @@ class LineQueue:
 
     def program_closed(self) -> None:
         """Drop the waiting lines, except motors off; the board finishes the lines that it has received."""
-        self._drop([line for line in self._lines if line.waits and line.effect is not Effect.DISABLE])
+        self._drop([line for line in self._lines if line.waits and line.operation is not Operation.DISABLE])
         self._advance()
 
     def _drop(self, lines: list[ProgramLine]) -> None:
         for line in lines:
             self._lines.remove(line)
             if not line.refusal:
-                self._driving.record(line.text, line.effect, DROPPED, since_s=line.sent_s, silent=True)
+                self._driving.record(line.text, line.operation, DROPPED, since_s=line.sent_s, silent=True)
 
     def take(self, text: bytes) -> None:
         """Queue or refuse a line of the program; send STOP at once."""
         line = ProgramLine(text)
-        if line.effect is Effect.STOP:
+        if line.operation is Operation.STOP:
             self._stop(line)
         elif len(self._lines) >= CAPACITY:
             return
@@ -157,7 +158,7 @@ class LineQueue:
     def refuse_waiting_motions(self) -> None:
         """After a STOP of any client refuse the waiting motions; STOP is also the cause if a sent motion ends early."""
         for line in self._lines:
-            if line.effect is Effect.MOVE and not line.refusal:
+            if line.operation is Operation.MOVE and not line.refusal:
                 line.cause = STOPPED
                 if line.waits:
                     self._refuse(line, STOPPED, silent=True)
@@ -174,20 +175,20 @@ class LineQueue:
     def _send(self, line: ProgramLine) -> None:
         """Send a line if the node and the board allow it; otherwise refuse it."""
         try:
-            if line.effect in (Effect.MOVE, Effect.ENABLE, Effect.DISABLE):
-                self._driving.authorize(line.effect)
+            if line.operation in (Operation.MOVE, Operation.ENABLE, Operation.DISABLE):
+                self._driving.authorize(line.operation)
             self._board.check_connected()
             if self._lines_lost:
                 self._open()
-            if line.effect is Effect.CALIBRATE and self._sets_home():
-                self._driving.authorize(Effect.CALIBRATE)
+            if line.operation is Operation.CALIBRATE and self._sets_home():
+                self._driving.authorize(Operation.CALIBRATE)
             self._board.send_text(line.text)
         except BeatrixError as error:
             self._refuse(line, error)
             return
         line.sent_s = time.monotonic()
-        if line.effect is Effect.MOVE:
-            self._driving.record(line.text, line.effect)
+        if line.operation is Operation.MOVE:
+            self._driving.record(line.text, line.operation)
 
     def _sets_home(self) -> bool:
         """Return whether @CALNOW would set the robot's home, because the motors are on and home is not known."""
@@ -199,7 +200,7 @@ class LineQueue:
 
     def _refuse(self, line: ProgramLine, error: BeatrixError, *, silent: bool = False) -> None:
         line.refusal = REFUSED
-        self._driving.record(line.text, line.effect, error, silent=silent)
+        self._driving.record(line.text, line.operation, error, silent=silent)
 
     def _advance(self) -> None:
         """Answer the refused lines at the head of the queue and send the next line."""
@@ -235,10 +236,10 @@ class LineQueue:
 
     def _ended(self, line: ProgramLine, error: BeatrixError | None) -> None:
         """Record the end of a line that was sent; a known cause replaces the error, unless the line was carried out."""
-        if error is not None and line.effect is Effect.MOVE and self._driving.has_moved():
+        if error is not None and line.operation is Operation.MOVE and self._driving.has_moved():
             error = CUT_SHORT if error is REFUSED_BY_BOARD else error
         error = error and (line.cause or error)
-        self._driving.record(line.text, line.effect, error, since_s=line.sent_s, remark=line.remark)
+        self._driving.record(line.text, line.operation, error, since_s=line.sent_s, remark=line.remark)
 
     def observe(self) -> None:
         """Refuse the lines that the board will never answer, because it is lost."""

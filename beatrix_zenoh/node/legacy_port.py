@@ -8,11 +8,12 @@ from typing import Final
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.serial import Text, TextWarning
 from beatrix_zenoh.legacy import Terminal
+from beatrix_zenoh.node.access import Operation
 from beatrix_zenoh.node.board_watch import BoardWatch, Observer
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.interfaces import Component, HardwareInterface
-from beatrix_zenoh.node.legacy_driving import Driving, Effect
-from beatrix_zenoh.node.legacy_lines import LineQueue, effect_of
+from beatrix_zenoh.node.legacy_driving import Driving
+from beatrix_zenoh.node.legacy_lines import LineQueue, operation_of
 from beatrix_zenoh.node.requests import Requests
 
 ECHOED: Final = (b"ACK", b"NACK")
@@ -59,7 +60,7 @@ class LegacyPort(Component):
 
     def received(self, line: bytes) -> None:
         """Queue a line of the program, unless it is an echoed answer; block new motions at once if it is STOP."""
-        if effect_of(line) is Effect.STOP:
+        if operation_of(line) is Operation.STOP:
             self._driving.stop_pressed()
         if line not in ECHOED:
             self._post(lambda: self._lines.take(line))

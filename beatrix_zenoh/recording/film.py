@@ -143,17 +143,23 @@ def eye_tile(pictures: Sequence[EyePicture], time_ns: int, eye: str) -> Image.Im
     """Return the newest picture of an eye at a time, in the size EYE, or a tile that says that there is none."""
     index = bisect.bisect_right(pictures, time_ns, key=lambda picture: picture.time_ns) - 1
     old = index < 0 or time_ns - pictures[index].time_ns > OLD_NS
-    seen = None if old else decoded(pictures[index].jpeg)
+    seen = None if old else tile_of(pictures[index].jpeg)
     if seen is not None:
-        return seen.resize(EYE)
+        return seen
     image = Image.new("RGB", EYE, EMPTY)
     write(image, (EYE[0] // 2, EYE[1] // 2), f"no picture of the {eye} eye", anchor="mm", colour=PALE)
     return image
 
 
 @functools.lru_cache(maxsize=4)
+def tile_of(jpeg: bytes) -> Image.Image | None:
+    """Return a picture in the size EYE; each of the four eyes shows its newest one in many frames of a film."""
+    picture = decoded(jpeg)
+    return None if picture is None else picture.resize(EYE)
+
+
 def decoded(jpeg: bytes) -> Image.Image | None:
-    """Return a picture; None if it is damaged. Each eye shows its newest one in many frames of a film."""
+    """Return a picture; None if it is damaged."""
     try:
         return Image.open(io.BytesIO(jpeg)).convert("RGB")
     except OSError:

@@ -8,26 +8,26 @@ import pytest
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import Text
-from beatrix_zenoh.node.legacy_driving import Effect
-from beatrix_zenoh.node.legacy_lines import ACK, CAPACITY, LAST, NACK, LineQueue, effect_of
+from beatrix_zenoh.node.access import Operation
+from beatrix_zenoh.node.legacy_lines import ACK, CAPACITY, LAST, NACK, LineQueue, operation_of
 
 
 @pytest.mark.parametrize(
     ("text", "effect"),
     [
-        (b"@MOVRX 5", Effect.MOVE),
-        (b"@MOVRT 1", Effect.MOVE),
-        (b"@ENMOTORS ON", Effect.ENABLE),
-        (b"@ENMOTORS OFF", Effect.DISABLE),
-        (b"@ENMOTORS  OFF", Effect.ENABLE),
-        (b"@CALNOW", Effect.CALIBRATE),
-        (b"@STOPALL", Effect.STOP),
-        (b"@STOPALL ", Effect.NONE),
-        (b"@GETXPOS", Effect.NONE),
+        (b"@MOVRX 5", Operation.MOVE),
+        (b"@MOVRT 1", Operation.MOVE),
+        (b"@ENMOTORS ON", Operation.ENABLE),
+        (b"@ENMOTORS OFF", Operation.DISABLE),
+        (b"@ENMOTORS  OFF", Operation.ENABLE),
+        (b"@CALNOW", Operation.CALIBRATE),
+        (b"@STOPALL", Operation.STOP),
+        (b"@STOPALL ", None),
+        (b"@GETXPOS", None),
     ],
 )
-def test_a_line_has_one_effect(text: bytes, effect: Effect) -> None:
-    assert effect_of(text) is effect
+def test_a_line_has_one_effect(text: bytes, effect: Operation | None) -> None:
+    assert operation_of(text) is effect
 
 
 class Port:

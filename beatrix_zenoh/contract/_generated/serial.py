@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import struct
 from enum import IntEnum, IntFlag
-from typing import ClassVar, Final, Self
+from typing import ClassVar, Final
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.rows import Frame
+from beatrix_zenoh.contract.rows import Code, Frame
 
 CONTRACT: Final = 0x37C12DD5
 """Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""
@@ -44,20 +44,10 @@ HOST_GONE: Final = 2000
 """without a valid frame for this long the firmware assumes that there is no host: no telemetry, text replies without frames, text motions without heartbeat [ms]"""
 
 
-class Code(IntEnum):
-    """A code with the text and the reason that programs give for it."""
-
-    text: str
-    reason: Reason
-
-    def __new__(cls, code: int, text: str = "", reason: Reason = Reason.OK) -> Self:
-        made = int.__new__(cls, code)
-        made._value_, made.text, made.reason = code, text, reason
-        return made
-
-
 class Error(Code):
     """Codes of `error`."""
+
+    reason: Reason
 
     OK = 0, "done", Reason.OK
     BAD_LENGTH = 1, "the length of the payload does not match the type", Reason.BAD_VALUE
@@ -74,6 +64,8 @@ class Error(Code):
 
 class BoardOutcome(Code):
     """Codes of `outcome`."""
+
+    reason: Reason
 
     NONE = 0, "no motion yet, or one is running", Reason.OK
     DONE = 1, "target reached", Reason.OK

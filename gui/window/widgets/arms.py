@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QEvent, Qt, QTimer
+from PyQt5.QtCore import QEvent, QTimer
 from PyQt5.QtGui import QHideEvent, QMouseEvent
 from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QHBoxLayout, QVBoxLayout
 
@@ -14,6 +14,7 @@ from gui.console.state.saved import Choices
 from gui.console.state.views import ArmRowView, ArmsView, View
 from gui.console.texts import Texts
 from gui.window.widgets.controls import (
+    RIGHT,
     IntentButton,
     Panel,
     Radio,
@@ -24,7 +25,6 @@ from gui.window.widgets.controls import (
     spaced,
 )
 
-RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 LEAST_INCREMENT = 0.1
 """deg"""
 LEAST_SPEED = 1.0

@@ -35,6 +35,7 @@ ARMED_MS = 6000
 
 
 NO_MARGINS = 0, 0, 0, 0
+RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 L = TypeVar("L", bound=QLayout)
 B = TypeVar("B", bound=QBoxLayout)
 

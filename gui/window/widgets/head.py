@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QLabel, QVBoxLayout
 
 from gui.console.state.intents import HeadOrientation, Theme
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import Panel, label, set_text, spaced
+from gui.window.widgets.controls import RIGHT, Panel, label, set_text, spaced
 from gui.window.widgets.head_pad import HeadPad
 
 AXES = ("yaw", "pitch", "roll")
@@ -18,7 +17,6 @@ COLUMNS = {"target": "title", "sim": "sim", "hw": "hw"}
 WIDEST = "−88.8°"
 SYMBOLS = {"target": "○", "sim": "+", "hw": "■"}
 """The markers of the pad."""
-RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 
 
 class HeadPanel(Panel):
