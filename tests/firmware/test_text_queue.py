@@ -53,3 +53,14 @@ def test_stopall_at_any_time_leaves_two_replies_for_each_line(program: Program, 
     answers = program.new()
     assert answers in (REFUSED + DONE * 2, DONE * 3)
     assert answers == REFUSED + DONE * 2 or program.position == (40, -20, 9)
+
+
+def test_stopall_cancels_motions_when_every_queue_slot_is_used(program: Program) -> None:
+    program.send(b"@MOVRX 1000\r" + b"@MOVRX 10\r" * 32 + b"@FOO\r@CALX\r" * 40)
+    program.tick(500)
+    program.send(b"@STOPALL\r")
+    program.tick(110)
+    answers = program.new()
+    assert answers[: 2 + 32 * 2] == REFUSED * 33
+    assert len(answers) >= 33 * 2 + 40 * 3 - 40
+    assert program.say("@COMSTATUS") == DONE

@@ -18,6 +18,7 @@ from simulated_pictures import FIRST_S, fresh
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.node import Node
 from sim_node import eyes, gl
 from sim_node.body import Simulation
@@ -191,3 +192,20 @@ def test_closing_the_window_does_not_disturb_the_robot(counted: Stage) -> None:
     assert robot.positions().head.yaw == pytest.approx(10, abs=0.5)
     robot.client.close()
     assert sim.end() == 0
+
+
+def test_stop_ends_a_motion_while_the_eyes_draw(robot: Robot) -> None:
+    with robot.camera("left") as left, robot.camera("right") as right:
+        left.next(FIRST_S)
+        right.next(FIRST_S)
+        motion = robot.look(yaw=90, wait=False)
+        until(lambda: robot.positions().head.yaw > 2, "the head moves")
+        robot.stop()
+        ended = motion.exception(FIRST_S)
+        assert ended is not None
+        assert ended.reason is Reason.STOPPED
+        at = robot.positions().head.yaw
+        assert 2 < at < 60
+        left.take()
+        left.next(FIRST_S)
+        assert robot.positions().head.yaw == pytest.approx(at, abs=0.2)

@@ -29,7 +29,7 @@ def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> No
         with Linked(stage.endpoint, who="teacher") as linked:
             linked.do(WatchClass(on=True))
             linked.until(lambda world: len(world.robots) == 2, "all robots are listed")
-            linked.until(lambda world: "teacher" in world.seats, "the seat is listed")
+            linked.until(lambda world: world.seats == ("teacher",), "the seat is listed")
             hung.send(signal.SIGSTOP)
             linked.do(Govern(1, LeaseAction.FREEZE))
             linked.until(
