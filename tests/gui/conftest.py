@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -16,7 +17,7 @@ from robots import Stage, ready, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import EventKind
-from beatrix_zenoh.node.callers import QUIET_S
+from beatrix_zenoh.node.callers import LOOP_S, QUIET_S
 from gui.console.state.intents import Intent
 from gui.console.state.saved import Saved
 from gui.window.window import Window
@@ -124,9 +125,10 @@ def user(stage: Stage, robots: dict[str, Robot], qtbot: QtBot) -> Iterator[Windo
 
 
 def is_at_rest(robot: Robot) -> bool:
-    """Return whether the arms rest, and the pause after a STOP of another seat has ended."""
+    """Return whether the arms rest, and the pause after a STOP of another seat has ended; one's own STOP prolongs it."""
     if robot.status().moving:
         return False  # the STOP of a window that closes may not be stored as an event yet
     stops = [event for event in robot.past_events() if event.kind == EventKind.STOP]
-    others_ns = [event.t_wall_ns for event in stops if event.seat != robot.client.settings.who]
-    return time.time_ns() - max(others_ns, default=0) > QUIET_S * 1e9
+    other_ns = max((e.t_wall_ns for e in stops if e.seat != robot.client.settings.who), default=-math.inf)
+    last_ns = max((e.t_wall_ns for e in stops if e.t_wall_ns - other_ns < LOOP_S * 1e9), default=0)
+    return time.time_ns() - last_ns > QUIET_S * 1e9
