@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from robots import Stage, wait_status
 
-from beatrix_zenoh import Robot
+from beatrix_zenoh import Robot, Twin
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = (
@@ -92,4 +92,7 @@ def test_the_python_of_a_page_runs(
             continue
         for line in [*block.splitlines(), ""]:
             prompt.push(line)
+    for value in prompt.locals.values():
+        if isinstance(value, Robot | Twin):  # the router serves the next file, which must not see these seats
+            value.close()
     assert prompt.errors == ""
