@@ -20,11 +20,11 @@ from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import Outcome, Play
 from gui.console.state.saved import SavedPose
 from gui.console.state.sequence import POSES_MAX
-from gui.console.state.sequence_timing import HOME, Pace, comfortable, timed, too_short
+from gui.console.state.sequence_timing import HOME, comfortable, timed, too_short
 from gui.console.state.state import State
 from gui.console.state.world import World
 
-LIMITS = Pace()
+LIMITS = ROBOT.limits
 THREE = (NOD, LEFT, UP)
 
 
@@ -93,7 +93,7 @@ def test_a_duration_below_what_limits_allow_is_found(
 
 def test_a_teachers_limit_makes_durations_longer() -> None:
     slow = world(robot("sim", known=status("sim", limit_deg=10.0)))
-    assert timing.pace(slow).speed == pytest.approx(10.0)
+    assert timing.limits_of(slow).speed_max == pytest.approx(10.0)
     state = editing(NOD)
     assert state.view(world()).sequence.cards[0].problem == ""
     assert state.view(slow).sequence.cards[0].problem == "needs 2.2 s or more"

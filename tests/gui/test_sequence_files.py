@@ -65,9 +65,8 @@ def test_a_saved_program_contains_the_motions(loop: bool) -> None:
     state.handle(Choose("loop", value=loop), world())
     text = written(state, SaveSequence(Path("dance.py"), program=True))
     calls = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call)]
-    moves = [call for call in calls if isinstance(call.func, ast.Attribute) and call.func.attr == "move"]
-    goals = [tuple(ast.literal_eval(argument) for argument in call.args) for call in moves]
-    assert goals == [pose.arms for pose in THREE] * (2 if loop else 1)
-    assert "time.sleep(2.5)" in text
-    assert text.splitlines()[2] == "import time"
+    steps = [call for call in calls if isinstance(call.func, ast.Name) and call.func.id == "ArmPose"]
+    goals = [tuple(ast.literal_eval(argument) for argument in call.args[1:4]) for call in steps]
+    assert goals == [*(pose.arms for pose in THREE), UP.arms] * (2 if loop else 1)
+    assert text.splitlines()[2] == "from beatrix_zenoh import Twin"
     assert ("while True" in text) is loop

@@ -139,18 +139,6 @@ class CodeCache:
     view: CodeView = field(default_factory=CodeView)
 
 
-@dataclass(frozen=True)
-class Sequence:
-    """What the sequence editor knows beside its poses."""
-
-    undo: tuple[tuple[SavedPose, ...], ...] = ()
-    """the poses before each change, oldest first"""
-    begun: tuple[int, tuple[object, ...]] = (0, ())
-    """row and content of the newest play on the simulation"""
-    rehearsed: tuple[object, ...] = ()
-    """content of the last play on the simulation that went well"""
-
-
 @dataclass
 class Memory:
     """State of one window; intents, outcomes and leases change it."""
@@ -158,7 +146,12 @@ class Memory:
     choices: Choices
     poses: tuple[SavedPose, ...] = ()
     """the sequence, whose names are unique"""
-    sequence: Sequence = Sequence()
+    sequence_undo: tuple[tuple[SavedPose, ...], ...] = ()
+    """the poses before each change, oldest first"""
+    begun: tuple[int, tuple[object, ...]] = (0, ())
+    """row and content of the newest play of the sequence on the simulation"""
+    rehearsed: tuple[object, ...] = ()
+    """content of the last play of the sequence on the simulation that went well"""
     rows: tuple[RequestRow, ...] = ()
     """oldest first"""
     numbers: int = 0

@@ -11,12 +11,13 @@ from msgspec import structs
 
 from beatrix_zenoh.client.degrees import Reading, pose_query
 from beatrix_zenoh.contract._generated.messages import PoseQuery, Reason
+from beatrix_zenoh.contract._generated.robot import LimitsData
 from beatrix_zenoh.motion.limits import region
 from gui.console.state import gestures, intents, motions, refusals
 from gui.console.state.actions import Abort, Action, Outcome, Send, SendNow
 from gui.console.state.intents import AimHead, Change, Choose, HeadOrientation, LiveHead, SendHead
 from gui.console.state.memory import Memory, unreachable
-from gui.console.state.sequence_timing import Pace, pace
+from gui.console.state.sequence_timing import limits_of
 from gui.console.state.views import DragView, HeadView, SendingView, button
 from gui.console.state.world import PlanPhase, PlanProgress, World, kept, reading, silent
 from gui.console.texts import Texts
@@ -38,7 +39,7 @@ REASONS = {
 
 def head(memory: Memory, world: World) -> HeadView:
     """Return the pad; limits are those of the robot, or the defaults while they are unknown."""
-    limits = pace(world)
+    limits = limits_of(world)
     path = world.plan.path if world.plan is not None else None
     solid, aim = _solid(memory, world), target(memory, world)
     off = "" if memory.choices.sides else "off.unchecked"
@@ -188,7 +189,7 @@ def border_deg(tilt_max: float, gap_min: float) -> tuple[float, ...]:
     return tuple(map(math.degrees, region.border(math.radians(tilt_max), math.radians(gap_min))))
 
 
-def _drag(memory: Memory, limits: Pace) -> DragView:
+def _drag(memory: Memory, limits: LimitsData) -> DragView:
     """Return choices, border and the refused target."""
     choices, refusal = memory.choices, memory.refusal
     refused, reason = None, ""
@@ -250,7 +251,7 @@ def _follow(memory: Memory, world: World) -> list[Action]:
 
 def _inside(world: World, target: HeadOrientation) -> tuple[float, float]:
     """Return pitch and roll (deg) of the target, or of the point of the border in its direction."""
-    limits = pace(world)
+    limits = limits_of(world)
     border = border_deg(limits.tilt_max, limits.gap_min)
     furthest = region.reach(border, target.pitch, target.roll) - WITHIN_DEG
     shrink = min(1.0, furthest / max(math.hypot(target.pitch, target.roll), 1e-9))

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import Final
 
 from msgspec import structs
 
 from beatrix_zenoh.client import motion_file
-from beatrix_zenoh.client.choreography import ArmPose, Pose, Step, choreography
+from beatrix_zenoh.client.choreography import Pose, Step, choreography
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.client.motion_file import ARMS, FIGURE, SPEED, TIME
 from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.robot import LimitsData
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from gui.console.state import code_lines, intents
 from gui.console.state import sequence_timing as timing
-from gui.console.state.actions import Action, Outcome, Play, WriteFile
+from gui.console.state.actions import NEW, Action, Outcome, Play, WriteFile
 from gui.console.state.intents import (
     DuplicatePose,
     HeadOrientation,
@@ -49,7 +49,7 @@ def view(memory: Memory, world: World) -> SequenceView:
     """Return the strip and its buttons."""
     texts, poses, loop = memory.choices.texts, memory.poses, memory.choices.loop
     start = None if world.playing else commanded(world, STARTS["sim"])
-    limits = timing.pace(world)
+    limits = timing.limits_of(world)
     short = timing.too_short(poses, start, limits, loop=loop)
     beyond = _beyond(memory, limits)
 
@@ -68,7 +68,7 @@ def view(memory: Memory, world: World) -> SequenceView:
     play = "" if online(world, "sim") else "off.sequence_sim"
     hardware = _hardware_off(memory, world)
     full = "off.sequence_full" if len(poses) >= POSES_MAX else ""
-    undo = "" if memory.sequence.undo else "off.no_sequence_undo"
+    undo = "" if memory.sequence_undo else "off.no_sequence_undo"
 
     return SequenceView(
         cards=tuple(card(number, pose) for number, pose in enumerate(poses)),
@@ -82,7 +82,7 @@ def view(memory: Memory, world: World) -> SequenceView:
     )
 
 
-def _beyond(memory: Memory, limits: timing.Pace) -> dict[int, tuple[str, str]]:
+def _beyond(memory: Memory, limits: LimitsData) -> dict[int, tuple[str, str]]:
     """Return a word and a sentence for each pose that the limits do not allow, by its number."""
     texts, poses, found = memory.choices.texts, memory.poses, {}
     for number, (refusal, on_way) in timing.beyond(poses, limits, loop=memory.choices.loop).items():
@@ -97,7 +97,7 @@ def _beyond(memory: Memory, limits: timing.Pace) -> dict[int, tuple[str, str]]:
 def _hardware_off(memory: Memory, world: World) -> str:
     if not online(world, "hw"):
         return "off.sequence_hw"
-    return "" if memory.sequence.rehearsed == _rehearsal(memory, world) else "off.not_rehearsed"
+    return "" if memory.rehearsed == _rehearsal(memory, world) else "off.not_rehearsed"
 
 
 def _rehearsal(memory: Memory, world: World) -> tuple[object, ...]:
@@ -110,8 +110,8 @@ def _rehearsal(memory: Memory, world: World) -> tuple[object, ...]:
 
 def undo(memory: Memory, _world: World, _intent: intents.UndoSequence) -> list[Action]:
     """Restore the poses before the last change."""
-    *earlier, before = memory.sequence.undo or (memory.poses,)
-    memory.poses, memory.sequence = before, replace(memory.sequence, undo=tuple(earlier))
+    *earlier, memory.poses = memory.sequence_undo or (memory.poses,)
+    memory.sequence_undo = tuple(earlier)
     return []
 
 
@@ -123,9 +123,8 @@ def edit(memory: Memory, _world: World, intent: Intent) -> list[Action]:
 def change(memory: Memory, poses: tuple[SavedPose, ...]) -> list[Action]:
     """Replace the poses, so that Undo of the strip restores the present ones; return no actions."""
     if poses != memory.poses:
-        undo = (*memory.sequence.undo, memory.poses)[-UNDO_KEPT:]
-        memory.poses, memory.sequence = poses, replace(memory.sequence, undo=undo)
-        memory.refusal = None
+        memory.sequence_undo = (*memory.sequence_undo, memory.poses)[-UNDO_KEPT:]
+        memory.poses, memory.refusal = poses, None
     return []
 
 
@@ -168,7 +167,7 @@ def new_pose(memory: Memory, world: World, name: str, arms: ArmAngles) -> SavedP
     others = [pose for pose in memory.poses if pose.name != name]
     before = ArmAngles(*others[-1].arms) if others else timing.HOME
     pose = SavedPose(name, short, middle, long)
-    duration_s = timing.comfortable(before, pose, memory.choices.speed, timing.pace(world))
+    duration_s = timing.comfortable(before, pose, memory.choices.speed, timing.limits_of(world))
     return structs.replace(pose, duration_s=duration_s)
 
 
@@ -203,26 +202,34 @@ def play(memory: Memory, world: World, sides: tuple[str, ...], lead_s: float = 0
         return memory.refuse(CONTROL, NONE)
     if unreachable(memory, world, sides, CONTROL):
         return []
-    if sides == ("hw",) and memory.sequence.rehearsed != _rehearsal(memory, world):
+    if sides == ("hw",) and memory.rehearsed != _rehearsal(memory, world):
         return memory.refuse(CONTROL, "off.not_rehearsed")
-    limits = timing.pace(world)
+    limits = timing.limits_of(world)
     starts = [found for side in sides if (found := commanded(world, STARTS[side])) is not None]
     start = max(starts, key=lambda arms: timing.way(arms, poses[0]), default=timing.HOME)
     if _refuse_short(memory, start, limits, loop=loop):
         return []
-    steps = timing.timed(poses, start, limits)
-    again: tuple[ArmPose, ...] = ()
-    if loop:
-        last = ArmAngles(*poses[-1].arms)
-        holds = len(poses) > 1 and timing.way(ArmAngles(*poses[-2].arms), poses[-1]) < timing.SAME_DEG
-        again = tuple(timing.timed(poses, last, limits, poses[-1].duration_s if holds else 0.0))
-    request = Play(memory.next_row(), sides, None, tuple(steps), again, lead_s)
-    begun = (request.row, _rehearsal(memory, world)) if sides == ("sim",) else (0, ())
-    memory.sequence = replace(memory.sequence, begun=begun)
+    request = _play(poses, sides, start, limits, loop=loop)
+    request = structs.replace(request, row=memory.next_row(), lead_s=lead_s)
+    memory.begun = (request.row, _rehearsal(memory, world)) if sides == ("sim",) else (0, ())
     return begin(memory, world, request, CONTROL)
 
 
-def _refuse_short(memory: Memory, start: ArmAngles, limits: timing.Pace, *, loop: bool) -> bool:
+def _play(
+    poses: tuple[SavedPose, ...], sides: tuple[str, ...], start: ArmAngles, limits: LimitsData, *, loop: bool
+) -> Play:
+    """Return the play of poses whose first one begins at `start`."""
+    steps = tuple(timing.timed(poses, start, limits))
+    if not loop:
+        return Play(NEW, sides, None, steps)
+    holds = len(poses) > 1 and timing.way(ArmAngles(*poses[-2].arms), poses[-1]) < timing.SAME_DEG
+    again_s = poses[-1].duration_s if holds else 0.0
+    return Play(
+        NEW, sides, None, steps, tuple(timing.timed(poses, ArmAngles(*poses[-1].arms), limits, again_s))
+    )
+
+
+def _refuse_short(memory: Memory, start: ArmAngles, limits: LimitsData, *, loop: bool) -> bool:
     """Return whether a pose cannot be reached in its duration; if so, show the first one."""
     short = timing.too_short(memory.poses, start, limits, loop=loop)
     if not short:
@@ -234,10 +241,10 @@ def _refuse_short(memory: Memory, start: ArmAngles, limits: timing.Pace, *, loop
 
 def note(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
     """Remember a play on the simulation that went well: to its end, or for one round of a loop."""
-    number, what = memory.sequence.begun
+    number, what = memory.begun
     whole = outcome.rounds > 0 if isinstance(row.request, Play) and row.request.again else outcome.done
     if row.number == number and outcome.accepted and whole:
-        memory.sequence = replace(memory.sequence, rehearsed=what)
+        memory.rehearsed = what
 
 
 # -- files ------------------------------------------------------------------------------------------
@@ -249,14 +256,14 @@ def _save(memory: Memory, world: World, intent: intents.SaveSequence) -> list[Ac
         return memory.refuse(CONTROL, NONE)
     if not intent.file.name:
         return memory.refuse(CONTROL, "cannot.file")
-    limits, loop = timing.pace(world), intent.program and memory.choices.loop
+    limits, loop = timing.limits_of(world), intent.program and memory.choices.loop
     if _refuse_short(memory, timing.HOME, limits, loop=loop):
         return []
     text = program_of(memory, world, limits) if intent.program else choreography_of(memory.poses, limits)
     return begin(memory, world, WriteFile(memory.next_row(), intent.file, text), CONTROL)
 
 
-def choreography_of(poses: tuple[SavedPose, ...], limits: timing.Pace) -> str:
+def choreography_of(poses: tuple[SavedPose, ...], limits: LimitsData) -> str:
     """Return poses as a choreography (CSV) that begins at home."""
     lines = [",".join((TIME, *ARMS, SPEED, FIGURE))]
     for pose, step in zip(poses, timing.timed(poses, timing.HOME, limits), strict=True):
@@ -266,33 +273,18 @@ def choreography_of(poses: tuple[SavedPose, ...], limits: timing.Pace) -> str:
     return "\n".join(lines) + "\n"
 
 
-def program_of(memory: Memory, world: World, limits: timing.Pace) -> str:
+def program_of(memory: Memory, world: World, limits: LimitsData) -> str:
     """Return the sequence as a program for the simulation that begins at home."""
     texts, poses = memory.choices.texts, memory.poses
+    play = _play(poses, ("sim",), timing.HOME, limits, loop=memory.choices.loop)
     lines = [
         f"robot = twin.sim  # {texts('sequence.program_side')}",
         f"robot.make_ready()  # {texts('sequence.program_ready')}",
         "robot.home()",
-        *_calls(poses, timing.HOME, limits),
+        *code_lines.python(play, "robot").splitlines(),
     ]
-    if memory.choices.loop:
-        lines.append(f"while True:  # {texts('sequence.program_loop')}")
-        lines += [f"    {line}" for line in _calls(poses, ArmAngles(*poses[-1].arms), limits)]
     title = texts("sequence.program_title", count=float(len(poses)), robot=world.robot)
     return "\n".join(line.text for line in code_lines.program([*map(CodeLine, lines)], world, title)) + "\n"
-
-
-def _calls(poses: tuple[SavedPose, ...], start: ArmAngles, limits: timing.Pace) -> list[str]:
-    lines, here = [], start
-    for pose, step in zip(poses, timing.timed(poses, start, limits), strict=True):
-        comment = f"  # {' '.join(pose.name.split())}"
-        if timing.way(here, pose) < timing.SAME_DEG:
-            lines.append(f"time.sleep({pose.duration_s:g}){comment}")
-        else:
-            place = ", ".join(f"{angle:.6g}" for angle in pose.arms)
-            lines.append(f"robot.move({place}, speed={step.speed:.5g}){comment}")
-        here = ArmAngles(*pose.arms)
-    return lines
 
 
 def _open(memory: Memory, world: World, intent: intents.OpenSequence) -> list[Action]:
@@ -307,7 +299,7 @@ def _open(memory: Memory, world: World, intent: intents.OpenSequence) -> list[Ac
         if len(found.steps) > POSES_MAX:
             slots = {"count": str(len(found.steps)), "allowed": str(POSES_MAX)}
             return memory.refuse(CONTROL, "cannot.too_many", **slots)
-        poses = _read(found.steps, timing.pace(world))
+        poses = _read(found.steps, timing.limits_of(world))
     except WrongUsage as error:
         key, reason = wrong_file(error, intent.file.name)
         return memory.refuse(CONTROL, key, **reason)
@@ -316,7 +308,7 @@ def _open(memory: Memory, world: World, intent: intents.OpenSequence) -> list[Ac
     return change(memory, poses)
 
 
-def _read(steps: list[tuple[str, Step]], limits: timing.Pace) -> tuple[SavedPose, ...]:
+def _read(steps: list[tuple[str, Step]], limits: LimitsData) -> tuple[SavedPose, ...]:
     poses: tuple[SavedPose, ...] = ()
     here = timing.HOME
     for (title, step), (_, following) in zip(steps, [*steps[1:], steps[-1]], strict=True):
@@ -325,8 +317,7 @@ def _read(steps: list[tuple[str, Step]], limits: timing.Pace) -> tuple[SavedPose
         else:
             arms = ArmAngles(step.short, step.middle, step.long)
         pose = SavedPose(_free(poses, title), *(round(angle, 3) + 0.0 for angle in arms))
-        speed = min(max(step.speed, timing.SLOWEST), limits.speed)
-        own_s = timing.shortest(here, pose, timing.Pace(speed, limits.acceleration))
+        own_s = timing.shortest(here, pose, timing.at_speed(limits, step.speed))
         duration_s = following.at - step.at if following is not step else own_s
         duration_s = round(min(DURATION_MAX_S, max(DURATION_MIN_S, duration_s)), 1)
         poses, here = (*poses, structs.replace(pose, duration_s=duration_s)), ArmAngles(*pose.arms)

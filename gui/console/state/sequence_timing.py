@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
@@ -13,7 +11,7 @@ from msgspec.structs import replace
 
 from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
-from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT
+from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT, LimitsData
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import MotionLimits
@@ -29,28 +27,18 @@ SLOWEST: Final = ALLOWED["limits"]["speed_max"].low
 """Lowest speed (deg/s); a pose that could be reached more slowly is reached earlier, and the arms rest until its end."""
 HOME: Final = ArmAngles(0.0, 0.0, 0.0)
 NECK: Final = Neck()
+REPORTED: Final = ("speed_max", "acceleration", "tilt_max", "gap_min", "yaw_max")
+"""Limits that robots report."""
 
 
-@dataclass(frozen=True)
-class Pace:
-    """The limits of a sequence: top speed (deg/s) and acceleration (deg/s2) of an arm, and those of a pose (deg)."""
-
-    speed: float = ROBOT.limits.speed_max
-    acceleration: float = ROBOT.limits.acceleration
-    tilt_max: float = ROBOT.limits.tilt_max
-    gap_min: float = ROBOT.limits.gap_min
-    yaw_max: float = ROBOT.limits.yaw_max
-
-
-def pace(world: World) -> Pace:
-    """Return the limits of the shown robots: those they report and those of the teacher, else the defaults."""
-    found, known = Pace(), world.limits
-    if known is not None:
-        told = (known.speed_max, known.acceleration, known.tilt_max, known.gap_min, known.yaw_max)
-        found = Pace(*(round(math.degrees(limit), 3) for limit in told))
+def limits_of(world: World) -> LimitsData:
+    """Return the limits of the shown robots (deg): those they report and those of the teacher, else the defaults."""
+    told = {} if world.limits is None else {name: getattr(world.limits, name) for name in REPORTED}
+    found = replace(ROBOT.limits, **{name: round(math.degrees(limit), 3) for name, limit in told.items()})
     given = [robot.status.speed_limit for robot in (world.sim, world.hw) if robot.status is not None]
-    speed = min([found.speed, *(math.degrees(limit) for limit in given if limit > 0)])
-    return dataclasses.replace(found, speed=speed)
+    return replace(
+        found, speed_max=min([found.speed_max, *(math.degrees(limit) for limit in given if limit > 0)])
+    )
 
 
 def way(start: ArmAngles, pose: SavedPose) -> float:
@@ -58,31 +46,38 @@ def way(start: ArmAngles, pose: SavedPose) -> float:
     return max(abs(goal - before) for goal, before in zip(pose.arms, start, strict=True))
 
 
-def shortest(start: ArmAngles, pose: SavedPose, limits: Pace) -> float:
+def shortest(start: ArmAngles, pose: SavedPose, limits: LimitsData) -> float:
     """Return the shortest possible duration (s) of a pose that begins at `start`, in tenths of a second."""
     turned = way(start, pose)
-    least_s = shortest_s(turned, limits.speed, limits.acceleration) if turned >= SAME_DEG else 0.0
+    least_s = shortest_s(turned, limits.speed_max, limits.acceleration) if turned >= SAME_DEG else 0.0
     return math.ceil((least_s + SETTLE_S) * 10 - 1e-6) / 10
 
 
-def comfortable(start: ArmAngles, pose: SavedPose, speed: float, limits: Pace) -> float:
+def comfortable(start: ArmAngles, pose: SavedPose, speed: float, limits: LimitsData) -> float:
     """Return the duration (s) of a new pose: about that of a motion with `speed` (deg/s), in half seconds."""
-    least_s = shortest(start, pose, Pace(min(max(speed, SLOWEST), limits.speed), limits.acceleration))
+    least_s = shortest(start, pose, at_speed(limits, speed))
     return min(DURATION_MAX_S, max(1.0, math.ceil(least_s * 2) / 2))
 
 
-def timed(poses: Iterable[SavedPose], start: ArmAngles, limits: Pace, begin_s: float = 0.0) -> list[ArmPose]:
+def at_speed(limits: LimitsData, speed: float) -> LimitsData:
+    """Return limits with another top speed (deg/s), as near to it as the limits allow."""
+    return replace(limits, speed_max=min(max(speed, SLOWEST), limits.speed_max))
+
+
+def timed(
+    poses: Iterable[SavedPose], start: ArmAngles, limits: LimitsData, begin_s: float = 0.0
+) -> list[ArmPose]:
     """Return the steps of a choreography from `start` (deg); the first one begins at `begin_s`."""
     steps, at_s, here = [], begin_s, start
     for pose in poses:
         speed = speed_for(way(here, pose), max(0.0, pose.duration_s - SETTLE_S), limits.acceleration)
-        steps.append(ArmPose(at_s, *pose.arms, min(limits.speed, max(SLOWEST, speed))))
+        steps.append(ArmPose(at_s, *pose.arms, min(limits.speed_max, max(SLOWEST, speed))))
         at_s, here = at_s + pose.duration_s, ArmAngles(*pose.arms)
     return steps
 
 
 def too_short(
-    poses: tuple[SavedPose, ...], start: ArmAngles | None, limits: Pace, *, loop: bool
+    poses: tuple[SavedPose, ...], start: ArmAngles | None, limits: LimitsData, *, loop: bool
 ) -> dict[int, float]:
     """Return the shortest possible duration (s) of each pose that cannot be reached in its duration, by its number.
 
@@ -99,7 +94,9 @@ def too_short(
     return found
 
 
-def beyond(poses: tuple[SavedPose, ...], limits: Pace, *, loop: bool) -> dict[int, tuple[Refused, bool]]:
+def beyond(
+    poses: tuple[SavedPose, ...], limits: LimitsData, *, loop: bool
+) -> dict[int, tuple[Refused, bool]]:
     """Return the refusal of each pose that the limits do not allow, by its number, and whether it is about the way to it.
 
     The way to the first pose is checked only in a loop. The neck is that of the robot as it ships, because robots do
@@ -117,7 +114,7 @@ def beyond(poses: tuple[SavedPose, ...], limits: Pace, *, loop: bool) -> dict[in
 
 @lru_cache(maxsize=1024)
 def _refusal(
-    start: tuple[float, float, float], goal: tuple[float, float, float], speed: float, limits: Pace
+    start: tuple[float, float, float], goal: tuple[float, float, float], speed: float, limits: LimitsData
 ) -> tuple[Refused | None, bool]:
     """Return the refusal of a pose or of the way to it (arms in deg, deg/s); the flag tells that it is the way."""
     rules = _rules(limits)
@@ -133,11 +130,9 @@ def _refusal(
 
 
 @lru_cache(maxsize=8)
-def _rules(limits: Pace) -> MotionLimits:
+def _rules(limits: LimitsData) -> MotionLimits:
     """Return the limits of a robot whose neck is that of the robot as it ships."""
-    names = ("acceleration", "tilt_max", "gap_min", "yaw_max")
-    mine = replace(ROBOT.limits, speed_max=limits.speed, **{name: getattr(limits, name) for name in names})
-    return MotionLimits(replace(ROBOT, limits=mine))
+    return MotionLimits(replace(ROBOT, limits=limits))
 
 
 @lru_cache(maxsize=256)
