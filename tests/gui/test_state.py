@@ -38,7 +38,6 @@ from gui.console.state.actions import (
 from gui.console.state.history import SHOWN
 from gui.console.state.intents import Choose, Jog, RunCommand, Tab
 from gui.console.state.memory import KEPT
-from gui.console.state.poses import UNDO_KEPT
 from gui.console.state.state import State
 from gui.console.state.views import ButtonView, View
 from gui.console.state.world import LinkPhase, RecordingProgress, Trouble, World
@@ -161,7 +160,6 @@ def test_what_a_window_keeps_is_bounded() -> None:
         state.report(Outcome(row, "sim", accepted=True, done=True))
     memory = state._memory
     assert (len(memory.rows), len(state.view(world()).history)) == (KEPT, SHOWN)
-    assert len(memory.undo) == UNDO_KEPT
 
 
 # -- window ------------------------------------------------------------------------------------------

@@ -72,7 +72,7 @@ def test_a_motion_is_sent_again_to_the_robots_that_are_checked_now() -> None:
 @pytest.mark.parametrize(
     ("reason", "result"),
     [
-        (Reason.NODE_LOST, "did not reach Hardware: It is off."),
+        (Reason.NODE_LOST, "not confirmed by Hardware: It is off."),
         (Reason.TIMED_OUT, "not confirmed by Hardware: It is off."),
         (Reason.MUTED, "not confirmed by Hardware: It is off."),
     ],
@@ -202,7 +202,7 @@ def test_a_motion_of_both_robots_is_one_row_that_ends_with_the_later_robot() -> 
     assert rows(*sim, hw=hw) == [("ana", "look", "done, 1.2 s", True)]
     failed = (event(12, motion=3), event(12.2, phase=Phase.DONE, motion=3, reason=Reason.STOPPED))
     ((_, _, result, good),) = rows(*sim, hw=failed)
-    assert (result, good) == ("stopped", False)
+    assert (result.startswith("ended early: STOP was pressed"), good) == (True, False)
 
 
 def test_a_stream_of_motions_is_one_row() -> None:

@@ -91,7 +91,8 @@ def test_a_refusal_offers_a_button_for_the_first_required_step(
     refused(state, error.detail, error.reason)
     refusal = present(state.view(world()).arms.refusal)
     assert (None if refusal.alternative is None else refusal.alternative.text) == text
-    assert state.handle(intents.TakeAlternative(), world()) == ([] if action is None else [action])
+    if refusal.alternative is not None:
+        assert state.handle(refusal.alternative.intent, world()) == [action]
 
 
 def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> None:
@@ -103,7 +104,7 @@ def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> Non
     shown = present(state.view(world()).arms.refusal)
     same("state refusals.a refusal by one of two robots names it in the chosen language 2", shown.text)
     assert present(shown.alternative).text == "Einschalten"
-    assert state.handle(intents.TakeAlternative(), world()) == [
+    assert state.handle(present(shown.alternative).intent, world()) == [
         SendCommand(2, Command.ENABLE, value=True, sides=("hw",))
     ]
 

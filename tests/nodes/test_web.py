@@ -168,7 +168,7 @@ def test_the_teacher_takes_the_robot_from_a_page(driver: WebSocket, stage: Stage
         driver.state(lambda view: view["banner"] and "teacher" in view["banner"]["text"], "lost")
         driver.send("RunCommand", command=Command.HOME.value)
         refusal = driver.state(lambda view: view["commands"]["refusal"], "refused")["commands"]["refusal"]
-        assert refusal["alternative"]["intent"]["do"] == "TakeAlternative"  # waits for the robot
+        assert refusal["alternative"]["intent"]["do"] == "AskLease"  # waits for the robot
 
 
 def test_the_class_is_a_table_of_all_robots_and_a_projector_shows_whose_turn_it_is(

@@ -18,7 +18,7 @@ from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.names import ARMS, SIDES
 from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import refusals
-from gui.console.state.actions import Action, Hold, Release, Send
+from gui.console.state.actions import NEW, Action, Hold, Release, Send
 from gui.console.state.intents import ALL_ARMS, Intent, Jog
 from gui.console.state.memory import Memory, unreachable
 from gui.console.state.motions import Handles, send_arms
@@ -187,12 +187,8 @@ def jog_query(part: str, sign: int, speed_deg_s: float, ahead_s: float) -> Motio
 
 def begin(memory: Memory, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:
     """Add the one row of a hold to the history; return its number, or None if the hold is refused."""
-    sides = memory.choices.sides
-    if unreachable(memory, world, sides, control):
-        return None
-    request = Send(memory.next_row(), query, sides)
-    begin_request(memory, world, request, control)
-    return request.row
+    begun = begin_request(memory, world, Send(NEW, query, memory.choices.sides), control)
+    return memory.numbers if begun else None
 
 
 def hold(memory: Memory, world: World, intent: HoldArm) -> list[Action]:

@@ -148,7 +148,7 @@ def _result(memory: Memory, texts: Texts) -> tuple[str, bool | None]:
     sent = [
         row for row in memory.rows if isinstance(row.request, Govern | SendStop) and row.control == CONTROL
     ]
-    if refused is not None and memory.refusal is not None and memory.refusal.key:
+    if refused is not None and memory.refusal is not None and memory.refusal.outcome.key:
         return refused.text, False
     if not sent:
         return "", None
@@ -285,7 +285,7 @@ def choose_robot(memory: Memory, world: World, intent: ChooseRobot) -> list[Acti
     memory.refusal = None
     given_back: list[Action] = []
     if intent.name != world.robot:
-        memory.undo = ()  # the angles in it belong to the previous robot
+        memory.forget_arms()
         given_back = leases.give_back_all(memory, world)
     return [*show(memory, WindowPage.ROBOT), *given_back, intent]
 

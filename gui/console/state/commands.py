@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import actions, refusals, sending, sequence
-from gui.console.state.actions import Action, MakeReady, SendCommand, SendStop, WriteFile
+from gui.console.state.actions import NEW, Action, MakeReady, SendCommand, SendStop, WriteFile
 from gui.console.state.intents import EmergencyStop, Intent, Repeat, RunCommand, Stop, Undo, WindowPage
-from gui.console.state.memory import Memory, unreachable
+from gui.console.state.memory import Memory
 from gui.console.state.motions import Handles, again, begin, pass_on, send_arms
 from gui.console.state.poses import way_back
 from gui.console.state.views import ButtonView, CommandsView, RecordView, button
@@ -62,7 +62,7 @@ def stop(memory: Memory, world: World, intent: Stop | EmergencyStop) -> list[Act
     memory.live_row = sending.STOPPED
     memory.mark_dropped()
     everywhere = memory.choices.page is WindowPage.CLASS
-    request = SendStop(memory.next_row(), everywhere, isinstance(intent, EmergencyStop))
+    request = SendStop(NEW, everywhere, isinstance(intent, EmergencyStop))
     return begin(memory, world, request, CLASS if everywhere else CONTROL)
 
 
@@ -71,17 +71,13 @@ def run(memory: Memory, world: World, intent: RunCommand) -> list[Action]:
     if intent.command is Command.HOME:
         return send_arms(memory, world, (0.0, 0.0, 0.0), CONTROL)
     sides = (intent.side,) if intent.side else memory.choices.sides
-    if unreachable(memory, world, sides, CONTROL):
-        return []
-    request = SendCommand(memory.next_row(), intent.command, intent.value, sides)
+    request = SendCommand(NEW, intent.command, intent.value, sides)
     return begin(memory, world, request, CONTROL)
 
 
 def make_ready(memory: Memory, world: World, intent: MakeReady) -> list[Action]:
     """Return the action that enables and calibrates a robot."""
-    return (
-        [] if unreachable(memory, world, (intent.side,), CONTROL) else begin(memory, world, intent, CONTROL)
-    )
+    return begin(memory, world, intent, CONTROL)
 
 
 def repeat(memory: Memory, world: World, intent: Repeat) -> list[Action]:
@@ -91,10 +87,6 @@ def repeat(memory: Memory, world: World, intent: Repeat) -> list[Action]:
         return memory.refuse(CONTROL, "cannot.row")
     if isinstance(row.request, SendStop):
         memory.mark_dropped()
-        return begin(memory, world, again(memory, row.request), row.control)
-    sides = memory.choices.sides if isinstance(row.request, actions.Send | actions.Play) else row.sides
-    if row.sides and unreachable(memory, world, sides, row.control):
-        return []
     return begin(memory, world, again(memory, row.request), row.control)
 
 

@@ -156,7 +156,8 @@ def follow(memory: Memory, world: World) -> None:
         memory.connecting = memory.port_chosen = False
     place = (world.endpoint, world.seat)
     if memory.router not in (("", ""), place):
-        memory.standings, memory.lease_notice, memory.refusal, memory.undo = {}, None, None, ()
+        memory.standings, memory.lease_notice, memory.refusal = {}, None, None
+        memory.forget_arms()
     memory.router = place
 
 

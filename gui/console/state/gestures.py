@@ -63,9 +63,7 @@ def copy(memory: Memory, world: World, intent: CopyProgram) -> list[Action]:
 def play(memory: Memory, world: World, intent: Play) -> list[Action]:
     """Return the action that plays a gesture or a file with the checked robots."""
     sides, control = memory.choices.sides, CONTROL if intent.gesture else FILES
-    if unreachable(memory, world, sides, control):
-        return []
-    request = structs.replace(intent, row=NEW, sides=sides, lead_s=lead_of(memory, sides))
+    request = structs.replace(intent, sides=sides, lead_s=lead_of(memory, sides))
     return begin(memory, world, request, control)
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from datetime import datetime
+from pathlib import Path
 
-from beatrix_zenoh.client import Presence
 from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import (
     Command,
@@ -15,23 +15,17 @@ from beatrix_zenoh.contract._generated.messages import (
     PoseQuery,
     Reason,
 )
+from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, code_lines, other_seats
 from gui.console.state.actions import Govern, Outcome, Play, Send, SendStop
 from gui.console.state.memory import HistoryCache, Memory, Request, RequestRow
-from gui.console.state.refusals import sentence, side_of
+from gui.console.state.refusals import reason_of, sentence, side_of, told_by
 from gui.console.state.views import HistoryRowView
-from gui.console.state.world import SERVING, Trouble, World, troubles
+from gui.console.state.world import Trouble, World, news
 from gui.console.texts import Texts
 
 SHOWN = 100
 """Largest number of rows of the view."""
-BY_STOP = "STOP"
-"""part of the message of every motion that STOP has ended"""
-BY_STOP_HERE = "result.stop_pressed"
-STOP_UNREACHED = {
-    *(Reason.NO_ANSWER, Reason.NO_SUCH_ROBOT, Reason.NODE_LOST, Reason.NO_ROUTER, Reason.ACCESS_DENIED)
-}
-"""Reasons for which STOP or EMERGENCY_STOP has reached no robot; otherwise the robot did not confirm it. No robot refuses it."""
 STOPS = {Command.STOP.name, Command.EMERGENCY_STOP.name}
 GOOD, BAD, OPEN, REPLACED = "✓", "✕", "…", "–"
 
@@ -64,12 +58,10 @@ def _cached(
 def last(memory: Memory, world: World) -> str:
     """Return one line: a new error of a child program, else the last request with its outcome."""
     texts = memory.choices.texts
-    if (failed := _trouble(memory, world)) is not None:
-        key, trouble = failed
-        return texts(key, text=texts(trouble.key, code=trouble.code))
-    recording = world.recording
-    if recording is not None and not recording.running and recording.file != memory.recorded:
-        return texts("record.saved", file=str(recording.file))
+    for key, told in _news(memory, world):
+        if isinstance(told, Trouble):
+            return texts(key, text=texts(told.key, code=told.code))
+        return texts(key, file=str(told))
     if not memory.rows:
         return texts("last.none")
     row = memory.rows[-1]
@@ -83,24 +75,12 @@ def last(memory: Memory, world: World) -> str:
 
 def last_detail(memory: Memory, world: World) -> str:
     """Return the output of the program whose failure is the last line, in English; empty if it is no failure."""
-    failed = _trouble(memory, world)
-    return "" if failed is None else failed[1].detail
+    return "".join(told.detail for _, told in _news(memory, world)[:1] if isinstance(told, Trouble))
 
 
-def _trouble(memory: Memory, world: World) -> tuple[str, Trouble] | None:
-    """Return the first failure that is new since the newest request, and the key of its text; None if there is none.
-
-    A simulation that could not be started is none while another program, such as `beatrix up`, has started it.
-    """
-    serves = world.sim.presence is Presence.ONLINE
-    for key, trouble in troubles(world).items():
-        if (
-            trouble is not None
-            and trouble != memory.troubles.get(key)
-            and not (serves and trouble.key in SERVING)
-        ):
-            return key, trouble
-    return None
+def _news(memory: Memory, world: World) -> list[tuple[str, Trouble | Path]]:
+    """Return what has happened since the newest request, the most important first, by the key of its text."""
+    return [(key, told) for key, told in news(world).items() if told != memory.news.get(key)]
 
 
 def row_view(row: RequestRow, world: World, texts: Texts) -> HistoryRowView:
@@ -158,17 +138,15 @@ def _foreign_result(
         return texts(key, seconds=float(newest.duration)), True
     text = sentence(newest.reason, newest.detail, newest.message, texts)
     if newest.action in STOPS:
-        return _stop_missed(newest.reason, [texts(f"side.{group.side}")], text, texts)
-    return failure(newest.reason, text, texts, began=group.ended)
+        return texts("result.stop_missed", robots=texts(f"side.{group.side}"), text=text), False
+    return failure(newest.reason, text, texts, began=group.ended), False
 
 
-def failure(reason: Reason, text: str, texts: Texts, *, began: bool) -> tuple[str, bool | None]:
-    """Return the result, and False, of a request that was refused or, if `began`, did not reach its goal."""
+def failure(reason: Reason, text: str, texts: Texts, *, began: bool) -> str:
+    """Return the result of a request that was refused or, if `began`, did not reach its goal."""
     if reason is Reason.REPLACED:
-        return texts("result.replaced"), False
-    if began and reason is Reason.STOPPED:
-        return texts("result.stopped"), False
-    return texts("result.ended" if began else "result.refused", text=text), False
+        return texts("result.replaced")
+    return texts("result.ended" if began else "result.refused", text=text)
 
 
 def symbol(good: bool | None) -> str:  # noqa: FBT001  # a result, not an option
@@ -192,7 +170,7 @@ def result(row: RequestRow, texts: Texts) -> tuple[str, bool | None]:
     """Return the result of a request as text, and whether it succeeded (None: it has not ended)."""
     bad = [outcome for outcome in row.outcomes.values() if not outcome.accepted]
     if bad:
-        return _bad(row, bad, texts)
+        return _bad(row, bad, texts), False
     longest_s = float(max((outcome.duration_s for outcome in row.outcomes.values()), default=0.0))
     robots = sum(outcome.robots for outcome in row.outcomes.values())
     if row.ended and robots > 1:
@@ -206,46 +184,29 @@ def result(row: RequestRow, texts: Texts) -> tuple[str, bool | None]:
     return texts("result.accepted_plain"), None
 
 
-def _bad(row: RequestRow, bad: list[Outcome], texts: Texts) -> tuple[str, bool | None]:
-    """Return the cause of a failure as text, and False.
+def _bad(row: RequestRow, bad: list[Outcome], texts: Texts) -> str:
+    """Return the cause of a failure.
 
     If one robot refuses, the window stops the other robot; that STOP is not the cause.
     """
     worst = next((outcome for outcome in bad if outcome.reason is not Reason.STOPPED), bad[0])
-    text, side = sentence(worst.reason, worst.detail, worst.message, texts), side_of(worst)
-    if worst.key:
-        text = texts(worst.key, **worst.slots)
     if done := worst.robots - len(worst.failed):
-        robots = ", ".join(worst.failed)
         slots = {"done": float(done), "count": float(worst.robots)}
-        return texts("result.done_partly", robots=robots, text=text, **slots), False
-    if isinstance(row.request, SendStop):
-        missed = {side_of(outcome) for outcome in bad} - {""} or {"sim", "hw"}
-        sides = [texts(f"side.{name}") for name in ("sim", "hw") if name in missed]
-        return _stop_missed(worst.reason, [*worst.failed] or sides, text, texts)
-    if worst.failed:
-        text = texts("of.robots", robots=", ".join(worst.failed), text=text)
-    elif side and len(row.sides) > 1:
-        text = texts("of.side", side=texts(f"side.{side}"), text=text)
+        return texts("result.done_partly", text=told_by(worst, (), texts), **slots)
+    if isinstance(row.request, SendStop):  # no robot refuses STOP
+        missed = {side_of(outcome) for outcome in bad} - {""} or {*SIDES}
+        robots = worst.failed or [texts(f"side.{side}") for side in SIDES if side in missed]
+        return texts("result.stop_missed", robots=", ".join(robots), text=reason_of(worst, texts))
     if row.dropped and worst.reason is Reason.STOPPED:
-        return texts("result.aborted" if row.aborted else "result.stopped"), False
+        return texts(f"result.{row.dropped}")
     began = worst.side in row.accepted or "" in row.accepted
-    by_stop = BY_STOP in worst.message or worst.key == BY_STOP_HERE
-    if began and worst.reason is Reason.STOPPED and not by_stop:  # the window has ended it, for this reason
-        return texts("result.ended", text=text), False
-    return failure(worst.reason, text, texts, began=began)
-
-
-def _stop_missed(reason: Reason, robots: list[str], text: str, texts: Texts) -> tuple[str, bool | None]:
-    """Return the result, and False, of a STOP that some robots have not carried out."""
-    key = "result.stop_unreached" if reason in STOP_UNREACHED else "result.stop_unconfirmed"
-    return texts(key, robots=", ".join(robots), text=text), False
+    return failure(worst.reason, told_by(worst, row.sides, texts), texts, began=began)
 
 
 def _ended_on_purpose(row: RequestRow) -> bool:
     """Return whether a newer motion of this window has replaced a request, or the user has aborted it."""
     bad = [outcome.reason for outcome in row.outcomes.values() if not outcome.accepted]
-    aborted = {Reason.REPLACED, *([Reason.STOPPED] if row.aborted else [])}
+    aborted = {Reason.REPLACED, *([Reason.STOPPED] if row.dropped == "aborted" else [])}
     return bool(bad) and set(bad) <= aborted
 
 

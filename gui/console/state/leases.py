@@ -9,9 +9,9 @@ from typing import Final
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import views
-from gui.console.state.actions import Action, AskLease, Govern
+from gui.console.state.actions import NEW, Action, AskLease, Govern
 from gui.console.state.intents import DismissNotice
-from gui.console.state.memory import Memory, Notice, RequestRow, Standing, unreachable
+from gui.console.state.memory import Memory, Notice, Standing
 from gui.console.state.motions import Handles, begin
 from gui.console.state.views import BannerView, ButtonView
 from gui.console.state.world import World, online, silent
@@ -134,10 +134,9 @@ def _is_frozen(world: World, side: str) -> bool:
 
 def ask(memory: Memory, world: World, intent: AskLease) -> list[Action]:
     """Hide the notice and return the action of a lease query; none if the robot is unreachable."""
-    if unreachable(memory, world, (intent.side,), CONTROL):
-        return []
-    memory.lease_notice = None
-    return begin(memory, world, intent, CONTROL)
+    begun = begin(memory, world, intent, CONTROL)
+    memory.lease_notice = None if begun else memory.lease_notice
+    return begun
 
 
 def dismiss(memory: Memory, _world: World, _intent: DismissNotice) -> list[Action]:
@@ -156,8 +155,7 @@ def give_back_all(memory: Memory, world: World) -> list[Action]:
     memory.standings, memory.lease_notice = {}, None
     if not places:
         return []
-    request = Govern(memory.next_row(), LeaseAction.GIVE_BACK, places)
-    return memory.add_row(RequestRow(request, CONTROL, world.wall_s, before={}))
+    return begin(memory, world, Govern(NEW, LeaseAction.GIVE_BACK, places), CONTROL)
 
 
 HANDLES: Handles = {AskLease: ask, DismissNotice: dismiss}

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.client.degrees import ArmAngles
-from beatrix_zenoh.contract._generated.messages import Detail, Reason
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions
-from gui.console.state.actions import Action, Outcome
+from gui.console.state.actions import NEW, Action, Outcome
 from gui.console.state.saved import Choices, SavedPose
 from gui.console.state.views import CodeView, HistoryRowView
 from gui.console.state.world import LinkPhase, Trouble, World, online
@@ -20,9 +20,9 @@ KEPT = 200
 """Largest number of rows of the history."""
 Motion = actions.Send | actions.Play | actions.FollowFace
 """Actions that move robots until they end."""
-Request = (Motion | actions.SendCommand | actions.AskLease | actions.MakeReady) | (
-    actions.SendStop | actions.Govern | actions.WriteFile | actions.CopyProgram
-)
+ToRobots = Motion | actions.SendCommand | actions.AskLease | actions.MakeReady
+"""Actions that are sent only if their robots are online."""
+Request = ToRobots | actions.SendStop | actions.Govern | actions.WriteFile | actions.CopyProgram
 """Actions with a row in the history."""
 
 
@@ -51,10 +51,8 @@ class RequestRow:
     """by side: set point of the arms at the time of the request (deg), if it was known and this is a motion"""
     undoes: bool = False
     """whether this request undoes a motion"""
-    dropped: bool = False
-    """whether this window has aborted or stopped the request"""
-    aborted: bool = False
-    """whether it was dropped by Abort or Change, not by STOP"""
+    dropped: str = ""
+    """whether this window has ended the request: `stopped`, or `aborted` by Abort or Change; empty: it has not"""
     outcomes: Mapping[str, Outcome] = field(default_factory=dict)
     """the newest outcome of each robot"""
     accepted: frozenset[str] = frozenset()
@@ -87,17 +85,10 @@ class Refusal:
     """The shown refusal as data, so that its sentence can be made in the chosen language."""
 
     control: str
-    key: str = ""
-    """a text of the faces, for a refusal of the window itself; empty: a robot has refused"""
-    slots: Mapping[str, str | float] = field(default_factory=dict)
-    reason: Reason = Reason.OK
-    message: str = ""
-    detail: Detail | None = None
-    side: str = ""
-    robots: tuple[str, ...] = ()
-    """the robots that refused, if the request was sent to several"""
+    outcome: Outcome
+    """has the key of a text if the window itself refuses"""
     request: Request | None = None
-    """the refused request"""
+    """the refused request; None: it was not sent"""
     seen: bool = False
     """whether a robot that refused was seen not to be ready since"""
 
@@ -156,11 +147,7 @@ class Memory:
     """oldest first"""
     numbers: int = 0
     """number of the newest row"""
-    undo: tuple[tuple[int, Mapping[str, ArmAngles]], ...] = ()
-    """row of each accepted motion, and by side the arms (deg) before it; oldest first"""
     refusal: Refusal | None = None
-    recorded: Path | None = None
-    """file of the last recording at the newest request; it is no longer shown"""
     live_row: int | None = None
     """row of the motions that follow the present drag of the head; None: none, not positive: it has ended, see `sending`"""
     held_row: int | None = None
@@ -173,19 +160,14 @@ class Memory:
     """whether the user has chosen a port in it"""
     router: tuple[str, str] = ("", "")
     """endpoint and seat of the window at the last call of `connecting.follow`"""
-    troubles: Mapping[str, Trouble | None] = field(default_factory=dict)
-    """`world.troubles` at the newest request; they are no longer shown"""
+    news: Mapping[str, Trouble | Path] = field(default_factory=dict)
+    """`world.news` at the newest request; they are no longer shown"""
     standings: Mapping[Place, Standing] = field(default_factory=dict)
     """leases of both robots of the shown name at the last call of `leases.follow`"""
     lease_notice: Notice | None = None
     """a sentence about a lease that this seat gained or lost; None: nothing new"""
     history_cache: HistoryCache = field(default_factory=HistoryCache)
     code_cache: CodeCache = field(default_factory=CodeCache)
-
-    def next_row(self) -> int:
-        """Return the number of a new row."""
-        self.numbers += 1
-        return self.numbers
 
     def row(self, number: int) -> RequestRow | None:
         """Return the row of this number; None if the history no longer contains it."""
@@ -197,11 +179,13 @@ class Memory:
         self.refusal = None
         return [row.request]
 
-    def mark_dropped(self, *, aborted: bool = False) -> None:
+    def mark_dropped(self, how: str = "stopped") -> None:
         """Mark all unfinished requests as stopped or aborted by this window."""
-        self.rows = tuple(
-            row if row.ended else replace(row, dropped=True, aborted=aborted) for row in self.rows
-        )
+        self.rows = tuple(row if row.ended else replace(row, dropped=how) for row in self.rows)
+
+    def forget_arms(self) -> None:
+        """Forget where the arms were before each motion, because they belong to another robot."""
+        self.rows = tuple(replace(row, before={}) for row in self.rows)
 
     def replace_row(self, changed: RequestRow) -> None:
         """Replace the row of the same number."""
@@ -209,7 +193,13 @@ class Memory:
 
     def refuse(self, control: str, key: str, **slots: str | float) -> list[Action]:
         """Show why nothing was sent; return an empty list of actions."""
-        self.refusal = Refusal(control, key, slots)
+        self.refusal = Refusal(control, Outcome(NEW, "", accepted=False, done=True, key=key, slots=slots))
+        return []
+
+    def refuse_error(self, control: str, error: BeatrixError) -> list[Action]:
+        """Show the error because of which nothing was sent; return an empty list of actions."""
+        why = (error.reason, error.message, error.detail)
+        self.refusal = Refusal(control, Outcome(NEW, "", False, True, *why))  # noqa: FBT003  # refused, the end
         return []
 
 

@@ -142,7 +142,7 @@ class Guide:
         if self._waited_s < EARLY_S or phase is PlanPhase.LEADING:
             return False
         motions = [row for row in rows if isinstance(row.request, Send)]
-        return bool(motions) and (motions[-1].aborted or phase is PlanPhase.SENT)
+        return bool(motions) and (motions[-1].dropped == "aborted" or phase is PlanPhase.SENT)
 
 
 def _is_aimed(memory: Memory, world: World) -> bool:

@@ -11,10 +11,10 @@ from msgspec import structs
 from beatrix_zenoh.client.degrees import ArmAngles, head_angles, motion_query, pose_query
 from beatrix_zenoh.contract._generated.messages import Head, MotionQuery, PoseQuery
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.state.actions import NEW, Action, AskLease, Govern, Play, Send
+from gui.console.state.actions import NEW, Action, Play, Send, SendStop
 from gui.console.state.intents import HeadOrientation, Intent
-from gui.console.state.memory import Memory, Motion, Refusal, Request, RequestRow, unreachable
-from gui.console.state.world import World, commanded, troubles
+from gui.console.state.memory import Memory, Motion, Request, RequestRow, ToRobots, sides_of, unreachable
+from gui.console.state.world import World, commanded, news
 
 Query = MotionQuery | PoseQuery
 Handles = Mapping[type[Intent], Callable[[Memory, World, Never], list[Action]]]
@@ -61,13 +61,10 @@ def _send(
     *,
     undoes: bool = False,
 ) -> list[Action]:
-    if unreachable(memory, world, sides, control):
-        return []
     try:
-        request = Send(memory.next_row(), query(), sides, lead_of(memory, sides))
+        request = Send(NEW, query(), sides, lead_of(memory, sides))
     except WrongUsage as error:  # a number outside the range of the message
-        memory.refusal = Refusal(control, reason=error.reason, message=error.message, detail=error.detail)
-        return []
+        return memory.refuse_error(control, error)
     return begin(memory, world, request, control, undoes=undoes)
 
 
@@ -82,24 +79,25 @@ def lead_of(memory: Memory, sides: tuple[str, ...]) -> float:
 
 
 def again(memory: Memory, request: Request) -> Request:
-    """Return the request in a new row; a motion goes to the checked robots, with the present lead."""
-    row, sides = memory.next_row(), memory.choices.sides
+    """Return the request as a new one; a motion goes to the checked robots, with the present lead."""
     if isinstance(request, Send | Play):
-        return structs.replace(request, row=row, sides=sides, lead_s=lead_of(memory, sides))
-    return structs.replace(request, row=row)
+        sides = memory.choices.sides
+        return structs.replace(request, row=NEW, sides=sides, lead_s=lead_of(memory, sides))
+    return structs.replace(request, row=NEW)
 
 
 def begin(
     memory: Memory, world: World, request: Request, control: str, *, undoes: bool = False
 ) -> list[Action]:
-    """Add a request to the history and return its action; a NEW one gets the number of its row."""
-    if request.row == NEW:
-        request = structs.replace(request, row=memory.next_row())
-    memory.troubles = troubles(world)
-    memory.recorded = None if world.recording is None else world.recording.file
+    """Number a request, add it to the history and return its action; none if it cannot reach its robots."""
+    if isinstance(request, ToRobots) and unreachable(memory, world, sides_of(request), control):
+        return []
+    memory.numbers += 1
+    request = structs.replace(request, row=memory.numbers)
+    memory.news = news(world)
     looks = isinstance(request, Send) and isinstance(request.query, PoseQuery)
-    if not looks and not isinstance(request, AskLease | Govern):
-        # The target of the pad is out of date after another request, so it follows the head again.
+    if isinstance(request, Motion | SendStop) and not looks:
+        # The target of the pad is out of date, so it follows the head again.
         memory.choices = structs.replace(memory.choices, target=None)
     return memory.add_row(RequestRow(request, control, world.wall_s, _before(world, request), undoes))
 

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Final, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import gestures, intents, sequence
-from gui.console.state.actions import Action, MakeReady, Outcome, SendCommand
+from gui.console.state.actions import Action, MakeReady, SendCommand
 from gui.console.state.memory import Memory, Request, RequestRow
 from gui.console.state.motions import Handles, lead_of, send_arms
 from gui.console.state.views import PosesView, button
 from gui.console.state.world import World, commanded
 
 CONTROL = "commands"
-UNDO_KEPT: Final = 50
 
 
 def view(memory: Memory, world: World) -> PosesView:
@@ -72,8 +71,8 @@ def play(memory: Memory, world: World, _intent: intents.PlayPoses) -> list[Actio
 class WayBack(NamedTuple):
     """What *Undo* does now."""
 
-    row: int
-    """row of the motion that it undoes"""
+    row: RequestRow
+    """the motion that it undoes"""
     sides: tuple[str, ...]
     """the checked robots that made that motion"""
     arms: ArmAngles
@@ -84,11 +83,15 @@ def way_back(memory: Memory) -> WayBack | None:
     """Return how the newest motion of a checked robot is undone; None if there is none.
 
     Robots that did not make the motion stay where they are. If both made it from different places, both go to that of
-    the hardware: it gets no pose that only the simulation had, and both go there with preview and lead.
+    the hardware: it gets no pose that only the simulation had, and both go there with preview and lead. Angles are
+    counted from home, so nothing is undone that is older than a request that may have changed home.
     """
-    for number, before in reversed(memory.undo):
-        if sides := tuple(side for side in memory.choices.sides if side in before):
-            return WayBack(number, sides, before[sides[-1]])
+    for row in reversed(memory.rows):
+        if row.accepted and sets_home(row.request):
+            return None
+        sides = tuple(side for side in memory.choices.sides if side in row.before)
+        if row.accepted and not row.undoes and sides:
+            return WayBack(row, sides, row.before[sides[-1]])
     return None
 
 
@@ -98,30 +101,10 @@ def undo(memory: Memory, world: World, _intent: intents.Undo) -> list[Action]:
     if found is None:
         return memory.refuse(CONTROL, "off.no_undo")
     actions = send_arms(memory, world, found.arms, CONTROL, undoes=True, sides=found.sides)
-    if actions:
-        memory.undo = tuple(
-            (number, rest)
-            for number, before in memory.undo
-            if (rest := before if number != found.row else _without(before, found.sides))
-        )
+    if actions:  # so that each robot goes further back at the next press
+        rest = {side: arms for side, arms in found.row.before.items() if side not in found.sides}
+        memory.replace_row(replace(found.row, before=rest))
     return actions
-
-
-def _without(before: Mapping[str, ArmAngles], sides: tuple[str, ...]) -> dict[str, ArmAngles]:
-    return {side: arms for side, arms in before.items() if side not in sides}
-
-
-def note_accepted(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
-    """Add a motion to the undo list when the first robot accepts it.
-
-    Angles are counted from home, so a request that may change home clears the list.
-    """
-    if not outcome.accepted or row.accepted:
-        return
-    if sets_home(row.request):
-        memory.undo = ()
-    elif row.before and not row.undoes:
-        memory.undo = (*memory.undo, (row.number, row.before))[-UNDO_KEPT:]
 
 
 def sets_home(request: Request) -> bool:

@@ -13,22 +13,20 @@ from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.client.motion_file import COLUMNS, HEAD, SPEED, TIME, WrongLine
 from beatrix_zenoh.contract._generated.messages import (
     Alternative,
-    Command,
     Detail,
-    LeaseAction,
     MotionQuery,
     PoseQuery,
     Reason,
     Vector3,
 )
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.state.actions import Action, AskLease, MakeReady, Outcome, Play, Send, SendCommand
+from gui.console.state.actions import Action, Outcome, Play, Send
 from gui.console.state.intents import AimHead, Choose, DismissRefusal, Intent, SetDuration, TakeAlternative
-from gui.console.state.memory import Memory, Refusal, Request, RequestRow, unreachable
+from gui.console.state.memory import Memory, Refusal, Request, RequestRow
 from gui.console.state.memory import sides_of as sides_of_request
 from gui.console.state.motions import Handles, again, begin, head_of
-from gui.console.state.pills import MAKE_READY, NEXT_STEPS, WAIT, finding
-from gui.console.state.views import ButtonView, Condition, RefusalView, button
+from gui.console.state.pills import MAKE_READY, NEXT_STEPS, WAIT, finding, next_step_button
+from gui.console.state.views import ButtonView, Condition, RefusalView
 from gui.console.state.world import World
 from gui.console.texts import Texts
 
@@ -45,15 +43,23 @@ def at(memory: Memory, controls: tuple[str, ...]) -> RefusalView | None:
     refusal = memory.refusal
     if refusal is None or refusal.control not in controls:
         return None
-    texts = memory.choices.texts
-    text = sentence(refusal.reason, refusal.detail, refusal.message, texts)
-    if refusal.key:
-        text = texts(refusal.key, **refusal.slots)
-    elif refusal.robots:
-        text = texts("of.robots", robots=", ".join(refusal.robots), text=text)
-    elif refusal.side and isinstance(refusal.request, Send | SendCommand) and len(refusal.request.sides) > 1:
-        text = texts("of.side", side=texts(f"side.{refusal.side}"), text=text)
-    return RefusalView(refusal.control, text, _button(refusal, texts))
+    texts, sides = memory.choices.texts, () if refusal.request is None else sides_of_request(refusal.request)
+    return RefusalView(refusal.control, told_by(refusal.outcome, sides, texts), _button(refusal, texts))
+
+
+def told_by(outcome: Outcome, sides: tuple[str, ...], texts: Texts) -> str:
+    """Return why a request to these sides failed, with the robots if it was sent to several."""
+    text, side = reason_of(outcome, texts), side_of(outcome)
+    if outcome.failed:
+        return texts("of.robots", robots=", ".join(outcome.failed), text=text)
+    return texts("of.side", side=texts(f"side.{side}"), text=text) if side and len(sides) > 1 else text
+
+
+def reason_of(outcome: Outcome, texts: Texts) -> str:
+    """Return why a request failed."""
+    if outcome.key:
+        return texts(outcome.key, **outcome.slots)
+    return sentence(outcome.reason, outcome.detail, outcome.message, texts)
 
 
 def sentence(reason: Reason, detail: Detail | None, message: str, texts: Texts) -> str:
@@ -97,17 +103,7 @@ def record(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
     wanted = row.dropped and outcome.reason is Reason.STOPPED
     if outcome.accepted or ended_elsewhere or wanted or outcome.reason in (Reason.OK, Reason.REPLACED):
         return
-    memory.refusal = Refusal(
-        row.control,
-        outcome.key,
-        outcome.slots,
-        reason=outcome.reason,
-        message=outcome.message,
-        detail=outcome.detail,
-        side=side_of(outcome),
-        robots=outcome.failed,
-        request=row.request,
-    )
+    memory.refusal = Refusal(row.control, outcome, row.request)
 
 
 def side_of(outcome: Outcome) -> str:
@@ -128,7 +124,7 @@ def hide_answered(memory: Memory, intent: Intent) -> None:
     # The refusal of Live stays until the release.
     dragged = memory.live_row is not None and memory.live_row < 0
     aimed = isinstance(intent, AimHead) and refusal.control == "head" and not dragged
-    if aimed or (isinstance(intent, Choose) and intent.name in MODES and refusal.key):
+    if aimed or (isinstance(intent, Choose) and intent.name in MODES and refusal.outcome.key):
         memory.refusal = None
 
 
@@ -139,48 +135,37 @@ def dismiss(memory: Memory, _world: World, _intent: DismissRefusal) -> list[Acti
 
 
 def take_alternative(memory: Memory, world: World, _intent: TakeAlternative) -> list[Action]:
-    """Return the actions that send the alternative or next step of the shown refusal; none if it has neither."""
+    """Return the action that sends the alternative of the shown refusal; none if it has none."""
     refusal = memory.refusal
-    if refusal is None:
+    request = None if refusal is None else _alternative_request(refusal)
+    if refusal is None or request is None:
         return []
-    request = _alternative_request(refusal)
-    if isinstance(request, Send):
-        if unreachable(memory, world, memory.choices.sides, refusal.control):
-            return []
-        if refusal.control == "head":
-            head = head_of(request.query) if isinstance(request.query, PoseQuery) else None
-            memory.choices = msgspec.structs.replace(memory.choices, target=head)
-        return begin(memory, world, again(memory, request), refusal.control)
-    actions: list[Action] = []
-    next_step, target = next_step_of(refusal), memory.choices.target
-    for side in sides_of(refusal) if next_step else ():
-        if unreachable(memory, world, (side,), refusal.control):
-            return actions
-        step = _next_step_request(next_step, side, memory)
-        actions += begin(memory, world, step, refusal.control)
-    # The target was refused, so the user will send it again.
-    memory.choices = msgspec.structs.replace(memory.choices, target=target)
+    actions = begin(memory, world, again(memory, request), refusal.control)
+    if actions and isinstance(request.query, PoseQuery):
+        memory.choices = msgspec.structs.replace(memory.choices, target=head_of(request.query))
     return actions
 
 
 def _button(refusal: Refusal, texts: Texts) -> ButtonView | None:
-    if refusal.key == "cannot.too_short":
-        longer = SetDuration(str(refusal.slots["name"]), float(refusal.slots["shortest"]))
-        return ButtonView(texts("alternative.duration", **refusal.slots), texts("tip.duration"), longer)
+    if refusal.outcome.key == "cannot.too_short":
+        slots = refusal.outcome.slots
+        longer = SetDuration(str(slots["name"]), float(slots["shortest"]))
+        return ButtonView(texts("alternative.duration", **slots), texts("tip.duration"), longer)
     request = _alternative_request(refusal)
     if request is not None and refusal.request is not None:
         text = _alternative_text(request, refusal.request, texts)
         return ButtonView(text, texts("alternative.tip"), TakeAlternative())
-    next_step = next_step_of(refusal)
-    if not next_step or not sides_of(refusal):
+    step, sides = next_step_of(refusal), sides_of(refusal)
+    if not step or not sides:
         return None
-    return button(texts, f"next.{NEXT_STEPS[next_step]}", TakeAlternative())
+    checked = len(sides) > 1 and step != WAIT
+    return next_step_button(step, "" if checked else sides[0], texts)
 
 
 def next_step_of(refusal: Refusal) -> str:
     """Return the first required step, a key of `pills.NEXT_STEPS`; empty if no button can do it."""
-    detail = refusal.detail
-    if refusal.reason is Reason.NOT_HOLDER and detail is not None and detail.value is None:
+    detail = refusal.outcome.detail
+    if refusal.outcome.reason is Reason.NOT_HOLDER and detail is not None and detail.value is None:
         return WAIT  # another seat holds the robot; with a `value`, a lease of this seat has ended
     needs = [] if detail is None else detail.needs
     if needs[:2] == ["ENABLE", "CALIBRATE"] and sides_of(refusal) == ("sim",):
@@ -190,23 +175,16 @@ def next_step_of(refusal: Refusal) -> str:
 
 def sides_of(refusal: Refusal) -> tuple[str, ...]:
     """Return the robots that refused."""
-    if refusal.side or refusal.request is None:
-        return (refusal.side,) if refusal.side else ()
+    side = side_of(refusal.outcome)
+    if side or refusal.request is None:
+        return (side,) if side else ()
     return sides_of_request(refusal.request)
-
-
-def _next_step_request(next_step: str, side: str, memory: Memory) -> MakeReady | SendCommand | AskLease:
-    row = memory.next_row()
-    if next_step == MAKE_READY:
-        return MakeReady(side, row)
-    if next_step == WAIT:
-        return AskLease(LeaseAction.WAIT, side, row)
-    return SendCommand(row, Command[next_step], value=True, sides=(side,))
 
 
 def _alternative_request(refusal: Refusal) -> Send | None:
     """Return the refused motion with the alternative that would be accepted; None if there is none."""
-    other = None if refusal.detail is None else refusal.detail.alternative
+    detail = refusal.outcome.detail
+    other = None if detail is None else detail.alternative
     if other is None or not isinstance(refusal.request, Send):
         return None
     query = alternative_query(refusal.request.query, other)

@@ -14,7 +14,7 @@ from beatrix_zenoh.contract._generated.messages import PoseQuery, Reason
 from beatrix_zenoh.contract._generated.robot import LimitsData
 from beatrix_zenoh.motion.limits import region
 from gui.console.state import gestures, intents, motions, refusals
-from gui.console.state.actions import Abort, Action, Outcome, Send, SendNow
+from gui.console.state.actions import NEW, Abort, Action, Outcome, Send, SendNow
 from gui.console.state.intents import AimHead, Change, Choose, HeadOrientation, LiveHead, SendHead
 from gui.console.state.memory import Memory, unreachable
 from gui.console.state.sequence_timing import limits_of
@@ -173,7 +173,7 @@ def end_lead(memory: Memory, world: World, intent: SendNow | Change | Abort) -> 
     path = world.plan.path
     if isinstance(intent, Change) and path is not None and path.head:
         memory.choices = structs.replace(memory.choices, target=HeadOrientation(*path.head[-1]))
-    memory.mark_dropped(aborted=True)
+    memory.mark_dropped("aborted")
     return [Abort()]
 
 
@@ -197,7 +197,7 @@ def _drag(memory: Memory, limits: LimitsData) -> DragView:
     if refusal is not None and isinstance(request, Send) and isinstance(request.query, PoseQuery):
         query = request.query
         refused = motions.head_of(query)
-        reason = choices.texts(REASONS.get(refusal.reason, "refused.other"))
+        reason = choices.texts(REASONS.get(refusal.outcome.reason, "refused.other"))
     return DragView(choices.live, border_deg(limits.tilt_max, limits.gap_min), refused, reason)
 
 
@@ -234,16 +234,16 @@ def _follow(memory: Memory, world: World) -> list[Action]:
     sides, target = ("sim",), memory.choices.target
     if target is None:
         return []
-    if unreachable(memory, world, sides, PAD):
-        memory.live_row = REFUSED
-        return []
     pitch, roll = _inside(world, target)
     query = pose_query(target.yaw, pitch, roll, relative=False, speed=memory.choices.speed)
     row = None if memory.live_row is None else memory.row(memory.live_row)
     if row is None:
-        request = Send(memory.next_row(), query, sides)
-        memory.live_row = request.row
-        return motions.begin(memory, world, request, PAD)
+        begun = motions.begin(memory, world, Send(NEW, query, sides), PAD)
+        memory.live_row = memory.rows[-1].number if begun else REFUSED
+        return begun
+    if unreachable(memory, world, sides, PAD):
+        memory.live_row = REFUSED
+        return []
     request = Send(row.number, query, sides)
     memory.replace_row(dataclasses.replace(row, request=request))
     return [request]

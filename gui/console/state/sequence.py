@@ -25,7 +25,7 @@ from gui.console.state.intents import (
     RenamePose,
     SetDuration,
 )
-from gui.console.state.memory import Memory, Refusal, RequestRow, unreachable
+from gui.console.state.memory import Memory, RequestRow, unreachable
 from gui.console.state.motions import Handles, begin
 from gui.console.state.refusals import wrong_file
 from gui.console.state.saved import DURATION_MAX_S, SavedPose
@@ -180,16 +180,11 @@ def _add(memory: Memory, world: World, _intent: intents.AddPose) -> list[Action]
         aim = None if target is None else HeadAngles(target.yaw, target.pitch, target.roll)
         arms = commanded(world, memory.choices.sides + STARTS["sim"]) if aim is None else timing.arms_of(aim)
     except BeatrixError as error:
-        return _refuse(memory, error)
+        return memory.refuse_error(CONTROL, error)
     if arms is None:
         return memory.refuse(CONTROL, "off.no_position")
     name = _free(memory.poses, f"{memory.choices.texts('sequence.auto_name')}-1")
     return change(memory, (*memory.poses, new_pose(memory, world, name, arms)))
-
-
-def _refuse(memory: Memory, error: BeatrixError) -> list[Action]:
-    memory.refusal = Refusal(CONTROL, reason=error.reason, message=error.message, detail=error.detail)
-    return []
 
 
 # -- playing ----------------------------------------------------------------------------------------
@@ -210,9 +205,9 @@ def play(memory: Memory, world: World, sides: tuple[str, ...], lead_s: float = 0
     if _refuse_short(memory, start, limits, loop=loop):
         return []
     request = _play(poses, sides, start, limits, loop=loop)
-    request = structs.replace(request, row=memory.next_row(), lead_s=lead_s)
-    memory.begun = (request.row, _rehearsal(memory, world)) if sides == ("sim",) else (0, ())
-    return begin(memory, world, request, CONTROL)
+    begun = begin(memory, world, structs.replace(request, lead_s=lead_s), CONTROL)
+    memory.begun = (memory.numbers, _rehearsal(memory, world)) if sides == ("sim",) else (0, ())
+    return begun
 
 
 def _play(
@@ -260,7 +255,7 @@ def _save(memory: Memory, world: World, intent: intents.SaveSequence) -> list[Ac
     if _refuse_short(memory, timing.HOME, limits, loop=loop):
         return []
     text = program_of(memory, world, limits) if intent.program else choreography_of(memory.poses, limits)
-    return begin(memory, world, WriteFile(memory.next_row(), intent.file, text), CONTROL)
+    return begin(memory, world, WriteFile(NEW, intent.file, text), CONTROL)
 
 
 def choreography_of(poses: tuple[SavedPose, ...], limits: LimitsData) -> str:
@@ -304,7 +299,7 @@ def _open(memory: Memory, world: World, intent: intents.OpenSequence) -> list[Ac
         key, reason = wrong_file(error, intent.file.name)
         return memory.refuse(CONTROL, key, **reason)
     except BeatrixError as error:
-        return _refuse(memory, error)
+        return memory.refuse_error(CONTROL, error)
     return change(memory, poses)
 
 

@@ -142,6 +142,5 @@ class State:
         if row is not None:
             sending.note_refusal(self._memory, outcome)
             refusals.record(self._memory, row, outcome)
-            poses.note_accepted(self._memory, row, outcome)
             sequence.note(self._memory, row, outcome)
             self._memory.replace_row(row.after(outcome))

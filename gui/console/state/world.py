@@ -239,7 +239,17 @@ def commanded(world: World, sides: tuple[str, ...]) -> ArmAngles | None:
     return None
 
 
-def troubles(world: World) -> dict[str, Trouble | None]:
-    """Return the failures of recording and child programs by the key of their text; None: no failure."""
-    recording = None if world.recording is None else world.recording.trouble
-    return {"record.trouble": recording, "child.trouble": world.child_trouble}
+def news(world: World) -> dict[str, Trouble | Path]:
+    """Return failures of recording and child programs, and a recording that has ended, by the key of their text.
+
+    A simulation that could not be started is none while another program, such as `beatrix up`, has started it.
+    """
+    found: dict[str, Trouble | Path] = {}
+    recording, failed = world.recording, world.child_trouble
+    if recording is not None and recording.trouble is not None:
+        found["record.trouble"] = recording.trouble
+    if failed is not None and not (world.sim.presence is Presence.ONLINE and failed.key in SERVING):
+        found["child.trouble"] = failed
+    if recording is not None and not recording.running:
+        found["record.saved"] = recording.file
+    return found
