@@ -10,7 +10,7 @@ from unittest.mock import MagicMock, create_autospec
 
 import pytest
 from golden import same
-from gui_worlds import absent, robot, status, world
+from gui_worlds import robot, state_after, status, world
 
 import beatrix_zenoh
 from beatrix_zenoh.client import Plan, Robot, Twin
@@ -30,10 +30,7 @@ SEQ = count(1)
 
 
 def newest(*given: Intent, now: World | None = None) -> HistoryRowView:
-    state, now = State(), now or world()
-    for intent in given:
-        state.handle(intent, now)
-    return state.view(now).history[0]
+    return state_after(*given, now=now).view(now or world()).history[0]
 
 
 # -- own rows ----------------------------------------------------------------------------------------
@@ -92,6 +89,7 @@ def test_a_stop_that_one_side_has_not_carried_out_is_not_called_refused(
 # -- lines -------------------------------------------------------------------------------------------
 
 OFF = RunCommand(Command.ENABLE, value=False)
+STOP = (intents.Stop(),)
 FILE = Play(0, (), Path("it's.csv"))
 POSES = (intents.SavePose("a"), intents.SavePose("b"), intents.PlayPoses())
 LOOKING = "yaw=20, pitch=-10, roll=0, speed=30"
@@ -104,7 +102,7 @@ LINES: list[tuple[tuple[Intent, ...], str]] = [
     ((BOTH, OFF), "twin.disable()"),
     ((BOTH, RunCommand(Command.CALIBRATE)), "twin.calibrate()"),
     ((RunCommand(Command.RESET, side="hw"),), "twin.hw.reset()"),
-    ((intents.Stop(),), "twin.stop()"),
+    (STOP, "twin.stop()"),
     ((MakeReady("hw"),), "twin.hw.make_ready()"),
     ((BOTH, FILE), 'play(twin, load("it\'s.csv"), lead_s=2)'),
     ((AskLease(LeaseAction.TAKE, "sim"),), "twin.sim.lease()"),
@@ -117,45 +115,35 @@ def test_a_row_is_copied_as_python(given: tuple[Intent, ...], python: str) -> No
     assert newest(*given).python == python
 
 
-def test_a_row_is_copied_as_a_whole_program_that_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+def code(*given: Intent, now: World | None = None) -> str:
+    """Return the program so far after these presses."""
+    return state_after(*given, now=now).view(now or world()).code.text
+
+
+def test_the_program_of_each_row_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     """The mocks accept only the calls of a real robot, with their arguments."""
-    twin, robot, play = (
-        create_autospec(Twin, instance=True),
-        create_autospec(Robot, instance=True),
-        MagicMock(),
-    )
+    twin, play = create_autospec(Twin, instance=True), MagicMock()
+    twin.sim = twin.hw = robot = create_autospec(Robot, instance=True)
     robot.lease = MagicMock()  # its decorator hides the signature
     for preview in (twin.preview, twin.preview_arms):
         preview.return_value = create_autospec(Plan, instance=True)
-    for name, kind in (("Twin", twin), ("Robot", robot)):
-        kind.__enter__.return_value = kind
-        monkeypatch.setattr(beatrix_zenoh, name, MagicMock(return_value=kind), raising=False)
+    twin.__enter__.return_value = twin
+    monkeypatch.setattr(beatrix_zenoh, "Twin", MagicMock(return_value=twin), raising=False)
     monkeypatch.setattr("beatrix_zenoh.client.choreography.play", play)
     monkeypatch.setattr("beatrix_zenoh.client.choreography.load", MagicMock())
-    for given in (
-        *(given for given, _ in LINES),
-        (*HW_ONLY, RunCommand(Command.HOME)),
-        POSES,
-        (BOTH, *POSES),
-    ):
+    presses = [given for given, _ in LINES if given != STOP]
+    for given in (*presses, (*HW_ONLY, RunCommand(Command.HOME)), POSES, (BOTH, *POSES)):
         for mock in (twin, robot, play):
             mock.reset_mock()
-        exec(compile(newest(*given).program, "copied.py", "exec"), {})
+        exec(compile(code(*given), "copied.py", "exec"), {})
         made = [call for mock in (twin, robot, play) for call in mock.mock_calls if "__" not in call[0]]
         assert made, given
 
 
 def test_a_program_has_router_and_seat_only_if_it_would_choose_others() -> None:
     away = replace(world(), endpoint="tcp/192.168.1.2:7447", who="anna")
-    assert newest(*HW_ONLY, *LOOK, now=away).program == (
-        "from beatrix_zenoh import Robot\n\n"
-        'with Robot("bea1", side="hw", connect="tcp/192.168.1.2:7447", who="anna") as robot:\n'
-        "    robot.look(yaw=20, pitch=-10, roll=0, speed=30)\n"
-    )
-
-
-def test_a_copied_stop_leaves_a_robot_out_that_is_not_online() -> None:
-    assert "\n    robot.stop()\n" in newest(intents.Stop(), now=world(hw=absent("hw"))).program
+    assert 'with Twin("bea1", connect="tcp/192.168.1.2:7447", who="anna") as twin:' in code(now=away)
+    assert 'with Twin("bea1") as twin:' in code()
 
 
 # -- other seats -------------------------------------------------------------------------------------
@@ -185,14 +173,6 @@ def test_a_motion_of_another_seat_is_one_row_from_accepted_to_done() -> None:
     begun = event(10)
     assert rows(begun) == [("ana", "look", "under way, takes 1.2 s", None)]
     assert rows(begun, event(11.2, phase=Phase.DONE)) == [("ana", "look", "done, 1.2 s", True)]
-
-
-def test_a_motion_of_another_seat_whose_end_does_not_come_is_not_under_way_for_ever() -> None:
-    """The router, and with it the event of the end, may be lost."""
-    state, lost = State(), robot("sim", known=status("sim"), events=(event(10),))
-    shown = [state.view(world(lost, wall_s=wall_s)).history[0].result for wall_s in (16.1, 17.1)]
-    assert shown == ["under way, takes 1.2 s", "its end was not seen"]
-    assert rows(event(10), event(30, phase=Phase.DONE), wall_s=40) == [("ana", "look", "done, 1.2 s", True)]
 
 
 def test_a_motion_of_both_robots_is_one_row_that_ends_with_the_later_robot() -> None:

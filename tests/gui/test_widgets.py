@@ -147,9 +147,9 @@ def test_a_row_of_the_history_is_sent_again_and_copied(window: Window, intents: 
     QTest.mouseClick(history.repeat, LEFT)
     assert intents() == [Repeat(row.row)]
     clipboard = present(QGuiApplication.clipboard())
-    assert row.program
+    assert row.python
     QTest.mouseClick(history.python, LEFT)
-    assert clipboard.text() == row.program
+    assert clipboard.text() == row.python
 
 
 DRAGS = {"nose down": (0, 1), "nose up": (0, -1), "right ear down": (1, 0), "left ear down": (-1, 0)}

@@ -13,7 +13,7 @@ from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state.actions import POSES, AskLease, MakeReady, Play, Send, SendCommand, SendStop
 from gui.console.state.memory import Request, sides_of
 from gui.console.state.views import CodeLine
-from gui.console.state.world import World, online
+from gui.console.state.world import World
 
 VERBS = {
     Command.ENABLE: "enable",
@@ -25,45 +25,19 @@ VERBS = {
 def program(lines: Sequence[CodeLine], world: World, title: str) -> tuple[CodeLine, ...]:
     """Return a whole program that runs these lines of `python` on the robot of the window.
 
-    `title` is the docstring of the program.
+    `title` is the docstring of the program. It names router and seat only if it would choose others by itself.
     """
     calls = [line.text for line in lines if not line.text.startswith("#")]
-    head = [f'"""{title}"""', "", *_beginning(calls, world)]
-    body = lines if calls else [*lines, CodeLine("pass")]
-    return (*map(CodeLine, head), *(CodeLine(f"    {line.text}", line.row) for line in body))
-
-
-def whole_program(request: Request, world: World) -> str:
-    """Return a program that sends the request to the robot shown and runs as it is; empty if there is none."""
-    sides = sides_of(request)
-    if isinstance(request, SendStop):  # `Twin.stop` raises the error of a robot that is not online
-        sides = tuple(side for side in SIDES if online(world, side)) or SIDES
-    side = sides[0] if len(sides) == 1 else ""
-    lines = python(request, "robot" if side else "twin").splitlines()
-    if not lines:
-        return ""
-    return "\n".join((*_beginning(lines, world, side), *(f"    {line}" for line in lines), ""))
-
-
-def _beginning(calls: Sequence[str], world: World, side: str = "") -> list[str]:
-    """Return the imports that calls need, and the line that opens the robots."""
-    imports = ["import time", ""] if any("time.sleep(" in call for call in calls) else []
-    imports.append(f"from beatrix_zenoh import {'Robot' if side else 'Twin'}")
-    plays = {word for call in calls for word in ("ArmPose", "Choreography", "load") if f"{word}(" in call}
+    imports = ["from beatrix_zenoh import Twin"]
     if any(call.lstrip().startswith("play(") for call in calls):
+        plays = {word for call in calls for word in ("ArmPose", "Choreography", "load") if f"{word}(" in call}
         imports.append(f"from beatrix_zenoh.client.choreography import {', '.join((*sorted(plays), 'play'))}")
-    return [*imports, "", _opening(world, side)]
-
-
-def _opening(world: World, side: str) -> str:
-    """Return the line that opens both robots shown as `twin` or, with a side, one of them as `robot`.
-
-    It contains router and seat only if a program would choose others by itself.
-    """
-    words = [f'"{world.robot}"', *([f'side="{side}"'] if side else [])]
+    words = [f'"{world.robot}"']
     words += [f'connect="{world.endpoint}"'] if world.endpoint != DEFAULT_ENDPOINT else []
     words += [f'who="{world.who}"'] if world.who else []
-    return f"with {'Robot' if side else 'Twin'}({', '.join(words)}) as {'robot' if side else 'twin'}:"
+    head = [f'"""{title}"""', "", *imports, "", f"with Twin({', '.join(words)}) as twin:"]
+    body = lines if calls else [*lines, CodeLine("pass")]
+    return (*map(CodeLine, head), *(CodeLine(f"    {line.text}", line.row) for line in body))
 
 
 def python(request: Request, variable: str = "twin", *, once: bool = False) -> str:

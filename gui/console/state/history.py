@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from datetime import datetime
+from functools import lru_cache
 from pathlib import Path
 
 from beatrix_zenoh.client.degrees import arm_angles
@@ -18,7 +19,7 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, code_lines, other_seats
 from gui.console.state.actions import Govern, Outcome, Play, Send, SendStop
-from gui.console.state.memory import HistoryCache, Memory, Request, RequestRow
+from gui.console.state.memory import Memory, Request, RequestRow
 from gui.console.state.refusals import reason_of, sentence, side_of, told_by
 from gui.console.state.views import HistoryRowView
 from gui.console.state.world import Trouble, World, news
@@ -26,33 +27,22 @@ from gui.console.texts import Texts
 
 SHOWN = 100
 """Largest number of rows of the view."""
+SYMBOLS = {True: "✓", False: "✕", None: "…"}
 STOPS = {Command.STOP.name, Command.EMERGENCY_STOP.name}
-GOOD, BAD, OPEN, REPLACED = "✓", "✕", "…", "–"
 
 
 def view(memory: Memory, world: World) -> tuple[HistoryRowView, ...]:
-    """Return the rows of this window and of other seats, newest first; unchanged rows come from the cache."""
-    cache, texts = memory.history_cache, memory.choices.texts
-    context = (world.seat, world.session, world.robot, world.names, world.endpoint, world.who, texts.code)
-    made_from = (memory.rows, world.sim.events, world.hw.events, int(world.wall_s))
-    if cache.context != context:
-        cache = memory.history_cache = HistoryCache(context)
-    if cache.made_from != made_from:
-        cache.own = {row.number: _cached(cache, row, world, texts) for row in memory.rows[-SHOWN:]}
-        others = (
-            (group.began_s, _foreign(group, world.wall_s, texts)) for group in other_seats.groups(world)
-        )
-        both = [*others, *((row.began_s, seen) for row, seen in cache.own.values())]
-        newest_last = sorted(both, key=lambda entry: entry[0])[-SHOWN:]
-        cache.made_from, cache.views = made_from, tuple(seen for _, seen in reversed(newest_last))
-    return cache.views
+    """Return the rows of this window and of other seats, newest first."""
+    code = memory.choices.language
+    made_from = (memory.rows, world.sim.events, world.hw.events, world.seat, world.session, code)
+    return memory.history.get(made_from, lambda: _rows(memory, world, code))
 
 
-def _cached(
-    cache: HistoryCache, row: RequestRow, world: World, texts: Texts
-) -> tuple[RequestRow, HistoryRowView]:
-    kept = cache.own.get(row.number)
-    return kept if kept is not None and kept[0] is row else (row, row_view(row, world, texts))
+def _rows(memory: Memory, world: World, code: str) -> tuple[HistoryRowView, ...]:
+    own = [(row.began_s, row_view(row, code)) for row in memory.rows[-SHOWN:]]
+    others = [(group.began_s, _foreign(group, Texts(code))) for group in other_seats.groups(world)]
+    newest_last = sorted([*others, *own], key=lambda entry: entry[0])[-SHOWN:]
+    return tuple(seen for _, seen in reversed(newest_last))
 
 
 def last(memory: Memory, world: World) -> str:
@@ -83,8 +73,10 @@ def _news(memory: Memory, world: World) -> list[tuple[str, Trouble | Path]]:
     return [(key, told) for key, told in news(world).items() if told != memory.news.get(key)]
 
 
-def row_view(row: RequestRow, world: World, texts: Texts) -> HistoryRowView:
-    """Return the view of a row of this window."""
+@lru_cache(maxsize=SHOWN)
+def row_view(row: RequestRow, code: str) -> HistoryRowView:
+    """Return the view of a row of this window in a language."""
+    texts = Texts(code)
     text, good = result(row, texts)
     on_purpose = _ended_on_purpose(row)
     return HistoryRowView(
@@ -93,16 +85,15 @@ def row_view(row: RequestRow, world: World, texts: Texts) -> HistoryRowView:
         who=texts("who.you"),
         what=_what_of(row, texts),
         result=text,
-        symbol=REPLACED if on_purpose else symbol(good),
+        symbol="–" if on_purpose else SYMBOLS[good],
         good=good,
         on_purpose=on_purpose,
         python=code_lines.python(row.request),
-        program=code_lines.whole_program(row.request, world),
     )
 
 
-def _foreign(group: other_seats.Group, now_s: float, texts: Texts) -> HistoryRowView:
-    began, query, newest = group.began, group.query, group.newest
+def _foreign(group: other_seats.Group, texts: Texts) -> HistoryRowView:
+    began, query = group.began, group.query
     if query is not None and (query.absolute or isinstance(query, MotionQuery)):
         text = _motion(query, texts, undoes=False)
     else:
@@ -111,28 +102,14 @@ def _foreign(group: other_seats.Group, now_s: float, texts: Texts) -> HistoryRow
     if group.count > 1:
         text = texts("what.times", what=text, count=float(group.count))
     unknown = "who.unknown" if began.action == Command.STOP.name else "who.none"
-    result, good = _foreign_result(group, newest, now_s, texts)
-    return HistoryRowView(
-        row=-1,
-        time=clock(group.began_s),
-        who=began.seat or texts(unknown),
-        what=text,
-        result=result,
-        symbol=symbol(good),
-        good=good,
-        on_purpose=False,
-        python="",
-        program="",
-    )
+    result, good = _foreign_result(group, group.newest, texts)
+    who = began.seat or texts(unknown)
+    return HistoryRowView(-1, clock(group.began_s), who, text, result, SYMBOLS[good], good)
 
 
-def _foreign_result(
-    group: other_seats.Group, newest: Event, now_s: float, texts: Texts
-) -> tuple[str, bool | None]:
+def _foreign_result(group: other_seats.Group, newest: Event, texts: Texts) -> tuple[str, bool | None]:
     if group.under_way:
-        seen = now_s < group.due_s
-        key = "result.accepted" if seen else "result.unseen"
-        return texts(key, seconds=float(newest.duration)), None if seen else False
+        return texts("result.accepted", seconds=float(newest.duration)), None
     if newest.reason is Reason.OK:
         key = "result.done_in" if newest.duration else "result.done"
         return texts(key, seconds=float(newest.duration)), True
@@ -147,11 +124,6 @@ def failure(reason: Reason, text: str, texts: Texts, *, began: bool) -> str:
     if reason is Reason.REPLACED:
         return texts("result.replaced")
     return texts("result.ended" if began else "result.refused", text=text)
-
-
-def symbol(good: bool | None) -> str:  # noqa: FBT001  # a result, not an option
-    """Return the symbol of a result."""
-    return OPEN if good is None else GOOD if good else BAD
 
 
 def clock(wall_s: float) -> str:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Generic, TypeVar
 
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.client.degrees import ArmAngles
@@ -16,6 +17,7 @@ from gui.console.state.saved import Choices, SavedPose
 from gui.console.state.views import CodeView, HistoryRowView
 from gui.console.state.world import LinkPhase, Trouble, World, online
 
+T = TypeVar("T")
 KEPT = 200
 """Largest number of rows of the history."""
 Motion = actions.Send | actions.Play | actions.FollowFace
@@ -38,9 +40,9 @@ def sides_of(request: Request) -> tuple[str, ...]:
     return request.sides
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RequestRow:
-    """A request of this window, and its outcomes."""
+    """A request of this window, and its outcomes; a change makes another row, so rows are compared by identity."""
 
     request: Request
     control: str
@@ -110,24 +112,17 @@ class Notice:
     side: str
 
 
-@dataclass
-class HistoryCache:
-    """The last view of the history and what it was made from, so that only changed rows are rendered again."""
+class Kept(Generic[T]):
+    """A part of the view that is made again only if that from which it is made has changed: views are frequent."""
 
-    context: tuple[object, ...] = ()
-    """values that all rows depend on, such as seat, robot and language"""
-    own: dict[int, tuple[RequestRow, HistoryRowView]] = field(default_factory=dict)
-    made_from: tuple[object, ...] = ()
-    """rows and events, and the second: a row of another seat may change without an event"""
-    views: tuple[HistoryRowView, ...] = ()
+    def __init__(self) -> None:
+        self._made: tuple[object, T] | None = None
 
-
-@dataclass
-class CodeCache:
-    """The last view of the program so far and what it was made from: the view is needed many times a second."""
-
-    made_from: tuple[object, ...] = ()
-    view: CodeView = field(default_factory=CodeView)
+    def get(self, made_from: object, make: Callable[[], T]) -> T:
+        """Return the part."""
+        if self._made is None or self._made[0] != made_from:
+            self._made = made_from, make()
+        return self._made[1]
 
 
 @dataclass
@@ -166,8 +161,8 @@ class Memory:
     """leases of both robots of the shown name at the last call of `leases.follow`"""
     lease_notice: Notice | None = None
     """a sentence about a lease that this seat gained or lost; None: nothing new"""
-    history_cache: HistoryCache = field(default_factory=HistoryCache)
-    code_cache: CodeCache = field(default_factory=CodeCache)
+    history: Kept[tuple[HistoryRowView, ...]] = field(default_factory=Kept)
+    code: Kept[CodeView] = field(default_factory=Kept)
 
     def row(self, number: int) -> RequestRow | None:
         """Return the row of this number; None if the history no longer contains it."""

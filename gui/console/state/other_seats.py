@@ -21,8 +21,6 @@ WHATS: Final = {
 """Text key of each action in events."""
 STREAM_S: Final = 3.0
 """Requests of one seat for the same action, each within this time after the previous one, form one row."""
-UNSEEN_S: Final = 5.0
-"""Time after the expected end of a motion, in which its event should have arrived."""
 
 
 @dataclass
@@ -54,11 +52,6 @@ class Group:
         """Whether a motion was accepted that has not ended."""
         newest = self.newest
         return newest.kind is EventKind.MOTION and newest.reason is Reason.OK and not self.ended
-
-    @property
-    def due_s(self) -> float:
-        """Time after which the end of the motion is unseen, for example because the router was lost (wall clock, s)."""
-        return self.requested_s + self.newest.duration + UNSEEN_S
 
     @property
     def query(self) -> MotionQuery | PoseQuery | None:

@@ -23,14 +23,15 @@ class SaveProgram(Intent, frozen=True):
 
 
 def view(memory: Memory, world: World) -> CodeView:
-    """Return the program so far; unchanged, it comes from the cache."""
-    texts, cache = memory.choices.texts, memory.code_cache
-    made_from = (memory.rows, world.robot, world.endpoint, world.who, texts.code)
-    if cache.made_from != made_from:
-        lines = [line for row in memory.rows for line in _lines(row, texts)]
-        cache.made_from = made_from
-        cache.view = CodeView(code_lines.program(lines, world, texts("code.title", robot=world.robot)))
-    return cache.view
+    """Return the program so far."""
+    made_from = (memory.rows, world.robot, world.endpoint, world.who, memory.choices.language)
+    return memory.code.get(made_from, lambda: _program(memory, world))
+
+
+def _program(memory: Memory, world: World) -> CodeView:
+    texts = memory.choices.texts
+    lines = [line for row in memory.rows for line in _lines(row, texts)]
+    return CodeView(code_lines.program(lines, world, texts("code.title", robot=world.robot)))
 
 
 def _lines(row: RequestRow, texts: Texts) -> list[CodeLine]:

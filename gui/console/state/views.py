@@ -200,12 +200,10 @@ class HistoryRowView:
     symbol: str
     good: bool | None
     """whether the request succeeded; None: it has not ended"""
-    on_purpose: bool
+    on_purpose: bool = False
     """whether it did not succeed because the user has replaced or aborted it, which is no error"""
-    python: str
+    python: str = ""
     """the request as Python, usually one line, where `twin` is a `Twin`; empty: there is none"""
-    program: str
-    """the request as a whole program; empty: there is none"""
 
 
 class CodeLine(NamedTuple):

@@ -131,7 +131,7 @@ class HistoryPanel(Panel):
     def _copy(self) -> None:
         chosen, clipboard = self._chosen(), QGuiApplication.clipboard()
         if chosen is not None and clipboard is not None:
-            clipboard.setText(chosen.program)
+            clipboard.setText(chosen.python)
 
 
 def _details(row: HistoryRowView) -> str:
