@@ -14,7 +14,7 @@ from browser import Browser
 from gui_views import turns
 
 from gui.console.state import class_page
-from gui.console.texts import LANGUAGES, Texts
+from gui.console.texts import LANGUAGES, Texts, load
 from gui.page.server import STATIC
 
 pytestmark = pytest.mark.long("a real browser")
@@ -67,7 +67,9 @@ def show(
 ) -> list[dict[str, Any]]:
     """Return the robots with the places, sizes and texts of their parts."""
     page.resize(*size)
-    view = {"language": language, "projector": class_page.projector(turns(count, long=long), Texts(language))}
+    rows = class_page.table(turns(count, long=long), Texts(language))
+    shown = [{"cells": row.cells, "condition": row.condition} for row in rows]
+    view = {"language": language, "texts": dict(load(language)[0]), "class": shown, "empty": ""}
     page.run(f"receive({msgspec.json.encode(view).decode()})")
     measured: list[dict[str, Any]] = page.run(MEASURED)
     assert len(measured) == count
@@ -97,6 +99,17 @@ def test_robots_fill_the_screen_and_no_text_leaves_its_robot(
     assert robots[-1]["box"]["bottom"] > 0.9 * size[1], "no empty space below"
     assert inside(page.run("document.querySelector('#hint').getBoundingClientRect().toJSON()"), whole(size))
     assert page.errors() == []
+
+
+def test_a_robot_shows_its_driver_the_time_left_the_queue_and_why_it_does_not_move(page: Browser) -> None:
+    robots = [
+        {part["kind"]: part["text"] for part in robot["parts"]}
+        for robot in show(page, 8, (1920, 1080), "en", long=False)
+    ]
+    assert (robots[2]["driver"], robots[2]["left"]) == ("Cleo Müller (cleo) (taken)", "43 s")
+    assert robots[2]["next"] == "Next: Dora Müller (dora), Emil Müller (emil)"
+    assert (robots[3]["side"], robots[3]["state"]) == ("Simulation", "■ frozen")
+    assert (robots[5]["driver"], "state" in robots[5]) == ("free", False)
 
 
 def inside(box: dict[str, float], outer: dict[str, float]) -> bool:

@@ -1,4 +1,4 @@
-"""The page of the class and its projector: all robots and seats, and the requests of the teacher to several robots."""
+"""The page of the class: all robots and seats, and the requests of the teacher to several robots."""
 
 from __future__ import annotations
 
@@ -25,8 +25,6 @@ from gui.console.state.views import (
     ClassRowView,
     ClassView,
     Condition,
-    ProjectorRowView,
-    ProjectorView,
     SeatView,
     button,
 )
@@ -38,12 +36,6 @@ STOPS_SHOWN: Final = 8
 """Largest number of seats whose STOPs are shown."""
 SEATS_NAMED: Final = 12
 """Largest number of seats that the summary names; more would take the room of the lists, which name them, too."""
-NEXT: Final = 3
-"""Largest number of waiting seats that a row names; more would not be legible from the last row."""
-NEXT_CHARACTERS: Final = 24
-"""Room for their names (characters) where a robot is as wide and as high as the screen, or both as a part of it."""
-COLUMNS: Final = (2, 8, 15, 24)
-"""Largest number of robots in one column, in two columns, and so on; still more are shown in one column more."""
 
 
 def view(memory: Memory, world: World) -> ClassView | None:
@@ -59,7 +51,7 @@ def view(memory: Memory, world: World) -> ClassView | None:
     return ClassView(
         summary=_summary(world, texts),
         rows=rows,
-        empty="" if rows else _empty(world, texts),
+        empty="" if rows else empty(world, texts),
         freeze_all=button(texts, "class.freeze_all", Govern(NEW, LeaseAction.FREEZE)),
         unfreeze_all=button(texts, "class.unfreeze_all", Govern(NEW, LeaseAction.UNFREEZE)),
         limit=button(texts, "class.limit", LimitClass("")),
@@ -122,7 +114,8 @@ def _seats(world: World, texts: Texts) -> tuple[SeatView, ...]:
     return tuple(views)
 
 
-def _empty(world: World, texts: Texts) -> str:
+def empty(world: World, texts: Texts) -> str:
+    """Return why the page has no rows."""
     if world.phase is not LinkPhase.ONLINE:
         return texts("reason.no_router", endpoint=world.endpoint)
     return texts("banner.no_robot")
@@ -288,51 +281,6 @@ def choose_robot(memory: Memory, world: World, intent: ChooseRobot) -> list[Acti
         memory.forget_arms()
         given_back = leases.give_back_all(memory, world)
     return [*show(memory, WindowPage.ROBOT), *given_back, intent]
-
-
-def projector(world: World, texts: Texts) -> ProjectorView:
-    """Return the class as a projector shows it: the seat that drives each robot, the time left, and the next seats.
-
-    It has rows only while the link reads the robots of the class.
-    """
-    count = len(world.robots)
-    columns = 1 + sum(count > most for most in COLUMNS)
-    lines = max(1, -(-count // columns))
-    one_side = len({robot.side for robot in world.robots}) == 1
-    rows = []
-    for robot in world.robots:
-        side = "" if one_side else f"({texts(f'sides.{robot.side}')})"
-        rows.append(_projector_row(robot, side, world, texts, NEXT_CHARACTERS * lines // columns))
-    return ProjectorView(
-        tuple(rows), columns, lines, "" if rows else _empty(world, texts), texts("projector.stop")
-    )
-
-
-def _projector_row(robot: RobotState, side: str, world: World, texts: Texts, room: int) -> ProjectorRowView:
-    status = robot.status
-    found = pills.problem(robot, texts)
-    if status is None or (found is not None and found.condition is Condition.SILENT):
-        return ProjectorRowView(robot.robot, side, "", "", "", texts("condition.silent"))
-    state = texts("condition.frozen_short") if status.frozen else "" if found is None else found.text
-    return ProjectorRowView(
-        robot=robot.robot,
-        side=side,
-        driver=world.pupils.get(status.holder, status.holder) or texts("projector.free"),
-        left=texts("class.turn_left", seconds=float(status.turn_s)) if status.turn_s else "",
-        waiting=_waiting([world.pupils.get(seat, seat) for seat in status.waiting], room, texts),
-        state=state,
-    )
-
-
-def _waiting(names: list[str], room: int, texts: Texts) -> str:
-    """Return the first names of a queue, as many as fit into `room` characters, and the number of the others."""
-    shown = names[:NEXT]
-    while len(shown) > 1 and len(", ".join(shown)) > room:
-        shown.pop()
-    if not shown:
-        return ""
-    more = texts("projector.more", count=float(len(names) - len(shown))) if len(names) > len(shown) else ""
-    return texts("projector.next", seats=", ".join(shown) + more)
 
 
 HANDLES: Handles = {

@@ -372,38 +372,6 @@ class SeatView:
 
 
 @dataclass(frozen=True)
-class ProjectorRowView:
-    """One robot as a projector shows it; a field without a text is empty."""
-
-    robot: str
-    side: str
-    """in parentheses; empty: all robots of the class are on the same side"""
-    driver: str
-    """the seat that drives, or that the robot is free; empty: the robot is silent"""
-    left: str
-    """time until the turn ends"""
-    waiting: str
-    """the next seats of the queue"""
-    state: str
-    """why the robot does not move: frozen, silent, motors off, ..."""
-
-
-@dataclass(frozen=True)
-class ProjectorView:
-    """Whose turn it is, legible from the last row of a class."""
-
-    rows: tuple[ProjectorRowView, ...]
-    columns: int
-    """robots side by side"""
-    lines: int
-    """robots below each other"""
-    empty: str
-    """what to do if there is no row; else empty"""
-    stop: str
-    """how every seat stops a robot"""
-
-
-@dataclass(frozen=True)
 class ClassView:
     """The page of the class: all robots and seats at the router."""
 

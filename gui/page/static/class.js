@@ -2,8 +2,9 @@
 import { connect, send, trouble } from "./connection.js";
 
 const byId = (id) => document.getElementById(id);
-let texts = {};
-let shown = null; // the last view of the class
+const READY = ["ready", "moving"]; // conditions in which a robot can move
+const COLUMNS = [2, 8, 15, 24]; // largest number of robots in one column, in two, and so on; then in one more
+const shown = { texts: {}, class: [] }; // the last view
 
 function span(className, content) {
   const element = document.createElement("span");
@@ -12,12 +13,16 @@ function span(className, content) {
   return element;
 }
 
-function robot(row) {
+// The same cells as in the table of the control page; only their places differ.
+function robot(row, mixed) {
+  const [name, side, state, driver, left, waiting] = row.cells;
+  const silent = row.condition === "silent", ready = READY.includes(row.condition);
   const item = document.createElement("li"), top = span("top", ""), notes = span("notes", "");
-  item.classList.toggle("unready", Boolean(row.state));
-  notes.append(...[span("side", row.side), span("state", row.state)].filter((note) => note.textContent));
-  top.append(span("robot", row.robot), notes, span("left", row.left));
-  item.append(top, span("driver", row.driver), span("next", row.waiting));
+  item.classList.toggle("unready", !ready);
+  notes.append(...[span("side", mixed ? side : ""), span("state", ready ? "" : state)].filter((note) => note.textContent));
+  top.append(span("robot", name), notes, span("left", silent ? "" : left));
+  const next = waiting && !silent ? shown.texts["page.next"].replace("{seats}", waiting) : "";
+  item.append(top, span("driver", silent ? "" : driver || shown.texts["page.free"]), span("next", next));
   return item;
 }
 
@@ -44,24 +49,22 @@ function fit(element) {
 }
 
 function draw() {
-  if (!shown) return;
-  const { rows, columns, lines, empty, stop } = shown;
-  byId("empty").textContent = empty;
-  byId("empty").hidden = !empty;
-  byId("hint").textContent = stop;
+  const rows = shown.class, columns = 1 + COLUMNS.filter((most) => rows.length > most).length;
+  const mixed = new Set(rows.map((row) => row.cells[1])).size > 1;
+  byId("empty").textContent = shown.empty ?? "";
+  byId("empty").hidden = rows.length > 0;
+  byId("hint").textContent = shown.texts["page.stop_hint"] ?? "";
   byId("turns").style.setProperty("--columns", columns);
-  byId("turns").style.setProperty("--lines", lines);
-  byId("turns").replaceChildren(...rows.map(robot));
+  byId("turns").style.setProperty("--lines", Math.max(1, Math.ceil(rows.length / columns)));
+  byId("turns").replaceChildren(...rows.map((row) => robot(row, mixed)));
   document.querySelectorAll(".robot, .driver, .next").forEach(fit);
 }
 
 function show(parts) {
-  texts = parts.texts ?? texts;
+  Object.assign(shown, parts);
   if (parts.language) document.documentElement.lang = parts.language;
-  if (parts.projector === null) send({ do: "class", on: true }); // a new connection
-  if (!parts.projector) return;
-  shown = parts.projector;
-  draw();
+  if (parts.empty === null) send({ do: "class", on: true }); // a new connection
+  if (parts.texts || parts.class || parts.empty) draw();
 }
 
 addEventListener("resize", draw);
@@ -69,6 +72,6 @@ setInterval(() => {
   const key = trouble();
   document.body.classList.toggle("lost", Boolean(key));
   byId("trouble").hidden = !key;
-  byId("trouble").textContent = key ? texts[key] ?? key : "";
+  byId("trouble").textContent = key ? shown.texts[key] ?? key : "";
 }, 250);
 connect(show, () => {});
