@@ -12,7 +12,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Interrupted
 from gui.console.link.jobs import Jobs
 from gui.console.link.jogging import Jogging, Press
-from gui.console.state.actions import Outcome
+from gui.console.state.actions import Hold, Outcome
 
 WAIT_S = 10.0
 
@@ -31,17 +31,17 @@ def test_the_late_end_of_a_motion_does_not_end_a_press_that_has_begun_since() ->
     robot = MagicMock(side="hw", begin=MagicMock(side_effect=motions))
     jobs = Jobs("tested")
     jogging = Jogging(jobs, outcomes.put)
-    first, second = (Press(number, "yaw", 1, 20.0, (robot,), row=number) for number in (1, 2))
+    first, second = (Press(Hold(row, "yaw", 1, 20.0, ("hw",)), (robot,)) for row in (1, 2))
     try:
-        jogging.hold(first)
+        jogging.begin(first)
         assert outcomes.get(timeout=WAIT_S).row == 1
         jogging.end(stopped=True)
-        jogging.hold(second)
+        jogging.begin(second)
         assert outcomes.get(timeout=WAIT_S).row == 2
         stop(motions[0])
-        assert (jogging.held(2), jogging.over) == (second, 1)
+        assert (jogging.over, jogging.busy) == (1, True)
         stop(motions[1])
-        assert (jogging.held(2), jogging.over) == (None, 2)
+        assert (jogging.over, jogging.busy) == (2, False)
     finally:
         jobs.close()
         jobs.join(time.monotonic() + WAIT_S)

@@ -14,7 +14,7 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, R
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import accepted, done, failed
-from gui.console.state.actions import Outcome
+from gui.console.state.actions import Hold, Outcome
 from gui.console.state.arms import AHEAD_S, jog_query
 
 BRAKE_S: Final = 0.12
@@ -28,18 +28,12 @@ LIMITS: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT)
 class Press:
     """A press of a button."""
 
-    number: int
-    part: str
-    sign: int
-    speed: float
-    """deg/s"""
+    asked: Hold
     robots: tuple[Robot, ...]
-    row: int
-    """row of the outcomes in the history"""
 
-    def query(self, ahead_s: float = AHEAD_S) -> MotionQuery | PoseQuery:
+    def query(self, ahead_s: float) -> MotionQuery | PoseQuery:
         """Return the motion from the present set point for `ahead_s`."""
-        return jog_query(self.part, self.sign, self.speed, ahead_s)
+        return jog_query(self.asked.part, self.asked.sign, self.asked.speed, ahead_s)
 
 
 class Jogging:
@@ -51,7 +45,7 @@ class Jogging:
         self._press: Press | None = None
         self._goal: tuple[Press, float] | None = None
         self.over = 0
-        """All presses up to this number have ended; read by a page, which then shows its button released."""
+        """All presses up to this row have ended."""
         self._stops = 0
         self._running: dict[str, tuple[int, Motion]] = {}
         """By side: the row and motion begun last, until its end."""
@@ -61,24 +55,25 @@ class Jogging:
         """Whether robots move, or are about to move, for a held button."""
         return self._goal is not None or bool(self._running)
 
-    def held(self, number: int) -> Press | None:
-        """Return the press of this number while it is held."""
-        press = self._press
-        return press if press is not None and press.number == number else None
+    def is_new(self, row: int) -> bool:
+        """Return whether the press of this row has not begun yet; late heartbeats of earlier presses are ignored."""
+        return row > max(self.over, 0 if self._press is None else self._press.asked.row)
 
-    def is_new(self, number: int) -> bool:
-        """Return whether a press of this number has not begun yet; late heartbeats of earlier presses are ignored."""
-        return number > self.over and self.held(number) is None
-
-    def hold(self, press: Press) -> None:
-        """Begin or continue a press."""
+    def begin(self, press: Press) -> None:
+        """Begin a press, which ends an earlier one."""
         self._put(press, press, AHEAD_S)
 
-    def release(self, number: int) -> None:
-        """End a press: the robots come to rest at a last goal."""
-        press = self.held(number)
-        self.over = max(self.over, number)
-        if press is not None:
+    def go_on(self, row: int) -> None:
+        """Continue the press of this row, unless it has ended."""
+        press = self._press
+        if press is not None and press.asked.row == row:
+            self._put(press, press, AHEAD_S)
+
+    def release(self, row: int) -> None:
+        """End the press of this row: the robots come to rest at a last goal."""
+        press = self._press
+        self.over = max(self.over, row)
+        if press is not None and press.asked.row == row:
             self._put(None, press, BRAKE_S)
 
     def _put(self, held: Press | None, press: Press, ahead_s: float) -> None:
@@ -103,7 +98,7 @@ class Jogging:
     def _drop(self, press: Press | None) -> None:
         """End a press if it is held; the caller holds the lock."""
         if press is not None and self._press is press:
-            self.over, self._press = max(self.over, press.number), None
+            self.over, self._press = max(self.over, press.asked.row), None
 
     # -- one after the other -----------------------------------------------------------------------
 
@@ -118,7 +113,7 @@ class Jogging:
                 self._begin(press, robot, ahead_s, stops)
             except BeatrixError as error:
                 self._failed(press)
-                self._report(failed(press.row, robot.side, error))
+                self._report(failed(press.asked.row, robot.side, error))
                 return
 
     def _begin(self, press: Press, robot: Robot, ahead_s: float, stops: int) -> None:
@@ -129,23 +124,23 @@ class Jogging:
                 motion = robot.begin(press.query(ahead_s))
             except Refused as error:
                 ahead_s /= 2
-                if error.reason not in LIMITS or press.speed * ahead_s < SMALLEST_DEG:
+                if error.reason not in LIMITS or press.asked.speed * ahead_s < SMALLEST_DEG:
                     raise
-        first = self._running.get(robot.side, (0, None))[0] != press.row
-        self._running[robot.side] = press.row, motion
+        first = self._running.get(robot.side, (0, None))[0] != press.asked.row
+        self._running[robot.side] = press.asked.row, motion
         if self._stops != stops:  # the STOP sent meanwhile may have arrived before the goal
             publish_stop(robot.client, robot.place)
         if first:
-            self._report(accepted(press.row, robot.side, motion.accepted.message, 0.0))
+            self._report(accepted(press.asked.row, robot.side, motion.accepted.message, 0.0))
         motion.add_done_callback(lambda motion: self._ended(press, robot.side, motion, began_s))
 
     def _ended(self, press: Press, side: str, motion: Motion, began_s: float) -> None:
-        newest = self._running.get(side) == (press.row, motion)
+        newest = self._running.get(side) == (press.asked.row, motion)
         if newest:
             del self._running[side]
         error = motion.exception(0.0)
         if error is not None and error.reason is not Reason.REPLACED:
             self._failed(press)
-            self._report(failed(press.row, side, error))
-        elif error is None and newest and press.number <= self.over:
-            self._report(done(press.row, side, motion.result(0.0).message, time.monotonic() - began_s))
+            self._report(failed(press.asked.row, side, error))
+        elif error is None and newest and press.asked.row <= self.over:
+            self._report(done(press.asked.row, side, motion.result(0.0).message, time.monotonic() - began_s))
