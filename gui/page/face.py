@@ -69,7 +69,7 @@ class Driver:
     @property
     def over(self) -> int:
         """All presses up to this number have ended; the page then shows its button released."""
-        ended = 0 < self.row <= self.link.jogging.over
+        ended = self.row and not self.link.holds(self.row)
         return max(self.released, self.press if ended else 0)
 
     def beat(self) -> None:

@@ -14,14 +14,14 @@ from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
 from gui.console.link.children import HARDWARE, SIMULATION, Children, Ports, Recordings
+from gui.console.link.choreographies import Playing
 from gui.console.link.connection import Connection, Probe, Session
 from gui.console.link.governing import LessonReports, robots_online, send_govern
 from gui.console.link.jobs import Jobs
-from gui.console.link.jogging import Jogging, Press
-from gui.console.link.moving import Moving, RobotAction, robots_of
+from gui.console.link.moving import Moving, RobotAction
 from gui.console.link.outcomes import WindowError, failed, stopped, written
 from gui.console.link.pictures import Camera, CameraStream, LevelStream, OnImage, Watcher, levels
-from gui.console.link.programs import Following, Playing
+from gui.console.link.programs import Following
 from gui.console.link.routers import Routers, own_account
 from gui.console.link.stopping import send_stop
 from gui.console.state import actions
@@ -76,7 +76,7 @@ class Link:
         self._connection = Connection(
             settings, self._follow, name_given=name_given, source=source, shared=shared
         )
-        self._moving, self.jogging = Moving(jobs, report), Jogging(jobs, report)
+        self._moving = Moving(jobs, report)
         self._stop_sender = StopSender("window")
         self._lessons = LessonReports(jobs)
         self._probes = {side: Probe(side, jobs) for side in SIDES}
@@ -97,7 +97,7 @@ class Link:
     @property
     def busy(self) -> bool:
         """Whether robots move, or are about to move, for this link."""
-        return self._moving.busy or self.jogging.busy
+        return self._moving.busy
 
     def world(self, robot: str = "") -> World:
         """Return the present world, by default of the selected robot; call it in one thread only, for a window Qt's."""
@@ -165,7 +165,7 @@ class Link:
             actions.SendNow: lambda _: moving.send_now(),
             actions.Abort: lambda _: moving.abort(),
             Hold: self._hold,
-            actions.Release: lambda action: self.jogging.release(action.row),
+            actions.Release: lambda action: moving.release(action.row),
             actions.Retry: lambda _: connection.try_now(),
             actions.ChooseRobot: lambda action: self._select(action.name),
             actions.WatchCameras: lambda action: self._cameras.watch(action.wanted),
@@ -206,7 +206,6 @@ class Link:
 
     def _leave(self) -> None:
         """End all motions of this link, because the user has chosen another robot, router or account."""
-        self.jogging.end()
         self._moving.deselect()
 
     def _write(self, action: WriteFile) -> None:
@@ -226,17 +225,18 @@ class Link:
         """Carry out an action that robots answer."""
         session = self._online(action.row)
         if session is not None:
-            self.jogging.end()
             settings = replace(self._connection.settings, robot=session.twin.name)
             self._moving.request(action, session.twin, settings)
 
     def _hold(self, action: Hold) -> None:
-        """Begin or continue a hold; ignore the heartbeats of one that has ended."""
-        if self.jogging.is_new(action.row) and (session := self._online(action.row)) is not None:
-            self._moving.make_way()
-            self.jogging.begin(Press(action, robots_of(session.twin, action.sides)))
-        else:
-            self.jogging.go_on(action.row)
+        """Begin or continue a hold."""
+        session = self._online(action.row)
+        if session is not None:
+            self._moving.hold(action, session.twin)
+
+    def holds(self, row: int) -> bool:
+        """Return whether the button of a hold is held, and its motion has not ended."""
+        return self._moving.holds(row)
 
     # -- STOP ---------------------------------------------------------------------------------------
 
@@ -262,7 +262,6 @@ class Link:
 
     def drop(self) -> None:
         """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
-        self.jogging.end(stopped=True)
         self._moving.drop(stopped())
 
     # -- the end ------------------------------------------------------------------------------------
@@ -270,7 +269,6 @@ class Link:
     def close(self) -> None:
         """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
         deadline_s = time.monotonic() + CLOSE_S
-        self.jogging.end(stopped=True)
         self._moving.drop(WindowError(Reason.SHUTDOWN, "result.closed"))
         for part in (self._stop_sender, self._cameras, self._levels):
             part.close()

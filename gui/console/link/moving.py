@@ -17,10 +17,12 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
+from gui.console.link.choreographies import Playing
 from gui.console.link.jobs import Jobs
+from gui.console.link.jogging import Held
 from gui.console.link.outcomes import WindowError, done, failed, replaced
-from gui.console.link.programs import FaceProgram, Following, Playing, Program
-from gui.console.link.request import OneMotion, PlannedMotion, Question, Report, Request
+from gui.console.link.programs import FaceProgram, Following
+from gui.console.link.request import OneMotion, PlannedMotion, Program, Question, Report, Request
 from gui.console.state import actions
 from gui.console.state.actions import Outcome
 from gui.console.state.world import PlanProgress
@@ -48,6 +50,8 @@ class Moving:
         self._lock = threading.Lock()
         self._requests: list[Request] = []
         """those that wait or are under way, the oldest first"""
+        self._held: Held | None = None
+        """the newest press of a held button"""
 
     @property
     def busy(self) -> bool:
@@ -94,6 +98,28 @@ class Moving:
     def _ask(self, row: int, robots: tuple[Robot, ...], ask: Callable[[Robot], str]) -> None:
         for robot in robots:
             self._put(Question(row, robot, ask))
+
+    def hold(self, action: actions.Hold, twin: Twin) -> None:
+        """Begin or continue the motion of a held button; late heartbeats of earlier presses are ignored."""
+        if self._held is None or action.row > self._held.row:
+            self._held = Held(action, robots_of(twin, action.sides))
+            self._put(self._held)
+        if action.row == self._held.row:
+            self._held.beat()
+
+    def release(self, row: int) -> None:
+        """End the press of this row, unless it has ended."""
+        if self._held is not None and self._held.row == row:
+            self._held.release()
+
+    def holds(self, row: int) -> bool:
+        """Return whether the press of this row has not ended."""
+        return (
+            self._held is not None
+            and self._held.row == row
+            and not self._held.ends
+            and not self._held.over.is_set()
+        )
 
     def send_now(self) -> None:
         """Send the waiting motion of both robots to the hardware now."""

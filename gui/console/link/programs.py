@@ -1,13 +1,11 @@
-"""Plays, and the program that follows a face."""
+"""The program that follows a face."""
 
 from __future__ import annotations
 
 import contextlib
 import shutil
 import time
-from abc import abstractmethod
 from collections.abc import Iterator
-from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import Final
@@ -15,15 +13,14 @@ from typing import Final
 import msgspec
 
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetReply
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from beatrix_zenoh.settings import Settings
 from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import WindowError, accepted, written
-from gui.console.link.request import BOTH, Report, Request
-from gui.console.state.actions import CopyProgram, FollowFace, Play
+from gui.console.link.request import BOTH, Program, Report
+from gui.console.state.actions import CopyProgram, FollowFace
 from gui.console.state.world import FaceProgress
 
 NAME: Final = "follow_the_face.py"
@@ -33,58 +30,6 @@ END_S = 1.0
 
 STILL_S = 0.3
 """Time (s) after which a person at the same place stands still."""
-
-
-class Program(Request):
-    """What moves robots until it ends or must end; its thread looks whether it must."""
-
-    def __init__(self, row: int, sides: tuple[str, ...], side: str) -> None:
-        """Store row and robots."""
-        super().__init__(row, "programs", sides, side)
-
-    def perform(self, report: Report) -> str:
-        """Do the work until the end."""
-        self.running = True
-        self.check()
-        return self.run(report)
-
-    @abstractmethod
-    def run(self, report: Report) -> str:
-        """Report the beginning, do the work until the end, and return the message; ends soon after `ends` is set."""
-
-    def check(self) -> None:
-        """Raise `ending` if there is one."""
-        if self.ending is not None:
-            raise self.ending
-
-
-class Playing(Program):
-    """One play."""
-
-    def __init__(self, action: Play, robots: Twin | Robot) -> None:
-        """Store the arguments."""
-        super().__init__(action.row, action.sides, BOTH if isinstance(robots, Twin) else robots.side)
-        self._action, self._robots, self.title = action, robots, action.title
-        self.pose = -1
-        """number of the pose of the window that began last, from 0; -1: none"""
-
-    def run(self, report: Report) -> str:
-        """Check all of the play, then play it."""
-        from gui.console.link.choreographies import prepared  # noqa: PLC0415  # numpy and the planner would delay the window
-
-        def begun(rounds: int = 0) -> None:
-            told = accepted(self.row, self.side, f"{self.title}: checked.", lasts_s)
-            report(replace(told, rounds=rounds))
-
-        def posed(number: int) -> None:
-            if self._action.poses:
-                self.pose = number
-
-        lasts_s, play = prepared(self._action, self._robots, self.check, begun, posed)
-        self.check()
-        begun()
-        play()
-        return f"{self.title}: played."
 
 
 class Failure(msgspec.Struct, frozen=True):
@@ -132,23 +77,12 @@ class Following(Program):
     def __init__(self, action: FollowFace, settings: Settings, face: FaceProgram) -> None:
         """Store the arguments; the program is run for the robot of the settings."""
         super().__init__(action.row, action.sides, BOTH)
-        self._sides, self._settings, self._face = action.sides, settings, face
+        self._settings, self._face = settings, face
 
     def run(self, report: Report) -> str:
         """Run the program until its end; raises the reason why it must end, or its failure."""
-        face = self._face
+        face, settings = self._face, self._settings
         face.file, face.line = face.chosen(), ""
-        with walking(self._settings) if self._sides[0] == "sim" else contextlib.nullcontext():
-            try:
-                self._follow(report)
-            except OSError as error:
-                face.line = str(error)
-                raise program_failed() from error
-        self.check()
-        return "Ended."
-
-    def _follow(self, report: Report) -> None:
-        settings = self._settings
         environment = {
             "BEATRIX_ROBOT": settings.robot,
             "BEATRIX_CONNECT": settings.connect,
@@ -157,20 +91,25 @@ class Following(Program):
             "PYTHONIOENCODING": "utf-8",
         }
         children = Supervisor(environment)
-        try:
-            if not self.ends:
-                child = children.start("program", "--program", str(self._face.file), *self._sides)
-                report(accepted(self.row, "", "Started.", 0.0))
-                self._watch(child)
-        finally:
-            children.end()
+        with walking(settings) if self.sides[0] == "sim" else contextlib.nullcontext():
+            try:
+                self.check()
+                child = children.start("program", "--program", str(face.file), *self.sides)
+                report(accepted(self.row, self.side, "Started.", 0.0))
+                while child.code is None and not self.ends:
+                    time.sleep(POLL_S)
+                if not self.ends:
+                    self._read_end(child)
+            except OSError as error:
+                face.line = str(error)
+                raise program_failed() from error
+            finally:
+                children.end_all(time.monotonic() + END_S)
+        self.check()
+        return "Ended."
 
-    def _watch(self, child: Child) -> None:
-        while child.code is None and not self.ends:
-            time.sleep(POLL_S)
-        if self.ends:
-            child.end(END_S)
-            return
+    def _read_end(self, child: Child) -> None:
+        """Store the last line of a program that has ended by itself; raise its failure."""
         lines = [line for line in child.lines() if line.strip()]
         line = self._face.line = lines[-1] if lines else ""
         if child.code:

@@ -174,3 +174,26 @@ class PlannedMotion(Request):
         if motion is not None and self.ending is not None:
             motion.run.hold()
             motion.run.end(self.ending)
+
+
+class Program(Request):
+    """What moves robots until it ends or must end; its thread looks whether it must."""
+
+    def __init__(self, row: int, sides: tuple[str, ...], side: str) -> None:
+        """Store row and robots."""
+        super().__init__(row, "programs", sides, side)
+
+    def perform(self, report: Report) -> str:
+        """Do the work until the end."""
+        self.running = True
+        self.check()
+        return self.run(report)
+
+    @abstractmethod
+    def run(self, report: Report) -> str:
+        """Report the beginning, do the work until the end, and return the message; ends soon after `ends` is set."""
+
+    def check(self) -> None:
+        """Raise `ending` if there is one."""
+        if self.ending is not None:
+            raise self.ending

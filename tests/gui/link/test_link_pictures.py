@@ -39,7 +39,7 @@ def test_pictures_return_with_a_restarted_robot(stage: Stage) -> None:
 
 
 def test_levels_are_shown_while_the_microphones_are_wanted(stage: Stage) -> None:
-    stage.hardware("ears", "virtual:", "--microphones", "tone")
+    node = stage.hardware("ears", "virtual:", "--microphones", "tone")
     robot = stage.robot("ears", "hw")
     with Linked(stage.endpoint, "ears") as linked:
         linked.online("hw")
@@ -48,3 +48,4 @@ def test_levels_are_shown_while_the_microphones_are_wanted(stage: Stage) -> None
         linked.do(WatchMicrophones(frozenset()))
         wait_status(robot, lambda status: not (status.microphones and status.microphones.streaming), "off")
         assert linked.world.levels == {}
+    node.end()
