@@ -13,19 +13,17 @@ import msgspec
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.link import Link
-from gui.console.link.jogging import Press
-from gui.console.link.moving import robots_of
 from gui.console.state import class_page, intents
 from gui.console.state.actions import (
     Action,
     AskLease,
+    Hold,
     LookForPorts,
     Outcome,
     SendStop,
     StartSimulation,
-    WatchMicrophones,
 )
-from gui.console.state.arms import AHEAD_S, ROTATIONS, jog_query
+from gui.console.state.arms import HoldArm, ReleaseArm
 from gui.console.state.intents import Intent, Tab
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
@@ -61,6 +59,18 @@ class Driver:
     """the sides whose leases were requested, since they came online"""
     stopped: bool = False
     """whether the robot was stopped because the page is silent or hidden"""
+    press: int = 0
+    """number of the newest press of a held button"""
+    row: int = 0
+    """row of its motion; 0: none, because the state has refused it"""
+    released: int = 0
+    """number of the newest press whose button was released"""
+
+    @property
+    def over(self) -> int:
+        """All presses up to this number have ended; the page then shows its button released."""
+        ended = self.row and not self.link.holds(self.row)
+        return max(self.released, self.press if ended else 0)
 
     def beat(self) -> None:
         """Record a heartbeat of the page, and clear `stopped`."""
@@ -71,16 +81,24 @@ class Face:
     """The state of one page; all methods run on the thread of the server's loop."""
 
     def __init__(
-        self, world: World, send: Callable[[bytes], None], stop: Callable[[Face, SendStop], None]
+        self,
+        world: World,
+        visitor: str,
+        send: Callable[[bytes], None],
+        close: Callable[[], None],
+        stop: Callable[[Face, SendStop], None],
     ) -> None:
         """Begin to watch a robot.
 
         Args:
             world: the present world of this robot.
+            visitor: the name of the browser.
             send: sends a message to the browser.
+            close: closes the web socket of the page.
             stop: sends STOP for a page that does not drive.
         """
         self.robot, self._world = world.robot, world
+        self.visitor, self.close = visitor, close
         self.found = True
         """False while the page waits for the first robot, because none was online when it was opened."""
         self.driver: Driver | None = None
@@ -154,7 +172,7 @@ class Face:
             "you": {
                 "seat": "" if driver is None else driver.seat,
                 "drives": driver is not None,
-                "over": 0 if driver is None else driver.link.jogging.over,
+                "over": 0 if driver is None else driver.over,
                 "text": self._role(world, texts),
                 "notice": texts(key, **slots) if key else "",
             },
@@ -163,7 +181,6 @@ class Face:
             "language": texts.code,
             "texts": _texts_of_page(texts.code),
             "eyes": self._eyes(view, world),
-            "sound": view.sound,
             "class": [{"cells": row.cells, "condition": row.condition} for row in rows],
             "empty": class_page.empty(world, texts) if self.shows_class else None,
             "banner": _banner(view, world),
@@ -210,13 +227,10 @@ class Face:
             return
         if self.driver is not None and isinstance(intent, DRIVING):
             self.notify("")
-            self.driver.link.jogging.end()
         for action in self.state.handle(intent, self._world):
             self._do(action)
 
     def _do(self, action: Action) -> None:
-        if isinstance(action, WatchMicrophones):
-            return  # the server listens once for all pages
         if self.driver is not None:
             self.driver.link.do(action)
         if isinstance(action, SendStop) and (
@@ -234,29 +248,25 @@ class Face:
 
     def hold(self, hold: ButtonHeld) -> None:
         """Begin or continue the motion of a held button; do nothing if this press has ended."""
-        driver, session = self.driver, None if self.driver is None else self.driver.link.session
-        if driver is None or session is None:
+        driver = self.driver
+        if driver is None:
             self.notify("page.watching")
             return
-        press = driver.link.jogging.held(hold.press)
-        if press is None and driver.link.jogging.is_new(hold.press):
-            choices = self.state.choices
-            robots = robots_of(session.twin, choices.sides)
-            control = "head" if hold.part in ROTATIONS else hold.part
-            query = jog_query(hold.part, hold.sign, choices.speed, AHEAD_S)
-            row = self.state.hold(self._world, query, control)
-            if row is None:
-                return
+        if hold.press > max(driver.press, driver.over):
             self.notify("")
-            driver.link.make_way()
-            press = Press(hold.press, hold.part, hold.sign, choices.speed, robots, row)
-        if press is not None:
-            driver.link.jogging.hold(press)
+            self.carry_out(ReleaseArm())
+            driver.press, driver.row = hold.press, 0
+        if hold.press > driver.over:
+            for action in self.state.handle(HoldArm(hold.part, hold.sign), self._world):
+                driver.row = action.row if isinstance(action, Hold) else 0
+                self._do(action)
 
     def release(self, number: int) -> None:
         """End the motion of a held button."""
         if self.driver is not None:
-            self.driver.link.jogging.release(number)
+            self.driver.released = max(number, self.driver.released)
+            if number == self.driver.press:
+                self.carry_out(ReleaseArm())
 
     def stop_moving(self) -> None:
         """Stop the robots if they move for this page, because the page is silent or hidden."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from typing import Final
 
@@ -12,7 +13,7 @@ from gui.console.state import actions, intents
 from gui.console.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 from gui.page import messages, protection
 from gui.page.hub import Camera, Hub
-from gui.page.protection import Login, Visitor, Visitors
+from gui.page.protection import Login
 
 MESSAGES_MAX: Final = 200
 """Largest number of messages of a page in a second; a page normally sends twenty."""
@@ -26,7 +27,7 @@ class Context:
 
     def __init__(self, hub: Hub, login: Login, cookie: str) -> None:
         self.hub, self.login, self.cookie = hub, login, cookie
-        self.visitors = Visitors()
+        self.guests = itertools.count(1)
 
 
 class Guarded(web.RequestHandler):
@@ -68,14 +69,15 @@ class Guarded(web.RequestHandler):
         self.reject(status_code, f"{status_code}: {self._reason}")
 
     @property
-    def visitor(self) -> Visitor | None:
-        """The browser, if it is logged in."""
-        return self.context.visitors.find(self.get_cookie(self.context.cookie))
+    def visitor(self) -> str | None:
+        """The name of the browser, if it is logged in; the page proposes it for the seat."""
+        name = self.get_signed_cookie(self.context.cookie)
+        return None if name is None else name.decode()
 
     def admit(self) -> None:
         """Log in this browser."""
-        cookie = self.context.visitors.admit()
-        self.set_cookie(self.context.cookie, cookie, httponly=True, samesite="Strict")
+        name = f"guest-{next(self.context.guests)}"
+        self.set_signed_cookie(self.context.cookie, name, None, httponly=True, samesite="Strict")
 
 
 class Nothing(Guarded):
@@ -103,11 +105,10 @@ class Front(Guarded):
     def get(self) -> None:
         """Show the page to a browser that is logged in; otherwise show the form, or log in if no PIN is needed."""
         if self.visitor is not None:
-            self.render(self.template, token=self.xsrf_token.decode(), name=self.visitor.name)
+            self.render(self.template, token=self.xsrf_token.decode(), name=self.visitor)
         elif self.context.login.needed:
             self.form("")
         elif self.request.headers.get("Sec-Fetch-Dest", "document") != "document":
-            # Each login may log out the oldest browser, so no foreign page may load this as a picture or a frame.
             self.reject(403, protection.FOREIGN_ORIGIN)
         else:
             self.admit()
@@ -179,16 +180,14 @@ class Live(Socket):
         """Register the page."""
         visitor, self.hub = self.visitor, self.context.hub
         assert visitor is not None
-        self.visitor_of_page = visitor
         self._count = 0
         self._second = time.monotonic()
         self.set_nodelay(True)
-        self.face = self.hub.new_face(lambda view: self.send(view.decode()))
-        self.hub.pages.add(self)
+        self.face = self.hub.new_page(visitor, lambda view: self.send(view.decode()), self.close)
 
     def on_close(self) -> None:
         """Remove the page and end its driver, which stops the robot."""
-        self.hub.pages.discard(self)
+        self.hub.pages.discard(self.face)
         self.hub.end_driver(self.face)
 
     def on_message(self, message: str | bytes) -> None:
@@ -203,8 +202,8 @@ class Live(Socket):
             self.close(MALFORMED, "A message of this page cannot be read: load the page again.")
             return
         if isinstance(request, messages.StopRobot):
-            own = self if request.robot == self.face.robot else None
-            self.hub.stop(self.visitor_of_page, request.robot, request.stop, own)
+            own = self.face if request.robot == self.face.robot else None
+            self.hub.stop(self.face.visitor, request.robot, request.stop, own)
         if self._count > MESSAGES_MAX:
             self.close(TOO_FAST, "This page sends too many messages: load the page again.")
         elif not isinstance(request, messages.StopRobot):
@@ -221,7 +220,7 @@ class Live(Socket):
             case messages.Open(saved=saved):
                 face.open(saved)
             case messages.Drive(name=name):
-                self.hub.drive(self, name)
+                self.hub.drive(face, name)
             case messages.Leave():
                 self.hub.end_driver(face)
             case messages.Hidden():
@@ -233,7 +232,7 @@ class Live(Socket):
             case messages.ShowClass(on=on):
                 face.shows_class = on
             case actions.ChooseRobot(name=name):
-                self.hub.watch(self, name)
+                self.hub.watch(face, name)
             case intents.Intent():
                 face.carry_out(request)
 
@@ -246,7 +245,7 @@ class Pictures(Socket):
         place = self.get_query_argument("robot", ""), self.get_query_argument("side", "")
         self._sent: dict[Camera, int] = {}
         self._ready = [True, True]
-        self._cameras = self.context.hub.start_pictures(self, place)
+        self._cameras = self.context.hub.start_pictures(self, place, self.changed)
         if self._cameras:
             self.set_nodelay(True)
         else:

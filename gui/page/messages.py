@@ -105,7 +105,7 @@ DRIVING: Final = (
     | intents.PlayPoses
 )
 """Intents of a page that drives. No page may use other ones, for example those that start programs or name files."""
-CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras", "microphones")
+CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras")
 """Choices that a page may change."""
 UNCHANGED: Final = Choices()
 LEASES: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)

@@ -6,7 +6,6 @@ import hmac
 import os
 import secrets
 from collections import deque
-from dataclasses import dataclass, field
 from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -18,8 +17,6 @@ WINDOW_S: Final = 60.0
 """Time for which a wrong PIN counts."""
 WRONG_MAX: Final = 5
 """Largest number of wrong PINs of one address within WINDOW_S: for all PINs of six digits it needs four months."""
-VISITORS_MAX: Final = 256
-STOPS_KEPT: Final = 32
 
 WRONG_PIN: Final = "This PIN is wrong. Read it at the computer that runs `beatrix web`."
 WAIT: Final = "There were too many wrong PINs. Wait {seconds:.0f} s, then type the PIN again."
@@ -102,40 +99,3 @@ class Login:
             return ""
         wrong.append(now_s)
         return WRONG_PIN
-
-
-@dataclass(eq=False)
-class Visitor:
-    """A browser that is logged in; its pages share the cookie."""
-
-    name: str
-    """name that the page proposes for the seat"""
-    _stops: deque[str] = field(default_factory=lambda: deque(maxlen=STOPS_KEPT))
-
-    def is_new_stop(self, stop: str) -> bool:
-        """Record a STOP; return False if its number has arrived before: a page sends each STOP over two connections."""
-        if stop in self._stops:
-            return False
-        self._stops.append(stop)
-        return True
-
-
-class Visitors:
-    """The browsers that are logged in, by the value of their cookie."""
-
-    def __init__(self) -> None:
-        self._visitors: dict[str, Visitor] = {}
-        self._count = 0
-
-    def admit(self) -> str:
-        """Log in a browser and return the value of its cookie; above VISITORS_MAX the oldest browser is logged out."""
-        if len(self._visitors) >= VISITORS_MAX:
-            del self._visitors[next(iter(self._visitors))]
-        self._count += 1
-        cookie = secrets.token_urlsafe(32)
-        self._visitors[cookie] = Visitor(f"guest-{self._count}")
-        return cookie
-
-    def find(self, cookie: str | None) -> Visitor | None:
-        """Return the browser with this cookie; None if no logged-in browser has it."""
-        return self._visitors.get(cookie or "")

@@ -7,6 +7,7 @@ import contextlib
 import errno
 import logging
 import os
+import secrets
 import socket
 from collections.abc import Callable
 from pathlib import Path
@@ -157,6 +158,7 @@ def application(context: Context) -> web.Application:
         default_handler_class=Nothing,
         default_handler_args=shared,
         template_path=str(STATIC),
+        cookie_secret=secrets.token_urlsafe(32),
         xsrf_cookies=True,
         xsrf_cookie_kwargs={"samesite": "Strict", "httponly": True},
         websocket_ping_interval=PING_S,

@@ -30,7 +30,7 @@ from beatrix_zenoh.contract.refusals import (
 )
 from gui.console.state import intents
 from gui.console.state.actions import Abort, Action, AskLease, MakeReady, Outcome, Play, SendCommand
-from gui.console.state.arms import AHEAD_S, jog_query
+from gui.console.state.arms import HoldArm
 from gui.console.state.intents import Jog
 from gui.console.state.state import State
 from gui.console.state.world import PlanPhase
@@ -112,8 +112,8 @@ def test_a_refusal_by_one_of_two_robots_names_it_in_the_chosen_language() -> Non
 @pytest.mark.parametrize("left", [{"head": Head(0.0, math.radians(34.9), 0.0)}, {}], ids=["a way", "no way"])
 def test_a_hold_that_ends_at_a_limit_says_so_although_goals_before_were_accepted(left: Any) -> None:
     state = State()
-    row = present(state.hold(world(), jog_query("pitch", 1, 20.0, AHEAD_S), "head"))
-    accept(state, row)
+    state.handle(HoldArm("pitch", 1), world())
+    accept(state, 1)
     refused(state, tilt(**left), Reason.OUT_OF_REACH)
     refusal = present(state.view(world()).head.refusal)
     assert "at most 35.0° is allowed" in refusal.text

@@ -18,7 +18,7 @@ from gui.console.state.arms import AHEAD_S, FASTEST_DEG_S, jog_query
 from gui.page import messages, protection, server
 from gui.page.handlers import MALFORMED
 from gui.page.hub import DEAD_MAN_S
-from gui.page.protection import Login, Visitors
+from gui.page.protection import Login
 from gui.page.server import STATIC
 
 
@@ -64,22 +64,6 @@ def test_a_chosen_pin_of_another_length_than_6_to_64_is_refused(
     with pytest.raises(WrongUsage, match="choose 6 to 64") as refused:
         protection.chosen_pin()
     assert not pin or pin not in refused.value.message
-
-
-def test_the_oldest_of_too_many_browsers_is_logged_out() -> None:
-    visitors = Visitors()
-    first = visitors.admit()
-    cookies = [visitors.admit() for _ in range(protection.VISITORS_MAX)]
-    assert visitors.find(first) is None
-    assert all(visitors.find(cookie) for cookie in cookies)
-    assert visitors.find(None) is None
-
-
-def test_a_repeated_stop_counts_once() -> None:
-    visitors = Visitors()
-    visitor = visitors.find(visitors.admit())
-    assert visitor is not None
-    assert [visitor.is_new_stop(number) for number in ("1", "1", "2")] == [True, False, True]
 
 
 def test_a_jog_is_relative_and_ends_within_half_a_second() -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import os
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -30,7 +32,6 @@ WATCH_S: Final = 0.1
 """Period in which a recorder is watched."""
 LIST_S: Final = 15.0
 """Time limit of the child; a busy computer may need several seconds to start Python."""
-END_S: Final = 1.0
 
 
 class Children:
@@ -133,7 +134,6 @@ class Recordings:
         self._jobs = jobs
         self._newest: RecordingProgress | None = None
         self._processes: Supervisor | None = None
-        self._child: Child | None = None
         self._began_s = math.inf
         """when the recorder was ready (monotonic clock, s)"""
         self._end = threading.Event()
@@ -165,27 +165,25 @@ class Recordings:
         self._end.set()
 
     def _record(self, file: Path, words: Sequence[str]) -> None:
+        """Run a recorder until the user ends it, or it ends by itself."""
+        trouble = None
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
-            trouble = self._run(words)
+            processes = self._processes = self._processes or Supervisor()
+            processes.forget_ended()
+            child = processes.start("recorder", *words)
+            while child.code is None and not child.ready:
+                time.sleep(POLL_S)  # a recorder that ends while it starts would leave no file
+            self._began_s = time.monotonic()
+            while child.code is None and not self._end.wait(WATCH_S):
+                pass
+            child.end()
+            # A recording that the user ends while it is starting is empty, which is not a failure.
+            if child.code not in ((0, NO_ROBOT) if self._end.is_set() else (0,)):
+                trouble = ended(processes)
         except (BeatrixError, OSError) as error:
             trouble = not_started(error)
         self._newest = RecordingProgress(file, running=False, seconds=self._seconds(), trouble=trouble)
-
-    def _run(self, words: Sequence[str]) -> Trouble | None:
-        """Run a recorder until the user ends it, or it ends by itself; return why it has failed."""
-        processes = self._processes = self._processes or Supervisor()
-        processes.forget_ended()
-        child = self._child = processes.start("recorder", *words)
-        while child.code is None and not child.ready:
-            time.sleep(POLL_S)  # a recorder that ends while it starts would leave no file
-        self._began_s = time.monotonic()
-        while child.code is None and not self._end.wait(WATCH_S):
-            pass
-        child.end()
-        # A recording that the user ends while it is starting is empty, which is not a failure.
-        accepted = (0, NO_ROBOT) if self._end.is_set() else (0,)
-        return None if child.code in accepted else ended(processes)
 
     def end_all(self, deadline_s: float) -> None:
         """End the recording; wait for its end until `deadline_s` (monotonic clock, s) at the latest."""
@@ -231,17 +229,12 @@ class Ports:
         self._jobs.put("ports", self._look)
 
     def _look(self) -> None:
-        processes = Supervisor()
+        command = [sys.executable, "-P", "-m", "beatrix_zenoh.cli", "hw", "--ports"]
         try:
-            child = processes.start("ports", "hw", "--ports")
-            deadline_s = time.monotonic() + LIST_S
-            while child.code is None and time.monotonic() < deadline_s:
-                time.sleep(POLL_S)
-            self.newest = parsed(child.lines()) if child.code == 0 else ()
-        except (BeatrixError, OSError):
+            found = subprocess.run(command, check=True, capture_output=True, encoding="utf-8", timeout=LIST_S)
+            self.newest = parsed(found.stdout.splitlines())
+        except (OSError, ValueError, subprocess.SubprocessError):
             self.newest = ()
-        finally:
-            processes.end_all(time.monotonic() + END_S)
 
 
 def parsed(lines: list[str]) -> tuple[UsbPort, ...]:

@@ -61,7 +61,7 @@ class Connection:
     def __init__(
         self,
         settings: Settings,
-        on_session: Callable[[Session], None],
+        on_session: Callable[[], None],
         *,
         name_given: bool,
         source: Source,
@@ -140,8 +140,8 @@ class Connection:
         old, self.robot = self.session, robot
         if old is None or old.twin.name == robot:
             return
-        session = self.session = replace(old, twin=Twin(robot, client=old.client))
-        self._on_session(session)
+        self.session = replace(old, twin=Twin(robot, client=old.client))
+        self._on_session()
         self._tasks.put(old.twin.close)  # on the connection's thread, because closing may wait for a robot
 
     def states(self, robot: str) -> tuple[RobotState, RobotState]:
@@ -201,9 +201,9 @@ class Connection:
         with self._lock:
             if not self._closed and settings is self.settings:
                 self._refused = False
-                session = self.session = Session(client, monitor, Twin(self.robot, client=client), seats)
+                self.session = Session(client, monitor, Twin(self.robot, client=client), seats)
                 self._trouble = ""
-                self._on_session(session)
+                self._on_session()
                 return
         client.close()
 

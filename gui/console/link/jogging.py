@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import threading
-import time
-from collections.abc import Callable
-from dataclasses import dataclass
+import contextlib
+import queue
 from typing import Final
 
 from beatrix_zenoh.client import Motion, Robot
 from beatrix_zenoh.client.stopping import publish_stop
-from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from gui.console.link.jobs import Jobs
-from gui.console.link.outcomes import accepted, done, failed
-from gui.console.state.actions import Outcome
+from beatrix_zenoh.client.twin_motion import ended
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import Refused, naming
+from beatrix_zenoh.processes import POLL_S
+from gui.console.link.outcomes import accepted
+from gui.console.link.request import BOTH, Program, Report
+from gui.console.state.actions import Hold
 from gui.console.state.arms import AHEAD_S, jog_query
 
 BRAKE_S: Final = 0.12
@@ -24,128 +24,62 @@ SMALLEST_DEG: Final = 0.5
 LIMITS: Final = (Reason.OUT_OF_REACH, Reason.ARM_GAP, Reason.YAW_LIMIT)
 
 
-@dataclass(frozen=True, eq=False)
-class Press:
-    """A press of a button."""
+class Held(Program):
+    """The motion of one press."""
 
-    number: int
-    part: str
-    sign: int
-    speed: float
-    """deg/s"""
-    robots: tuple[Robot, ...]
-    row: int
-    """row of the outcomes in the history"""
+    def __init__(self, asked: Hold, robots: tuple[Robot, ...]) -> None:
+        """Store the arguments."""
+        super().__init__(asked.row, asked.sides, BOTH if len(robots) > 1 else robots[0].side)
+        self._asked, self._robots = asked, robots
+        self._goals: queue.SimpleQueue[float] = queue.SimpleQueue()
+        """how far ahead the next goals are (s)"""
+        self._held = True
 
-    def query(self, ahead_s: float = AHEAD_S) -> MotionQuery | PoseQuery:
-        """Return the motion from the present set point for `ahead_s`."""
-        return jog_query(self.part, self.sign, self.speed, ahead_s)
+    def beat(self) -> None:
+        """Go on until AHEAD_S from now; returns at once."""
+        self._goals.put(AHEAD_S)
 
+    def release(self) -> None:
+        """End the press: the robots come to rest at a last goal."""
+        self._goals.put(BRAKE_S)
+        self._held = False
 
-class Jogging:
-    """Sends the goals of held buttons in a queue of their own; the newest goal replaces one that waits."""
+    def run(self, report: Report) -> str:
+        """Send goals until the robots rest after the release."""
+        motions: dict[Robot, Motion] = {}
+        while True:
+            rests = [ended(robot, motion, 0.0) for robot, motion in motions.items()]
+            released, ahead_s = not self._held, self._newest_goal()
+            self.check()
+            if not ahead_s and released and all(rests):
+                return motions[self._robots[-1]].result(0.0).message
+            for robot in self._robots if ahead_s else ():
+                motions[robot] = self._begin(robot, ahead_s)
+            if motions and not rests:
+                report(accepted(self.row, self.side, motions[self._robots[0]].accepted.message, 0.0))
 
-    def __init__(self, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
-        self._jobs, self._report = jobs, report
-        self._lock = threading.Lock()
-        self._press: Press | None = None
-        self._goal: tuple[Press, float] | None = None
-        self.over = 0
-        """All presses up to this number have ended; read by a page, which then shows its button released."""
-        self._stops = 0
-        self._running: dict[str, tuple[int, Motion]] = {}
-        """By side: the row and motion begun last, until its end."""
+    def _newest_goal(self) -> float:
+        """Return how far ahead the next goal is (s); 0 if there is none for POLL_S."""
+        ahead_s = 0.0
+        with contextlib.suppress(queue.Empty):
+            ahead_s = self._goals.get(timeout=POLL_S)
+            while True:
+                ahead_s = self._goals.get_nowait()
+        return ahead_s
 
-    @property
-    def busy(self) -> bool:
-        """Whether robots move, or are about to move, for a held button."""
-        return self._goal is not None or bool(self._running)
-
-    def held(self, number: int) -> Press | None:
-        """Return the press of this number while it is held."""
-        press = self._press
-        return press if press is not None and press.number == number else None
-
-    def is_new(self, number: int) -> bool:
-        """Return whether a press of this number has not begun yet; late heartbeats of earlier presses are ignored."""
-        return number > self.over and self.held(number) is None
-
-    def hold(self, press: Press) -> None:
-        """Begin or continue a press."""
-        self._put(press, press, AHEAD_S)
-
-    def release(self, number: int) -> None:
-        """End a press: the robots come to rest at a last goal."""
-        press = self.held(number)
-        self.over = max(self.over, number)
-        if press is not None:
-            self._put(None, press, BRAKE_S)
-
-    def _put(self, held: Press | None, press: Press, ahead_s: float) -> None:
-        with self._lock:
-            self._press, self._goal = held, (press, ahead_s)
-        self._jobs.put("jog", self._step)
-
-    def end(self, *, stopped: bool = False) -> None:
-        """End the press without a last goal; `stopped`: STOP was sent, also to a goal that is being sent."""
-        with self._lock:
-            self._stops += stopped
-            self._goal = None
-            self._drop(self._press)
-
-    def _failed(self, press: Press) -> None:
-        """End a press without a last goal, but none that has begun since: a motion that STOP ends reports it later."""
-        with self._lock:
-            if self._goal is not None and self._goal[0] is press:
-                self._goal = None
-            self._drop(press)
-
-    def _drop(self, press: Press | None) -> None:
-        """End a press if it is held; the caller holds the lock."""
-        if press is not None and self._press is press:
-            self.over, self._press = max(self.over, press.number), None
-
-    # -- one after the other -----------------------------------------------------------------------
-
-    def _step(self) -> None:
-        with self._lock:
-            goal, self._goal, stops = self._goal, None, self._stops
-        if goal is None:
-            return
-        press, ahead_s = goal
-        for robot in press.robots:
-            try:
-                self._begin(press, robot, ahead_s, stops)
-            except BeatrixError as error:
-                self._failed(press)
-                self._report(failed(press.row, robot.side, error))
-                return
-
-    def _begin(self, press: Press, robot: Robot, ahead_s: float, stops: int) -> None:
+    def _begin(self, robot: Robot, ahead_s: float) -> Motion:
         """Send one goal, near a limit a shorter one; raises Refused if no goal is accepted."""
-        began_s, motion = time.monotonic(), None
-        while motion is None:
-            try:
-                motion = robot.begin(press.query(ahead_s))
-            except Refused as error:
-                ahead_s /= 2
-                if error.reason not in LIMITS or press.speed * ahead_s < SMALLEST_DEG:
-                    raise
-        first = self._running.get(robot.side, (0, None))[0] != press.row
-        self._running[robot.side] = press.row, motion
-        if self._stops != stops:  # the STOP sent meanwhile may have arrived before the goal
-            publish_stop(robot.client, robot.place)
-        if first:
-            self._report(accepted(press.row, robot.side, motion.accepted.message, 0.0))
-        motion.add_done_callback(lambda motion: self._ended(press, robot.side, motion, began_s))
-
-    def _ended(self, press: Press, side: str, motion: Motion, began_s: float) -> None:
-        newest = self._running.get(side) == (press.row, motion)
-        if newest:
-            del self._running[side]
-        error = motion.exception(0.0)
-        if error is not None and error.reason is not Reason.REPLACED:
-            self._failed(press)
-            self._report(failed(press.row, side, error))
-        elif error is None and newest and press.number <= self.over:
-            self._report(done(press.row, side, motion.result(0.0).message, time.monotonic() - began_s))
+        asked, motion = self._asked, None
+        with naming(str(robot)) if self.side == BOTH else contextlib.nullcontext():
+            while motion is None:
+                try:
+                    motion = robot.begin(jog_query(asked.part, asked.sign, asked.speed, ahead_s))
+                except Refused as error:
+                    ahead_s /= 2
+                    if error.reason not in LIMITS or asked.speed * ahead_s < SMALLEST_DEG:
+                        raise
+        if self.ending is not None and self.ending.reason is not Reason.REPLACED:
+            publish_stop(
+                robot.client, robot.place
+            )  # the STOP sent meanwhile may have arrived before the goal
+        return motion

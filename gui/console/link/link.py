@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -15,13 +14,14 @@ from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
 from gui.console.link.children import HARDWARE, SIMULATION, Children, Ports, Recordings
+from gui.console.link.choreographies import Playing
 from gui.console.link.connection import Connection, Probe, Session
-from gui.console.link.governing import ClassStates, LessonReports, send_govern
+from gui.console.link.governing import LessonReports, robots_online, send_govern
 from gui.console.link.jobs import Jobs
-from gui.console.link.jogging import Jogging, Press
-from gui.console.link.moving import Moving, Request, robots_of
-from gui.console.link.outcomes import failed, written
-from gui.console.link.pictures import Levels, OnImage, cameras
+from gui.console.link.moving import Moving, RobotAction
+from gui.console.link.outcomes import WindowError, failed, stopped, written
+from gui.console.link.pictures import Camera, CameraStream, LevelStream, OnImage, Watcher, levels
+from gui.console.link.programs import Following
 from gui.console.link.routers import Routers, own_account
 from gui.console.link.stopping import send_stop
 from gui.console.state import actions
@@ -57,17 +57,28 @@ class Link:
             source: the face, for the events of robots.
             shared: a session whose states of robots and seats this link reads; None: it receives them itself.
         """
-        self._on_outcome, self._caller = on_outcome, threading.get_ident()
+        self._on_outcome = on_outcome
         self._default_seat = names.default_seat()
         jobs, report = Jobs("window"), self._report
         self._jobs = jobs
-        self._cameras, self._levels = cameras(jobs, on_image), Levels(jobs)
+        self._cameras = Watcher[Camera, CameraStream](
+            "cameras",
+            jobs,
+            lambda: self.session,
+            lambda session, eye: CameraStream(session.client, (session.twin.name, *eye), on_image),
+        )
+        self._levels = Watcher[str, LevelStream](
+            "levels",
+            jobs,
+            lambda: self.session,
+            lambda session, side: LevelStream(session.client, (session.twin.name, side)),
+        )
         self._connection = Connection(
             settings, self._follow, name_given=name_given, source=source, shared=shared
         )
-        self._moving, self.jogging = Moving(jobs, report), Jogging(jobs, report)
+        self._moving = Moving(jobs, report)
         self._stop_sender = StopSender("window")
-        self._class, self._lessons = ClassStates(), LessonReports(jobs)
+        self._lessons = LessonReports(jobs)
         self._probes = {side: Probe(side, jobs) for side in SIDES}
         self._children = Children(jobs, self._connection.try_now)
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
@@ -86,11 +97,12 @@ class Link:
     @property
     def busy(self) -> bool:
         """Whether robots move, or are about to move, for this link."""
-        return self._moving.busy or self.jogging.busy
+        return self._moving.busy
 
     def world(self, robot: str = "") -> World:
         """Return the present world, by default of the selected robot; call it in one thread only, for a window Qt's."""
-        connection, moving, play = self._connection, self._moving, self._moving.play
+        connection, moving, program = self._connection, self._moving, self._moving.program
+        play = program if isinstance(program, Playing) else None
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
         robot = robot or connection.robot
         sim, hw = connection.states(robot)
@@ -113,7 +125,7 @@ class Link:
             names=connection.names(),
             trouble=connection.trouble,
             latency_s=latency_s,
-            plan=moving.plans.progress(),
+            plan=moving.plan,
             recording=self._recordings.progress(),
             starting=self._children.starts(SIMULATION),
             connecting=self._children.starts(HARDWARE),
@@ -125,17 +137,17 @@ class Link:
             router_trouble=self._routers.trouble,
             playing="" if play is None else play.title,
             playing_pose=-1 if play is None else play.pose,
-            face=moving.face.progress(running=moving.following is not None),
+            face=moving.face.progress(running=isinstance(program, Following)),
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
             seats=() if session is None else tuple(session.seats.names()),
             pupils={} if account is None else {seat: account.shown(seat) for seat in account.names},
             class_robots=() if account is None else account.robots,
-            robots=self._class.states(session, now_s),
+            robots=robots_online(session) if self._lessons.watched else (),
             reports=self._lessons.rows,
             reports_failed=self._lessons.failed,
-            levels=self._levels.newest,
+            levels=levels(self._levels.open),
         )
 
     def do(self, action: Action) -> None:
@@ -150,10 +162,10 @@ class Link:
         return {
             **dict.fromkeys(requests, self._request),
             SendStop: self._stop,
-            actions.SendNow: lambda _: moving.plans.send_now(),
-            actions.Abort: lambda _: moving.plans.abort(),
+            actions.SendNow: lambda _: moving.send_now(),
+            actions.Abort: lambda _: moving.abort(),
             Hold: self._hold,
-            actions.Release: lambda action: self.jogging.release(action.row),
+            actions.Release: lambda action: moving.release(action.row),
             actions.Retry: lambda _: connection.try_now(),
             actions.ChooseRobot: lambda action: self._select(action.name),
             actions.WatchCameras: lambda action: self._cameras.watch(action.wanted),
@@ -180,13 +192,12 @@ class Link:
         }
 
     def _watch_class(self, action: WatchClass) -> None:
-        self._class.watch(on=action.on)
-        self._lessons.watch(on=action.on)
+        self._lessons.watched = action.on
 
-    def _follow(self, session: Session) -> None:
-        """Receive pictures and levels of this session's robots from now on."""
-        self._cameras.follow(session)
-        self._levels.follow(session)
+    def _follow(self) -> None:
+        """Receive pictures and levels of the present session's robots from now on."""
+        self._cameras.restart()
+        self._levels.restart()
 
     def _select(self, robot: str) -> None:
         if robot != self._connection.robot:
@@ -195,7 +206,6 @@ class Link:
 
     def _leave(self) -> None:
         """End all motions of this link, because the user has chosen another robot, router or account."""
-        self.jogging.end()
         self._moving.deselect()
 
     def _write(self, action: WriteFile) -> None:
@@ -203,41 +213,30 @@ class Link:
         self._report(written(action.row, action.file, lambda: action.file.write_bytes(content)))
 
     def _report(self, outcome: Outcome) -> None:
-        """Report an outcome on a thread of the link, never on the caller's thread within `do`."""
-        if threading.get_ident() == self._caller:
-            self._jobs.put("outcomes", lambda: self._on_outcome(outcome))
-        else:
-            self._on_outcome(outcome)
+        """Report an outcome on a thread of the link, in the order of the calls."""
+        self._jobs.put("outcomes", lambda: self._on_outcome(outcome))
 
     def _govern(self, action: Govern) -> None:
         session = self._online(action.row)
         if session is not None:
             self._jobs.put("class", lambda: send_govern(action, session, self._report))
 
-    def _request(self, action: Request) -> None:
+    def _request(self, action: RobotAction) -> None:
         """Carry out an action that robots answer."""
         session = self._online(action.row)
         if session is not None:
-            self.jogging.end()
             settings = replace(self._connection.settings, robot=session.twin.name)
             self._moving.request(action, session.twin, settings)
 
     def _hold(self, action: Hold) -> None:
-        """Begin or continue a hold; ignore the heartbeats of one that has ended."""
-        press = self.jogging.held(action.row)
-        if press is None and self.jogging.is_new(action.row):
-            session = self._online(action.row)
-            if session is None:
-                return
-            self.make_way()
-            robots = robots_of(session.twin, action.sides)
-            press = Press(action.row, action.part, action.sign, action.speed, robots, action.row)
-        if press is not None:
-            self.jogging.hold(press)
+        """Begin or continue a hold."""
+        session = self._online(action.row)
+        if session is not None:
+            self._moving.hold(action, session.twin)
 
-    def make_way(self) -> None:
-        """End what must not run beside a held button."""
-        self._moving.make_way()
+    def holds(self, row: int) -> bool:
+        """Return whether the button of a hold is held, and its motion has not ended."""
+        return self._moving.holds(row)
 
     # -- STOP ---------------------------------------------------------------------------------------
 
@@ -263,16 +262,15 @@ class Link:
 
     def drop(self) -> None:
         """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
-        self.jogging.end(stopped=True)
-        self._moving.drop()
+        self._moving.drop(stopped())
 
     # -- the end ------------------------------------------------------------------------------------
 
     def close(self) -> None:
         """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
         deadline_s = time.monotonic() + CLOSE_S
-        self.jogging.end(stopped=True)
-        for part in (self._moving, self._stop_sender, self._cameras, self._levels):
+        self._moving.drop(WindowError(Reason.SHUTDOWN, "result.closed"))
+        for part in (self._stop_sender, self._cameras, self._levels):
             part.close()
         # In parallel, because each may need all of the time, for example while a recorder completes its file.
         self._jobs.put("recorder-end", lambda: self._recordings.end_all(deadline_s))

@@ -1,33 +1,35 @@
-"""What moves the robots of the shown name: queues of requests, motions of both, plays, and the program for faces.
-
-A newer motion ends what it replaces, and begins when that has ended.
-"""
+"""What moves the robots of the shown name. A newer motion ends what it replaces, and begins when that has ended."""
 
 from __future__ import annotations
 
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
+from typing import Final
 
 from beatrix_zenoh.client import lease
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.client.twin import Twin
-from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
-from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.client.twin_motion import TwinMotion, TwinReplies
+from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
-from gui.console.link import outcomes
+from gui.console.link.choreographies import Playing
 from gui.console.link.jobs import Jobs
+from gui.console.link.jogging import Held
 from gui.console.link.outcomes import WindowError, done, failed, replaced
-from gui.console.link.plans import Plans
-from gui.console.link.programs import FaceProgram, Following, Playing, Programs
+from gui.console.link.programs import FaceProgram, Following
+from gui.console.link.request import OneMotion, PlannedMotion, Program, Question, Report, Request
 from gui.console.state import actions
 from gui.console.state.actions import Outcome
+from gui.console.state.world import PlanProgress
 
-Request = (
+PROGRAM_S: Final = 2.0
+"""Longest time that a motion waits for the end of a program that it replaces."""
+RobotAction = (
     actions.Send
     | actions.Play
     | actions.SendCommand
@@ -38,151 +40,39 @@ Request = (
 """Actions that robots of the shown name answer."""
 
 
-@dataclass(frozen=True, eq=False)
-class QueuedRequest:
-    """A request in the queue."""
-
-    row: int
-    robot: Robot
-    do: Callable[[Robot], str] = lambda _: ""
-    """sends the request, unless it is a motion; returns the robot's message"""
-    query: MotionQuery | PoseQuery | None = None
-    """the motion, if it is one"""
-    clear: Callable[[], None] = lambda: None
-    """ends motions that must not run beside this motion; called before this motion is sent"""
-    begun: Callable[[], None] = lambda: None
-    """called when the motion was accepted"""
-
-
-class RequestQueue:
-    """Sends requests to one robot one after the other; a newer motion replaces one that still waits."""
-
-    def __init__(self, side: str, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
-        self._side, self._jobs, self._report = side, jobs, report
-        self._lock = threading.Lock()
-        self._waiting: list[QueuedRequest] = []
-        self._stops = 0
-        self._running: tuple[Robot, Motion] | None = None
-        """The motion that was begun last, until its end."""
-
-    # -- any thread; none of these waits ------------------------------------------------------------
-
-    @property
-    def busy(self) -> bool:
-        """Whether a motion runs, or a request waits."""
-        return self._running is not None or bool(self._waiting)
-
-    def put(self, task: QueuedRequest) -> None:
-        """Queue a request; a motion replaces one that still waits."""
-        if task.query is not None:
-            self.replace()
-        with self._lock:
-            self._waiting.append(task)
-        self._jobs.put(self._side, self._next)
-
-    def stop(self) -> None:
-        """Drop waiting requests; a motion that is being sent is stopped when the robot has accepted it."""
-        with self._lock:
-            self._stops += 1
-            dropped, self._waiting = self._waiting, []
-        for task in dropped:
-            self._report(failed(task.row, self._side, outcomes.stopped()))
-
-    def release(self) -> None:
-        """Drop waiting requests and stop the running motion, because later STOPs of the window go to another robot."""
-        self.stop()
-        if (running := self._running) is not None:
-            robot, _ = running
-            publish_stop(robot.client, robot.place)
-
-    def replace(self) -> None:
-        """Drop a waiting motion, which a newer motion or a play replaces."""
-        with self._lock:
-            dropped = [task for task in self._waiting if task.query is not None]
-            self._waiting = [task for task in self._waiting if task.query is None]
-        for task in dropped:
-            self._report(failed(task.row, self._side, replaced()))
-
-    # -- one after the other -----------------------------------------------------------------------
-
-    def _next(self) -> None:
-        with self._lock:
-            task = self._waiting.pop(0) if self._waiting else None
-            stops = self._stops
-        if task is None:
-            return
-        try:
-            if task.query is None:
-                self._report(done(task.row, self._side, task.do(task.robot)))
-            else:
-                self._begin(task, task.query, stops)
-        except BeatrixError as error:
-            self._report(failed(task.row, self._side, error))
-
-    def _begin(self, task: QueuedRequest, query: MotionQuery | PoseQuery, stops: int) -> None:
-        task.clear()
-        began_s = time.monotonic()
-        motion = task.robot.begin(query)
-        self._running = task.robot, motion
-        if self._stops != stops:  # the STOP sent meanwhile may have arrived before the motion
-            publish_stop(task.robot.client, task.robot.place)
-        task.begun()
-        self._report(outcomes.accepted(task.row, self._side, motion.accepted.message, motion.duration))
-
-        def ended(motion: Motion) -> None:
-            error = motion.exception(0.0)
-            took_s = time.monotonic() - began_s
-            if self._running == (task.robot, motion):
-                self._running = None
-            self._report(
-                done(task.row, self._side, motion.result(0.0).message, took_s)
-                if error is None
-                else failed(task.row, self._side, error)
-            )
-
-        motion.add_done_callback(ended)
-
-    def close(self) -> None:
-        """Drop waiting requests without reports; returns at once."""
-        with self._lock:
-            self._stops += 1
-            self._waiting.clear()
-
-
 class Moving:
-    """Carries out requests for one robot or both; no method waits for a robot."""
+    """Carries out requests for one robot or both; no method waits for a robot. Any thread may call them."""
 
-    def __init__(self, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
+    def __init__(self, jobs: Jobs, report: Report) -> None:
         """Store the arguments; `report` is called with the outcomes of requests."""
-        self._report = report
-        self._queues = {side: RequestQueue(side, jobs, report) for side in SIDES}
-        self.plans, self.face = Plans(jobs, report), FaceProgram(jobs, report)
-        self._programs = Programs(jobs, report, lambda: self.plans.drop_leading(replaced()))
+        self._jobs, self._report = jobs, report
+        self.face = FaceProgram(jobs, report)
+        self._lock = threading.Lock()
+        self._requests: list[Request] = []
+        """those that wait or are under way, the oldest first"""
+        self._held: Held | None = None
+        """the newest press of a held button"""
 
     @property
     def busy(self) -> bool:
         """Whether robots move, or are about to move, for the link."""
-        both = self._programs.newest is not None or self.plans.progress() is not None
-        return both or any(queue.busy for queue in self._queues.values())
+        return bool(self._requests)
 
     @property
-    def play(self) -> Playing | None:
-        """The present play."""
-        program = self._programs.newest
-        return program if isinstance(program, Playing) else None
+    def plan(self) -> PlanProgress | None:
+        """How far the newest motion of both robots is; None: there is none."""
+        plans = [request for request in self._requests.copy() if isinstance(request, PlannedMotion)]
+        return plans[-1].progress() if plans else None
 
     @property
-    def following(self) -> Following | None:
-        """The present run of the program that follows a face."""
-        program = self._programs.newest
-        return program if isinstance(program, Following) else None
+    def program(self) -> Program | None:
+        """The newest play, or run of the program that follows a face."""
+        programs = [request for request in self._requests.copy() if isinstance(request, Program)]
+        return programs[-1] if programs else None
 
-    def end_following(self) -> None:
-        """End the program that follows a face, because the user wants it."""
-        if (program := self.following) is not None:
-            program.end(None)
+    # -- actions ------------------------------------------------------------------------------------
 
-    def request(self, action: Request, twin: Twin, settings: Settings) -> None:
+    def request(self, action: RobotAction, twin: Twin, settings: Settings) -> None:
         """Carry out an action; programs get the robot, the router and the seat of the settings."""
         sides = (action.side,) if isinstance(action, actions.MakeReady | actions.AskLease) else action.sides
         robots = robots_of(twin, sides)
@@ -190,14 +80,14 @@ class Moving:
             self._report(failed(action.row, "", WindowError(Reason.BAD_VALUE, "off.unchecked")))
             return
         match action:
-            case actions.Send():
-                self._send(action, twin, robots)
+            case actions.Send(row=row, query=query, lead_s=lead_s) if len(robots) > 1:
+                self._put(PlannedMotion(row, twin, query, lead_s))
+            case actions.Send(row=row, query=query):
+                self._put(OneMotion(row, robots[0], query))
             case actions.Play():
-                self._clear(robots)
-                self._programs.begin(Playing(action, twin if len(robots) > 1 else robots[0]))
+                self._put(Playing(action, twin if len(robots) > 1 else robots[0]))
             case actions.FollowFace():
-                self._clear(robots)
-                self._programs.begin(Following(action, settings, self.face))
+                self._put(Following(action, settings, self.face))
             case actions.SendCommand(row=row, command=command, value=value):
                 self._ask(row, robots, lambda robot: robot.command(command, value=value).message)
             case actions.AskLease(row=row, action=asked):
@@ -205,63 +95,157 @@ class Moving:
             case actions.MakeReady(row=row):
                 self._ask(row, robots, _make_ready)
 
-    def make_way(self) -> None:
-        """End what must not run beside a motion that the face itself sends."""
-        self._programs.end(replaced())
-        self.plans.drop_trying(replaced())
-        self.plans.drop_leading(replaced())
-        for queue in self._queues.values():
-            queue.replace()
+    def _ask(self, row: int, robots: tuple[Robot, ...], ask: Callable[[Robot], str]) -> None:
+        for robot in robots:
+            self._put(Question(row, robot, ask))
 
-    def drop(self) -> None:
-        """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
-        self._end(outcomes.stopped())
-        for queue in self._queues.values():
-            queue.stop()
+    def hold(self, action: actions.Hold, twin: Twin) -> None:
+        """Begin or continue the motion of a held button; late heartbeats of earlier presses are ignored."""
+        if self._held is None or action.row > self._held.row:
+            self._held = Held(action, robots_of(twin, action.sides))
+            self._put(self._held)
+        if action.row == self._held.row:
+            self._held.beat()
+
+    def release(self, row: int) -> None:
+        """End the press of this row, unless it has ended."""
+        if self._held is not None and self._held.row == row:
+            self._held.release()
+
+    def holds(self, row: int) -> bool:
+        """Return whether the press of this row has not ended."""
+        return (
+            self._held is not None
+            and self._held.row == row
+            and not self._held.ends
+            and not self._held.over.is_set()
+        )
+
+    def send_now(self) -> None:
+        """Send the waiting motion of both robots to the hardware now."""
+        for request in self._requests.copy():
+            if isinstance(request, PlannedMotion) and request.motion is not None:
+                request.motion.send_now()
+
+    def abort(self) -> None:
+        """Stop the simulation and keep the hardware unmoved; if the motion was sent to the hardware, stop both."""
+        for request in self._requests.copy():
+            if isinstance(request, PlannedMotion):
+                self._end(request, WindowError(Reason.STOPPED, "result.aborted"))
+
+    def end_following(self) -> None:
+        """End the program that follows a face, because the user wants it."""
+        if isinstance(program := self.program, Following):
+            program.end(None)
+
+    # -- the end of requests ------------------------------------------------------------------------
+
+    def make_way(self, sides: tuple[str, ...] = SIDES, *, leading: bool = True) -> list[Request]:
+        """End what a new motion of these sides replaces, and return the programs that it must wait for.
+
+        A robot replaces the motion that it makes by itself. `leading`: also end a motion whose lead has not passed.
+        """
+        programs: list[Request] = []
+        for request in self._requests.copy():
+            if isinstance(request, Program):
+                programs.append(request)
+            waits = request.moves and not request.running and {*sides} & {*request.sides}
+            if isinstance(request, Program) or waits or (leading and request.leading):
+                self._end(request, replaced())
+        return programs
+
+    def drop(self, why: BeatrixError) -> None:
+        """End all requests; the caller stops robots that move already."""
+        for request in self._requests.copy():
+            self._end(request, why)
 
     def deselect(self) -> None:
-        """End all motions, because the user selects another robot."""
-        self._end(outcomes.deselected())
-        for queue in self._queues.values():
-            queue.release()
+        """End all requests and stop the robots, because later STOPs of the user go to another robot."""
+        moving = self._requests.copy()
+        self.drop(WindowError(Reason.STOPPED, "result.deselected"))
+        for request in moving:
+            if isinstance(request, OneMotion):
+                request.halt()
 
-    def close(self) -> None:
-        """End all motions and drop waiting requests, because the link closes."""
-        self._end(outcomes.closed())
-        for queue in self._queues.values():
-            queue.close()
+    def _end(self, request: Request, why: BeatrixError) -> None:
+        """End a request; one that still waits is over at once."""
+        request.end(why)
+        if not request.running:
+            self._finish(request, failed(request.row, request.side, why))
 
-    def _end(self, why: BeatrixError) -> None:
-        self.plans.drop(why)
-        self._programs.end(why)
+    def _finish(self, request: Request, outcome: Outcome) -> None:
+        """Report the last outcome, unless that was done before."""
+        if self._remove(request):
+            self._report(outcome)
 
-    def _send(self, action: actions.Send, twin: Twin, robots: tuple[Robot, ...]) -> None:
-        self._programs.end(replaced())
-        if len(robots) > 1:
-            for queue in self._queues.values():
-                queue.replace()
-            self.plans.send(action.row, twin, action.query, action.lead_s, self._programs.wait_ended)
+    def _remove(self, request: Request) -> bool:
+        """Forget a request; return False if that was done before."""
+        request.over.set()
+        with self._lock:
+            known = request in self._requests
+            if known:
+                self._requests.remove(request)
+        return known
+
+    # -- one after the other in each queue ----------------------------------------------------------
+
+    def _put(self, request: Request) -> None:
+        """Queue a request, which ends what it replaces."""
+        programs: list[Request] = []
+        if request.moves:
+            programs = self.make_way(request.sides, leading=isinstance(request, Program))
+        with self._lock:
+            self._requests.append(request)
+        self._jobs.put(request.queue, lambda: self._run(request, programs))
+
+    def _run(self, request: Request, programs: list[Request]) -> None:
+        for program in programs:
+            program.over.wait(PROGRAM_S)
+        if request.over.is_set():
             return
-        self.plans.drop_trying(replaced())
-        for robot in robots:
-            task = QueuedRequest(
-                action.row,
-                robot,
-                query=action.query,
-                clear=self._programs.wait_ended,
-                begun=lambda: self.plans.drop_leading(replaced()),
-            )
-            self._queues[robot.side].put(task)
+        began_s = time.monotonic()
+        try:
+            motion = request.perform(partial(self._tell, request))
+        except BeatrixError as error:
+            self._finish(request, failed(request.row, request.side, _explained(error)))
+            return
+        except Exception:
+            self._remove(request)
+            raise
+        if isinstance(motion, str):
+            took_s = time.monotonic() - began_s
+            self._finish(request, done(request.row, request.side, motion, took_s))
+            return
+        if isinstance(request, OneMotion):
+            self._end_leading()
+        motion.add_done_callback(lambda motion: self._ended(request, motion, began_s))
 
-    def _ask(self, row: int, robots: tuple[Robot, ...], do: Callable[[Robot], str]) -> None:
-        for robot in robots:
-            self._queues[robot.side].put(QueuedRequest(row, robot, do))
+    def _tell(self, request: Request, outcome: Outcome) -> None:
+        """Report an outcome that is not the last one."""
+        if not request.over.is_set():
+            self._report(outcome)
 
-    def _clear(self, robots: tuple[Robot, ...]) -> None:
-        """End what a play or a program of these robots replaces."""
-        for robot in robots:
-            self._queues[robot.side].replace()
-        self.plans.drop_trying(replaced())
+    def _end_leading(self) -> None:
+        for request in self._requests.copy():
+            if request.leading:
+                self._end(request, replaced())
+
+    def _ended(self, request: Request, motion: Motion | TwinMotion, began_s: float) -> None:
+        error = motion.exception(0.0)
+        if isinstance(error, BeatrixError):
+            self._finish(request, failed(request.row, request.side, _explained(error)))
+        elif error is not None:
+            raise error
+        else:
+            reply = motion.result(0.0)
+            message = reply.hw.message if isinstance(reply, TwinReplies) else reply.message
+            self._finish(request, done(request.row, request.side, message, time.monotonic() - began_s))
+
+
+def _explained(error: BeatrixError) -> BeatrixError:
+    """Return the error to report: no newer motion has replaced one whose preview is obsolete."""
+    obsolete = isinstance(error, Refused) and error.reason is Reason.REPLACED
+    return WindowError(Reason.NOT_AT_REST, "result.moved") if obsolete else error
 
 
 def _make_ready(robot: Robot) -> str:

@@ -79,16 +79,6 @@ def replaced() -> WindowError:
     return WindowError(Reason.REPLACED, "result.replaced")
 
 
-def closed() -> WindowError:
-    """Return the error of a request that the end of the window interrupts."""
-    return WindowError(Reason.SHUTDOWN, "result.closed")
-
-
-def deselected() -> WindowError:
-    """Return the error of plans and plays that end because the user selects another robot."""
-    return WindowError(Reason.STOPPED, "result.deselected")
-
-
 def stopped() -> WindowError:
     """Return the error of a request that STOP of this window has dropped or ended."""
     return WindowError(Reason.STOPPED, "result.stop_pressed")

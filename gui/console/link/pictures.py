@@ -27,7 +27,7 @@ Media = TypeVar("Media")
 RETRY_S: Final = 1.0
 """Time between attempts to open the session for media while no router answers."""
 CLOSE_S: Final = 1.0
-"""Longest time that `Streams.close` takes."""
+"""Longest time that `Watcher` waits for the end of its streams."""
 SHOWN: Final = 5
 """Number of blocks (of 20 ms) of which the loudest is shown, so that a clap is seen."""
 STALE_S: Final = 0.5
@@ -57,28 +57,25 @@ class MediaStream(Generic[Media]):
         self._thread = threads.start(self._run, name)
 
     def _run(self) -> None:
+        """Deliver publications until `end`, or until the client is closed."""
         while not self._ended.is_set():
             try:
-                self._deliver()
-            except (NoAnswer, WrongUsage) as error:
+                subscription = self._subscribe()
+            except NoAnswer:
+                self._ended.wait(RETRY_S)
+                continue
+            except WrongUsage as error:
                 if error.reason is Reason.SHUTDOWN:
                     return
-                if isinstance(error, WrongUsage):
-                    raise
-                self._ended.wait(RETRY_S)
-
-    def _deliver(self) -> None:
-        """Deliver publications until the subscription ends; raises NoAnswer if no router answers."""
-        subscription = self._subscribe()
-        with self._lock:
-            self._subscription = subscription
-            if self._ended.is_set():  # `end` was called too early to close it
-                subscription.close()
-        while True:
-            value = subscription.next()
+                raise
             with self._lock:
-                if not self._ended.is_set():
-                    self._arrived(value)
+                self._subscription = subscription
+                if self._ended.is_set():  # `end` was called too early to close it
+                    subscription.close()
+            for value in subscription:
+                with self._lock:
+                    if not self._ended.is_set():
+                        self._arrived(value)
 
     def end(self) -> None:
         """End the subscription; nothing is delivered after the return."""
@@ -93,9 +90,6 @@ class MediaStream(Generic[Media]):
         self._thread.join(max(0.0, timeout_s))
 
 
-Stream = TypeVar("Stream", bound=MediaStream[Any])
-
-
 class CameraStream(MediaStream[CameraImage]):
     """Pictures of one camera; only the newest is kept."""
 
@@ -107,82 +101,6 @@ class CameraStream(MediaStream[CameraImage]):
             lambda: images(client, *camera, timeout_s=None, length=1),
             lambda image: on_image(side, image),
         )
-
-
-class Streams(Generic[Key, Stream]):
-    """Exactly the wanted streams; only one thread may call the methods."""
-
-    def __init__(self, begin: Callable[[Key], Stream]) -> None:
-        """Create the object without streams; `begin` starts one."""
-        self._begin = begin
-        self.open: dict[Key, Stream] = {}
-
-    def watch(self, wanted: frozenset[Key]) -> None:
-        """Subscribe to exactly these streams; does not wait for router or robot.
-
-        Absent robots and cameras are included as soon as they appear. After the return nothing else is delivered.
-        """
-        for key in self.open.keys() - wanted:
-            self.open.pop(key).end()
-        for key in wanted - self.open.keys():
-            self.open[key] = self._begin(key)
-
-    def close(self) -> None:
-        """End all subscriptions within 1 s; nothing is delivered after the return."""
-        streams = list(self.open.values())
-        self.watch(frozenset())
-        deadline_s = time.monotonic() + CLOSE_S
-        for stream in streams:
-            stream.join(deadline_s - time.monotonic())
-
-
-class Watcher(Generic[Key, Stream]):
-    """Subscribes to wanted streams when there is a session, and again when another robot is selected."""
-
-    def __init__(self, name: str, jobs: Jobs, begin: Callable[[Client, str, Key], Stream]) -> None:
-        """Subscribe to nothing yet, in the queue `name` of the jobs; `begin` starts a stream of the robot of a name."""
-        self._name, self._jobs, self._begin = name, jobs, begin
-        self._wanted: frozenset[Key] = frozenset()
-        self.streams: Streams[Key, Stream] | None = None
-
-    def watch(self, wanted: frozenset[Key]) -> None:
-        """Subscribe to exactly these streams; returns at once."""
-
-        def apply() -> None:
-            self._wanted = wanted
-            if self.streams is not None:
-                self.streams.watch(wanted)
-
-        self._jobs.put(self._name, apply)
-
-    def follow(self, session: Session) -> None:
-        """Subscribe to the streams of this session's robots from now on; returns at once."""
-
-        def apply() -> None:
-            self._end()
-            robot = session.twin.name
-            self.streams = Streams(lambda key: self._begin(session.client, robot, key))
-            self.streams.watch(self._wanted)
-
-        self._jobs.put(self._name, apply)
-
-    def _end(self) -> None:
-        if self.streams is not None:
-            self.streams.close()
-            self.streams = None
-
-    def close(self) -> None:
-        """End the subscriptions; returns at once."""
-        self._jobs.put(self._name, self._end)
-
-
-def cameras(jobs: Jobs, on_image: OnImage) -> Watcher[Camera, CameraStream]:
-    """Return what subscribes to cameras; `on_image` receives side and picture on its threads, and must return at once."""
-
-    def begin(client: Client, robot: str, camera: Camera) -> CameraStream:
-        return CameraStream(client, (robot, *camera), on_image)
-
-    return Watcher("cameras", jobs, begin)
 
 
 class LevelStream(MediaStream[Sound]):
@@ -209,16 +127,58 @@ class LevelStream(MediaStream[Sound]):
         return max(left for left, _ in levels), max(right for _, right in levels)
 
 
-class Levels(Watcher[str, LevelStream]):
-    """Subscribes to the microphones of wanted sides of the selected robot."""
+Stream = TypeVar("Stream", bound=MediaStream[Any])
 
-    def __init__(self, jobs: Jobs) -> None:
-        """Subscribe to nothing yet."""
-        super().__init__("levels", jobs, lambda client, robot, side: LevelStream(client, (robot, side)))
 
-    @property
-    def newest(self) -> dict[str, Level]:
-        """The present level of each side from which sound arrives."""
-        streams = {} if self.streams is None else dict(self.streams.open)
-        levels = {side: stream.level for side, stream in streams.items()}
-        return {side: level for side, level in levels.items() if level is not None}
+class Watcher(Generic[Key, Stream]):
+    """Subscribes to exactly the wanted streams while there is a session."""
+
+    def __init__(
+        self,
+        name: str,
+        jobs: Jobs,
+        session: Callable[[], Session | None],
+        begin: Callable[[Session, Key], Stream],
+    ) -> None:
+        """Subscribe to nothing yet.
+
+        Args:
+            name: queue of the jobs that begin and end streams.
+            jobs: the executor.
+            session: returns the present session.
+            begin: starts a stream of a session.
+        """
+        self._name, self._jobs, self._session, self._begin = name, jobs, session, begin
+        self._wanted: frozenset[Key] = frozenset()
+        self.open: dict[Key, Stream] = {}
+
+    def watch(self, wanted: frozenset[Key]) -> None:
+        """Subscribe to exactly these streams, those of absent robots as soon as they appear; returns at once."""
+        self._wanted = wanted
+        self._jobs.put(self._name, lambda: self._apply(wanted))
+
+    def restart(self) -> None:
+        """Subscribe anew to all streams, because there is another session; returns at once."""
+        self._jobs.put(self._name, lambda: self._apply(frozenset()))
+        self.watch(self._wanted)
+
+    def close(self) -> None:
+        """End all subscriptions; returns at once."""
+        self.watch(frozenset())
+
+    def _apply(self, wanted: frozenset[Key]) -> None:
+        ending = [self.open.pop(key) for key in self.open.keys() - wanted]
+        for stream in ending:
+            stream.end()
+        deadline_s = time.monotonic() + CLOSE_S
+        for stream in ending:
+            stream.join(deadline_s - time.monotonic())
+        session = self._session()
+        if session is not None:
+            self.open |= {key: self._begin(session, key) for key in wanted - self.open.keys()}
+
+
+def levels(streams: dict[Key, LevelStream]) -> dict[Key, Level]:
+    """Return the present level of each robot from which sound arrives."""
+    found = {key: stream.level for key, stream in streams.copy().items()}
+    return {key: level for key, level in found.items() if level is not None}

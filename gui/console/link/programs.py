@@ -1,32 +1,28 @@
-"""Plays and the program that follows a face: the newest one ends the one before, and begins when that has ended."""
+"""The program that follows a face."""
 
 from __future__ import annotations
 
 import contextlib
 import shutil
-import threading
 import time
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import Final
 
 import msgspec
 
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetReply
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from beatrix_zenoh.settings import Settings
 from gui.console.link.jobs import Jobs
-from gui.console.link.outcomes import WindowError, accepted, done, failed, replaced, written
-from gui.console.state.actions import CopyProgram, FollowFace, Outcome, Play
+from gui.console.link.outcomes import WindowError, accepted, written
+from gui.console.link.request import BOTH, Program, Report
+from gui.console.state.actions import CopyProgram, FollowFace
 from gui.console.state.world import FaceProgress
 
-Report = Callable[[Outcome], None]
 NAME: Final = "follow_the_face.py"
 SHIPPED: Final = Path(str(resources.files("beatrix_zenoh"))) / "examples" / NAME
 END_S = 1.0
@@ -34,121 +30,6 @@ END_S = 1.0
 
 STILL_S = 0.3
 """Time (s) after which a person at the same place stands still."""
-
-
-class Program(ABC):
-    """What moves robots until it ends or must end, from the request to its end."""
-
-    QUEUE: ClassVar[str]
-    """queue of the jobs of this class"""
-    WAIT_S: ClassVar[float]
-    """longest time (s) that a newer motion waits for the end"""
-
-    def __init__(self, row: int, side: str) -> None:
-        """Store row and side of the outcomes; without a side they are those of both robots."""
-        self.row, self.side = row, side
-        self.ends = False
-        """whether it must end"""
-        self.ending: BeatrixError | None = None
-        """why it must end; None: it may go on, or the user has ended it"""
-        self.over = threading.Event()
-        """set at the end"""
-
-    @abstractmethod
-    def perform(self, report: Report) -> str:
-        """Report the beginning, do the work until the end, and return the message; ends soon after `ends` is set."""
-
-    def end(self, why: BeatrixError | None) -> None:
-        """End it for a reason, unless it must end already; None: the user has ended it. Returns at once."""
-        if not self.ends:
-            self.ending, self.ends = why, True
-
-    def check(self) -> None:
-        """Raise `ending` if there is one."""
-        if self.ending is not None:
-            raise self.ending
-
-    def wait_ended(self) -> None:
-        """Wait for the end, at most WAIT_S."""
-        self.over.wait(self.WAIT_S)
-
-
-class Programs:
-    """Runs the newest program."""
-
-    def __init__(self, jobs: Jobs, report: Report, clear: Callable[[], None]) -> None:
-        """Store the arguments; `clear` ends other motions before a program begins."""
-        self._jobs, self._report, self._clear = jobs, report, clear
-        self._lock = threading.Lock()
-        self.newest: Program | None = None
-        """the newest program, until its end"""
-
-    def begin(self, program: Program) -> None:
-        """Begin a program, which replaces the present one; returns at once."""
-        with self._lock:
-            before, self.newest = self.newest, program
-        if before is not None:
-            before.end(replaced())
-        self._jobs.put(program.QUEUE, lambda: self._run(program, before))
-
-    def end(self, why: BeatrixError) -> None:
-        """End the present program; returns at once."""
-        if (program := self.newest) is not None:
-            program.end(why)
-
-    def wait_ended(self) -> None:
-        """Wait for the end of the present program, at most its WAIT_S."""
-        if (program := self.newest) is not None:
-            program.wait_ended()
-
-    def _run(self, program: Program, before: Program | None) -> None:
-        began_s = time.monotonic()
-        try:
-            if before is not None:
-                before.wait_ended()
-            program.check()
-            self._clear()
-            message = program.perform(self._report)
-            outcome = done(program.row, program.side, message, time.monotonic() - began_s)
-        except BeatrixError as error:
-            outcome = failed(program.row, program.side, error)
-        finally:
-            with self._lock:
-                if self.newest is program:
-                    self.newest = None
-            program.over.set()
-        self._report(outcome)
-
-
-class Playing(Program):
-    """One play."""
-
-    QUEUE, WAIT_S = "play", 1.0
-
-    def __init__(self, action: Play, robots: Twin | Robot) -> None:
-        """Store the arguments."""
-        super().__init__(action.row, "" if isinstance(robots, Twin) else robots.side)
-        self._action, self._robots, self.title = action, robots, action.title
-        self.pose = -1
-        """number of the pose of the window that began last, from 0; -1: none"""
-
-    def perform(self, report: Report) -> str:
-        """Check all of the play, then play it."""
-        from gui.console.link.choreographies import prepared  # noqa: PLC0415  # numpy and the planner would delay the window
-
-        def begun(rounds: int = 0) -> None:
-            told = accepted(self.row, self.side, f"{self.title}: checked.", lasts_s)
-            report(replace(told, rounds=rounds))
-
-        def posed(number: int) -> None:
-            if self._action.poses:
-                self.pose = number
-
-        lasts_s, play = prepared(self._action, self._robots, self.check, begun, posed)
-        self.check()
-        begun()
-        play()
-        return f"{self.title}: played."
 
 
 class Failure(msgspec.Struct, frozen=True):
@@ -193,28 +74,15 @@ class FaceProgram:
 class Following(Program):
     """One run of the program."""
 
-    QUEUE, WAIT_S = "face", 2.0
-
     def __init__(self, action: FollowFace, settings: Settings, face: FaceProgram) -> None:
         """Store the arguments; the program is run for the robot of the settings."""
-        super().__init__(action.row, "")
-        self._sides, self._settings, self._face = action.sides, settings, face
+        super().__init__(action.row, action.sides, BOTH)
+        self._settings, self._face = settings, face
 
-    def perform(self, report: Report) -> str:
+    def run(self, report: Report) -> str:
         """Run the program until its end; raises the reason why it must end, or its failure."""
-        face = self._face
+        face, settings = self._face, self._settings
         face.file, face.line = face.chosen(), ""
-        with walking(self._settings) if self._sides[0] == "sim" else contextlib.nullcontext():
-            try:
-                self._follow(report)
-            except OSError as error:
-                face.line = str(error)
-                raise program_failed() from error
-        self.check()
-        return "Ended."
-
-    def _follow(self, report: Report) -> None:
-        settings = self._settings
         environment = {
             "BEATRIX_ROBOT": settings.robot,
             "BEATRIX_CONNECT": settings.connect,
@@ -223,20 +91,25 @@ class Following(Program):
             "PYTHONIOENCODING": "utf-8",
         }
         children = Supervisor(environment)
-        try:
-            if not self.ends:
-                child = children.start("program", "--program", str(self._face.file), *self._sides)
-                report(accepted(self.row, "", "Started.", 0.0))
-                self._watch(child)
-        finally:
-            children.end()
+        with walking(settings) if self.sides[0] == "sim" else contextlib.nullcontext():
+            try:
+                self.check()
+                child = children.start("program", "--program", str(face.file), *self.sides)
+                report(accepted(self.row, self.side, "Started.", 0.0))
+                while child.code is None and not self.ends:
+                    time.sleep(POLL_S)
+                if not self.ends:
+                    self._read_end(child)
+            except OSError as error:
+                face.line = str(error)
+                raise program_failed() from error
+            finally:
+                children.end_all(time.monotonic() + END_S)
+        self.check()
+        return "Ended."
 
-    def _watch(self, child: Child) -> None:
-        while child.code is None and not self.ends:
-            time.sleep(POLL_S)
-        if self.ends:
-            child.end(END_S)
-            return
+    def _read_end(self, child: Child) -> None:
+        """Store the last line of a program that has ended by itself; raise its failure."""
         lines = [line for line in child.lines() if line.strip()]
         line = self._face.line = lines[-1] if lines else ""
         if child.code:

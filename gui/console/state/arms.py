@@ -162,10 +162,10 @@ def _moved(start: ArmAngles, chosen: tuple[str, ...], by: float, *, relative: bo
 
 
 class HoldArm(Intent, frozen=True):
-    """+ or - of an arm is held; reported again and again until the release."""
+    """+ or - of an arm, or of an axis of the head, is held; reported again and again until the release."""
 
     arm: str
-    """`short`, `middle`, `long` or `all`"""
+    """`short`, `middle`, `long` or `all`; `yaw`, `pitch` or `roll`"""
     sign: int
     """+1 or -1"""
 
@@ -196,7 +196,8 @@ def hold(memory: Memory, world: World, intent: HoldArm) -> list[Action]:
     speed = memory.choices.speed
     if memory.held_row is None:
         query = jog_query(intent.arm, intent.sign, speed, AHEAD_S)
-        memory.held_row = begin(memory, world, query, intent.arm) or REFUSED
+        control = "head" if intent.arm in ROTATIONS else intent.arm
+        memory.held_row = begin(memory, world, query, control) or REFUSED
         memory.open_hold = memory.held_row
     if memory.held_row == REFUSED:
         return []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import (
     arms,
@@ -125,11 +124,6 @@ class State:
         if memory.choices.page is WindowPage.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
             return []  # ignore their keys here, because their controls are on the other page
         return self._handles[type(intent)](memory, world, intent)  # type: ignore[arg-type]  # it is of that class
-
-    def hold(self, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:
-        """Add a motion that the face itself sends to the checked robots; return its row, or None if it is refused."""
-        row = self._memory.held_row = arms.begin(self._memory, world, query, control)
-        return row
 
     def leave(self) -> None:
         """Forget leases and unfinished requests, because the session of this seat was closed."""

@@ -115,7 +115,6 @@ const SHOW = {
     for (const name of ["enable", "calibrate", "home", "disable", "reset", "undo"]) bind(byId(name), commands[name]);
     showRefusal("refusal-commands", commands.refusal);
   },
-  sound: showSound,
   poses: showPoses,
   history: (rows) => byId("history").replaceChildren(...rows.map(historyRow)),
   class: (rows) => {
@@ -180,21 +179,6 @@ function showYou(you) {
   document.body.classList.toggle("idle", !you.drives);
   set(byId("notice"), you.notice);
   byId("notice").hidden = !you.notice;
-}
-
-function showSound({ on, levels }) {
-  byId("listening").checked = on;
-  byId("levels").hidden = !on;
-  if (!on) return;
-  byId("levels").replaceChildren(...levels.map((level) => {
-    const row = make("p", `${level.title}: ${level.text}`);
-    for (const ear of [level.left, level.right]) {
-      const bar = make("meter");
-      bar.value = ear;
-      row.append(bar);
-    }
-    return row;
-  }));
 }
 
 function showPill(pill, index) {
@@ -435,7 +419,6 @@ for (const side of ["sim", "hw"]) {
   byId(side).onchange = (event) => sendChoice(side, event.target.checked);
 }
 byId("looking").onchange = (event) => sendChoice("cameras", event.target.checked);
-byId("listening").onchange = (event) => sendChoice("microphones", event.target.checked);
 byId("class").ontoggle = (event) => send({ do: "class", on: event.target.open });
 addEventListener("keydown", keys, true);
 addEventListener("keyup", keys, true);
@@ -443,7 +426,6 @@ addEventListener("blur", releaseButton);
 addEventListener("pagehide", hide);
 document.addEventListener("visibilitychange", () => {
   if (!document.hidden) return showEyes(view);
-  if (view.sound?.on) sendChoice("microphones", false); // microphones are on only while they are watched
   hide();
 });
 setInterval(beat, BEAT_MS);

@@ -122,7 +122,9 @@ def test_a_recording_can_be_read(linked: Linked, tmp_path: Path) -> None:
 
 def test_the_loss_of_the_recorder_is_reported(linked: Linked) -> None:
     recording(linked)
-    kill(linked.link._recordings._child)
+    processes = linked.link._recordings._processes
+    assert processes is not None
+    kill(processes.children[-1])
     world = linked.until(
         lambda world: world.recording is not None and not world.recording.running, "the loss is reported"
     )

@@ -10,7 +10,7 @@ from beatrix_zenoh.client.degrees import pose_query
 from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.contract._generated.messages import Reason, Steps
 from beatrix_zenoh.contract.errors import Refused
-from gui.console.link import plans
+from gui.console.link import request
 from gui.console.state.actions import Abort, ChooseRobot, Send, SendStop
 from gui.console.state.world import PlanPhase, World
 
@@ -145,7 +145,7 @@ def test_a_motion_whose_preview_stays_obsolete_is_refused_with_the_cause(
     def refuse(*_: object, **__: object) -> None:
         raise Refused(Reason.REPLACED, "bea (sim) has moved since this preview.")
 
-    monkeypatch.setattr(plans, "REST_S", 0.2)
+    monkeypatch.setattr(request, "REST_S", 0.2)
     monkeypatch.setattr(Plan, "commit", refuse)
     linked.do(Send(1, look(4), BOTH))
     end = linked.end_of(1)
