@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from unittest.mock import Mock
 
 import pytest
 from gui_views import posed, ready
@@ -14,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from present import present
 from PyQt5.QtCore import QPoint, Qt
+from PyQt5.QtGui import QImage
 from PyQt5.QtTest import QTest
 from recording_link import RecordingLink
 
@@ -21,6 +23,7 @@ from beatrix_zenoh.body.scene import Screen
 from beatrix_zenoh.client.degrees import HeadAngles
 from gui.console.state.intents import AimHead, Choose, HeadOrientation, Intent, LiveHead, ReleaseHead
 from gui.console.state.state import State
+from gui.window.widgets import head3d
 from gui.window.widgets.head3d import VIEWS, Head3dPanel
 from gui.window.widgets.head3d_drag import (
     EARS,
@@ -144,19 +147,17 @@ def test_live_reports_while_the_mouse_moves_and_only_if_it_was_chosen(
 def test_the_checked_robot_is_solid_and_the_other_one_a_ghost(
     window: Window, panel: Head3dPanel, link: RecordingLink, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn = dict[str, object]()
-    for name in ("paint_robot", "paint_ghost"):
-        place = f"gui.window.widgets.head3d.{name}"
-        monkeypatch.setattr(place, lambda _, head, *__, name=name, **___: drawn.update({name: head}))
+    drawn = {name: Mock(return_value=QImage()) for name in ("robot", "ghost")}
+    for name, draws in drawn.items():
+        monkeypatch.setattr(head3d, name, draws)
     link.known = ready()
     for checked, solid in (("sim",), "sim"), (("hw",), "hw"), (("sim", "hw"), "hw"), ((), "hw"):
         for side in ("sim", "hw"):
             window.handle(Choose(side, value=side in checked))
-        panel.head._pictures.clear()
         panel.grab()
         view = present(panel.head._view)
-        ghost = "hw" if solid == "sim" else "sim"
-        assert drawn == {"paint_robot": view.side(solid), "paint_ghost": view.side(ghost)}
+        assert drawn["robot"].call_args.args[0] == view.side(solid)
+        assert drawn["ghost"].call_args.args[0] == view.side("hw" if solid == "sim" else "sim")
 
 
 def test_the_nose_glows_where_the_yaw_ends(window: Window, panel: Head3dPanel) -> None:
@@ -170,9 +171,8 @@ def test_the_nose_glows_where_the_yaw_ends(window: Window, panel: Head3dPanel) -
 def test_a_gap_in_the_positions_greys_the_head_where_it_was(
     window: Window, panel: Head3dPanel, link: RecordingLink, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn = list[tuple[object, bool]]()
-    place = "gui.window.widgets.head3d.paint_robot"
-    monkeypatch.setattr(place, lambda _, head, *__, grey: drawn.append((head, grey)))
+    robot = Mock(return_value=QImage())
+    monkeypatch.setattr(head3d, "robot", robot)
     link.known = here = ready()
     window.refresh()
     panel.grab()
@@ -181,7 +181,10 @@ def test_a_gap_in_the_positions_greys_the_head_where_it_was(
     link.known = replace(here, sim=sim, hw=hw)
     window.refresh()
     panel.grab()
-    assert drawn == [(shown, False), (shown, True)]
+    assert [(call.args[0], call.kwargs["silent"]) for call in robot.mock_calls] == [
+        (shown, False),
+        (shown, True),
+    ]
     assert target(panel) == aim, "it does not jump to the middle"
     link.known = NOWHERE
     window.refresh()

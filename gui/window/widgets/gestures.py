@@ -86,13 +86,11 @@ class GesturesPanel(Panel):
         self.setAccessibleName(texts("label.gestures"))
         self._all = (*self.buttons.values(), self.follow, self.open)
         grid = spaced(QGridLayout(self), 3, (3, 3, 3, 3))
+        self.reports(*self._all)
         for number, button in enumerate(self._all):
-            button.intent.connect(self.intent)
             grid.addWidget(button, *divmod(number, COLUMNS))
-        rows = grid.rowCount()
-        for row in range(rows):
-            grid.setRowStretch(row, 1)
-        grid.addWidget(self.note, rows, 0, 1, COLUMNS)
+            grid.setRowStretch(number // COLUMNS, 1)
+        grid.addWidget(self.note, grid.rowCount(), 0, 1, COLUMNS)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from PyQt5.QtGui import QResizeEvent
-from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QLabel, QVBoxLayout
+from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QLabel
 
-from gui.console.state.intents import HeadOrientation, Theme
+from gui.console.state.intents import Theme
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import RIGHT, Panel, label, set_text, spaced
+from gui.window.widgets.controls import RIGHT, Panel, in_column, label, set_text, spaced
 from gui.window.widgets.head_pad import HeadPad
 
 AXES = ("yaw", "pitch", "roll")
@@ -26,35 +26,29 @@ class HeadPanel(Panel):
         super().__init__("panel")
         self._texts = texts
         self.pad = HeadPad(texts)
-        self.pad.setProperty("sends", True)  # noqa: FBT003
-        self.numbers: dict[tuple[str, str], QLabel] = {}
-        self._names: dict[str, QLabel] = {}
-        self.pad.intent.connect(self.intent)
-        self._table = self._filled(texts)
-        beside = QVBoxLayout()
-        beside.addStretch(1)
-        beside.addLayout(self._table)
-        self._layout = spaced(QBoxLayout(QBoxLayout.Direction.TopToBottom, self), 4, (6, 6, 6, 6))
-        self._layout.addWidget(self.pad, 1)
-        self._layout.addLayout(beside)
-
-    def _filled(self, texts: Texts) -> QGridLayout:
+        self.numbers = {(name, axis): self._right(role) for name, role in COLUMNS.items() for axis in AXES}
+        self._names = {name: self._right(role) for name, role in COLUMNS.items()}
+        self.reports(self.pad)
         grid = spaced(QGridLayout(), 1)
         grid.setHorizontalSpacing(4)
-        for column, (name, role) in enumerate(COLUMNS.items(), start=1):
-            self._names[name] = label(role=role)
-            self._names[name].setAlignment(RIGHT)
-            grid.addWidget(self._names[name], 0, column)
-            grid.setColumnStretch(column, 1)
-        for row, axis in enumerate(AXES, start=1):
+        for column_number, name in enumerate(COLUMNS, start=1):
+            grid.setColumnStretch(column_number, 1)
+            grid.addWidget(self._names[name], 0, column_number)
+            for line, axis in enumerate(AXES, start=1):
+                grid.addWidget(self.numbers[name, axis], line, column_number)
+        for line, axis in enumerate(AXES, start=1):
             title = label(texts(f"label.{axis}"), "dim")
             title.setToolTip(texts(f"tip.{axis}"))
-            grid.addWidget(title, row, 0)
-            for column, (name, role) in enumerate(COLUMNS.items(), start=1):
-                number = self.numbers[name, axis] = label(role=role)
-                number.setAlignment(RIGHT)
-                grid.addWidget(number, row, column)
-        return grid
+            grid.addWidget(title, line, 0)
+        self._layout = in_column(
+            (self.pad, 1), in_column(None, grid), gap=4, margins=(6, 6, 6, 6), inside=self
+        )
+
+    @staticmethod
+    def _right(role: str) -> QLabel:
+        made = label(role=role)
+        made.setAlignment(RIGHT)
+        return made
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         """Put the numbers below the pad or, in a wide panel, beside it, where only their symbols have room."""
@@ -78,7 +72,8 @@ class HeadPanel(Panel):
         """Show the pad and the numbers."""
         self.pad.show_view(view)
         for (name, axis), number in self.numbers.items():
-            at: HeadOrientation | None = getattr(view, name)
-            unknown = at is None
-            text = self._texts("unknown") if unknown else self._texts("angle", degrees=getattr(at, axis))
-            set_text(number, text)
+            at = view.target if name == "target" else view.side(name)
+            known = at is not None
+            set_text(
+                number, self._texts("angle", degrees=getattr(at, axis)) if known else self._texts("unknown")
+            )

@@ -3,34 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
 from PyQt5.QtCore import QPoint, QPointF, QSize, Qt, QTimer, pyqtSignal
-from PyQt5.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
-from PyQt5.QtWidgets import QHBoxLayout, QVBoxLayout
+from PyQt5.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
 
 from beatrix_zenoh.body.scene import Screen, Viewpoint
-from gui.console.state.intents import (
-    GrabHead,
-    HeadOrientation,
-    LiveHead,
-    ReleaseHead,
-    Theme,
-)
+from gui.console.state.intents import GrabHead, HeadOrientation, LiveHead, ReleaseHead, Theme
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, filled, plain_button, spaced
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, in_column, in_row, plain_button
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
-from gui.window.widgets.head3d_paint import (
-    GHOST,
-    Marks,
-    apart,
-    paint_ghost,
-    paint_marks,
-    paint_robot,
-)
+from gui.window.widgets.head3d_paint import GHOST, Marks, apart, draw_lines, ghost, robot
 from gui.window.widgets.head_pad import TargetWidget
 
 VIEWS: Final = {"front": Viewpoint(0.0), "behind": Viewpoint(180.0), "side": Viewpoint(90.0)}
@@ -62,7 +47,6 @@ class Head3d(TargetWidget):
         self._orbit: QPointF | None = None
         self._over: Part | None = None
         self._covered = 0, 0
-        self._pictures: dict[str, tuple[object, QImage]] = {}
         self._live = QTimer(self)
         self._live.setInterval(LIVE_MS)
         self._live.timeout.connect(lambda: self.intent.emit(LiveHead()))
@@ -85,11 +69,6 @@ class Head3d(TargetWidget):
         if (left, right) != self._covered and self._drag is None:  # not from under the mouse
             self._covered = left, right
             self.update()
-
-    def show_theme(self, theme: Theme) -> None:
-        """Use the colours of a theme."""
-        self._pictures.clear()
-        super().show_theme(theme)
 
     def look_from(self, camera: Viewpoint) -> None:
         """Show the head from elsewhere."""
@@ -173,55 +152,34 @@ class Head3d(TargetWidget):
     # Drawing
 
     def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
-        painter = QPainter(self)
+        painter, view = QPainter(self), self._view
         try:
-            view = self._view
             painter.fillRect(self.rect(), QColor(self._style.field))
             if view is None:
                 return
             self._paint_robots(painter, view)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             part = self._over if self._drag is None else self._drag.part
-            marks = Marks(view, self.screen3d, self._style, part, dragged=self._drag is not None)
-            paint_marks(painter, marks, self._texts, focused=self.hasFocus())
+            marks = Marks(painter, view, self.screen3d, self._style, self._texts, part)
+            marks.paint(dragged=self._drag is not None)
+            if self.hasFocus():
+                draw_lines(painter, self._style.accent, 2)
+                painter.drawRect(self.rect().adjusted(1, 1, -1, -1))
         finally:
             painter.end()  # Qt aborts if a painter stays active after an error
 
     def _paint_robots(self, painter: QPainter, view: HeadView) -> None:
-        """Draw one robot solid, and the other one as a translucent ghost; each picture is kept while its robot rests."""
-        screen, style = self.screen3d, self._style
+        """Draw one robot solid, and the other one, if it is elsewhere, as a translucent ghost."""
+        screen, ratio, style = self.screen3d, self.devicePixelRatioF(), self._style
         other = "hw" if view.solid == "sim" else "sim"
-        ghost, grey = view.side(other), view.silent
-        solid = self._picture(
-            "grey" if grey else "solid",
-            view.shown,
-            lambda painter: paint_robot(painter, view.shown, screen, style, grey=grey),
-        )
-        painter.drawImage(QPoint(0, 0), solid)
-        if ghost is not None and apart(ghost, view.shown):
-            tint = style.side(other)
-            image = self._picture(other, ghost, lambda painter: paint_ghost(painter, ghost, screen, tint))
+        beside = view.side(other)
+        if view.shown is not None:
+            solid = robot(view.shown, screen, ratio, style, silent=view.silent)
+            painter.drawImage(QPoint(0, 0), solid)
+        if beside is not None and apart(beside, view.shown):
             painter.setOpacity(GHOST)
-            painter.drawImage(QPoint(0, 0), image)
+            painter.drawImage(QPoint(0, 0), ghost(beside, screen, ratio, style.side(other)))
             painter.setOpacity(1.0)
-
-    def _picture(self, name: str, head: HeadOrientation | None, paint: Callable[[QPainter], None]) -> QImage:
-        ratio = self.devicePixelRatioF()
-        key = (head and head.tenths, self.screen3d, ratio)
-        known = self._pictures.get(name)
-        if known is not None and known[0] == key:
-            return known[1]
-        image = QImage(self.size() * ratio, QImage.Format.Format_ARGB32_Premultiplied)
-        image.setDevicePixelRatio(ratio)
-        image.fill(Qt.GlobalColor.transparent)
-        painter = QPainter(image)
-        try:
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            paint(painter)
-        finally:
-            painter.end()
-        self._pictures[name] = key, image
-        return image
 
 
 class Head3dPanel(Panel):
@@ -230,17 +188,15 @@ class Head3dPanel(Panel):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self.head = Head3d(texts)
-        self.head.setProperty("sends", True)  # noqa: FBT003
         self.views = {name: plain_button(texts(f"view.{name}"), texts("tip.view")) for name in VIEWS}
         self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
         for name, button in self.views.items():
             button.setCheckable(True)
             button.clicked.connect(lambda _, name=name: self._look(name))
-        filled(QVBoxLayout(self.head), None, filled(QHBoxLayout(), None, *self.views.values()))
-        row = filled(spaced(QHBoxLayout(), None, (6, 0, 6, 4)), self.live, self.send, None)
-        filled(spaced(QVBoxLayout(self), 4, NO_MARGINS), (self.head, 1), row)
-        for part in (self.live, self.send, self.head):
-            part.intent.connect(self.intent)
+        in_column(None, in_row(None, *self.views.values()), inside=self.head)
+        below = in_row(self.live, self.send, None, margins=(6, 0, 6, 4))
+        in_column((self.head, 1), below, gap=4, margins=NO_MARGINS, inside=self)
+        self.reports(self.live, self.send, self.head)
         self.head.moved.connect(self._show_camera)
         self._show_camera()
 

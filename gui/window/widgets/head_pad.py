@@ -3,29 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from PyQt5.QtCore import QPointF, QRectF, QSize, Qt, pyqtSignal
-from PyQt5.QtGui import (
-    QBrush,
-    QColor,
-    QFont,
-    QFontMetricsF,
-    QKeyEvent,
-    QMouseEvent,
-    QPainter,
-    QPaintEvent,
-    QPen,
-    QPolygonF,
-)
+from PyQt5.QtGui import QBrush, QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPolygonF
 from PyQt5.QtWidgets import QSizePolicy, QWidget
 
 from gui.console.state.intents import AimHead, HeadOrientation, Theme
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
+from gui.window.widgets.controls import named
 from gui.window.widgets.head3d_drag import BEYOND
+from gui.window.widgets.head3d_paint import draw_lines
 
 LEAST_WIDTH, LEAST_HEIGHT = 140, 72
 RING = 0.13
@@ -42,15 +33,17 @@ KEYS = {
 COARSE_DEG = 5.0
 """The step with Shift."""
 LINE_PX = 14
+UP, DOWN = Qt.AlignmentFlag.AlignTop, Qt.AlignmentFlag.AlignBottom
+LEFT, RIGHT, MIDDLE = Qt.AlignmentFlag.AlignLeft, Qt.AlignmentFlag.AlignRight, Qt.AlignmentFlag.AlignHCenter
 CAPTIONS = {
-    "up": (0.5, 0.0),
-    "down": (0.5, 1.0),
-    "yaw_left": (0.0, 0.0),
-    "yaw_right": (1.0, 0.0),
-    "left": (0.0, 1.0),
-    "right": (1.0, 1.0),
+    "up": UP | MIDDLE,
+    "down": DOWN | MIDDLE,
+    "yaw_left": UP | LEFT,
+    "yaw_right": UP | RIGHT,
+    "left": DOWN | LEFT,
+    "right": DOWN | RIGHT,
 }
-"""Place of each caption: its share of the way from the left to the right edge, and from the upper to the lower."""
+"""Place of each caption."""
 
 
 class TargetWidget(QWidget):
@@ -64,9 +57,8 @@ class TargetWidget(QWidget):
         self._style: Style = style_of(Theme.DARK)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setToolTip(tip)
-        self.setAccessibleName(name)
-        self.setAccessibleDescription(tip)
+        self.setProperty("sends", True)  # noqa: FBT003
+        named(self, name, tip).setAccessibleDescription(tip)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
@@ -75,20 +67,32 @@ class TargetWidget(QWidget):
         self.update()
 
     def show_view(self, view: HeadView) -> None:
-        """Show target and robots; draw again only if the picture would change."""
-        old, self._view = self._view, view
-        if old is None or _drawn(old) != _drawn(view):
+        """Show target and robots to a tenth of a degree, less than a pixel; draw again only if that changes."""
+        shown = replace(
+            view,
+            target=HeadOrientation(*view.target.tenths),
+            sim=view.sim and HeadOrientation(*view.sim.tenths),
+            hw=view.hw and HeadOrientation(*view.hw.tenths),
+            shown=view.shown and HeadOrientation(*view.shown.tenths),
+        )
+        if shown != self._view:
+            self._view = shown
             self.update()
 
     def _report(self, target: HeadOrientation) -> None:
         self.intent.emit(AimHead(*target.tenths))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
-        target = None if self._view is None else after_key(event, self._view)
-        if target is None:
+        """Move the target, turned within the limit of yaw; other keys are Qt's."""
+        step, view = KEYS.get(Qt.Key(event.key())), self._view
+        if step is None or view is None:
             super().keyPressEvent(event)
-        else:
-            self._report(target)
+            return
+        size = COARSE_DEG if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1.0
+        yaw, pitch, roll = (part * size for part in step)
+        target, limit = view.target, view.yaw_max
+        turned = max(-limit, min(limit, target.yaw + yaw))
+        self._report(HeadOrientation(turned, target.pitch + pitch, target.roll + roll))
 
 
 class HeadPad(TargetWidget):
@@ -118,11 +122,6 @@ class HeadPad(TargetWidget):
     def _mark(self) -> float:
         """Half the width of the mark of the hardware (px); the others are larger."""
         return max(3.0, self._disc * 0.075)
-
-    @property
-    def _reach(self) -> float:
-        """Distance (px) from the middle to the outside of a mark on the ring, where no caption may be."""
-        return self._outer * (1 - RING / 2) + 2 * self._mark + 1
 
     @property
     def _line(self) -> float:
@@ -198,112 +197,74 @@ class HeadPad(TargetWidget):
             self._paint_ground(painter)
             self._paint_captions(painter)
             if self._view is not None:
-                self._paint_path(painter, self._view)
                 self._paint_heads(painter, self._view)
         finally:
             painter.end()  # Qt aborts if a painter stays active after an error
 
     def _paint_ground(self, painter: QPainter) -> None:
         centre, colours = self._centre, self._style
-        painter.setPen(QPen(QColor(colours.accent if self.hasFocus() else colours.line), 2))
+        draw_lines(painter, colours.accent if self.hasFocus() else colours.line, 2)
         painter.setBrush(QColor(colours.raised))
         painter.drawEllipse(centre, self._outer, self._outer)
         painter.setPen(Qt.PenStyle.NoPen)
-        for brush in (
-            QBrush(QColor(colours.ground)),
-            QBrush(QColor(colours.edge), Qt.BrushStyle.BDiagPattern),
+        for colour, pattern in (
+            (colours.ground, Qt.BrushStyle.SolidPattern),
+            (colours.edge, Qt.BrushStyle.BDiagPattern),
         ):
-            painter.setBrush(brush)  # hatched: beyond the limit
+            painter.setBrush(QBrush(QColor(colour), pattern))  # hatched: beyond the limit
             painter.drawEllipse(centre, self._disc, self._disc)
         limit = self._disc / BEYOND
-        painter.setPen(QPen(QColor(colours.edge), 2))
+        draw_lines(painter, colours.edge, 2)
         painter.setBrush(QColor(colours.field))
         painter.drawPolygon(self.border)
-        painter.setPen(QPen(QColor(colours.line), 1))
+        draw_lines(painter, colours.line, 1)
         for share in (1 / 3, 2 / 3):
             painter.drawEllipse(centre, limit * share, limit * share)
         for way in (QPointF(limit, 0), QPointF(0, limit)):
             painter.drawLine(centre - way, centre + way)
-        painter.setPen(QPen(QColor(colours.edge), 1.5))
+        draw_lines(painter, colours.edge, 1.5)
         for yaw in range(-150, 181, 30):
-            outer = self.yaw_point(yaw) - centre
-            inner = outer * ((1 - RING * 0.75) / (1 - RING / 2))
-            outer *= (1 - RING * 0.25) / (1 - RING / 2)
-            painter.drawLine(centre + inner, centre + outer)
+            mark = self.yaw_point(yaw) - centre
+            painter.drawLine(centre + mark * 0.965, centre + mark * 1.035)
 
     def _paint_captions(self, painter: QPainter) -> None:
-        """Name the directions in words, because signs alone are ambiguous."""
-        painter.setFont(self._caption_font())
+        """Name the directions in words, because signs alone are ambiguous: in a corner only where it is free."""
+        font, whole = self.font(), QRectF(self.rect())
+        font.setPixelSize(self._style.px(LINE_PX - 3))
+        painter.setFont(font)
         painter.setPen(QColor(self._style.dim))
-        for name, place in self._caption_places().items():
-            painter.drawText(place, int(Qt.AlignmentFlag.AlignCenter), self._captions[name])
-
-    def _caption_places(self) -> dict[str, QRectF]:
-        """Return the places of the captions: in the corners beside the ring as far as there is room, and on the disc."""
-        whole, high = QRectF(self.rect()), 2 * self._line
-        places = {}
-        for name, (across, down) in CAPTIONS.items():
-            wide = self._wide(name)
-            left, top = (whole.width() - wide) * across, (whole.height() - high) * down
-            place = QRectF(left, top, wide, high)
-            if across == 0.5 or self._is_beside_ring(place):
-                places[name] = place
-        return places
+        for name, alignment in CAPTIONS.items():
+            place = painter.boundingRect(whole, int(alignment), self._captions[name])
+            if alignment & MIDDLE or self._is_beside_ring(place):
+                painter.drawText(place, int(Qt.AlignmentFlag.AlignCenter), self._captions[name])
 
     def _is_beside_ring(self, place: QRectF) -> bool:
         """Return whether the corner of a place that is nearest to the middle is outside of the ring and its marks."""
         off = place.translated(-self._centre)
         corner = min(abs(off.left()), abs(off.right())), min(abs(off.top()), abs(off.bottom()))
-        return math.hypot(*corner) >= self._reach
-
-    def _wide(self, name: str) -> float:
-        """Return the width of a caption (px)."""
-        metrics = QFontMetricsF(self._caption_font())
-        return max(metrics.horizontalAdvance(line) for line in self._captions[name].split("\n")) + 2
-
-    def _caption_font(self) -> QFont:
-        font = self.font()
-        font.setPixelSize(self._style.px(LINE_PX - 3))
-        return font
-
-    def _paint_path(self, painter: QPainter, view: HeadView) -> None:
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(QColor(self._style.dim))
-        for at in view.path:
-            painter.drawEllipse(self.tilt_point(at, view.tilt_max), 1.8, 1.8)
-            painter.drawEllipse(self.yaw_point(at.yaw), 1.8, 1.8)
+        return math.hypot(*corner) >= self._outer * (1 - RING / 2) + 2 * self._mark
 
     def _paint_heads(self, painter: QPainter, view: HeadView) -> None:
-        size = self._mark
-        if view.hw is not None:  # a solid square
-            painter.setPen(QPen(QColor(self._style.field), 1))
-            painter.setBrush(QColor(self._style.hw))
-            for point in (self.tilt_point(view.hw, view.tilt_max), self.yaw_point(view.hw.yaw)):
-                painter.drawRect(QRectF(point.x() - size, point.y() - size, 2 * size, 2 * size))
-        if view.sim is not None:  # a thin cross
-            painter.setPen(QPen(QColor(self._style.sim), 2))
-            for point in (self.tilt_point(view.sim, view.tilt_max), self.yaw_point(view.sim.yaw)):
-                painter.drawLine(point - QPointF(size * 1.5, 0), point + QPointF(size * 1.5, 0))
-                painter.drawLine(point - QPointF(0, size * 1.5), point + QPointF(0, size * 1.5))
-        painter.setPen(QPen(QColor(self._style.text), 2.5))  # a hollow circle
-        painter.setBrush(Qt.BrushStyle.NoBrush)
-        for point in (self.tilt_point(view.target, view.tilt_max), self.yaw_point(view.target.yaw)):
+        """Draw the previewed path, the hardware, the simulation and the target, each on the disc and on the ring."""
+        size, colours = self._mark, self._style
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(colours.dim))
+        for point in self._points(view, *view.path):
+            painter.drawEllipse(point, 1.8, 1.8)
+        painter.setBrush(QColor(colours.hw))
+        for point in self._points(view, view.hw):
+            painter.drawRect(QRectF(point.x() - size, point.y() - size, 2 * size, 2 * size))
+        draw_lines(painter, colours.sim, 2)
+        for point in self._points(view, view.sim):
+            for way in (QPointF(size * 1.5, 0), QPointF(0, size * 1.5)):
+                painter.drawLine(point - way, point + way)
+        draw_lines(painter, colours.text, 2.5)
+        for point in self._points(view, view.target):
             painter.drawEllipse(point, size * 2, size * 2)
 
-
-def after_key(event: QKeyEvent, view: HeadView) -> HeadOrientation | None:
-    """Return the target that a key chooses, turned within the limit of yaw; None for other keys."""
-    step = KEYS.get(Qt.Key(event.key()))
-    if step is None:
-        return None
-    size = COARSE_DEG if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1.0
-    yaw, pitch, roll = (part * size for part in step)
-    target, limit = view.target, view.yaw_max
-    turned = max(-limit, min(limit, target.yaw + yaw))
-    return HeadOrientation(turned, target.pitch + pitch, target.roll + roll)
-
-
-def _drawn(view: HeadView) -> tuple[object, ...]:
-    """Return the drawn part of a view, to a tenth of a degree."""
-    heads = tuple(at and at.tenths for at in (view.target, view.sim, view.hw, view.shown))
-    return heads, view.solid, view.silent, view.path, view.tilt_max, view.yaw_max, view.drag
+    def _points(self, view: HeadView, *heads: HeadOrientation | None) -> Iterator[QPointF]:
+        """Yield the points of heads on the disc and on the ring."""
+        for at in heads:
+            if at is not None:
+                yield self.tilt_point(at, view.tilt_max)
+                yield self.yaw_point(at.yaw)

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import math
-
-from PyQt5.QtCore import QPoint, QPointF, QRect, QRectF, QSignalBlocker, QSize, Qt, pyqtSignal
-from PyQt5.QtGui import QColor, QIcon, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPixmap, QPolygonF
+from PyQt5.QtCore import QPoint, QRect, QSignalBlocker, QSize, Qt, pyqtSignal
+from PyQt5.QtGui import QColor, QIcon, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPixmap
 from PyQt5.QtWidgets import QApplication, QListWidget, QListWidgetItem
 
 from gui.console.state.intents import HeadOrientation, Theme
 from gui.console.state.views import CardView
-from gui.window.theme import Style, style_of
+from gui.window.theme import style_of
+from gui.window.widgets.head3d_paint import portrait
 
 WIDTH_PX, HEIGHT_PX, PICTURE_PX = 70, 92, 48
 """Size of a card, and side of its picture, at scale 1."""
-FACE = 0.42
-"""Radius of a head, as a share of the side of its picture."""
 
 
 class Strip(QListWidget):
@@ -74,15 +71,10 @@ class Strip(QListWidget):
             self.addItem(item)
 
     def _icon(self, card: CardView) -> QIcon:
-        side, ratio = self._style.px(PICTURE_PX), self.devicePixelRatioF()
-        picture = QPixmap(round(side * ratio), round(side * ratio))
-        picture.setDevicePixelRatio(ratio)
-        picture.fill(Qt.GlobalColor.transparent)
-        if card.head is not None:
-            painter = QPainter(picture)
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            paint_head(painter, QRectF(0, 0, side, side), card.head, self._style)
-            painter.end()
+        if card.head is None:
+            return QIcon()
+        head = HeadOrientation(*card.head.tenths)
+        picture = QPixmap.fromImage(portrait(head, self._style.px(PICTURE_PX), self.devicePixelRatioF()))
         icon = QIcon(picture)
         icon.addPixmap(picture, QIcon.Mode.Selected)  # Qt would tint it
         return icon
@@ -149,36 +141,3 @@ class Strip(QListWidget):
             x = self.card(before).left() if before < len(self.cards) else self.card(before - 1).right()
             painter.setPen(QPen(QColor(self._style.accent), 3))
             painter.drawLine(x, 2, x, self.height() - 2)
-
-
-def paint_head(painter: QPainter, place: QRectF, head: HeadOrientation, colours: Style) -> None:
-    """Draw a small head as the pad shows it: left is left, and the nose points where the head looks."""
-    radius = FACE * min(place.width(), place.height())
-    yaw, pitch = math.radians(head.yaw), math.radians(head.pitch)
-    painter.save()
-    painter.translate(place.center())
-    painter.rotate(head.roll)
-    painter.setPen(QPen(QColor(colours.edge), 1.5))
-    painter.setBrush(QColor(colours.panel))
-    for side in (-1, 1):
-        x = side * radius * math.cos(yaw)
-        painter.drawEllipse(QPointF(x, 0), radius * 0.16, radius * 0.24)
-    painter.drawEllipse(QPointF(0, 0), radius * 0.92, radius)
-
-    def on_face(left: float, up: float) -> QPointF | None:
-        """Return the place of a point of the face (deg from its middle); None behind the head."""
-        turned, raised = yaw + math.radians(left), math.radians(up) - pitch
-        if math.cos(turned) * math.cos(raised) < 0:
-            return None
-        return QPointF(-radius * 0.92 * math.sin(turned) * math.cos(raised), -radius * math.sin(raised))
-
-    painter.setPen(Qt.PenStyle.NoPen)
-    painter.setBrush(QColor(colours.text))
-    for left in (28.0, -28.0):
-        if (eye := on_face(left, 18.0)) is not None:
-            painter.drawEllipse(eye, radius * 0.15, radius * 0.15)
-    nose, tips = on_face(0.0, -12.0), (on_face(9.0, -18.0), on_face(-9.0, -18.0), on_face(0.0, 4.0))
-    if nose is not None and None not in tips:
-        painter.setBrush(QColor(colours.accent))
-        painter.drawPolygon(QPolygonF([tip for tip in tips if tip is not None]))
-    painter.restore()
